@@ -1,0 +1,49 @@
+//! Triangle meshes: where bodies get their shape. Each kind is one file; [`MeshKind`] lists them all.
+//! Whatever a kind makes passes through [`Mesh::new`], which repairs winding and refuses everything else that is wrong.
+
+mod gingerbread;
+mod mesh;
+
+pub use gingerbread::Gingerbread;
+pub use mesh::{Mesh, MeshError};
+
+use crate::{quantity::Quantity, registry::registry};
+
+registry! {
+    /// Where a body's triangles come from.
+    pub enum MeshKind: dyn MeshSource {
+        Gingerbread(Gingerbread),
+    }
+}
+
+/// A recipe for a mesh.
+pub trait MeshSource {
+    /// Makes the mesh; the same recipe always gives the same bits.
+    ///
+    /// # Errors
+    /// [`MeshError`] says what is wrong with the recipe or the file it names.
+    fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError>;
+
+    /// The numbers a panel may change.
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        Vec::new()
+    }
+}
+
+/// How a recipe reads the files it names, so that a browser or a test can serve them from memory.
+pub trait Files {
+    /// The text of a file, by the path written in the level.
+    ///
+    /// # Errors
+    /// A sentence that says why there is none.
+    fn read(&self, path: &str) -> Result<String, String>;
+}
+
+/// No files at all.
+pub struct NoFiles;
+
+impl Files for NoFiles {
+    fn read(&self, path: &str) -> Result<String, String> {
+        Err(format!("{path}: files cannot be read here"))
+    }
+}

@@ -1,0 +1,215 @@
+//! Physical quantities that cannot hold a bad value: each type knows its name, unit, allowed range and how a slider
+//! should show it. Level files and panels share these types, so neither can let a bad number in.
+
+use std::ops::Bound;
+
+/// What there is to say about a quantity, for error messages and sliders.
+#[derive(Debug, PartialEq)]
+pub struct Spec {
+    /// Name in words, such as `Young's modulus`.
+    pub name: &'static str,
+    /// Unit symbol, such as `Pa`; empty for pure numbers.
+    pub unit: &'static str,
+    /// Smallest allowed value.
+    pub lower: Bound<f64>,
+    /// Largest allowed value.
+    pub upper: Bound<f64>,
+    /// Range a slider covers; values outside it but inside the bounds can still be typed.
+    pub slider: (f64, f64),
+    /// Whether a slider should be logarithmic.
+    pub logarithmic: bool,
+    /// One sentence with the formula, for tooltips.
+    pub help: &'static str,
+}
+
+impl Spec {
+    /// Whether the value is a number inside the bounds.
+    pub const fn allows(&self, value: f64) -> bool {
+        let above = match self.lower {
+            Bound::Included(limit) => value >= limit,
+            Bound::Excluded(limit) => value > limit,
+            Bound::Unbounded => value > f64::NEG_INFINITY,
+        };
+        let below = match self.upper {
+            Bound::Included(limit) => value <= limit,
+            Bound::Excluded(limit) => value < limit,
+            Bound::Unbounded => value < f64::INFINITY,
+        };
+        above && below
+    }
+
+    /// The bounds as an interval with its unit, such as `(0, 1e15] Pa`.
+    pub fn range(&self) -> String {
+        let lower = match self.lower {
+            Bound::Included(limit) => format!("[{}", Short(limit)),
+            Bound::Excluded(limit) => format!("({}", Short(limit)),
+            Bound::Unbounded => "(-inf".to_owned(),
+        };
+        let upper = match self.upper {
+            Bound::Included(limit) => format!("{}]", Short(limit)),
+            Bound::Excluded(limit) => format!("{})", Short(limit)),
+            Bound::Unbounded => "inf)".to_owned(),
+        };
+        format!("{lower}, {upper} {}", self.unit).trim_end().to_owned()
+    }
+}
+
+/// A number without a tail of zeros: `1e15`, `0.5`.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let size = self.0.abs();
+        if size != 0.0 && !(1e-3..1e5).contains(&size) { write!(out, "{:e}", self.0) } else { write!(out, "{}", self.0) }
+    }
+}
+
+/// A value was outside the range of its quantity, or not a number.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{name} must be in {range}, got {value}")]
+pub struct OutOfRange {
+    name: &'static str,
+    range: String,
+    value: f64,
+}
+
+/// A validated number, seen without its type: what a slider needs.
+pub trait Quantity {
+    /// Name, unit and range.
+    fn spec(&self) -> &'static Spec;
+    /// The value, in the unit of the spec.
+    fn get(&self) -> f64;
+    /// Replaces the value.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] if the value is not allowed; the old one is kept.
+    fn set(&mut self, value: f64) -> Result<(), OutOfRange>;
+}
+
+macro_rules! quantities {
+    ($($(#[doc = $help:literal])+ $Name:ident: $words:literal [$unit:literal] in $lower:expr, $upper:expr;
+        slider $from:literal to $to:literal, $scale:ident;)+) => {$(
+        $(#[doc = $help])+
+        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, serde::Serialize, serde::Deserialize)]
+        #[serde(try_from = "f64", into = "f64")]
+        pub struct $Name(f64);
+
+        impl $Name {
+            /// Name, unit and range.
+            pub const SPEC: Spec = Spec {
+                name: $words,
+                unit: $unit,
+                lower: $lower,
+                upper: $upper,
+                slider: ($from, $to),
+                logarithmic: quantities!(@$scale),
+                help: concat!($($help),+),
+            };
+
+            /// A checked value, in the unit of [`Self::SPEC`].
+            ///
+            /// # Errors
+            /// [`OutOfRange`] if the value is not in the allowed range, or not a number.
+            pub fn new(value: f64) -> Result<Self, OutOfRange> {
+                if Self::SPEC.allows(value) {
+                    Ok(Self(value))
+                } else {
+                    Err(OutOfRange { name: Self::SPEC.name, range: Self::SPEC.range(), value })
+                }
+            }
+
+            /// The value, in the unit of [`Self::SPEC`].
+            pub const fn get(self) -> f64 {
+                self.0
+            }
+
+            /// A value known when the program is compiled: one out of range does not compile in a constant.
+            pub(crate) const fn literal(value: f64) -> Self {
+                assert!(Self::SPEC.allows(value), "out of range");
+                Self(value)
+            }
+        }
+
+        impl TryFrom<f64> for $Name {
+            type Error = OutOfRange;
+            fn try_from(value: f64) -> Result<Self, OutOfRange> {
+                Self::new(value)
+            }
+        }
+
+        impl From<$Name> for f64 {
+            fn from(value: $Name) -> f64 {
+                value.0
+            }
+        }
+
+        impl Quantity for $Name {
+            fn spec(&self) -> &'static Spec {
+                const { &Self::SPEC }
+            }
+            fn get(&self) -> f64 {
+                self.0
+            }
+            fn set(&mut self, value: f64) -> Result<(), OutOfRange> {
+                *self = Self::new(value)?;
+                Ok(())
+            }
+        }
+    )+};
+    (@logarithmic) => { true };
+    (@linear) => { false };
+}
+
+use Bound::{Excluded, Included, Unbounded};
+
+quantities! {
+    /// E: axial stress over axial strain of a thin bar, at small strain.
+    Young: "Young's modulus" ["Pa"] in Excluded(0.0), Included(1e15); slider 1.0 to 1e6, logarithmic;
+    /// nu: how much a bar narrows when it is pulled, as a share of how much it lengthens. Plane strain allows (-1, 0.5), plane stress (-1, 0.5].
+    Poisson: "Poisson's ratio" [""] in Excluded(-1.0), Included(0.5); slider 0.0 to 0.49, linear;
+    /// rho: mass per area of the sheet, whose thickness is 1 m.
+    Density: "density" ["kg/m³"] in Excluded(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
+    /// Mass of the whole body, spread equally over its vertices.
+    Mass: "total mass" ["kg"] in Excluded(0.0), Included(1e12); slider 0.1 to 1e3, logarithmic;
+    /// A point's distance from the origin along one axis.
+    Coordinate: "coordinate" ["m"] in Unbounded, Unbounded; slider 0.0 to 1.0, linear;
+    /// A length, such as a side or a radius.
+    Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
+    /// A factor that multiplies lengths.
+    Factor: "factor" [""] in Excluded(0.0), Included(1e9); slider 0.5 to 2.0, logarithmic;
+    /// An angle, counter-clockwise.
+    Angle: "angle" ["°"] in Included(-3600.0), Included(3600.0); slider -180.0 to 180.0, linear;
+    /// Rate of change of a coordinate.
+    Velocity: "velocity" ["m/s"] in Included(-1e9), Included(1e9); slider -10.0 to 10.0, linear;
+    /// Rate of turning, counter-clockwise.
+    Spin: "spin" ["rad/s"] in Included(-1e9), Included(1e9); slider -20.0 to 20.0, linear;
+    /// g: every free particle is accelerated by this much, whatever its mass.
+    Gravity: "gravity" ["m/s²"] in Included(-1e6), Included(1e6); slider 0.0 to 20.0, linear;
+    /// alpha: the force -alpha m v on every vertex; a free body loses its speed as exp(-alpha t).
+    DampingRate: "mass damping" ["1/s"] in Included(0.0), Included(1e6); slider 0.0 to 20.0, linear;
+    /// beta: a viscous stress beta C : dE/dt beside the elastic one; a rigid motion feels none of it.
+    DampingTime: "stiffness damping" ["s"] in Included(0.0), Included(1e3); slider 0.0 to 0.01, linear;
+    /// k: force over distance.
+    Spring: "spring stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
+    /// eps: how near a wall a vertex feels it.
+    Reach: "contact reach" ["m"] in Included(0.0), Included(1e6); slider 0.0 to 0.05, linear;
+}
+
+/// A point or a vector of the plane, finite, written `(x, y)` in level files.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Point(pub Coordinate, pub Coordinate);
+
+impl Point {
+    /// The two coordinates [m].
+    pub const fn get(self) -> [f64; 2] {
+        [self.0.get(), self.1.get()]
+    }
+
+    /// A checked point.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] if a coordinate is not finite.
+    pub fn new([x, y]: [f64; 2]) -> Result<Self, OutOfRange> {
+        Ok(Self(Coordinate::new(x)?, Coordinate::new(y)?))
+    }
+}

@@ -1,0 +1,85 @@
+//! Everything a person can do to a running sandbox, as data. Nothing else changes it, so a list of commands is a
+//! replay, a bug report and what undo works on.
+
+use crate::{
+    level::{EffectLevel, Level, MassLevel, RunMode, Substeps},
+    materials::{MaterialParameters, Model},
+};
+
+/// What the sandbox is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Nothing moves; clicks pin and unpin.
+    #[default]
+    Edit,
+    /// Time runs, without the effects that only collide mode has.
+    Simulate,
+    /// Time runs, with gravity, walls and whatever else the level keeps for this mode.
+    Collide,
+}
+
+impl From<RunMode> for Mode {
+    fn from(mode: RunMode) -> Self {
+        match mode {
+            RunMode::Simulate => Self::Simulate,
+            RunMode::Collide => Self::Collide,
+        }
+    }
+}
+
+/// The shape a test level starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pose {
+    /// As stretched as the level's test says.
+    Stretched,
+    /// As compressed as the level's test says.
+    Compressed,
+}
+
+/// One thing to do. Commands that change the document (the level) can be undone.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Goes to a mode; positions and velocities stay.
+    SetMode(Mode),
+    /// Pauses, or lets time run. In edit mode running goes to the level's own mode.
+    SetRunning(bool),
+    /// Takes one step, paused.
+    StepOnce,
+    /// Puts positions and velocities back to the start.
+    Reset,
+    /// Begins to pull a vertex (by its number in the scene) towards a point [m].
+    Grab(usize, [f64; 2]),
+    /// Moves the point that the grabbed vertex is pulled to [m].
+    Pull([f64; 2]),
+    /// Lets go.
+    Release,
+
+    /// Replaces the whole document and starts it, in edit mode. The old one can be had back with undo.
+    Open(Box<Level>),
+    /// Every body follows this model; positions and velocities go back to the start.
+    SetModel(Model),
+    /// What a body (by number) is made of.
+    SetMaterial(usize, MaterialParameters),
+    /// How heavy a body (by number) is.
+    SetMass(usize, MassLevel),
+    /// Steps per 1/60 s.
+    SetSubsteps(Substeps),
+    /// Replaces an effect of the level's list (by number), with its switch.
+    SetEffect(usize, EffectLevel),
+    /// Switches every damping effect on, or all off; adds one if the level has none.
+    SetDamping(bool),
+    /// Pins a vertex (by its number in the scene), or frees it.
+    TogglePin(usize),
+    /// Frees all vertices.
+    ClearPins,
+    /// Sets the start of a test level and begins there.
+    SetPose(Pose),
+    /// Shows one body for each constitutive model, side by side, in a test level; or a single one again.
+    SetSideBySide(bool),
+    /// Ends a gesture: the next change of the same slider is undone on its own.
+    EndGesture,
+    /// Takes the last change of the document back.
+    Undo,
+    /// Makes it again.
+    Redo,
+}

@@ -1,0 +1,134 @@
+//! Everything that acts on bodies beside their own elasticity. Each effect is one file with two types: its parameters,
+//! which a level lists, and what is built from them to take part in a step. [`EffectKind`] lists them all.
+
+mod boundary;
+mod gravity;
+mod mouse_spring;
+mod obstacles;
+mod rayleigh;
+mod walls;
+
+pub use boundary::Boundary;
+pub use gravity::Gravity;
+pub use mouse_spring::MouseSpring;
+pub use obstacles::Obstacles;
+pub use rayleigh::Rayleigh;
+pub use walls::Walls;
+
+use crate::{elements::Triangles, quantity::Quantity, registry::registry};
+use std::sync::Arc;
+
+registry! {
+    /// What can act on bodies.
+    pub enum EffectKind: dyn EffectParameters {
+        Gravity(Gravity),
+        Rayleigh(Rayleigh),
+        MouseSpring(MouseSpring),
+        Boundary(Boundary),
+        Walls(Walls),
+        Obstacles(Obstacles),
+    }
+}
+
+/// The parameters of an effect.
+pub trait EffectParameters {
+    /// Name as it is said, such as `Gravity`.
+    fn title(&self) -> &'static str;
+
+    /// What it does, with the formula, for a tooltip.
+    fn about(&self) -> &'static str;
+
+    /// The numbers a panel may change.
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
+
+    /// Whether it is damping, which the key D switches.
+    fn is_damping(&self) -> bool {
+        false
+    }
+
+    /// What a window should draw for it, if it has a place.
+    fn shapes(&self) -> Vec<Shape> {
+        Vec::new()
+    }
+
+    /// Readies the effect for stepping.
+    ///
+    /// # Errors
+    /// A sentence, if the parameters do not fit together.
+    fn build(&self, bodies: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String>;
+}
+
+/// Something with a place that a window can draw; all points in world coordinates [m].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// The free inside of walls: a convex polygon, counter-clockwise, cut off where there are no walls.
+    Room(Vec<[f64; 2]>),
+    /// A solid obstacle: its outline, counter-clockwise.
+    Solid(Vec<[f64; 2]>),
+    /// A rectangle that nothing leaves: least and greatest corner.
+    Edges([f64; 2], [f64; 2]),
+}
+
+/// Positions, velocities and masses at one moment, flat: two numbers a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// Positions [m].
+    pub x: &'a [f64],
+    /// Velocities [m/s].
+    pub v: &'a [f64],
+    /// Masses [kg], one for each number of `x`.
+    pub mass: &'a [f64],
+    /// 1/mass [1/kg]; zero where a vertex is pinned.
+    pub inverse_mass: &'a [f64],
+    /// What the mouse does.
+    pub grab: Option<Grab>,
+}
+
+/// A vertex pulled towards a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grab {
+    /// The vertex, by its number in the scene.
+    pub vertex: usize,
+    /// Where it is pulled to [m].
+    pub target: [f64; 2],
+}
+
+/// A term of the physics, ready for stepping. What a term does not do is left at its empty default.
+pub trait Effect: Send + Sync {
+    /// Name in reports.
+    fn name(&self) -> &'static str;
+
+    /// How many elements (vertices, triangles, ...) one call touches.
+    fn elements(&self, motion: Motion<'_>) -> usize;
+
+    /// How many numbers of scratch `force` needs.
+    fn scratch(&self) -> usize {
+        0
+    }
+
+    /// Stored energy [J].
+    fn energy(&self, _motion: Motion<'_>) -> f64 {
+        0.0
+    }
+
+    /// Adds the force on every vertex [N] to `force` (two numbers a vertex).
+    fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
+
+    /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
+    fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _product: &mut [f64]) {}
+
+    /// Changes velocities that are not allowed, before positions move by them. Returns how many vertices were touched.
+    fn constrain_velocity(&self, _x: &[f64], _v: &mut [f64], _inverse_mass: &[f64]) -> usize {
+        0
+    }
+
+    /// Changes positions that are not allowed, after they have moved. Returns how many vertices were touched.
+    fn constrain_position(&self, _x: &mut [f64], _v: &mut [f64], _inverse_mass: &[f64]) -> usize {
+        0
+    }
+
+    /// Whether it changes velocities or positions at all.
+    fn constrains(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,268 @@
+//! What a level file may say: plain data, checked while it is read, with no behaviour.
+//!
+//! Levels are RON. Unknown fields, wrong types and numbers out of range are refused with the line and column
+//! (see [`crate::files`]). The level is also the document that the window edits, undoes and saves.
+
+use crate::{
+    effects::EffectKind,
+    integrators::IntegratorKind,
+    materials::MaterialParameters,
+    meshes::MeshKind,
+    quantity::{Angle, Coordinate, Density, Factor, Mass, Point, Spin, Velocity},
+};
+use serde::{Deserialize, Serialize};
+
+/// Everything a file says about a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Level {
+    /// Title in the level picker.
+    pub name: String,
+    /// One or two sentences on what there is to see.
+    #[serde(default)]
+    pub about: String,
+    /// How the level runs when nobody says otherwise: headless, and when play is pressed in edit mode.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub mode: RunMode,
+    /// Steps per 1/60 s of simulated time.
+    #[serde(default)]
+    pub substeps: Substeps,
+    /// The time-stepping scheme.
+    #[serde(default)]
+    pub integrator: IntegratorKind,
+    /// The deformable bodies.
+    pub bodies: Vec<BodyLevel>,
+    /// What acts on them, in this order.
+    #[serde(default)]
+    pub effects: Vec<EffectLevel>,
+    /// Makes this a test level: Up and Down set these stretches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub test: Option<StretchTest>,
+    /// Where everything is now, if the level was saved while running. Rest shapes are never changed by saving.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<SavedState>,
+}
+
+/// One deformable body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyLevel {
+    /// Name in the panels and reports.
+    pub name: String,
+    /// Its rest shape.
+    pub mesh: MeshKind,
+    /// Where the rest shape is put.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub place: Place,
+    /// What it is made of.
+    pub material: MaterialParameters,
+    /// How heavy it is.
+    pub mass: MassLevel,
+    /// Factors in x and y applied at the start about the middle of its bottom edge: the body starts out of its rest shape.
+    #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
+    pub stretch: (Factor, Factor),
+    /// Velocity at the start [m/s].
+    #[serde(default = "no_velocity", skip_serializing_if = "is_at_rest")]
+    pub velocity: (Velocity, Velocity),
+    /// Angular velocity at the start about the centre of mass, counter-clockwise [rad/s].
+    #[serde(default = "no_spin", skip_serializing_if = "is_not_spinning")]
+    pub spin: Spin,
+    /// Vertices that do not move.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<Pin>,
+}
+
+/// A similarity transform of the rest shape: scaled and turned about the origin, then moved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Place {
+    /// Scale.
+    pub scale: Factor,
+    /// Turn [degrees], counter-clockwise.
+    pub turn: Angle,
+    /// Move [m].
+    pub offset: Point,
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        let zero = Coordinate::literal(0.0);
+        Self { scale: Factor::literal(1.0), turn: Angle::literal(0.0), offset: Point(zero, zero) }
+    }
+}
+
+/// How a body's mass is lumped to its vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MassLevel {
+    /// A third of `density * area` of every triangle goes to each of its corners.
+    Density(Density),
+    /// The same share of a total for every vertex.
+    Total(Mass),
+}
+
+/// A rule for pinning vertices, judged on the rest shape.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Pin {
+    /// One vertex, by its number in the body.
+    Vertex(u32),
+    /// The vertex nearest to a point.
+    Nearest(Point),
+    /// All vertices at the greatest y.
+    Top,
+    /// All vertices at the least y.
+    Bottom,
+    /// All vertices at the least x.
+    Left,
+    /// All vertices at the greatest x.
+    Right,
+}
+
+/// One effect with its switch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectLevel {
+    /// What it does.
+    pub effect: EffectKind,
+    /// Whether it acts.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub switch: Switch,
+    /// In which modes it acts.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub when: When,
+}
+
+/// Whether an effect acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Switch {
+    /// It acts.
+    #[default]
+    On,
+    /// It is listed but not there.
+    Off,
+}
+
+/// In which modes an effect acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum When {
+    /// In simulate and in collide mode.
+    #[default]
+    Always,
+    /// In collide mode only.
+    Collide,
+}
+
+/// The two ways a scene can run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RunMode {
+    /// Without the effects marked `when: Collide`.
+    #[default]
+    Simulate,
+    /// With them.
+    Collide,
+}
+
+/// The two shapes of a compression and stretch test, as factors of the rest height.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StretchTest {
+    /// Height factor of the stretched shape (key Up).
+    pub stretched: Factor,
+    /// Height factor of the compressed shape (key Down).
+    pub compressed: Factor,
+}
+
+/// Steps per 1/60 s: a whole number from 1 to 100,000.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
+pub struct Substeps(u32);
+
+impl Substeps {
+    /// Most steps a frame may have.
+    pub const MAX: u32 = 100_000;
+
+    /// A checked number of steps.
+    ///
+    /// # Errors
+    /// A sentence with the range.
+    pub fn new(count: u32) -> Result<Self, String> {
+        if (1..=Self::MAX).contains(&count) {
+            Ok(Self(count))
+        } else {
+            Err(format!("substeps must be in [1, {}], got {count}", Self::MAX))
+        }
+    }
+
+    /// The number of steps.
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+
+    /// The length of a step, h = 1 / (60 substeps) [s].
+    pub fn step(self) -> f64 {
+        1.0 / (60.0 * f64::from(self.0))
+    }
+}
+
+impl Default for Substeps {
+    fn default() -> Self {
+        Self(100)
+    }
+}
+
+impl TryFrom<u32> for Substeps {
+    type Error = String;
+    fn try_from(count: u32) -> Result<Self, String> {
+        Self::new(count)
+    }
+}
+
+impl From<Substeps> for u32 {
+    fn from(substeps: Substeps) -> Self {
+        substeps.0
+    }
+}
+
+/// A moment of a running scene: enough to continue bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedState {
+    /// Steps taken since the start.
+    pub steps: u64,
+    /// Simulated time [s].
+    pub time: Coordinate,
+    /// Positions of all bodies' vertices, one after another [m].
+    pub positions: Vec<Point>,
+    /// Velocities of the same [m/s].
+    pub velocities: Vec<Point>,
+    /// What the integrator remembers between steps.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub memory: Vec<Coordinate>,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+const fn unstretched() -> (Factor, Factor) {
+    (Factor::literal(1.0), Factor::literal(1.0))
+}
+
+fn is_unstretched(stretch: &(Factor, Factor)) -> bool {
+    *stretch == unstretched()
+}
+
+const fn no_velocity() -> (Velocity, Velocity) {
+    (Velocity::literal(0.0), Velocity::literal(0.0))
+}
+
+fn is_at_rest(velocity: &(Velocity, Velocity)) -> bool {
+    *velocity == no_velocity()
+}
+
+const fn no_spin() -> Spin {
+    Spin::literal(0.0)
+}
+
+fn is_not_spinning(spin: &Spin) -> bool {
+    *spin == no_spin()
+}

@@ -1,0 +1,78 @@
+use super::{Lame, Material, outer};
+use nalgebra::{Matrix2, Matrix4};
+
+/// Corotated linear elasticity: Hooke's law in the frame that turns with the triangle.
+///
+/// With F = R S, R the nearest rotation:
+///
+/// `psi = mu |F - R|² + lambda/2 tr(RᵀF - I)²`,
+/// `P = 2 mu (F - R) + lambda tr(RᵀF - I) R`
+///
+/// (Sifakis and Barbic, *FEM Simulation of 3D Deformable Solids*, SIGGRAPH 2012 course, section 3.4).
+/// R is a rotation, det R = +1, also when the triangle is inverted, so a mirrored triangle is pushed back to its rest
+/// shape rather than to its mirror image.
+#[derive(Clone, Copy, Debug)]
+pub struct Corotated {
+    lame: Lame,
+}
+
+impl Corotated {
+    /// The model with these parameters.
+    pub const fn new(lame: Lame) -> Self {
+        Self { lame }
+    }
+}
+
+/// The rotation R that maximises tr(RᵀF), in closed form.
+///
+/// With a = F11 + F22 and b = F21 - F12, `R = [[a, -b], [b, a]] / sqrt(a² + b²)`: the conformal part of F, normalised.
+/// Where a = b = 0 (F is a reflection times a scale) every rotation is equally near and the identity is taken.
+/// Also returns sqrt(a² + b²) = tr(RᵀF).
+pub fn nearest_rotation(f: &Matrix2<f64>) -> (Matrix2<f64>, f64) {
+    let a = f.m11 + f.m22;
+    let b = f.m21 - f.m12;
+    let length = (a * a + b * b).sqrt();
+    if length > 0.0 {
+        let (c, s) = (a / length, b / length);
+        (Matrix2::new(c, -s, s, c), length)
+    } else {
+        (Matrix2::identity(), length)
+    }
+}
+
+impl Material for Corotated {
+    const TITLE: &'static str = "Corotated";
+    const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 tr(RᵀF − I)²";
+
+    #[inline]
+    fn energy(&self, f: &Matrix2<f64>) -> f64 {
+        let (r, trace) = nearest_rotation(f);
+        self.lame.mu * (f - r).norm_squared() + 0.5 * self.lame.lambda * (trace - 2.0) * (trace - 2.0)
+    }
+
+    #[inline]
+    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
+        let (r, trace) = nearest_rotation(f);
+        (f - r) * (2.0 * self.lame.mu) + r * (self.lame.lambda * (trace - 2.0))
+    }
+
+    /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR, and dR = T (T : dF) / tr(S) with T = R turned by
+    /// 90 degrees. dR : F vanishes because S is symmetric.
+    fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        let (r, trace) = nearest_rotation(f);
+        let turned = Matrix2::new(-r.m21, -r.m11, r.m11, -r.m21);
+        let spin = if trace > 0.0 { (self.lame.lambda * (trace - 2.0) - 2.0 * self.lame.mu) / trace } else { 0.0 };
+        Matrix4::identity() * (2.0 * self.lame.mu) + outer(&r, &r) * self.lame.lambda + outer(&turned, &turned) * spin
+    }
+
+    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
+        self.lame.lambda * (nearest_rotation(f).1 - 2.0)
+    }
+
+    /// 2 mu (w - 1) + lambda (s + w - 2) = 0.
+    fn free_width(&self, stretch: f64) -> Option<f64> {
+        let Lame { mu, lambda } = self.lame;
+        let width = 1.0 - lambda / (2.0 * mu + lambda) * (stretch - 1.0);
+        (width > 0.0).then_some(width)
+    }
+}

@@ -1,0 +1,110 @@
+//! Constitutive models: hyperelastic materials as functions of the deformation gradient F alone. A material knows no
+//! mesh, no time and no solver. Each model is one file; [`Model`] lists them all.
+//!
+//! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
+
+mod corotated;
+mod neo_hookean;
+mod parameters;
+mod st_venant_kirchhoff;
+
+pub use corotated::{Corotated, nearest_rotation};
+pub use neo_hookean::NeoHookean;
+pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
+pub use st_venant_kirchhoff::StVenantKirchhoff;
+
+use crate::registry::registry;
+use nalgebra::{Matrix2, Matrix4};
+
+registry! {
+    /// Which constitutive model a body follows.
+    pub enum Model: static Material(Lame) via Visitor {
+        Corotated(Corotated),
+        StVenantKirchhoff(StVenantKirchhoff),
+        NeoHookean(NeoHookean),
+    }
+}
+
+/// A hyperelastic material in two dimensions, per unit thickness.
+///
+/// `f` is the deformation gradient F (2 x 2, no unit): column j is where the rest direction j went.
+pub trait Material: Copy + Send + Sync {
+    /// Name as it is said, such as `St. Venant-Kirchhoff`.
+    const TITLE: &'static str;
+    /// The energy density in plain characters, for tooltips.
+    const FORMULA: &'static str;
+
+    /// Energy density psi [J/m²]; zero at rest.
+    fn energy(&self, f: &Matrix2<f64>) -> f64;
+
+    /// First Piola-Kirchhoff stress P = dpsi/dF (2 x 2) [N/m per unit rest length, that is Pa of a 1 m thick sheet].
+    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64>;
+
+    /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
+    fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
+
+    /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none.
+    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64;
+
+    /// The width w at which a strip of stretch s pulls its free sides neither in nor out: P22(diag(s, w)) = 0.
+    /// `None` where there is no positive one.
+    fn free_width(&self, stretch: f64) -> Option<f64>;
+
+    /// What a user should know before trusting a strip of this stretch: where the model has no honest answer.
+    fn caution(&self, stretch: f64) -> Option<String> {
+        self.free_width(stretch).is_none().then(|| {
+            format!("{} has no answer here: with free sides, no positive width balances at {stretch} x.", Self::TITLE)
+        })
+    }
+}
+
+/// Work to be done with a material whose type the compiler knows.
+pub trait Visitor {
+    /// What the work returns.
+    type Output;
+    /// Does the work.
+    fn visit<M: Material>(self, material: &M) -> Self::Output;
+}
+
+impl Model {
+    /// Name as it is said, such as `St. Venant-Kirchhoff`.
+    pub fn title(self) -> &'static str {
+        struct Title;
+        impl Visitor for Title {
+            type Output = &'static str;
+            fn visit<M: Material>(self, _: &M) -> &'static str {
+                M::TITLE
+            }
+        }
+        self.visit(Lame { mu: 1.0, lambda: 0.0 }, Title)
+    }
+
+    /// The energy density in plain characters.
+    pub fn formula(self) -> &'static str {
+        struct Formula;
+        impl Visitor for Formula {
+            type Output = &'static str;
+            fn visit<M: Material>(self, _: &M) -> &'static str {
+                M::FORMULA
+            }
+        }
+        self.visit(Lame { mu: 1.0, lambda: 0.0 }, Formula)
+    }
+
+    /// See [`Material::caution`].
+    pub fn caution(self, lame: Lame, stretch: f64) -> Option<String> {
+        struct Caution(f64);
+        impl Visitor for Caution {
+            type Output = Option<String>;
+            fn visit<M: Material>(self, material: &M) -> Option<String> {
+                material.caution(self.0)
+            }
+        }
+        self.visit(lame, Caution(stretch))
+    }
+}
+
+/// The outer product of two 2 x 2 matrices, each read column by column: (4 x 4).
+fn outer(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix4<f64> {
+    Matrix4::from_fn(|i, j| a.as_slice()[i] * b.as_slice()[j])
+}

@@ -1,0 +1,88 @@
+use super::{Lame, Material, outer};
+use nalgebra::{Matrix2, Matrix4};
+
+/// St. Venant-Kirchhoff: Hooke's law between the Green strain E and the second Piola-Kirchhoff stress.
+///
+/// With `E = (FᵀF - I)/2`:
+///
+/// `psi = mu E:E + lambda/2 tr(E)²`, `P = F (2 mu E + lambda tr(E) I)`
+///
+/// (Sifakis and Barbic, *FEM Simulation of 3D Deformable Solids*, SIGGRAPH 2012 course, section 3.3).
+/// E does not see reflections: a mirrored triangle is at rest for this model. Under compression the force has a maximum
+/// at a stretch of 1/sqrt(3) = 58 %; beyond it the material gives way.
+#[derive(Clone, Copy, Debug)]
+pub struct StVenantKirchhoff {
+    lame: Lame,
+}
+
+impl StVenantKirchhoff {
+    /// The model with these parameters.
+    pub const fn new(lame: Lame) -> Self {
+        Self { lame }
+    }
+
+    /// Green strain and second Piola-Kirchhoff stress, both symmetric (2 x 2).
+    #[inline]
+    fn strain_and_stress(&self, f: &Matrix2<f64>) -> (Matrix2<f64>, Matrix2<f64>) {
+        let strain = (f.transpose() * f - Matrix2::identity()) * 0.5;
+        let pressure = self.lame.lambda * strain.trace();
+        (strain, strain * (2.0 * self.lame.mu) + Matrix2::identity() * pressure)
+    }
+}
+
+impl Material for StVenantKirchhoff {
+    const TITLE: &'static str = "St. Venant-Kirchhoff";
+    const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (FᵀF − I)/2";
+
+    #[inline]
+    fn energy(&self, f: &Matrix2<f64>) -> f64 {
+        let (strain, stress) = self.strain_and_stress(f);
+        0.5 * strain.dot(&stress)
+    }
+
+    #[inline]
+    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
+        f * self.strain_and_stress(f).1
+    }
+
+    /// dP = dF S + mu (F dFᵀ F + F Fᵀ dF) + lambda (F : dF) F.
+    fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        let s = self.strain_and_stress(f).1;
+        let mut stiffness = outer(f, f) * self.lame.lambda;
+        let left = f * f.transpose();
+        for column in 0..4 {
+            let mut df = Matrix2::zeros();
+            df.as_mut_slice()[column] = 1.0;
+            let dp = df * s + (f * df.transpose() * f + left * df) * self.lame.mu;
+            for row in 0..4 {
+                stiffness[(row, column)] += dp.as_slice()[row];
+            }
+        }
+        stiffness
+    }
+
+    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
+        self.lame.lambda * self.strain_and_stress(f).0.trace()
+    }
+
+    /// (2 mu + lambda)(w² - 1) + lambda (s² - 1) = 0.
+    fn free_width(&self, stretch: f64) -> Option<f64> {
+        let Lame { mu, lambda } = self.lame;
+        let square = 1.0 - lambda / (2.0 * mu + lambda) * (stretch * stretch - 1.0);
+        (square > 0.0).then(|| square.sqrt())
+    }
+
+    /// Beside the missing width: along the strip P11 grows as s (s² - 1), which has its extremum at s = 1/sqrt(3).
+    fn caution(&self, stretch: f64) -> Option<String> {
+        if stretch < (1.0_f64 / 3.0).sqrt() {
+            return Some(format!("{} gives way below 58 % of its height: pressing further needs less force.", Self::TITLE));
+        }
+        self.free_width(stretch).is_none().then(|| {
+            format!(
+                "{} has no answer here: with free sides at {stretch} x, Poisson's ratio must stay below 1/s² (plane \
+                 strain) or 1/(s² − 1) (plane stress) for any positive width.",
+                Self::TITLE
+            )
+        })
+    }
+}

@@ -1,6 +1,8 @@
 //! Any simple outline, filled with triangles.
 
-use super::{Files, Mesh, MeshError, MeshSource, Whole, mesh::squared_distance, ordering, polygon, triangulate};
+use super::{
+    Files, Mesh, MeshError, MeshSource, Whole, delaunay, mesh::squared_distance, ordering, polygon, triangulate,
+};
 use crate::quantity::{Coordinate, Point, Quantity, Triangles};
 
 /// Cosine of the turn above which a point of the outline is a corner: 20 degrees.
@@ -56,6 +58,10 @@ impl MeshSource for Outline {
         }
         let area = polygon::signed_area(&corners);
         let target = f64::from(self.resolution.count());
+        // A boundary of n points makes at least n - 2 triangles. Refused here, before such a boundary fills the memory.
+        if polygon::perimeter(&corners) > target * triangulate::edge_length(area / target) {
+            return Err(delaunay::too_narrow());
+        }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
         let (points, triangles) = ordering::by_place(&points, &triangles);
         let mesh = Mesh::new(points, triangles)?;

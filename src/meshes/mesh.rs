@@ -50,6 +50,7 @@ impl Mesh {
     }
 
     /// The same mesh with icing on it.
+    #[must_use]
     pub fn with_icing(mut self, icing: Vec<Stroke>) -> Self {
         self.icing = icing;
         self

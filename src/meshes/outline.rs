@@ -1,12 +1,13 @@
 //! Any simple outline, filled with triangles.
 
-use super::{
-    Files, Mesh, MeshError, MeshSource, Whole, delaunay, mesh::squared_distance, ordering, polygon, triangulate,
-};
+use super::{Files, Mesh, MeshError, MeshSource, Whole, mesh::squared_distance, ordering, polygon, triangulate};
 use crate::quantity::{Coordinate, Point, Quantity, Triangles};
 
 /// Cosine of the turn above which a point of the outline is a corner: 20 degrees.
 const CORNER: f64 = 0.939_692_620_785_908_4;
+
+/// Most points along an outline. Compact ones stay far below, and the triangulation of long thin ones takes very long.
+const MOST_ALONG: f64 = 10_000.0;
 
 /// The inside of a polygon, in about `resolution` triangles. Corners stay sharp; a run of sides shorter than the
 /// triangles is taken for a curve. No angle is below 25 degrees unless the polygon itself has corners that sharp.
@@ -58,9 +59,12 @@ impl MeshSource for Outline {
         }
         let area = polygon::signed_area(&corners);
         let target = f64::from(self.resolution.count());
-        // A boundary of n points makes at least n - 2 triangles. Refused here, before such a boundary fills the memory.
-        if polygon::perimeter(&corners) > target * triangulate::edge_length(area / target) {
-            return Err(delaunay::too_narrow());
+        // n points along the edge make at least n - 2 triangles. Refused here, before they fill the memory.
+        let along = polygon::perimeter(&corners) / triangulate::edge_length(area / target);
+        if along > target.min(MOST_ALONG) {
+            let reason =
+                format!("the outline is too long and thin: {along:.0} points would lie along it; make it wider");
+            return Err(MeshError::Recipe(reason));
         }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
         let (points, triangles) = ordering::by_place(&points, &triangles);

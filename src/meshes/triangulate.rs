@@ -37,7 +37,8 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
         if best.as_ref().is_none_or(|(so_far, ..)| angle > *so_far) {
             best = Some((angle, boundary.len(), filled));
         }
-        if angle >= GOOD_ANGLE {
+        // Far too small an angle is the outline's own, and no other start mends it.
+        if !(0.6 * GOOD_ANGLE..GOOD_ANGLE).contains(&angle) {
             break;
         }
     }

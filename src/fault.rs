@@ -1,6 +1,6 @@
 //! Why stepping stopped, found out and said in a sentence.
 
-use crate::{materials::Model, scene::Scene, stability::critical_step, state::State};
+use crate::{elements::Field, materials::Model, scene::Scene, stability::critical_step, state::State};
 
 /// A step that could not be taken. The simulation rests on the last finite state.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ fn worst_triangle(scene: &Scene, state: &State) -> (usize, usize, f64) {
     let mut deformation = -1.0;
     for (number, body) in scene.bodies.iter().enumerate() {
         let mut energies = Vec::new();
-        body.elements.field(crate::snapshot::Field::EnergyDensity, &state.x, &mut energies);
+        body.elements.field(Field::EnergyDensity, &state.x, &mut energies);
         for (triangle, ((f, _), energy)) in body.elements.gradients(&state.x).zip(energies).enumerate() {
             if !energy.is_finite() {
                 return (number, triangle, f.determinant());

@@ -88,7 +88,7 @@ fn choosing_a_model_puts_positions_and_velocities_back_and_undo_brings_both_back
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     run(&mut sandbox, 50);
     let moved = seen(&sandbox);
-    for &model in Model::ALL {
+    for model in [Model::StVenantKirchhoff, Model::NeoHookean] {
         sandbox.apply(Command::SetModel(model)).unwrap();
         let now = seen(&sandbox);
         assert!(now.bodies.iter().all(|body| body.model == model));
@@ -117,7 +117,7 @@ fn pins_are_toggled_undone_redone_and_cleared() {
     assert!(seen(&sandbox).can_redo);
     sandbox.apply(Command::ClearPins).unwrap();
     assert!(seen(&sandbox).pins.is_empty() && !seen(&sandbox).can_redo, "a new edit ends what could be redone");
-    assert!(sandbox.apply(Command::TogglePin(16)).is_err());
+    assert!(sandbox.apply(Command::TogglePin(99)).is_err());
     sandbox.apply(Command::Undo).unwrap();
     assert_eq!(sandbox.saved().bodies[0].pins, [Pin::Vertex(3)]);
 }

@@ -52,7 +52,7 @@ pub struct Snapshot {
     /// Whether any damping effect is switched on.
     pub damping: bool,
     /// Why time stopped, if something went wrong.
-    pub fault: Option<crate::simulation::Fault>,
+    pub fault: Option<crate::fault::Fault>,
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
     /// Whether there is something to undo.

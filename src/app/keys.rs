@@ -5,7 +5,7 @@ use crate::{
     materials::Model,
     snapshot::Snapshot,
 };
-use egui::{Event, Key, KeyboardShortcut, Modifiers};
+use eframe::egui::{self, Event, Key, KeyboardShortcut, Modifiers};
 
 /// One line of the table.
 #[derive(Debug)]

@@ -2,14 +2,14 @@
 
 use super::View;
 use crate::{command::Command, level::Substeps, snapshot::Snapshot};
-use egui::{Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Stroke, Ui, vec2};
+use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Stroke, Ui, vec2};
 
 pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if now.fault.is_none() && view.notice.is_none() {
         return;
     }
     let top = stage.center_top() + vec2(0.0, 10.0);
-    let area = Area::new(Id::new("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
+    let area = Area::new(Id::unique("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
     area.constrain_to(stage).show(ctx, |ui| {
         let width = (stage.width() - 56.0).clamp(160.0, 520.0);
         ui.set_max_width(width);

@@ -13,7 +13,7 @@ use crate::{
     quantity::{Density, Mass, OutOfRange},
     snapshot::{BodySnapshot, Snapshot},
 };
-use egui::{ComboBox, Ui};
+use eframe::egui::{ComboBox, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     view.body = view.body.min(now.level.bodies.len().saturating_sub(1));

@@ -11,7 +11,7 @@ use crate::{
     level::Substeps,
     snapshot::{Field, Snapshot},
 };
-use egui::{Rect, Sense, Ui, vec2};
+use eframe::egui::{Rect, Sense, Ui, vec2};
 
 /// A frame of 60 Hz [s].
 const FRAME: f64 = 1.0 / 60.0;

@@ -6,7 +6,7 @@ use crate::{
     level::{EffectLevel, Switch, When},
     snapshot::Snapshot,
 };
-use egui::{RichText, Ui};
+use eframe::egui::{RichText, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if now.level.effects.is_empty() {

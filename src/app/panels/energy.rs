@@ -5,7 +5,7 @@ use crate::{
     app::numbers,
     snapshot::{Energies, Snapshot},
 };
-use egui::{Align2, Color32, Grid, RichText, Ui};
+use eframe::egui::{self, Align2, Color32, Grid, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
 use std::collections::VecDeque;
 

@@ -5,14 +5,14 @@ use crate::{
     app::keys::{TABLE, When},
     snapshot::Snapshot,
 };
-use egui::{Align, Button, Context, Grid, Id, Key, Layout, Modal, RichText, ScrollArea, Ui, vec2};
+use eframe::egui::{self, Align, Button, Context, Grid, Id, Key, Layout, Modal, RichText, ScrollArea, Ui, vec2};
 
 pub fn show(ctx: &Context, now: &Snapshot, view: &mut View) {
     if !view.help {
         return;
     }
     let room = ctx.content_rect().size() - vec2(48.0, 96.0);
-    let modal = Modal::new(Id::new("keys")).show(ctx, |ui| {
+    let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
         ui.set_width(room.x.min(460.0));
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keys and mouse").heading());

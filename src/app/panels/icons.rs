@@ -1,6 +1,6 @@
 //! Small pictures for buttons, drawn with lines so that they are crisp at every scale and need no font.
 
-use egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
+use eframe::egui::{self, Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// What a button shows.

@@ -1,7 +1,7 @@
 //! Questions that are answered with text, where there are no native file dialogs.
 
 use super::View;
-use egui::{Context, Id, Key, Modal, RichText, TextEdit, vec2};
+use eframe::egui::{self, Context, Id, Key, Modal, RichText, TextEdit, vec2};
 
 /// A question that waits for text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -20,7 +20,7 @@ const PATHS: bool = cfg!(not(target_arch = "wasm32"));
 pub fn show(ctx: &Context, view: &mut View) {
     let Some(prompt) = &mut view.prompt else { return };
     let mut closed = false;
-    let modal = Modal::new(Id::new("prompt")).show(ctx, |ui| {
+    let modal = Modal::new(Id::unique("prompt")).show(ctx, |ui| {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
         let (title, verb) = if prompt.saving { ("Save the level", "Save") } else { ("Open a level", "Open") };
         ui.label(RichText::new(title).heading());

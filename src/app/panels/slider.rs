@@ -1,7 +1,7 @@
 //! One number that a person can drag or type, drawn from its description alone.
 
 use crate::{app::numbers, quantity::Quantity};
-use egui::{DragValue, Slider, SliderClamping, Ui, vec2};
+use eframe::egui::{self, DragValue, Slider, SliderClamping, Ui, vec2};
 use std::cell::RefCell;
 
 /// What a number slider needs to know.

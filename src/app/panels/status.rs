@@ -8,7 +8,7 @@ use crate::{
     materials::Model,
     snapshot::Snapshot,
 };
-use egui::{Align, Button, Frame, Layout, Margin, Panel, RichText, TextStyle, Ui, vec2};
+use eframe::egui::{self, Align, Button, Frame, Layout, Margin, Panel, RichText, TextStyle, Ui, vec2};
 
 /// Something worth knowing, and what to do about it.
 struct Warning {

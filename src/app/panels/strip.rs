@@ -10,7 +10,7 @@ use crate::{
     materials::Model,
     snapshot::Snapshot,
 };
-use egui::{Button, Frame, Margin, Panel, Popup, PopupCloseBehavior, Ui, vec2};
+use eframe::egui::{self, Button, Frame, Margin, Panel, Popup, PopupCloseBehavior, Ui, vec2};
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));

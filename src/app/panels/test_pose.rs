@@ -8,7 +8,7 @@ use crate::{
     command::{Command, Pose},
     snapshot::Snapshot,
 };
-use egui::Ui;
+use eframe::egui::Ui;
 
 pub fn show(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let Some(test) = now.level.test else { return };

@@ -128,6 +128,7 @@ macro_rules! quantities {
             }
 
             /// A value known when the program is compiled: one out of range does not compile in a constant.
+            #[allow(dead_code, reason = "not every quantity has a default")]
             pub(crate) const fn literal(value: f64) -> Self {
                 assert!(Self::SPEC.allows(value), "out of range");
                 Self(value)

@@ -8,7 +8,7 @@ use crate::{
     level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Switch, When},
     materials::Plane,
     meshes::{Files, Mesh, MeshKind},
-    quantity::{OutOfRange, Point},
+    quantity::Point,
     state::State,
 };
 use std::{ops::Range, sync::Arc};

@@ -94,6 +94,11 @@ impl Triangles {
         self.gather(scratch, force);
     }
 
+    /// Stored energy at these positions [J].
+    pub fn elastic_energy(&self, x: &[f64]) -> f64 {
+        self.model.visit(self.lame, Energy(self, x))
+    }
+
     /// Adds a force at each corner, computed from the triangle's number, F, and D0⁻¹, as `[f1 f2] = -A stress D0⁻ᵀ`.
     pub(crate) fn add_stress(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64], stress: impl Fn(usize, &Self, &Matrix2<f64>) -> Matrix2<f64>) {
         for (number, (out, (f, _))) in scratch.chunks_exact_mut(6).zip(self.gradients(x)).enumerate() {
@@ -225,7 +230,7 @@ impl Effect for Triangles {
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
-        self.model.visit(self.lame, Energy(self, motion.x))
+        self.elastic_energy(motion.x)
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {

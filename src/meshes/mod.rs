@@ -56,6 +56,11 @@ pub trait MeshSource {
     /// [`MeshError`] says what is wrong with the recipe or the file it names.
     fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError>;
 
+    /// The path of the file it names, if it does.
+    fn path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()

@@ -33,6 +33,10 @@ impl MeshSource for Obj {
         }
         reader.finish(&self.path)
     }
+
+    fn path_mut(&mut self) -> Option<&mut String> {
+        Some(&mut self.path)
+    }
 }
 
 /// What has been read so far. Line numbers count from 1.

@@ -60,7 +60,11 @@ struct Short(f64);
 impl std::fmt::Display for Short {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let size = self.0.abs();
-        if size != 0.0 && !(1e-3..1e5).contains(&size) { write!(out, "{:e}", self.0) } else { write!(out, "{}", self.0) }
+        if size != 0.0 && !(1e-3..1e5).contains(&size) {
+            write!(out, "{:e}", self.0)
+        } else {
+            write!(out, "{}", self.0)
+        }
     }
 }
 
@@ -124,6 +128,7 @@ macro_rules! quantities {
             }
 
             /// A value known when the program is compiled: one out of range does not compile in a constant.
+            #[allow(dead_code, reason = "not every quantity has a default")]
             pub(crate) const fn literal(value: f64) -> Self {
                 assert!(Self::SPEC.allows(value), "out of range");
                 Self(value)
@@ -193,6 +198,12 @@ quantities! {
     Spring: "spring stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
     /// eps: how near a wall a vertex feels it.
     Reach: "contact reach" ["m"] in Included(0.0), Included(1e6); slider 0.0 to 0.05, linear;
+    /// About how many triangles a mesh should have: more are more accurate, and cost more.
+    Triangles: "number of triangles" [""] in Included(100.0), Included(2e5); slider 200.0 to 20000.0, logarithmic;
+    /// Equal cells along a side of a rectangle.
+    Cells: "number of cells" [""] in Included(1.0), Included(1e6); slider 1.0 to 100.0, linear;
+    /// Rings of vertices about the centre of a disk.
+    Rings: "number of rings" [""] in Included(1.0), Included(500.0); slider 1.0 to 50.0, linear;
 }
 
 /// A point or a vector of the plane, finite, written `(x, y)` in level files.

@@ -1,46 +1,308 @@
 //! The document, the running simulation and what a person did to them: everything of the program but the window.
 
 use crate::{
-    command::Command,
-    level::Level,
+    command::{Command, Mode},
+    document::{Document, Gesture, History, saved},
+    effects::Grab,
+    level::{Level, RunMode, Switch},
     meshes::Files,
-    snapshot::{Field, Snapshot},
+    scene::{Scene, SceneError, extent},
+    simulation::Simulation,
+    state::State,
 };
 
-/// See the module.
-pub struct Sandbox {}
+/// A level that is edited and run.
+pub struct Sandbox {
+    pub(crate) document: Document,
+    pub(crate) history: History,
+    pub(crate) simulation: Simulation,
+    pub(crate) mode: Mode,
+    pub(crate) running: bool,
+    /// Counts scenes whose vertices or rest shapes differ.
+    pub(crate) generation: u64,
+    /// The level that is simulated, shared with snapshots.
+    pub(crate) shown: std::sync::Arc<Level>,
+    files: Box<dyn Files>,
+}
 
 /// Why a command was refused; nothing has changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct Refused(pub String);
+pub enum Refused {
+    /// The level that would come out cannot be built.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The command does not fit what is there.
+    #[error("{0}")]
+    NotHere(&'static str),
+}
+
+/// What a change of the document does to positions and velocities.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Then {
+    /// They stay.
+    Keep,
+    /// They go to the state the level was saved in, or to the start.
+    Restart,
+}
 
 impl Sandbox {
-    /// Starts with a level, in edit mode, ready to run.
+    /// Starts with a level, in edit mode.
     ///
     /// # Errors
     /// If the level cannot be built.
-    pub fn new(level: Level, files: Box<dyn Files>) -> Result<Self, Refused>;
+    pub fn new(level: Level, files: Box<dyn Files>) -> Result<Self, Refused> {
+        let scene = Scene::build(&level, level.mode, files.as_ref(), None)?;
+        let state = scene.first_state(level.state.as_ref())?;
+        let simulation = Simulation::new(scene, state);
+        let shown = std::sync::Arc::new(without_state(&level));
+        let document = Document::new(level);
+        let history = History::default();
+        Ok(Self { document, history, simulation, mode: Mode::Edit, running: false, generation: 1, shown, files })
+    }
 
     /// Does what a command says, at once.
     ///
     /// # Errors
     /// [`Refused`] if it cannot be done; nothing has changed then.
-    pub fn apply(&mut self, command: Command) -> Result<(), Refused>;
+    pub fn apply(&mut self, command: Command) -> Result<(), Refused> {
+        match command {
+            Command::SetMode(mode) => self.set_mode(mode)?,
+            Command::SetRunning(running) => self.set_running(running)?,
+            Command::StepOnce => self.step_once()?,
+            Command::Reset => {
+                let start = self.simulation.scene().start.clone();
+                self.simulation.set_state(start);
+            }
+            Command::Grab(vertex, target) => self.grab(vertex, target)?,
+            Command::Pull(target) => {
+                if let Some(Grab { vertex, .. }) = self.simulation.grab() {
+                    self.grab(vertex, target)?;
+                }
+            }
+            Command::Release => self.simulation.set_grab(None),
+            Command::Undo => self.travel(false)?,
+            Command::Redo => self.travel(true)?,
+            Command::EndGesture => self.history.end_gesture(),
+            Command::Open(level) => {
+                self.change(Document::new(*level), Then::Restart, None)?;
+                (self.mode, self.running) = (Mode::Edit, false);
+            }
+            edit => self.edit(edit)?,
+        }
+        Ok(())
+    }
+
+    /// Changes to the document that can be undone.
+    fn edit(&mut self, command: Command) -> Result<(), Refused> {
+        const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
+        let mut document = self.document.clone();
+        let mut then = Then::Keep;
+        let mut gesture = None;
+        match command {
+            Command::SetModel(model) => {
+                document.side_by_side = false;
+                document.level.state = None;
+                document.level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+                then = Then::Restart;
+            }
+            Command::SetMaterial(body, material) => {
+                let body = document.source(body);
+                let model = if document.side_by_side { document.level.bodies[0].material.model() } else { material.model() };
+                get(&mut document.level.bodies, body)?.material = material.with_model(model);
+                gesture = Some(Gesture::Material(body));
+            }
+            Command::SetMass(body, mass) => {
+                let body = document.source(body);
+                get(&mut document.level.bodies, body)?.mass = mass;
+                gesture = Some(Gesture::Mass(body));
+            }
+            Command::SetSubsteps(substeps) => {
+                document.level.substeps = substeps;
+                gesture = Some(Gesture::Substeps);
+            }
+            Command::SetEffect(number, effect) => {
+                *get(&mut document.level.effects, number)? = effect;
+                gesture = Some(Gesture::Effect(number));
+            }
+            Command::SetDamping(on) => document.set_damping(on),
+            Command::TogglePin(vertex) => {
+                let scene = self.simulation.scene();
+                let (body, local) = scene.body_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
+                document.toggle_pin(document.source(body), local as u32, &self.pins_of(body));
+            }
+            Command::ClearPins => document.level.bodies.iter_mut().for_each(|body| body.pins.clear()),
+            Command::SetPose(pose) => {
+                let test = document.level.test.ok_or(NO_TEST)?;
+                document.set_pose(pose, test);
+                then = Then::Restart;
+            }
+            Command::SetSideBySide(on) => {
+                document.level.test.ok_or(NO_TEST)?;
+                document.level.state = None;
+                document.side_by_side = on;
+                then = Then::Restart;
+            }
+            _ => {}
+        }
+        if document == self.document {
+            return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
+        }
+        self.change(document, then, gesture)
+    }
+
+    fn change(&mut self, document: Document, then: Then, gesture: Option<Gesture>) -> Result<(), Refused> {
+        let before = self.document.clone();
+        let replaced = (then == Then::Restart).then(|| self.simulation.state().clone());
+        self.show(document, then, None)?;
+        self.history.remember(before, replaced, gesture);
+        Ok(())
+    }
+
+    fn travel(&mut self, forth: bool) -> Result<(), Refused> {
+        let now = (self.document.clone(), self.simulation.state());
+        let Some((document, state)) = self.history.travel(forth, now) else { return Ok(()) };
+        let then = if state.is_some() { Then::Restart } else { Then::Keep };
+        self.show(document, then, state)
+    }
+
+    /// Makes a document the one that is shown. If it cannot be built nothing changes.
+    fn show(&mut self, document: Document, then: Then, state: Option<State>) -> Result<(), Refused> {
+        let scene = self.build(&document, self.effect_mode(&document))?;
+        let shown = without_state(&document.shown(self.middle()));
+        let same = self.shown.bodies.len() == shown.bodies.len()
+            && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
+                a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
+            });
+        if then == Then::Restart || !same {
+            let state = match state {
+                Some(state) if state.x.len() == scene.rest.len() => state,
+                _ => scene.first_state(document.level.state.as_ref())?,
+            };
+            self.simulation.replace_scene(scene);
+            self.simulation.set_state(state);
+            self.generation += 1;
+        } else {
+            self.simulation.replace_scene(scene);
+        }
+        self.shown = std::sync::Arc::new(shown);
+        self.document = document;
+        Ok(())
+    }
+
+    fn build(&self, document: &Document, mode: RunMode) -> Result<Scene, SceneError> {
+        Scene::build(&document.shown(self.middle()), mode, self.files.as_ref(), Some(self.simulation.scene()))
+    }
+
+    /// The x of the middle of the document's first body at rest, were it not moved aside [m].
+    fn middle(&self) -> f64 {
+        let body = &self.simulation.scene().bodies[0];
+        let x = &self.simulation.scene().rest[2 * body.vertices.start..2 * body.vertices.end];
+        let (left, right) = extent(x, 0);
+        let moved = self.shown.bodies.first().map_or(0.0, |body| body.place.offset.get()[0]);
+        let own = self.document.level.bodies.first().map_or(0.0, |body| body.place.offset.get()[0]);
+        0.5 * (left + right) - moved + own
+    }
+
+    fn effect_mode(&self, document: &Document) -> RunMode {
+        match self.mode {
+            Mode::Edit => document.level.mode,
+            Mode::Simulate => RunMode::Simulate,
+            Mode::Collide => RunMode::Collide,
+        }
+    }
+
+    fn set_mode(&mut self, mode: Mode) -> Result<(), Refused> {
+        let before = std::mem::replace(&mut self.mode, mode);
+        match self.build(&self.document, self.effect_mode(&self.document)) {
+            Ok(scene) => {
+                self.simulation.replace_scene(scene);
+                self.simulation.set_grab(None);
+                self.running = mode != Mode::Edit && (self.running || before == Mode::Edit);
+                Ok(())
+            }
+            Err(error) => {
+                self.mode = before;
+                Err(error.into())
+            }
+        }
+    }
+
+    fn set_running(&mut self, running: bool) -> Result<(), Refused> {
+        if running && self.mode == Mode::Edit {
+            self.set_mode(self.document.level.mode.into())?;
+        }
+        self.running = running && self.mode != Mode::Edit;
+        Ok(())
+    }
+
+    fn step_once(&mut self) -> Result<(), Refused> {
+        self.set_running(true)?;
+        self.running = false;
+        self.simulation.advance(1, &mut || true);
+        Ok(())
+    }
+
+    fn grab(&mut self, vertex: usize, target: [f64; 2]) -> Result<(), Refused> {
+        if self.mode == Mode::Edit {
+            return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
+        }
+        if 2 * vertex >= self.simulation.state().x.len() || !target.iter().all(|coordinate| coordinate.is_finite()) {
+            return Err(Refused::NotHere("there is no such vertex or point to pull"));
+        }
+        self.simulation.set_grab(Some(Grab { vertex, target }));
+        Ok(())
+    }
+
+    /// The pinned vertices of a shown body, by their number in it.
+    fn pins_of(&self, body: usize) -> Vec<u32> {
+        let scene = self.simulation.scene();
+        let vertices = &scene.bodies[body].vertices;
+        let own = scene.pins.iter().filter(|pin| vertices.contains(&(**pin as usize)));
+        own.map(|pin| pin - vertices.start as u32).collect()
+    }
 
     /// Length of a step [s].
-    pub fn step_length(&self) -> f64;
+    pub const fn step_length(&self) -> f64 {
+        self.simulation.scene().step
+    }
+
+    /// The running simulation, to look at.
+    pub const fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
 
     /// Whether time should run now: running, not in edit mode, no fault.
-    pub fn is_live(&self) -> bool;
+    pub const fn is_live(&self) -> bool {
+        self.running && self.simulation.fault().is_none()
+    }
 
-    /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more.
-    /// Returns how many were taken. A step that fails leaves the last finite state and a fault in the snapshot.
-    pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64;
+    /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.
+    /// A step that fails leaves the last finite state and a fault in the snapshot.
+    pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
+        if self.is_live() { self.simulation.advance(steps, more) } else { 0 }
+    }
 
-    /// Copies what is to be seen into `snapshot`, reusing its buffers.
-    pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot);
+    /// Whether any damping is switched on.
+    pub fn damping(&self) -> bool {
+        let mut damping = self.document.level.effects.iter().filter(|listed| listed.effect.kind().is_damping());
+        damping.any(|listed| listed.switch == Switch::On)
+    }
 
-    /// The document with the current state in it, for saving.
-    pub fn saved(&self) -> Level;
+    /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.
+    pub fn saved(&self) -> Level {
+        let mode = match self.mode {
+            Mode::Edit => self.document.level.mode,
+            Mode::Simulate => RunMode::Simulate,
+            Mode::Collide => RunMode::Collide,
+        };
+        Level { state: saved(self.simulation.state()), mode, ..Level::clone(&self.shown) }
+    }
+}
+
+fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
+    list.get_mut(number).ok_or(Refused::NotHere("there is no such body or effect"))
+}
+
+fn without_state(level: &Level) -> Level {
+    Level { state: None, ..level.clone() }
 }

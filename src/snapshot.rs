@@ -2,9 +2,13 @@
 
 use crate::{
     command::{Mode, Pose},
-    level::Level,
+    effects::{Effect as _, EffectKind, Grab},
+    fault::Fault,
+    level::{Level, Switch},
     materials::Model,
     meshes::Mesh,
+    sandbox::Sandbox,
+    scene::{Body, extent},
 };
 use std::{ops::Range, sync::Arc};
 
@@ -52,7 +56,7 @@ pub struct Snapshot {
     /// Whether any damping effect is switched on.
     pub damping: bool,
     /// Why time stopped, if something went wrong.
-    pub fault: Option<crate::simulation::Fault>,
+    pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
     /// Whether there is something to undo.
@@ -152,5 +156,94 @@ impl Energies {
     /// The sum [J].
     pub fn total(self) -> f64 {
         self.kinetic + self.elastic + self.potential
+    }
+}
+
+impl Sandbox {
+    /// Copies what is to be seen into `snapshot`, reusing its buffers.
+    pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot) {
+        let (simulation, scene) = (&self.simulation, self.simulation.scene());
+        let state = simulation.state();
+        let x = &state.x;
+        if snapshot.generation != self.generation {
+            snapshot.generation = self.generation;
+            snapshot.start = Arc::new(scene.start.x.clone());
+        }
+        snapshot.level = Arc::clone(&self.shown);
+        snapshot.triangles = Arc::clone(&scene.triangles);
+        snapshot.pins = Arc::clone(&scene.pins);
+        snapshot.positions.clone_from(x);
+        snapshot.field = field;
+        snapshot.values.clear();
+        for body in &scene.bodies {
+            body.elements.field(field, x, &mut snapshot.values);
+        }
+        snapshot.bodies.clear();
+        snapshot.bodies.extend(self.bodies());
+        snapshot.energies = simulation.energies();
+        (snapshot.min_j, snapshot.inverted) = simulation.inversion();
+        snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
+        (snapshot.time, snapshot.steps) = (state.time, state.steps);
+        (snapshot.mode, snapshot.running) = (self.mode, self.running);
+        (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side);
+        snapshot.damping = self.damping();
+        snapshot.fault = simulation.fault().cloned();
+        snapshot.messages.clone_from(&scene.messages);
+        (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
+    }
+
+    fn bodies(&self) -> impl Iterator<Item = BodySnapshot> {
+        let (scene, x) = (self.simulation.scene(), &self.simulation.state().x);
+        let mut first = 0;
+        scene.bodies.iter().map(move |body| {
+            let triangles = first..first + body.elements.corners().len();
+            first = triangles.end;
+            let own = &x[2 * body.vertices.start..2 * body.vertices.end];
+            let (bottom, top) = extent(own, 1);
+            let height_ratio = (top - bottom) / body.rest_height;
+            let test = self.document.level.test.is_some();
+            BodySnapshot {
+                name: body.name.clone(),
+                model: body.elements.model(),
+                mesh: Arc::clone(&body.mesh),
+                vertices: body.vertices.clone(),
+                triangles,
+                energy: body.elements.elastic_energy(x),
+                min_j: body.elements.volume_ratios(x).fold(f64::INFINITY, f64::min),
+                mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
+                top_force: if test { body.holding_force(x) } else { 0.0 },
+                height_ratio,
+                caution: test.then(|| body.elements.model().caution(body.elements.lame(), height_ratio)).flatten(),
+            }
+        })
+    }
+
+    fn pull(&self, Grab { vertex, target }: Grab) -> Pull {
+        let x = &self.simulation.state().x;
+        let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
+        let springs = self.shown.effects.iter().filter(|listed| listed.switch == Switch::On);
+        let stiffness = springs.map(|listed| if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 });
+        Pull { vertex, target, force: stiffness.sum::<f64>() * (dx * dx + dy * dy).sqrt() }
+    }
+}
+
+impl Body {
+    /// Distance between the outermost crossings of the boundary with a height [m]; `own` are its flat positions.
+    fn width_at(&self, own: &[f64], height: f64) -> f64 {
+        let crossings = self.mesh.boundary_edges().into_iter().filter_map(|[a, b]| {
+            let point = |i: u32| [own[2 * i as usize], own[2 * i as usize + 1]];
+            let ([ax, ay], [bx, by]) = (point(a), point(b));
+            ((ay <= height) != (by <= height)).then(|| ax + (height - ay) / (by - ay) * (bx - ax))
+        });
+        let (left, right) = crossings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), x| (x.min(l), x.max(r)));
+        (right - left).max(0.0)
+    }
+
+    /// The vertical force that holds the top row against the elastic forces [N]; positive pulls up.
+    fn holding_force(&self, x: &[f64]) -> f64 {
+        let mut force = vec![0.0; x.len()];
+        let mut scratch = vec![0.0; self.elements.scratch()];
+        self.elements.elastic_force(x, &mut scratch, &mut force);
+        -self.top.iter().map(|&vertex| force[2 * vertex as usize + 1]).sum::<f64>()
     }
 }

@@ -4,14 +4,12 @@
 mod boundary;
 mod gravity;
 mod mouse_spring;
-mod obstacles;
 mod rayleigh;
 mod walls;
 
 pub use boundary::Boundary;
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
-pub use obstacles::Obstacles;
 pub use rayleigh::Rayleigh;
 pub use walls::Walls;
 
@@ -26,7 +24,6 @@ registry! {
         MouseSpring(MouseSpring),
         Boundary(Boundary),
         Walls(Walls),
-        Obstacles(Obstacles),
     }
 }
 
@@ -116,6 +113,11 @@ pub trait Effect: Send + Sync {
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
     fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _product: &mut [f64]) {}
+
+    /// Rayleigh's alpha [1/s] and beta [s], if this is damping.
+    fn damping(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
 
     /// Changes velocities that are not allowed, before positions move by them. Returns how many vertices were touched.
     fn constrain_velocity(&self, _x: &[f64], _v: &mut [f64], _inverse_mass: &[f64]) -> usize {

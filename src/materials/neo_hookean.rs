@@ -23,7 +23,7 @@ impl NeoHookean {
 
 /// The cofactor matrix dJ/dF = J F⁻ᵀ.
 #[inline]
-const fn cofactor(f: &Matrix2<f64>) -> Matrix2<f64> {
+fn cofactor(f: &Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::new(f.m22, -f.m21, -f.m12, f.m11)
 }
 

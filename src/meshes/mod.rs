@@ -1,11 +1,38 @@
 //! Triangle meshes: where bodies get their shape. Each kind is one file; [`MeshKind`] lists them all.
 //! Whatever a kind makes passes through [`Mesh::new`], which repairs winding and refuses everything else that is wrong.
+//!
+//! Kinds that only know their outline share `triangulate`, which fills it with nearly equilateral triangles.
 
+mod count;
+mod delaunay;
+mod disk;
+mod error;
 mod gingerbread;
+mod gingerbread_icing;
+mod gingerbread_shape;
+mod icing;
+mod locate;
 mod mesh;
+mod obj;
+mod ordering;
+mod outline;
+mod points;
+mod polygon;
+mod rectangle;
+mod topology;
+mod triangulate;
 
+pub use count::{CountError, Whole};
+pub use disk::Disk;
+pub use error::{MOST_TRIANGLES, MeshError};
 pub use gingerbread::Gingerbread;
-pub use mesh::{Mesh, MeshError};
+pub use icing::{Embedded, IcingColor, Stroke};
+pub use locate::Locator;
+pub use mesh::Mesh;
+pub use obj::Obj;
+pub use outline::Outline;
+pub use points::Points;
+pub use rectangle::{Diagonals, Rectangle};
 
 use crate::{quantity::Quantity, registry::registry};
 
@@ -13,6 +40,11 @@ registry! {
     /// Where a body's triangles come from.
     pub enum MeshKind: dyn MeshSource {
         Gingerbread(Gingerbread),
+        Rectangle(Rectangle),
+        Disk(Disk),
+        Outline(Outline),
+        Points(Points),
+        Obj(Obj),
     }
 }
 
@@ -23,6 +55,11 @@ pub trait MeshSource {
     /// # Errors
     /// [`MeshError`] says what is wrong with the recipe or the file it names.
     fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError>;
+
+    /// The path of the file it names, if it does.
+    fn path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -43,7 +80,7 @@ pub trait Files {
 pub struct NoFiles;
 
 impl Files for NoFiles {
-    fn read(&self, path: &str) -> Result<String, String> {
-        Err(format!("{path}: files cannot be read here"))
+    fn read(&self, _: &str) -> Result<String, String> {
+        Err("files cannot be read here".to_owned())
     }
 }

@@ -1,0 +1,183 @@
+//! What can be edited and undone: a level, and how a test level is shown.
+
+use crate::{
+    command::Pose,
+    level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, When},
+    materials::Model,
+    quantity::{Coordinate, Factor, Point},
+    state::State,
+};
+
+/// The document of a sandbox.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Document {
+    /// The level, with a single body where a test shows several.
+    pub level: Level,
+    /// The pose a test level was last put into.
+    pub pose: Option<Pose>,
+    /// Whether a test level shows one body for each model.
+    pub side_by_side: bool,
+}
+
+/// Past and future documents. An entry carries the state that its change replaced, if it did.
+#[derive(Default)]
+pub struct History {
+    past: Vec<(Document, Option<State>)>,
+    future: Vec<(Document, Option<State>)>,
+    /// What the last change was about, while its gesture goes on.
+    gesture: Option<Gesture>,
+}
+
+/// What a change is about; changes about the same thing in one gesture are undone as one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gesture {
+    /// The material of a body.
+    Material(usize),
+    /// The mass of a body.
+    Mass(usize),
+    /// An effect of the list.
+    Effect(usize),
+    /// The number of steps per frame.
+    Substeps,
+}
+
+/// Most changes that are remembered.
+const DEPTH: usize = 200;
+
+impl History {
+    /// Remembers a document that is about to change. `state` is what the change is about to replace.
+    pub fn remember(&mut self, document: Document, state: Option<State>, gesture: Option<Gesture>) {
+        self.future.clear();
+        if gesture.is_some() && gesture == self.gesture {
+            return;
+        }
+        self.gesture = gesture;
+        self.past.push((document, state));
+        if self.past.len() > DEPTH {
+            self.past.remove(0);
+        }
+    }
+
+    /// Ends a gesture: the next change is remembered whatever it is about.
+    pub fn end_gesture(&mut self) {
+        self.gesture = None;
+    }
+
+    /// The document to go back (or, if `forth`, forward) to, with its state; `now` is kept on the other side.
+    pub fn travel(&mut self, forth: bool, now: (Document, &State)) -> Option<(Document, Option<State>)> {
+        let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
+        let (document, state) = from.pop()?;
+        to.push((now.0, state.is_some().then(|| now.1.clone())));
+        self.gesture = None;
+        Some((document, state))
+    }
+
+    /// Whether there is something to go back to.
+    pub fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Whether there is something to go forward to.
+    pub fn can_redo(&self) -> bool {
+        !self.future.is_empty()
+    }
+}
+
+impl Document {
+    /// A document that shows a level as it is.
+    pub const fn new(level: Level) -> Self {
+        Self { level, pose: None, side_by_side: false }
+    }
+
+    /// Starts every body at a pose of the test.
+    pub fn set_pose(&mut self, pose: Pose, test: StretchTest) {
+        let height = match pose {
+            Pose::Stretched => test.stretched,
+            Pose::Compressed => test.compressed,
+        };
+        for body in &mut self.level.bodies {
+            body.stretch = (Factor::literal(1.0), height);
+        }
+        self.level.state = None;
+        self.pose = Some(pose);
+    }
+
+    /// The level as it is simulated: for a test shown side by side, the first body once for every model, spread evenly over the
+    /// unit square. `middle` is the x of the first body's middle at rest [m].
+    pub fn shown(&self, middle: f64) -> Level {
+        let mut level = self.level.clone();
+        if let (true, Some(body)) = (self.side_by_side, self.level.bodies.first()) {
+            let count = Model::ALL.len() as f64;
+            let place = |(number, &model): (usize, &Model)| BodyLevel {
+                name: model.title().to_owned(),
+                material: body.material.with_model(model),
+                place: moved(body.place, (number as f64 + 0.5) / count - middle),
+                ..body.clone()
+            };
+            level.bodies = Model::ALL.iter().enumerate().map(place).collect();
+        }
+        level
+    }
+
+    /// Which body of the document a body of the shown level stands for.
+    pub const fn source(&self, body: usize) -> usize {
+        if self.side_by_side { 0 } else { body }
+    }
+
+    /// Replaces the pinning rules of a body by vertices, with one of them changed over.
+    pub fn toggle_pin(&mut self, body: usize, vertex: u32, pinned: &[u32]) {
+        let mut pins = pinned.to_vec();
+        match pins.binary_search(&vertex) {
+            Ok(at) => drop(pins.remove(at)),
+            Err(at) => pins.insert(at, vertex),
+        }
+        self.level.bodies[body].pins = pins.into_iter().map(Pin::Vertex).collect();
+    }
+
+    /// Switches all damping, adding one if there is none.
+    pub fn set_damping(&mut self, on: bool) {
+        let switch = if on { Switch::On } else { Switch::Off };
+        let mut damping = self.level.effects.iter_mut().filter(|listed| listed.effect.kind().is_damping()).peekable();
+        if damping.peek().is_none() && on {
+            drop(damping);
+            let effect = crate::effects::EffectKind::Rayleigh(crate::effects::Rayleigh::default());
+            self.level.effects.push(EffectLevel { effect, switch, when: When::Always });
+        } else {
+            damping.for_each(|listed| listed.switch = switch);
+        }
+    }
+}
+
+fn moved(place: Place, by: f64) -> Place {
+    let [x, y] = place.offset.get();
+    let moved = Point::new([x + by, y]).unwrap_or(place.offset);
+    Place { offset: moved, ..place }
+}
+
+impl Default for Level {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            about: String::new(),
+            mode: RunMode::Simulate,
+            substeps: Substeps::default(),
+            integrator: crate::integrators::IntegratorKind::default(),
+            bodies: Vec::new(),
+            effects: Vec::new(),
+            test: None,
+            state: None,
+        }
+    }
+}
+
+/// A state as a level file holds it; `None` if it is not finite.
+pub fn saved(state: &State) -> Option<crate::level::SavedState> {
+    let points = |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
+    Some(crate::level::SavedState {
+        steps: state.steps,
+        time: Coordinate::new(state.time).ok()?,
+        positions: points(&state.x)?,
+        velocities: points(&state.v)?,
+        memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
+    })
+}

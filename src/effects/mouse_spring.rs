@@ -1,0 +1,81 @@
+use super::{Effect, EffectParameters, Grab, Motion};
+use crate::{
+    elements::Triangles,
+    quantity::{Quantity, Spring},
+};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// The spring between the cursor and the vertex it took hold of: `f = k (cursor - vertex)`, energy `k/2 |cursor - vertex|²`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MouseSpring {
+    /// k [N/m].
+    pub stiffness: Spring,
+}
+
+impl Default for MouseSpring {
+    fn default() -> Self {
+        Self { stiffness: Spring::literal(100.0) }
+    }
+}
+
+impl EffectParameters for MouseSpring {
+    fn title(&self) -> &'static str {
+        "Mouse spring"
+    }
+
+    fn about(&self) -> &'static str {
+        "f = k (cursor − vertex) on the vertex nearest to where the drag began, while the button is down."
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        vec![&mut self.stiffness]
+    }
+
+    fn build(&self, _: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
+        Ok(Box::new(Pulling(self.stiffness.get())))
+    }
+}
+
+/// Stiffness k [N/m].
+struct Pulling(f64);
+
+/// From the vertex to the cursor [m].
+fn reach(x: &[f64], grab: Grab) -> [f64; 2] {
+    let at = 2 * grab.vertex;
+    [grab.target[0] - x[at], grab.target[1] - x[at + 1]]
+}
+
+impl Effect for Pulling {
+    fn name(&self) -> &'static str {
+        "Mouse spring"
+    }
+
+    fn elements(&self, motion: Motion<'_>) -> usize {
+        usize::from(motion.grab.is_some())
+    }
+
+    fn energy(&self, motion: Motion<'_>) -> f64 {
+        motion.grab.map_or(0.0, |grab| {
+            let [dx, dy] = reach(motion.x, grab);
+            0.5 * self.0 * (dx * dx + dy * dy)
+        })
+    }
+
+    fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
+        if let Some(grab) = motion.grab {
+            let [dx, dy] = reach(motion.x, grab);
+            force[2 * grab.vertex] += self.0 * dx;
+            force[2 * grab.vertex + 1] += self.0 * dy;
+        }
+    }
+
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
+        if let Some(grab) = motion.grab {
+            let at = 2 * grab.vertex;
+            product[at] += self.0 * d[at];
+            product[at + 1] += self.0 * d[at + 1];
+        }
+    }
+}

@@ -1,0 +1,96 @@
+use super::{Effect, EffectParameters, Motion};
+use crate::{
+    elements::Triangles,
+    quantity::{DampingRate, DampingTime, Quantity},
+};
+use nalgebra::Matrix2;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Rayleigh damping: one part proportional to mass, one to stiffness.
+///
+/// The mass part is `f = -alpha m v`. The stiffness part is a viscous second Piola-Kirchhoff stress
+/// `S = beta (2 mu dE/dt + lambda tr(dE/dt) I)` with the Green strain rate `dE/dt = sym(Fᵀ dF/dt)`, so `P = F S`
+/// (a Kelvin-Voigt solid). At rest this is exactly Rayleigh's `-beta K v`; unlike that, it is objective: a rigid
+/// motion has dE/dt = 0 and is not damped however stressed the body is, and the power `-A S : dE/dt` is never positive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rayleigh {
+    /// alpha [1/s].
+    pub mass: DampingRate,
+    /// beta [s].
+    #[serde(default = "none")]
+    pub stiffness: DampingTime,
+}
+
+const fn none() -> DampingTime {
+    DampingTime::literal(0.0)
+}
+
+impl Default for Rayleigh {
+    fn default() -> Self {
+        Self { mass: DampingRate::literal(1.0), stiffness: DampingTime::literal(0.001) }
+    }
+}
+
+impl EffectParameters for Rayleigh {
+    fn title(&self) -> &'static str {
+        "Damping"
+    }
+
+    fn about(&self) -> &'static str {
+        "f = −α m v, and a viscous stress β C : dE/dt that a rigid spin does not feel."
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        vec![&mut self.mass, &mut self.stiffness]
+    }
+
+    fn is_damping(&self) -> bool {
+        true
+    }
+
+    fn build(&self, bodies: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
+        let bodies = if self.stiffness.get() > 0.0 { bodies.to_vec() } else { Vec::new() };
+        Ok(Box::new(Damping { alpha: self.mass.get(), beta: self.stiffness.get(), bodies }))
+    }
+}
+
+struct Damping {
+    alpha: f64,
+    beta: f64,
+    bodies: Vec<Arc<Triangles>>,
+}
+
+impl Effect for Damping {
+    fn name(&self) -> &'static str {
+        "Damping"
+    }
+
+    fn elements(&self, motion: Motion<'_>) -> usize {
+        motion.x.len() / 2 + self.bodies.iter().map(|body| body.corners().len()).sum::<usize>()
+    }
+
+    fn scratch(&self) -> usize {
+        self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
+    }
+
+    fn damping(&self) -> [f64; 2] {
+        [self.alpha, self.beta]
+    }
+
+    fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
+        for ((force, v), mass) in force.iter_mut().zip(motion.v).zip(motion.mass) {
+            *force -= self.alpha * mass * v;
+        }
+        for body in &self.bodies {
+            let lame = body.lame();
+            let (two_mu, lambda) = (2.0 * self.beta * lame.mu, self.beta * lame.lambda);
+            body.add_stress(motion.x, &mut scratch[..body.scratch()], force, |number, body, f| {
+                let product = f.transpose() * body.gradient_of(motion.v, number);
+                let rate = (product + product.transpose()) * 0.5;
+                f * (rate * two_mu + Matrix2::identity() * (lambda * rate.trace()))
+            });
+        }
+    }
+}

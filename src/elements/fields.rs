@@ -1,0 +1,52 @@
+use super::Triangles;
+use crate::{
+    materials::{Material, Visitor},
+    snapshot::Field,
+};
+use nalgebra::Matrix2;
+
+impl Triangles {
+    /// Adds one value a triangle to `values`, in their order; nothing for [`Field::None`].
+    pub fn field(&self, field: Field, x: &[f64], values: &mut Vec<f64>) {
+        self.model().visit(self.lame(), Values { of: self, field, x, values });
+    }
+
+    /// det F of each triangle.
+    pub fn volume_ratios(&self, x: &[f64]) -> impl Iterator<Item = f64> {
+        self.gradients(x).map(|(f, _)| f.determinant())
+    }
+}
+
+struct Values<'a> {
+    of: &'a Triangles,
+    field: Field,
+    x: &'a [f64],
+    values: &'a mut Vec<f64>,
+}
+
+impl Visitor for Values<'_> {
+    type Output = ();
+    fn visit<M: Material>(self, material: &M) {
+        let gradients = self.of.gradients(self.x).map(|(f, _)| f);
+        match self.field {
+            Field::None => {}
+            Field::Volume => self.values.extend(gradients.map(|f| f.determinant())),
+            Field::EnergyDensity => self.values.extend(gradients.map(|f| material.energy(&f))),
+            Field::VonMises => {
+                let plane_stress = self.of.plane_stress();
+                self.values.extend(gradients.map(|f| von_mises(material, &f, plane_stress)));
+            }
+        }
+    }
+}
+
+/// Von Mises equivalent of the Cauchy stress `sigma = P Fᵀ / J` [Pa]:
+/// `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`, where `sz = P33/J` in plane strain and 0 in plane stress.
+pub fn von_mises<M: Material>(material: &M, f: &Matrix2<f64>, plane_stress: bool) -> f64 {
+    let j = f.determinant();
+    let sigma = material.stress(f) * f.transpose() / j;
+    let thickness = if plane_stress { 0.0 } else { material.thickness_stress(f) / j };
+    let (x, y, xy) = (sigma.m11, sigma.m22, 0.5 * (sigma.m12 + sigma.m21));
+    let differences = (x - y) * (x - y) + (y - thickness) * (y - thickness) + (thickness - x) * (thickness - x);
+    (0.5 * differences + 3.0 * xy * xy).sqrt()
+}

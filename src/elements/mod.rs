@@ -1,0 +1,6 @@
+//! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
+
+mod fields;
+mod triangle;
+
+pub use triangle::Triangles;

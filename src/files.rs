@@ -1,0 +1,133 @@
+//! Levels as text and as files: reading with the place of a mistake, and saving without ever losing what was there.
+
+use crate::{level::Level, levels, meshes::Files};
+use ron::{extensions::Extensions, ser::PrettyConfig};
+use std::path::{Path, PathBuf};
+
+/// A level that cannot be read or written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FileError {
+    /// The text is not a level.
+    #[error("{file}:{line}:{column}: {what}")]
+    Text {
+        /// Name of the file.
+        file: String,
+        /// Line of the mistake, from 1.
+        line: usize,
+        /// Column of the mistake, from 1.
+        column: usize,
+        /// What is wrong and what was expected.
+        what: String,
+    },
+    /// There is no such file, or it cannot be read or written.
+    #[error("{file}: {why}")]
+    Access {
+        /// Name of the file.
+        file: String,
+        /// What the system says.
+        why: String,
+    },
+}
+
+/// Largest level file that is read [bytes].
+const LARGEST: u64 = 256 << 20;
+
+fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
+}
+
+/// Reads a level from text; `file` is its name in messages.
+///
+/// # Errors
+/// [`FileError::Text`] with line, column and what was expected.
+pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
+    options().from_str(text).map_err(|error| FileError::Text {
+        file: file.to_owned(),
+        line: error.span.end.line,
+        column: error.span.end.col,
+        what: error.code.to_string(),
+    })
+}
+
+/// A level as text that [`parse`] reads back to the same bits.
+///
+/// # Errors
+/// [`FileError::Access`] if it cannot be written as RON.
+pub fn write(level: &Level) -> Result<String, FileError> {
+    let config = PrettyConfig::new().depth_limit(4).separate_tuple_members(false).compact_arrays(false);
+    let text = options().to_string_pretty(level, config);
+    text.map(|text| text + "\n").map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
+}
+
+/// Reads a level from a file, or, where there is no such file, the built-in one of that name. Paths of meshes in it are
+/// taken relative to its folder.
+///
+/// # Errors
+/// [`FileError`] with the place and the reason.
+pub fn read(path: &Path) -> Result<Level, FileError> {
+    let name = path.display().to_string();
+    if !path.exists() && let Some(text) = levels::built_in(&name) {
+        return parse(text, &name);
+    }
+    let mut level = parse(&read_text(path)?, &name)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    each_mesh_path(&mut level, |mesh| folder.join(mesh));
+    Ok(level)
+}
+
+/// Saves a level so that at every moment either the old file or the whole new one is there. Paths of meshes below its
+/// folder are written relative to it.
+///
+/// # Errors
+/// [`FileError::Access`] if the system refuses; a file that was there stays.
+pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
+    let mut level = level.clone();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    each_mesh_path(&mut level, |mesh| mesh.strip_prefix(folder).unwrap_or(mesh).to_path_buf());
+    write_text(path, &write(&level)?)
+}
+
+/// Writes a text file so that at every moment either the old one or the whole new one is there.
+///
+/// # Errors
+/// [`FileError::Access`] if the system refuses; a file that was there stays.
+pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(".part");
+    let temporary = PathBuf::from(temporary);
+    let written = std::fs::File::create(&temporary).and_then(|mut file| {
+        std::io::Write::write_all(&mut file, text.as_bytes())?;
+        file.sync_all()
+    });
+    written.and_then(|()| std::fs::rename(&temporary, path)).map_err(|error| {
+        // Best effort: the file that counts is untouched either way.
+        let _ = std::fs::remove_file(&temporary);
+        FileError::Access { file: path.display().to_string(), why: error.to_string() }
+    })
+}
+
+fn read_text(path: &Path) -> Result<String, FileError> {
+    let fail = |why: String| FileError::Access { file: path.display().to_string(), why };
+    let size = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?.len();
+    if size > LARGEST {
+        return Err(fail(format!("{} MB is more than a level may have ({} MB)", size >> 20, LARGEST >> 20)));
+    }
+    std::fs::read_to_string(path).map_err(|error| fail(error.to_string()))
+}
+
+fn each_mesh_path(level: &mut Level, change: impl Fn(&Path) -> PathBuf) {
+    for body in &mut level.bodies {
+        if let Some(path) = body.mesh.kind_mut().path_mut() {
+            *path = change(Path::new(path.as_str())).display().to_string();
+        }
+    }
+}
+
+/// The file system.
+pub struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &str) -> Result<String, String> {
+        read_text(Path::new(path)).map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,268 @@
+//! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong.
+
+use crate::{
+    files::{self, FileError},
+    level::{Level, RunMode},
+    materials::Model,
+    sandbox::Refused,
+    scene::Scene,
+    simulation::Simulation,
+    snapshot::Energies,
+};
+use serde::Serialize;
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+use web_time::Instant;
+
+/// What to run and what to write.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Run {
+    /// A level file, or the name of a built-in level.
+    pub level: PathBuf,
+    /// Simulated time to run [s].
+    #[arg(long, conflicts_with = "steps", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Number of steps to take.
+    #[arg(long)]
+    pub steps: Option<u64>,
+    /// Constitutive model for every body, instead of the level's own.
+    #[arg(long, value_parser = model)]
+    pub model: Option<Model>,
+    /// Write the last positions and velocities here, as CSV: vertex,x,y,vx,vy.
+    #[arg(long)]
+    pub state: Option<PathBuf>,
+    /// Write energies, counts and costs here, as JSON.
+    #[arg(long)]
+    pub report: Option<PathBuf>,
+    /// Save the level with its last state here, to go on from.
+    #[arg(long)]
+    pub save: Option<PathBuf>,
+}
+
+/// Why a headless command stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum HeadlessError {
+    /// A file cannot be read or written, or is not a level.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A level cannot be built.
+    #[error("{file}: {why}")]
+    Level {
+        /// Name of the file.
+        file: String,
+        /// What is wrong.
+        why: Refused,
+    },
+    /// The simulation stopped.
+    #[error("{0}")]
+    Fault(crate::fault::Fault),
+}
+
+impl HeadlessError {
+    /// 2 for what the user can mend in files and arguments, 1 for a simulation that stopped.
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Fault(_) => 1,
+            _ => 2,
+        }
+    }
+}
+
+/// What a run cost and came to; field names are stable.
+#[derive(Debug, Serialize)]
+pub struct RunReport {
+    /// Title of the level.
+    pub level: String,
+    /// Energies at the end [J].
+    pub energy: EnergyReport,
+    /// Least det F of all triangles at the end.
+    pub min_j: f64,
+    /// Number of triangles with det F <= 0 at the end.
+    pub inverted: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Length of a step [s].
+    pub step_seconds: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Simulated time at the end [s].
+    pub time: f64,
+    /// Evaluations of all forces together.
+    pub force_evaluations: u64,
+    /// Time spent stepping [s].
+    pub wall_seconds: f64,
+    /// Time per triangle and step [ns].
+    pub ns_per_triangle_step: f64,
+    /// What each effect cost.
+    pub effects: Vec<EffectReport>,
+    /// Fingerprint of the last positions and velocities, equal on every machine.
+    pub state_hash: String,
+    /// Why the run stopped early, if it did.
+    pub fault: Option<String>,
+}
+
+/// Energies [J].
+#[derive(Debug, Serialize)]
+pub struct EnergyReport {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of deformation.
+    pub elastic: f64,
+    /// Of gravity and springs.
+    pub potential: f64,
+    /// The sum.
+    pub total: f64,
+}
+
+/// What one effect cost.
+#[derive(Debug, Serialize)]
+pub struct EffectReport {
+    /// Name of the effect.
+    pub name: &'static str,
+    /// Time spent in it [s].
+    pub seconds: f64,
+    /// Number of calls.
+    pub calls: u64,
+    /// Elements touched, summed over the calls.
+    pub elements: u64,
+}
+
+/// Runs a level to the end and writes what was asked for. Shows progress on a terminal.
+///
+/// # Errors
+/// [`HeadlessError`]; what could be written has been.
+pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
+    let mut level = files::read(&request.level)?;
+    if let Some(model) = request.model {
+        level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+    }
+    let mut simulation = start(&level, &request.level)?;
+    simulation.set_timed(request.report.is_some());
+    let seconds = request.seconds.unwrap_or(2.0);
+    let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
+    let begin = Instant::now();
+    step_with_progress(&mut simulation, steps);
+    let report = report(&level, &simulation, begin.elapsed().as_secs_f64());
+    if let Some(path) = &request.state {
+        files::write_text(path, &csv(&simulation))?;
+    }
+    if let Some(path) = &request.report {
+        let json = serde_json::to_string_pretty(&report).map_err(|error| access(path, &error))?;
+        files::write_text(path, &(json + "\n"))?;
+    }
+    if let Some(path) = &request.save {
+        let state = crate::document::saved(simulation.state());
+        files::save(path, &Level { state, ..level })?;
+    }
+    simulation.fault().cloned().map_or(Ok(report), |fault| Err(HeadlessError::Fault(fault)))
+}
+
+/// Reads and builds a level, and says in a line what it is.
+///
+/// # Errors
+/// [`HeadlessError`] with the place of the mistake.
+pub fn check(path: &Path) -> Result<String, HeadlessError> {
+    let level = files::read(path)?;
+    let simulation = start(&level, path)?;
+    let scene = simulation.scene();
+    let mut line = format!(
+        "{}: ok, {} triangles, {} vertices, {} pinned",
+        path.display(),
+        scene.triangles.len(),
+        scene.rest.len() / 2,
+        scene.pins.len()
+    );
+    for message in &scene.messages {
+        // Writing to a string cannot fail.
+        let _ = write!(line, "\n  {message}");
+    }
+    Ok(line)
+}
+
+fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
+    let fail = |why| HeadlessError::Level { file: path.display().to_string(), why: Refused::Scene(why) };
+    let mode: RunMode = level.mode;
+    let scene = Scene::build(level, mode, &files::Disk, None).map_err(fail)?;
+    let state = scene.first_state(level.state.as_ref()).map_err(fail)?;
+    Ok(Simulation::new(scene, state))
+}
+
+fn step_with_progress(simulation: &mut Simulation, steps: u64) {
+    let bar = indicatif::ProgressBar::new(steps);
+    if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:40} {pos}/{len} steps, {eta} left") {
+        bar.set_style(style);
+    }
+    let mut left = steps;
+    while left > 0 && simulation.fault().is_none() {
+        let taken = simulation.advance(left.min(200), &mut || true);
+        left -= taken;
+        bar.inc(taken);
+    }
+    bar.finish_and_clear();
+}
+
+fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunReport {
+    let (scene, state, counts) = (simulation.scene(), simulation.state(), simulation.counts());
+    let (min_j, inverted) = simulation.inversion();
+    let (triangles, steps) = (scene.triangles.len(), counts.steps);
+    let effects = simulation.costs().iter().map(|cost| EffectReport {
+        name: cost.name,
+        seconds: cost.time.as_secs_f64(),
+        calls: cost.calls,
+        elements: cost.elements,
+    });
+    RunReport {
+        level: level.name.clone(),
+        energy: simulation.energies().into(),
+        min_j,
+        inverted,
+        triangles,
+        vertices: scene.rest.len() / 2,
+        step_seconds: scene.step,
+        steps,
+        time: state.time,
+        force_evaluations: counts.force_evaluations,
+        wall_seconds,
+        ns_per_triangle_step: wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64),
+        effects: effects.collect(),
+        state_hash: format!("{:016x}", state.hash()),
+        fault: simulation.fault().map(ToString::to_string),
+    }
+}
+
+/// One line a vertex with 17 significant digits, enough to read back the same bits.
+fn csv(simulation: &Simulation) -> String {
+    let state = simulation.state();
+    let mut text = String::from("vertex,x,y,vx,vy\n");
+    for (vertex, (x, v)) in state.x.chunks_exact(2).zip(state.v.chunks_exact(2)).enumerate() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{vertex},{:.16e},{:.16e},{:.16e},{:.16e}", x[0], x[1], v[0], v[1]);
+    }
+    text
+}
+
+impl From<Energies> for EnergyReport {
+    fn from(energies: Energies) -> Self {
+        let Energies { kinetic, elastic, potential } = energies;
+        Self { kinetic, elastic, potential, total: energies.total() }
+    }
+}
+
+fn access(path: &Path, error: &dyn std::error::Error) -> FileError {
+    FileError::Access { file: path.display().to_string(), why: error.to_string() }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
+    if value.is_finite() && (0.0..=1e9).contains(&value) { Ok(value) } else { Err("expected seconds in [0, 1e9]".to_owned()) }
+}
+
+fn model(text: &str) -> Result<Model, String> {
+    let names: Vec<_> = Model::ALL.iter().map(|model| model.name()).collect();
+    let known = Model::ALL.iter().find(|model| model.name().eq_ignore_ascii_case(text));
+    known.copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
+}

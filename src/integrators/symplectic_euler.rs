@@ -1,0 +1,35 @@
+use super::{Dynamics, Integrator};
+use crate::state::State;
+use serde::{Deserialize, Serialize};
+
+/// Symplectic (semi-implicit) Euler: `v += h f(x, v)/m`, then `x += h v`.
+///
+/// First order. Without damping it is stable for h < 2/omega_max, omega_max the highest natural frequency, and keeps a
+/// modified energy exactly for linear forces, so that the true one swings but does not drift
+/// (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, section I.1.2).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SymplecticEuler {}
+
+impl Integrator for SymplecticEuler {
+    fn title(&self) -> &'static str {
+        "Symplectic Euler"
+    }
+
+    fn about(&self) -> &'static str {
+        "v += h f/m, then x += h v. First order; stable for h < 2/ω of the stiffest vibration; energy swings but does not drift."
+    }
+
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Vec<f64>, h: f64) {
+        work.resize(state.x.len(), 0.0);
+        system.force(&state.x, &state.v, work);
+        for ((v, f), inverse_mass) in state.v.iter_mut().zip(work.iter()).zip(system.inverse_mass()) {
+            *v += h * f * inverse_mass;
+        }
+        system.constrain_velocity(&state.x, &mut state.v);
+        for (x, v) in state.x.iter_mut().zip(&state.v) {
+            *x += h * v;
+        }
+        system.constrain_position(&mut state.x, &mut state.v);
+    }
+}

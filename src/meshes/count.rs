@@ -1,0 +1,67 @@
+//! Whole numbers in level files and panels: a quantity that must not have a fraction.
+
+use crate::quantity::{OutOfRange, Quantity, Spec};
+
+/// A quantity whose value is a whole number.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "f64", into = "u32")]
+#[serde(bound = "Q: TryFrom<f64, Error = OutOfRange> + Quantity + Copy")]
+pub struct Whole<Q>(Q);
+
+/// Why a number is no count.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CountError {
+    /// It is outside the range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// It has a fraction.
+    #[error("{name} must be a whole number, got {value}")]
+    Fraction {
+        /// The quantity in words.
+        name: &'static str,
+        /// The number.
+        value: f64,
+    },
+}
+
+impl<Q: Quantity> Whole<Q> {
+    /// A quantity known when the program is compiled to be whole.
+    pub(super) const fn literal(quantity: Q) -> Self {
+        Self(quantity)
+    }
+
+    /// The count.
+    pub fn count(&self) -> u32 {
+        self.0.get() as u32
+    }
+}
+
+impl<Q: Quantity + TryFrom<f64, Error = OutOfRange>> TryFrom<f64> for Whole<Q> {
+    type Error = CountError;
+    fn try_from(value: f64) -> Result<Self, CountError> {
+        let quantity = Q::try_from(value)?;
+        let name = quantity.spec().name;
+        if value.fract() == 0.0 { Ok(Self(quantity)) } else { Err(CountError::Fraction { name, value }) }
+    }
+}
+
+impl<Q: Quantity> From<Whole<Q>> for u32 {
+    fn from(whole: Whole<Q>) -> Self {
+        whole.count()
+    }
+}
+
+impl<Q: Quantity> Quantity for Whole<Q> {
+    fn spec(&self) -> &'static Spec {
+        self.0.spec()
+    }
+
+    fn get(&self) -> f64 {
+        self.0.get()
+    }
+
+    /// Takes the nearest whole number, as a slider moves through fractions.
+    fn set(&mut self, value: f64) -> Result<(), OutOfRange> {
+        self.0.set(value.round())
+    }
+}

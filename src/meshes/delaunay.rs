@@ -1,0 +1,117 @@
+//! Spade's Delaunay triangulations of the inside of a polygon; the one file here that says `spade`.
+
+use spade::{AngleLimit, ConstrainedDelaunayTriangulation, HasPosition, Point2, RefinementParameters, Triangulation};
+
+use super::MeshError;
+
+/// Circumradius over shortest edge, 1 / (2 sin 26°): the refinement's form of an angle a little above 25 degrees.
+const RATIO: f64 = 1.1406;
+
+/// Points, and triangles that count them from 0.
+pub(super) type Filled = (Vec<[f64; 2]>, Vec<[u32; 3]>);
+
+/// A point and its number in our list; spade's own order differs.
+struct Site {
+    position: Point2<f64>,
+    index: u32,
+}
+
+impl HasPosition for Site {
+    type Scalar = f64;
+    fn position(&self) -> Point2<f64> {
+        self.position
+    }
+}
+
+impl From<Point2<f64>> for Site {
+    /// A point that refinement adds; it gets its number later.
+    fn from(position: Point2<f64>) -> Self {
+        Self { position, index: u32::MAX }
+    }
+}
+
+type Delaunay = ConstrainedDelaunayTriangulation<Site>;
+
+/// What to do when an outline cannot be followed.
+pub(super) fn too_narrow() -> MeshError {
+    MeshError::Recipe("the outline is too narrow for its triangles; ask for more of them".to_owned())
+}
+
+/// The Delaunay triangles inside the simple polygon of the first `fixed` points.
+///
+/// # Errors
+/// [`MeshError::Recipe`] if points coincide or lie on the polygon's sides, or if coordinates are absurdly large or small.
+pub(super) fn triangles(points: &[[f64; 2]], fixed: usize) -> Result<Vec<[u32; 3]>, MeshError> {
+    Ok(inside(&triangulation(points, fixed)?))
+}
+
+/// Adds points by Ruppert's algorithm, on the sides too, until no angle is small that the polygon itself does not make
+/// so, or until there are `most` points more.
+///
+/// # Errors
+/// As [`triangles`].
+pub(super) fn refine(points: &[[f64; 2]], fixed: usize, most: usize) -> Result<Filled, MeshError> {
+    let mut delaunay = triangulation(points, fixed)?;
+    let parameters = RefinementParameters::new()
+        .exclude_outer_faces(true)
+        .with_angle_limit(AngleLimit::from_radius_to_shortest_edge_ratio(RATIO))
+        .with_max_additional_vertices(most);
+    delaunay.refine(parameters);
+    let handles: Vec<_> = delaunay.fixed_vertices().collect();
+    for &handle in &handles {
+        delaunay.vertex_data_mut(handle).index = handle.index() as u32;
+    }
+    let all: Vec<_> = delaunay.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
+    Ok(without_unused(&all, inside(&delaunay)))
+}
+
+/// The Delaunay triangulation that keeps the polygon of the first `fixed` points.
+fn triangulation(points: &[[f64; 2]], fixed: usize) -> Result<Delaunay, MeshError> {
+    let sites = points.iter().enumerate();
+    let sites = sites.map(|(index, &[x, y])| Site { position: Point2::new(x, y), index: index as u32 }).collect();
+    // Constraints follow one by one: spade's joint bulk load walks a hash set, whose order differs from run to run.
+    let mut delaunay = Delaunay::bulk_load(sites)
+        .map_err(|error| MeshError::Recipe(format!("the outline cannot be cut into triangles: {error}")))?;
+    let mut handles = vec![None; points.len()];
+    for vertex in delaunay.vertices() {
+        handles[vertex.data().index as usize] = Some(vertex.fix());
+    }
+    for from in 0..fixed {
+        let (Some(from), Some(to)) = (handles[from], handles[(from + 1) % fixed]) else { return Err(too_narrow()) };
+        if from == to || !delaunay.can_add_constraint(from, to) {
+            return Err(too_narrow());
+        }
+        delaunay.add_constraint(from, to);
+    }
+    Ok(delaunay)
+}
+
+/// The triangles that cannot be reached from outside without crossing a constraint.
+fn inside(delaunay: &Delaunay) -> Vec<[u32; 3]> {
+    let mut outside = vec![false; delaunay.num_all_faces()];
+    let rim = delaunay.directed_edges().filter(|edge| edge.is_outer_edge() && !edge.is_constraint_edge());
+    let mut todo: Vec<_> = rim.filter_map(|edge| edge.rev().face().as_inner()).collect();
+    while let Some(face) = todo.pop() {
+        if std::mem::replace(&mut outside[face.fix().index()], true) {
+            continue;
+        }
+        let open = face.adjacent_edges().into_iter().filter(|edge| !edge.is_constraint_edge());
+        todo.extend(open.filter_map(|edge| edge.rev().face().as_inner()));
+    }
+    let inner = delaunay.inner_faces().filter(|face| !outside[face.fix().index()]);
+    inner.map(|face| face.vertices().map(|vertex| vertex.data().index)).collect()
+}
+
+/// Leaves out points that no triangle uses.
+fn without_unused(points: &[[f64; 2]], mut triangles: Vec<[u32; 3]>) -> Filled {
+    let mut used = vec![false; points.len()];
+    triangles.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
+    let mut renamed = vec![0; points.len()];
+    let mut kept = Vec::new();
+    for (old, &point) in points.iter().enumerate().filter(|&(old, _)| used[old]) {
+        renamed[old] = kept.len() as u32;
+        kept.push(point);
+    }
+    triangles.iter_mut().flatten().for_each(|vertex| *vertex = renamed[*vertex as usize]);
+    (kept, triangles)
+}

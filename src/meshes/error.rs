@@ -1,0 +1,105 @@
+//! What can be wrong with a mesh or with the recipe for one, each in a sentence that says what to do about it.
+
+/// Most triangles that a recipe may ask for.
+pub const MOST_TRIANGLES: usize = 2_000_000;
+
+/// Why there is no mesh. Vertices and triangles are counted from 0, in an OBJ file's vertices from 1 as it does itself.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// No triangle at all.
+    #[error("the mesh has no triangles; give it at least one")]
+    Empty,
+    /// More than [`MOST_TRIANGLES`].
+    #[error("the mesh would have {0} triangles; ask for at most {MOST_TRIANGLES}")]
+    TooMany(usize),
+    /// A coordinate is infinite or not a number.
+    #[error("vertex {vertex} has a coordinate that is not a finite number; correct it")]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, but the last vertex is {last}; correct the number")]
+    NoSuchVertex {
+        /// The triangle.
+        triangle: usize,
+        /// The number it names.
+        vertex: usize,
+        /// The largest number it may name.
+        last: usize,
+    },
+    /// A triangle has no area, or next to none.
+    #[error("triangle {triangle} ({}, {}, {}) has no area; remove it or move its corners apart", corners[0], corners[1], corners[2])]
+    NoArea {
+        /// The triangle.
+        triangle: usize,
+        /// Its vertices.
+        corners: [usize; 3],
+    },
+    /// More than two triangles meet at an edge.
+    #[error("{count} triangles share the edge from vertex {from} to vertex {to}; at most two can lie side by side")]
+    CrowdedEdge {
+        /// One end of the edge.
+        from: usize,
+        /// The other end.
+        to: usize,
+        /// How many triangles have this edge.
+        count: usize,
+    },
+    /// Two triangles lie on the same side of an edge they share.
+    #[error("two triangles lie on the same side of the edge from vertex {from} to vertex {to}; remove the one on top")]
+    Overlap {
+        /// One end of the edge.
+        from: usize,
+        /// The other end.
+        to: usize,
+    },
+    /// Two parts of the mesh hold together at a single vertex.
+    #[error(
+        "parts of the mesh touch only at vertex {vertex}; join them along an edge, or give each its own vertex there"
+    )]
+    BowTie {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// Vertices that belong to no triangle would have no mass.
+    #[error("no triangle uses vertex {vertex} ({count} such in all); remove unused vertices or connect them")]
+    Unused {
+        /// The first of them.
+        vertex: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The sides of an outline cross or touch each other.
+    #[error(
+        "sides {first} and {second} of the outline cross or touch; move their corners apart so that it bounds one area"
+    )]
+    Crossing {
+        /// A side, numbered by its first point from 0.
+        first: usize,
+        /// The other side.
+        second: usize,
+    },
+    /// A recipe that cannot be followed, in a whole sentence.
+    #[error("{0}")]
+    Recipe(String),
+    /// A file that cannot be read.
+    #[error("{path}: {reason}")]
+    File {
+        /// The path as the level gives it.
+        path: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A line of a file that cannot be understood.
+    #[error("{path}, line {line}: {reason}")]
+    Line {
+        /// The path as the level gives it.
+        path: String,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong and what was expected.
+        reason: String,
+    },
+}

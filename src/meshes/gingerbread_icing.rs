@@ -1,0 +1,70 @@
+//! What is piped onto the gingerbread man: a face, buttons and a wavy line along his edge. Metres from his middle.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{IcingColor, Locator, Stroke, gingerbread_shape, mesh::squared_distance, polygon};
+
+/// How far the piping runs inside the edge [m].
+const INSET: f64 = 0.021;
+/// Width of the piping [m].
+const WIDTH: f64 = 0.0075;
+/// How far the piping swings to either side [m].
+const SWING: f64 = 0.0045;
+/// Length of a wave of the piping [m], about.
+const WAVE: f64 = 0.034;
+/// Points per wave: enough for a smooth line.
+const PER_WAVE: usize = 12;
+
+/// All icing, in drawing order.
+pub(super) fn icing(locator: &Locator) -> Vec<Stroke> {
+    let mut strokes = vec![Stroke::line(locator, &piping(), true, WIDTH, IcingColor::White)];
+    for side in [-1.0, 1.0] {
+        strokes.push(Stroke::area(locator, &disc([side * 0.043, 0.222], 0.0145), IcingColor::White));
+    }
+    strokes.push(Stroke::line(locator, &smile(), false, 0.0105, IcingColor::White));
+    for (y, color) in [(0.045, IcingColor::Red), (-0.015, IcingColor::Green), (-0.075, IcingColor::Red)] {
+        strokes.push(Stroke::area(locator, &disc([0.0, y], 0.0165), color));
+    }
+    strokes
+}
+
+/// A point of the body in the world [m].
+fn world([x, y]: [f64; 2]) -> [f64; 2] {
+    [x + gingerbread_shape::MIDDLE[0], y + gingerbread_shape::MIDDLE[1]]
+}
+
+/// A circle in 32 points [m].
+fn disc(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    let at = |angle: f64| world([centre[0] + radius * libm::cos(angle), centre[1] + radius * libm::sin(angle)]);
+    (0..32).map(|step| at(TAU * f64::from(step) / 32.0)).collect()
+}
+
+/// A mouth [m].
+fn smile() -> Vec<[f64; 2]> {
+    let at = |angle: f64| world([0.062 * libm::cos(angle), 0.2 + 0.056 * libm::sin(angle)]);
+    (0..=24).map(|step| at(PI * (1.17 + 0.66 * f64::from(step) / 24.0))).collect()
+}
+
+/// A closed wave along the edge [m], mirrored like the outline.
+fn piping() -> Vec<[f64; 2]> {
+    let line = gingerbread_shape::contour(INSET);
+    let length: f64 = line.windows(2).map(|pair| squared_distance(pair[0], pair[1]).sqrt()).sum();
+    let waves = (length / WAVE).round();
+    let steps = waves as usize * PER_WAVE;
+    let even = polygon::spaced(&line, steps + 1);
+    let half: Vec<_> = (0..=steps)
+        .map(|step| {
+            let (before, after) = (even[step.saturating_sub(1)], even[(step + 1).min(steps)]);
+            let size = squared_distance(before, after).sqrt();
+            let swing = SWING * libm::cos(TAU * step as f64 / PER_WAVE as f64) / size;
+            let outward = if step == 0 || step == steps {
+                [0.0, size.copysign(before[0] - after[0])]
+            } else {
+                [before[1] - after[1], after[0] - before[0]]
+            };
+            [even[step][0] + swing * outward[0], even[step][1] + swing * outward[1]]
+        })
+        .collect();
+    let left = half.iter().take(steps).skip(1).rev().map(|&[x, y]| [1.0 - x, y]);
+    half.iter().copied().chain(left).collect()
+}

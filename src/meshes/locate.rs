@@ -1,0 +1,142 @@
+//! Which triangle holds a point. Triangles are sorted into square cells once; a look-up then tests only a few.
+
+use super::{Embedded, mesh};
+
+/// How far outside a triangle, in barycentric weight, still counts as inside: rounding on a shared edge.
+const TOLERANCE: f64 = 1e-9;
+
+/// Finds triangles by place, in the shape the mesh had when this was made.
+pub struct Locator {
+    corners: Vec<[[f64; 2]; 3]>,
+    low: [f64; 2],
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    /// `entries[starts[c]..starts[c + 1]]` are the triangles whose box meets cell `c`.
+    starts: Vec<u32>,
+    entries: Vec<u32>,
+}
+
+impl Locator {
+    /// Sorts triangles by place. `points` [m] are in the shape to search, not necessarily at rest.
+    pub fn new(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
+        let mut corners: Vec<_> =
+            triangles.iter().map(|corners| corners.map(|vertex| points[vertex as usize])).collect();
+        let [low, high] = mesh::bounds(points);
+        let (width, height) = (high[0] - low[0], high[1] - low[1]);
+        // About one triangle a cell; a long thin body has at most 2000 cells along a side.
+        let count = triangles.len().max(1) as f64;
+        let mut cell = (width * height / count).sqrt().max(width.max(height) / 2000.0).max(f64::MIN_POSITIVE);
+        loop {
+            let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
+            let mut locator = Self { corners, low, cell, columns, rows, starts: Vec::new(), entries: Vec::new() };
+            // Long triangles lie in many cells; larger cells then, so that memory stays in proportion to the mesh.
+            if columns * rows == 1 || locator.entry_count() <= 32 * triangles.len() {
+                locator.fill();
+                return locator;
+            }
+            (corners, cell) = (locator.corners, 2.0 * cell);
+        }
+    }
+
+    /// The triangle that holds a point [m] and the weights of its corners; the lowest number on shared edges.
+    pub fn locate(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
+        let [column, row] = [0, 1].map(|axis| ((point[axis] - self.low[axis]) / self.cell + TOLERANCE).floor());
+        if !(column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64) {
+            return None;
+        }
+        let cell = row as usize * self.columns + column as usize;
+        self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize].iter().find_map(|&triangle| {
+            let weights = barycentric(self.corners[triangle as usize], point);
+            weights.iter().all(|&weight| weight >= -TOLERANCE).then_some((triangle as usize, weights))
+        })
+    }
+
+    /// As [`Locator::locate`]; outside the mesh the nearest triangle with weights that reach out to the point, so that
+    /// they still give back exactly that point. `None` only for a mesh without triangles or a point that is not finite.
+    pub fn locate_nearest(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
+        self.locate(point).or_else(|| {
+            let mut best = (f64::INFINITY, None);
+            for (triangle, corners) in self.corners.iter().enumerate() {
+                let distance = squared_distance_to(*corners, point);
+                if distance < best.0 {
+                    best = (distance, Some(triangle));
+                }
+            }
+            best.1.map(|triangle| (triangle, barycentric(self.corners[triangle], point)))
+        })
+    }
+
+    /// A point [m] as part of the body.
+    pub fn embed(&self, point: [f64; 2]) -> Embedded {
+        let (triangle, weights) = self.locate_nearest(point).unwrap_or((0, [1.0, 0.0, 0.0]));
+        Embedded { triangle: triangle as u32, weights }
+    }
+
+    /// Number of times that a triangle lies in a cell.
+    fn entry_count(&self) -> usize {
+        self.corners
+            .iter()
+            .map(|corners| self.span(corners))
+            .map(|[left, right, bottom, top]| (right - left + 1) * (top - bottom + 1))
+            .sum()
+    }
+
+    /// Counts, then places: two passes fill all cells without a list for each.
+    fn fill(&mut self) {
+        let mut starts = vec![0_u32; self.columns * self.rows + 1];
+        for corners in &self.corners {
+            self.cells(corners).for_each(|cell| starts[cell + 1] += 1);
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut next = starts.clone();
+        let mut entries = vec![0; starts.last().map_or(0, |&end| end as usize)];
+        for (triangle, corners) in self.corners.iter().enumerate() {
+            for cell in self.cells(corners) {
+                entries[next[cell] as usize] = triangle as u32;
+                next[cell] += 1;
+            }
+        }
+        (self.starts, self.entries) = (starts, entries);
+    }
+
+    /// The cells that a triangle's box meets.
+    fn cells(&self, corners: &[[f64; 2]; 3]) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.columns;
+        let [left, right, bottom, top] = self.span(corners);
+        (bottom..=top).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
+    }
+
+    /// First and last column, first and last row that a triangle's box meets, with a margin for rounding.
+    fn span(&self, corners: &[[f64; 2]; 3]) -> [usize; 4] {
+        const MARGIN: f64 = 1e-6;
+        let [low, high] = mesh::bounds(corners);
+        let index = |value: f64, axis: usize, margin: f64, count: usize| {
+            (((value - self.low[axis]) / self.cell + margin).max(0.0) as usize).min(count - 1)
+        };
+        let (columns, rows) = (self.columns, self.rows);
+        [
+            index(low[0], 0, -MARGIN, columns),
+            index(high[0], 0, MARGIN, columns),
+            index(low[1], 1, -MARGIN, rows),
+            index(high[1], 1, MARGIN, rows),
+        ]
+    }
+}
+
+/// Weights of a triangle's corners that give the point; outside, some are negative.
+fn barycentric([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> [f64; 3] {
+    let whole = mesh::area([a, b, c]);
+    let (second, third) = (mesh::area([a, point, c]) / whole, mesh::area([a, b, point]) / whole);
+    [1.0 - second - third, second, third]
+}
+
+/// Square of the distance from a point outside a triangle to its sides [m²].
+fn squared_distance_to([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> f64 {
+    [[a, b], [b, c], [c, a]]
+        .map(|[from, to]| mesh::squared_distance_to_side(from, to, point))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,227 @@
+//! The mesh every recipe ends in: points, counter-clockwise triangles and icing, all of it checked.
+
+use super::{MeshError, Stroke, error::MOST_TRIANGLES, topology::Topology};
+
+/// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
+const FLATTEST: f64 = 1e-12;
+
+/// A triangle mesh in its rest shape. What [`Mesh::new`] lets through has finite points, counter-clockwise triangles with
+/// an area, at most two of them at an edge and one fan of them at every vertex, and no vertex without a triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    points: Vec<[f64; 2]>,
+    triangles: Vec<[u32; 3]>,
+    icing: Vec<Stroke>,
+    messages: Vec<String>,
+}
+
+impl Mesh {
+    /// Checks points [m] and triangles, three vertex numbers each. Clockwise triangles are turned over; that, several
+    /// pieces, and vertices at the same place are told in [`Mesh::messages`].
+    ///
+    /// # Errors
+    /// [`MeshError`] if the triangles cannot be a body; it names the vertex or triangle.
+    pub fn new(points: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        Self::counted_from(0, points, triangles)
+    }
+
+    /// As [`Mesh::new`], with vertices counted from `base` in errors and messages. Triangles always count from 0 here.
+    pub(super) fn counted_from(
+        base: usize,
+        points: Vec<[f64; 2]>,
+        mut triangles: Vec<[u32; 3]>,
+    ) -> Result<Self, MeshError> {
+        check_points(base, &points)?;
+        let mut messages = Vec::new();
+        let turned = wind(base, &points, &mut triangles)?;
+        if turned > 0 {
+            messages.push(match turned {
+                1 => "1 triangle was clockwise and has been turned over".to_owned(),
+                _ => format!("{turned} triangles were clockwise and have been turned over"),
+            });
+        }
+        check_used(base, points.len(), &triangles)?;
+        let pieces = Topology::new(points.len(), &triangles, base)?.pieces();
+        if pieces > 1 {
+            messages.push(format!("the mesh is {pieces} separate pieces"));
+        }
+        messages.extend(coincident(base, &points));
+        Ok(Self { points, triangles, icing: Vec::new(), messages })
+    }
+
+    /// The same mesh with icing on it.
+    pub fn with_icing(mut self, icing: Vec<Stroke>) -> Self {
+        self.icing = icing;
+        self
+    }
+
+    /// Adds a sentence for the user to [`Mesh::messages`].
+    pub(super) fn with_message(mut self, message: String) -> Self {
+        self.messages.push(message);
+        self
+    }
+
+    /// Positions at rest [m].
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.points
+    }
+
+    /// Vertex numbers, counter-clockwise.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// What is drawn on top and moves with the body.
+    pub fn icing(&self) -> &[Stroke] {
+        &self.icing
+    }
+
+    /// What the user should know about the mesh although it can be used.
+    pub fn messages(&self) -> &[String] {
+        &self.messages
+    }
+
+    /// Edges `(from, to)` of a single triangle, the body on their left, in the order of the triangles.
+    pub fn boundary_edges(&self) -> Vec<[u32; 2]> {
+        self.topology().map_or_else(Vec::new, |topology| topology.boundary_edges().collect())
+    }
+
+    /// The boundary as closed loops without a repeated vertex: outer ones counter-clockwise, holes clockwise.
+    pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
+        self.topology().map_or_else(Vec::new, |topology| topology.boundary_loops())
+    }
+
+    /// The corners of a triangle [m].
+    pub fn corners(&self, triangle: usize) -> [[f64; 2]; 3] {
+        self.triangles[triangle].map(|vertex| self.points[vertex as usize])
+    }
+
+    /// Sum of the triangles' areas [m²].
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.len()).map(|triangle| area(self.corners(triangle))).sum()
+    }
+
+    /// The smallest angle of any triangle [°]: the mark of a good mesh is to be near 60.
+    pub fn min_angle(&self) -> f64 {
+        (0..self.triangles.len()).map(|triangle| min_angle(self.corners(triangle))).fold(60.0, f64::min)
+    }
+
+    /// Lower left and upper right corner of the smallest box that holds all points [m].
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
+        bounds(&self.points)
+    }
+
+    /// The neighbours; `None` never, because [`Mesh::new`] has matched the same edges before.
+    fn topology(&self) -> Option<Topology<'_>> {
+        Topology::new(self.points.len(), &self.triangles, 0).ok()
+    }
+}
+
+/// Signed area of a triangle [m²], positive counter-clockwise.
+pub(super) fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+}
+
+/// Smallest angle of a triangle [°].
+pub(super) fn min_angle([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    let doubled = 2.0 * area([a, b, c]).abs();
+    let angle = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        let along = (q[0] - p[0]) * (r[0] - p[0]) + (q[1] - p[1]) * (r[1] - p[1]);
+        libm::atan2(doubled, along).to_degrees()
+    };
+    angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b))
+}
+
+/// Lower left and upper right corner of the box that holds the points [m].
+pub(super) fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    points.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], point| {
+        [[low[0].min(point[0]), low[1].min(point[1])], [high[0].max(point[0]), high[1].max(point[1])]]
+    })
+}
+
+/// All points are finite.
+fn check_points(base: usize, points: &[[f64; 2]]) -> Result<(), MeshError> {
+    match points.iter().position(|point| !(point[0].is_finite() && point[1].is_finite())) {
+        Some(vertex) => Err(MeshError::NotFinite { vertex: vertex + base }),
+        None => Ok(()),
+    }
+}
+
+/// Checks numbers and areas, turns clockwise triangles over and returns how many there were.
+fn wind(base: usize, points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<usize, MeshError> {
+    if triangles.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    if triangles.len() > MOST_TRIANGLES {
+        return Err(MeshError::TooMany(triangles.len()));
+    }
+    let mut turned = 0;
+    for (triangle, corners) in triangles.iter_mut().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= points.len()) {
+            let last = (points.len() + base).saturating_sub(1);
+            return Err(MeshError::NoSuchVertex { triangle, vertex: vertex as usize + base, last });
+        }
+        let [a, b, c] = corners.map(|vertex| points[vertex as usize]);
+        let signed = area([a, b, c]);
+        let longest = [[a, b], [b, c], [c, a]].map(|[p, q]| squared_distance(p, q)).into_iter().fold(0.0, f64::max);
+        // Written so that an overflow to infinity or to no number counts as flat too.
+        let solid = signed.abs() > FLATTEST * longest && signed.is_finite() && longest.is_finite();
+        if !solid {
+            return Err(MeshError::NoArea { triangle, corners: corners.map(|vertex| vertex as usize + base) });
+        }
+        if signed < 0.0 {
+            corners.swap(1, 2);
+            turned += 1;
+        }
+    }
+    Ok(turned)
+}
+
+/// Every vertex belongs to a triangle.
+fn check_used(base: usize, vertices: usize, triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    let mut used = vec![false; vertices];
+    for &vertex in triangles.iter().flatten() {
+        used[vertex as usize] = true;
+    }
+    match used.iter().position(|&used| !used) {
+        Some(vertex) => {
+            Err(MeshError::Unused { vertex: vertex + base, count: used.iter().filter(|&&used| !used).count() })
+        }
+        None => Ok(()),
+    }
+}
+
+/// A sentence about vertices at exactly the same place, which leave a crack between triangles that seem to touch.
+fn coincident(base: usize, points: &[[f64; 2]]) -> Option<String> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    // Adding zero makes -0.0 and 0.0 the same place.
+    let place = |vertex: usize| points[vertex].map(|coordinate| coordinate + 0.0);
+    order.sort_unstable_by(|&a, &b| {
+        let ([ax, ay], [bx, by]) = (place(a), place(b));
+        ax.total_cmp(&bx).then(ay.total_cmp(&by)).then(a.cmp(&b))
+    });
+    let mut pairs = order.windows(2).filter(|pair| place(pair[0]) == place(pair[1]));
+    let first = pairs.next()?;
+    let count = 1 + pairs.count();
+    Some(format!(
+        "vertices {} and {} lie at the same place ({count} such in all): the mesh is open there; give both triangles the \
+         same vertex if it should hold together",
+        first[0] + base,
+        first[1] + base
+    ))
+}
+
+/// Square of the distance of two points [m²].
+pub(super) fn squared_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])
+}
+
+/// Square of the distance from a point to the segment between two others [m²].
+pub(super) fn squared_distance_to_side(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let length = squared_distance(from, to);
+    let share = ((point[0] - from[0]) * along[0] + (point[1] - from[1]) * along[1]) / length;
+    // A side without length gives no number here, and its first end then counts.
+    let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+    squared_distance([from[0] + share * along[0], from[1] + share * along[1]], point)
+}

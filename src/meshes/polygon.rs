@@ -1,0 +1,119 @@
+//! Plane polygons: whether they are simple, what lies inside them, how to cut small ones and how to space points along.
+
+use super::mesh::{area, squared_distance};
+
+/// Most corners of a polygon that [`cut`] takes: its time may grow with their cube.
+const MOST_CORNERS: usize = 200;
+
+/// Pairs of neighbours, the last with the first: the sides of a polygon.
+pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + Clone {
+    corners.iter().zip(corners.iter().cycle().skip(1)).map(|(&from, &to)| [from, to])
+}
+
+/// Signed area of a polygon [m²], positive counter-clockwise.
+pub(super) fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    let origin = corners.first().copied().unwrap_or_default();
+    sides(corners).map(|[from, to]| area([origin, from, to])).sum()
+}
+
+/// Length of the boundary [m].
+pub(super) fn perimeter(corners: &[[f64; 2]]) -> f64 {
+    sides(corners).map(|[from, to]| squared_distance(from, to).sqrt()).sum()
+}
+
+/// Two sides, by their first corners, that meet although they are not neighbours, or fold back onto each other.
+pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
+    let sides: Vec<_> = sides(corners).collect();
+    let left = |side: usize| sides[side][0][0].min(sides[side][1][0]);
+    let right = |side: usize| sides[side][0][0].max(sides[side][1][0]);
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    order.sort_by(|&a, &b| left(a).total_cmp(&left(b)).then(a.cmp(&b)));
+    for (index, &a) in order.iter().enumerate() {
+        for &b in order[index + 1..].iter().take_while(|&&b| left(b) <= right(a)) {
+            let (first, second) = (a.min(b), a.max(b));
+            let touching = if second == first + 1 {
+                folds_back(sides[first][0], sides[first][1], sides[second][1])
+            } else if first == 0 && second + 1 == sides.len() {
+                folds_back(sides[second][0], sides[second][1], sides[first][1])
+            } else {
+                meet(sides[first], sides[second])
+            };
+            if touching {
+                return Some((first, second));
+            }
+        }
+    }
+    None
+}
+
+/// Whether the way from `a` by `b` to `c` stands still or turns straight back.
+fn folds_back(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
+    let along = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
+    a == b || b == c || (area([a, b, c]) == 0.0 && along <= 0.0)
+}
+
+/// Whether two segments have a point in common.
+fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+    let between = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        area([p, q, r]) == 0.0 && [0, 1].iter().all(|&k| p[k].min(q[k]) <= r[k] && r[k] <= p[k].max(q[k]))
+    };
+    let opposite = |p: f64, q: f64| (p > 0.0 && q < 0.0) || (p < 0.0 && q > 0.0);
+    (opposite(area([a, b, c]), area([a, b, d])) && opposite(area([c, d, a]), area([c, d, b])))
+        || between(a, b, c)
+        || between(a, b, d)
+        || between(c, d, a)
+        || between(c, d, b)
+}
+
+/// Cuts a polygon into triangles of corner numbers, in the direction of its corners, by taking off ears. `None` if its
+/// sides cross, or if it has too many corners.
+pub(super) fn cut(corners: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
+    if corners.len() == 3 {
+        return Some(vec![[0, 1, 2]]);
+    }
+    if corners.len() > MOST_CORNERS || crossing(corners).is_some() {
+        return None;
+    }
+    let sign = if signed_area(corners) < 0.0 { -1.0 } else { 1.0 };
+    let mut rest: Vec<usize> = (0..corners.len()).collect();
+    let mut triangles = Vec::new();
+    while rest.len() > 3 {
+        let count = rest.len();
+        let ear = (1..=count).find(|&tip| is_ear(corners, &rest, tip % count, sign))? % count;
+        triangles.push([rest[(ear + count - 1) % count], rest[ear], rest[(ear + 1) % count]]);
+        rest.remove(ear);
+    }
+    triangles.push([rest[0], rest[1], rest[2]]);
+    Some(triangles)
+}
+
+/// Whether a corner bulges outwards and its triangle holds no other corner.
+fn is_ear(corners: &[[f64; 2]], rest: &[usize], tip: usize, sign: f64) -> bool {
+    let count = rest.len();
+    let ear = [rest[(tip + count - 1) % count], rest[tip], rest[(tip + 1) % count]];
+    let [a, b, c] = ear.map(|corner| corners[corner]);
+    let inside = |p: [f64; 2]| [[a, b, p], [b, c, p], [c, a, p]].iter().all(|&triangle| sign * area(triangle) >= 0.0);
+    sign * area([a, b, c]) > 0.0 && !rest.iter().any(|&other| !ear.contains(&other) && inside(corners[other]))
+}
+
+/// `count` points at even distance along a polyline, its two ends included; `count >= 2`.
+pub(super) fn spaced(line: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
+    let mut lengths = vec![0.0];
+    for pair in line.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + squared_distance(pair[0], pair[1]).sqrt());
+    }
+    let whole = lengths[lengths.len() - 1];
+    let last = line.len() - 1;
+    (0..count)
+        .map(|index| {
+            if index + 1 == count || last == 0 {
+                return line[last];
+            }
+            let target = whole * index as f64 / (count - 1) as f64;
+            let next = lengths.partition_point(|&length| length <= target).clamp(1, last);
+            let (before, after) = (line[next - 1], line[next]);
+            let share = (target - lengths[next - 1]) / (lengths[next] - lengths[next - 1]);
+            [before[0] + share * (after[0] - before[0]), before[1] + share * (after[1] - before[1])]
+        })
+        .collect()
+}

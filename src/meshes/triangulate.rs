@@ -1,0 +1,140 @@
+//! Fills an outline with nearly equilateral triangles: points along the outline, a triangular lattice inside, then
+//! smoothing. Each round moves every inner point to the area-weighted mean of the centroids around it and triangulates
+//! anew (centroidal patch triangulation: L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations",
+//! 13th International Meshing Roundtable, 2004, section 3). Spade gives the Delaunay triangulations and, where an
+//! outline's own corners leave slivers, Ruppert's refinement.
+
+use super::{
+    MeshError,
+    delaunay::{self, Filled},
+    mesh, polygon,
+};
+
+/// The smallest angle that is good enough [°].
+pub(super) const GOOD_ANGLE: f64 = 25.0;
+/// Height of an equilateral triangle of side 1.
+const ROW: f64 = 0.866_025_403_784_438_6;
+/// Nearest that the lattice comes to the outline, in edge lengths: rows then settle near one triangle's height.
+const CLEARANCE: f64 = 0.64;
+/// Rounds of smoothing. Angles change by less than a degree after about thirty.
+const ROUNDS: usize = 30;
+/// Where the lattice may start, in edge lengths, tried in turn until all angles are good.
+const STARTS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.29], [0.25, 0.14], [0.13, 0.43]];
+/// Fills an outline with about `target` triangles. `outline` gives its counter-clockwise points for an edge length [m];
+/// `area` is what it encloses [m²].
+///
+/// # Errors
+/// [`MeshError::Recipe`] if the outline touches itself or is too thin for its triangles.
+pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>) -> Result<Filled, MeshError> {
+    let mut best: Option<(f64, usize, Filled)> = None;
+    for start in STARTS {
+        let (boundary, edge) = spacing(target, area, outline, start);
+        if polygon::crossing(&boundary).is_some() {
+            return Err(delaunay::too_narrow());
+        }
+        let filled = relax(&boundary, lattice(&boundary, edge, start))?;
+        let angle = smallest_angle(&filled);
+        if best.as_ref().is_none_or(|(so_far, ..)| angle > *so_far) {
+            best = Some((angle, boundary.len(), filled));
+        }
+        if angle >= GOOD_ANGLE {
+            break;
+        }
+    }
+    let Some((angle, fixed, filled)) = best else { return Err(delaunay::too_narrow()) };
+    if angle >= GOOD_ANGLE { Ok(filled) } else { delaunay::refine(&filled.0, fixed, 2 * target as usize) }
+}
+
+/// The smallest angle of all triangles [°].
+fn smallest_angle((points, triangles): &Filled) -> f64 {
+    let angle = |triangle: &[u32; 3]| mesh::min_angle(triangle.map(|vertex| points[vertex as usize]));
+    triangles.iter().map(angle).fold(60.0, f64::min)
+}
+
+/// The outline's points and the edge length [m] that come nearest to the wanted number of triangles. A simple polygon
+/// with `b` points on it and `i` inside has `2 i + b - 2` triangles however they are joined (Euler).
+fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start: [f64; 2]) -> (Vec<[f64; 2]>, f64) {
+    let mut edge = (2.0 * area / (ROW * target)).sqrt();
+    let mut best = (f64::INFINITY, Vec::new(), edge);
+    for _ in 0..12 {
+        let boundary = outline(edge);
+        let count = (2 * lattice(&boundary, edge, start).len() + boundary.len()) as f64 - 2.0;
+        let miss = (count / target - 1.0).abs();
+        let next = edge * (count / target).sqrt();
+        if miss < best.0 {
+            best = (miss, boundary, edge);
+        }
+        if miss < 0.01 {
+            break;
+        }
+        edge = next;
+    }
+    (best.1, best.2)
+}
+
+/// Points of a triangular lattice inside a polygon and clear of its corners.
+fn lattice(boundary: &[[f64; 2]], edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
+    let [low, high] = mesh::bounds(boundary);
+    let centre = [0.5 * (low[0] + high[0]) + start[0] * edge, 0.5 * (low[1] + high[1]) + start[1] * edge];
+    let height = ROW * edge;
+    let rows = ((high[1] - low[1]) / height) as i64 / 2 + 2;
+    let columns = ((high[0] - low[0]) / edge) as i64 / 2 + 2;
+    let mut points = Vec::new();
+    for row in -rows..=rows {
+        let y = centre[1] + row as f64 * height;
+        let crossings = crossings(boundary, y);
+        let near: Vec<_> = boundary.iter().filter(|point| (point[1] - y).abs() < CLEARANCE * edge).collect();
+        let shift = 0.5 * (row & 1) as f64;
+        points.extend((-columns..=columns).map(|column| [centre[0] + (column as f64 + shift) * edge, y]).filter(
+            |&point| {
+                let inside = crossings.partition_point(|&x| x < point[0]) % 2 == 1;
+                let limit = CLEARANCE * CLEARANCE * edge * edge;
+                inside && near.iter().all(|&&corner| mesh::squared_distance(corner, point) > limit)
+            },
+        ));
+    }
+    points
+}
+
+/// Where a horizontal line crosses a polygon, from left to right.
+fn crossings(boundary: &[[f64; 2]], y: f64) -> Vec<f64> {
+    let mut crossings: Vec<f64> = polygon::sides(boundary)
+        .filter(|[from, to]| (from[1] > y) != (to[1] > y))
+        .map(|[from, to]| from[0] + (y - from[1]) / (to[1] - from[1]) * (to[0] - from[0]))
+        .collect();
+    crossings.sort_unstable_by(f64::total_cmp);
+    crossings
+}
+
+/// Joins the points to triangles and evens them out; the boundary stays.
+fn relax(boundary: &[[f64; 2]], inner: Vec<[f64; 2]>) -> Result<Filled, MeshError> {
+    let fixed = boundary.len();
+    let mut points = boundary.to_vec();
+    points.extend(inner);
+    for _ in 0..ROUNDS {
+        let triangles = delaunay::triangles(&points, fixed)?;
+        smooth(&mut points, &triangles, fixed);
+    }
+    let triangles = delaunay::triangles(&points, fixed)?;
+    Ok((points, triangles))
+}
+
+/// Moves every point from number `fixed` on to the area-weighted mean of the centroids of its triangles.
+fn smooth(points: &mut [[f64; 2]], triangles: &[[u32; 3]], fixed: usize) {
+    let mut sums = vec![[0.0; 3]; points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
+        let area = mesh::area([a, b, c]);
+        for &vertex in triangle {
+            let sum = &mut sums[vertex as usize];
+            sum[0] += area * (a[0] + b[0] + c[0]) / 3.0;
+            sum[1] += area * (a[1] + b[1] + c[1]) / 3.0;
+            sum[2] += area;
+        }
+    }
+    for (point, [x, y, area]) in points.iter_mut().zip(sums).skip(fixed) {
+        if area > 0.0 {
+            *point = [x / area, y / area];
+        }
+    }
+}

@@ -1,0 +1,90 @@
+use super::{Obstacle, ObstacleParameters, solid::Solid};
+use crate::quantity::{Coordinate, Point, Quantity, Reach};
+use parry2d::{
+    math::Vector,
+    shape::{Polyline, PolylineFlags},
+};
+use serde::{Deserialize, Serialize};
+
+/// A solid simple polygon, convex or not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Polygon {
+    /// Corners in order, either way round [m].
+    pub points: Vec<Point>,
+    /// How near a vertex feels it [m].
+    pub eps: Reach,
+}
+
+impl Default for Polygon {
+    fn default() -> Self {
+        let point = |x, y| Point(Coordinate::literal(x), Coordinate::literal(y));
+        Self { points: vec![point(0.4, 0.1), point(0.6, 0.1), point(0.5, 0.25)], eps: Reach::literal(0.01) }
+    }
+}
+
+impl Polygon {
+    /// The corners counter-clockwise.
+    fn corners(&self) -> Vec<[f64; 2]> {
+        let mut corners: Vec<_> = self.points.iter().map(|point| point.get()).collect();
+        if signed_area(&corners) < 0.0 {
+            corners.reverse();
+        }
+        corners
+    }
+}
+
+impl ObstacleParameters for Polygon {
+    fn build(&self) -> Result<Box<dyn Obstacle>, String> {
+        let corners = self.corners();
+        if corners.len() < 3 || signed_area(&corners) <= 0.0 {
+            return Err(format!("a polygon needs three corners or more that enclose an area, got {}", corners.len()));
+        }
+        if let Some((i, j)) = crossing(&corners) {
+            return Err(format!("a polygon's sides must not cross: sides {i} and {j} do"));
+        }
+        let count = corners.len() as u32;
+        let sides = (0..count).map(|i| [i, (i + 1) % count]).collect();
+        let points = corners.into_iter().map(|[x, y]| Vector::new(x, y)).collect();
+        let shape = Polyline::with_flags(points, Some(sides), PolylineFlags::ORIENTED);
+        Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get())))
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        vec![&mut self.eps]
+    }
+
+    /// Each corner moves out along its bisector so that both sides end up eps further out.
+    fn outline(&self) -> Vec<[f64; 2]> {
+        let corners = self.corners();
+        let count = corners.len();
+        let normal = |i: usize| {
+            let ([ax, ay], [bx, by]) = (corners[i % count], corners[(i + 1) % count]);
+            let length = ((bx - ax) * (bx - ax) + (by - ay) * (by - ay)).sqrt().max(f64::MIN_POSITIVE);
+            [(by - ay) / length, (ax - bx) / length]
+        };
+        let moved = |i: usize| {
+            let ([ax, ay], [bx, by]) = (normal(i + count - 1), normal(i));
+            let shift = self.eps.get() / (1.0 + ax * bx + ay * by).max(0.1);
+            [corners[i][0] + shift * (ax + bx), corners[i][1] + shift * (ay + by)]
+        };
+        (0..count).map(moved).collect()
+    }
+}
+
+/// Twice the area, positive when counter-clockwise [m²].
+fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+}
+
+/// The first two sides that cross, counted from 0.
+fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
+    let count = corners.len();
+    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let pairs = (0..count).flat_map(|i| (i + 2..count).map(move |j| (i, j)));
+    pairs.filter(|&(i, j)| (j + 1) % count != i).find(|&(i, j)| {
+        let (a, b, c, d) = (corners[i], corners[i + 1], corners[j], corners[(j + 1) % count]);
+        side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0
+    })
+}

@@ -1,0 +1,301 @@
+//! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
+//! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
+
+use crate::{
+    effects::{Effect, Motion},
+    elements::Triangles,
+    integrators::IntegratorKind,
+    level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Switch, When},
+    materials::Plane,
+    meshes::{Files, Mesh, MeshKind},
+    quantity::Point,
+    state::State,
+};
+use std::{ops::Range, sync::Arc};
+
+/// The constant side of a simulation.
+pub struct Scene {
+    /// The bodies, in the order of the level.
+    pub bodies: Vec<Body>,
+    /// Positions at rest, two numbers a vertex [m].
+    pub rest: Vec<f64>,
+    /// Positions and velocities at the start.
+    pub start: State,
+    /// Mass [kg], two equal numbers a vertex.
+    pub mass: Vec<f64>,
+    /// 1/mass [1/kg], zero where pinned, two equal numbers a vertex.
+    pub inverse_mass: Vec<f64>,
+    /// Pinned vertices, ascending.
+    pub pins: Arc<Vec<u32>>,
+    /// Corners of all triangles, in the order of the bodies.
+    pub triangles: Arc<Vec<[u32; 3]>>,
+    /// Everything that acts, elasticity first.
+    pub effects: Vec<Arc<dyn Effect>>,
+    /// The time-stepping scheme.
+    pub integrator: IntegratorKind,
+    /// Length of a step [s].
+    pub step: f64,
+    /// What was repaired while building, and other things worth knowing.
+    pub messages: Vec<String>,
+}
+
+/// One body of a scene.
+pub struct Body {
+    /// Name from the level.
+    pub name: String,
+    /// The recipe of the mesh.
+    recipe: MeshKind,
+    /// The mesh, in its own coordinates.
+    pub mesh: Arc<Mesh>,
+    /// Its vertices in the scene.
+    pub vertices: Range<usize>,
+    /// Its elements.
+    pub elements: Arc<Triangles>,
+    /// Vertices at the greatest rest y.
+    pub top: Vec<u32>,
+    /// Height at rest [m].
+    pub rest_height: f64,
+}
+
+/// A level that cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A level needs something to move.
+    #[error("a level needs at least one body")]
+    NoBodies,
+    /// A body's mesh, pins or place.
+    #[error("body {name:?}: {why}")]
+    Body {
+        /// Name of the body.
+        name: String,
+        /// What is wrong, and what to do.
+        why: String,
+    },
+    /// An effect's parameters.
+    #[error("effect {name}: {why}")]
+    Effect {
+        /// Name of the effect.
+        name: &'static str,
+        /// What is wrong, and what to do.
+        why: String,
+    },
+    /// The saved state belongs to other meshes.
+    #[error("the saved state has {positions} positions and {velocities} velocities, but the bodies have {vertices} vertices")]
+    State {
+        /// Number of saved positions.
+        positions: usize,
+        /// Number of saved velocities.
+        velocities: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+}
+
+impl Scene {
+    /// Builds a level for one of its modes. Meshes are taken over from `previous` where their recipe is the same.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the body or effect and what is wrong.
+    pub fn build(level: &Level, mode: RunMode, files: &dyn Files, previous: Option<&Self>) -> Result<Self, SceneError> {
+        if level.bodies.is_empty() {
+            return Err(SceneError::NoBodies);
+        }
+        let mut scene = Self {
+            bodies: Vec::new(),
+            rest: Vec::new(),
+            start: State::default(),
+            mass: Vec::new(),
+            inverse_mass: Vec::new(),
+            pins: Arc::default(),
+            triangles: Arc::default(),
+            effects: Vec::new(),
+            integrator: level.integrator.clone(),
+            step: level.substeps.step(),
+            messages: Vec::new(),
+        };
+        for body in &level.bodies {
+            scene.add_body(body, files, previous).map_err(|why| SceneError::Body { name: body.name.clone(), why })?;
+        }
+        scene.finish_masses();
+        scene.triangles =
+            Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
+        scene.add_effects(level, mode)?;
+        Ok(scene)
+    }
+
+    /// The state a level was saved in, if it was; the start otherwise.
+    ///
+    /// # Errors
+    /// [`SceneError::State`] if it belongs to other meshes.
+    pub fn first_state(&self, saved: Option<&SavedState>) -> Result<State, SceneError> {
+        let Some(saved) = saved else { return Ok(self.start.clone()) };
+        let vertices = self.rest.len() / 2;
+        if saved.positions.len() != vertices || saved.velocities.len() != vertices {
+            let (positions, velocities) = (saved.positions.len(), saved.velocities.len());
+            return Err(SceneError::State { positions, velocities, vertices });
+        }
+        let flat = |points: &[Point]| points.iter().flat_map(|point| point.get()).collect::<Vec<_>>();
+        let mut v = flat(&saved.velocities);
+        for (v, _) in v.iter_mut().zip(&self.inverse_mass).filter(|(_, inverse_mass)| **inverse_mass == 0.0) {
+            *v = 0.0;
+        }
+        Ok(State {
+            x: flat(&saved.positions),
+            v,
+            time: saved.time.get(),
+            steps: saved.steps,
+            memory: saved.memory.iter().map(|number| number.get()).collect(),
+        })
+    }
+
+    /// A moment of this scene, as the effects see it.
+    pub fn motion<'a>(&'a self, state: &'a State, grab: Option<crate::effects::Grab>) -> Motion<'a> {
+        Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
+    }
+
+    /// The body that a vertex belongs to, and the vertex's number in it.
+    pub fn body_of(&self, vertex: usize) -> Option<(usize, usize)> {
+        let body = self.bodies.iter().position(|body| body.vertices.contains(&vertex))?;
+        Some((body, vertex - self.bodies[body].vertices.start))
+    }
+
+    fn add_body(&mut self, level: &BodyLevel, files: &dyn Files, previous: Option<&Self>) -> Result<(), String> {
+        let known = previous.and_then(|scene| scene.bodies.iter().find(|body| body.recipe == level.mesh));
+        let mesh = match known {
+            Some(body) => Arc::clone(&body.mesh),
+            None => Arc::new(level.mesh.kind().build(files).map_err(|error| error.to_string())?),
+        };
+        let first = self.rest.len() / 2;
+        let vertices = first..first + mesh.points().len();
+        self.rest.extend(placed(level, &mesh));
+        let rest = &self.rest[2 * first..];
+        if !rest.iter().all(|coordinate| coordinate.is_finite()) {
+            return Err("its place puts it out of reach of numbers".to_owned());
+        }
+        let corners: Vec<_> = mesh.triangles().iter().map(|triangle| triangle.map(|i| i + first as u32)).collect();
+        let material = &level.material;
+        let stuff = (material.model(), material.lame(), material.plane() == Plane::Stress);
+        let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), corners, stuff));
+        let masses = lumped(level.mass, &elements);
+        let pins = pinned(&level.pins, rest)?;
+        let start = stretched(level, rest);
+        self.start.v.extend(moving(level, &start, &masses));
+        self.start.x.extend(start);
+        self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));
+        Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
+        let (least, greatest) = extent(rest, 1);
+        let top = on_edge(rest, 1, true).map(|i| i + first as u32).collect();
+        self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
+        let (name, recipe, rest_height) = (level.name.clone(), level.mesh.clone(), greatest - least);
+        self.bodies.push(Body { name, recipe, mesh, vertices, elements, top, rest_height });
+        Ok(())
+    }
+
+    fn finish_masses(&mut self) {
+        self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
+        for &pin in self.pins.iter() {
+            for number in [2 * pin as usize, 2 * pin as usize + 1] {
+                self.inverse_mass[number] = 0.0;
+                self.start.v[number] = 0.0;
+            }
+        }
+    }
+
+    fn add_effects(&mut self, level: &Level, mode: RunMode) -> Result<(), SceneError> {
+        let elements: Vec<_> = self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect();
+        self.effects.extend(elements.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
+        for listed in &level.effects {
+            let name = listed.effect.name();
+            // Built even when it is off, so that a level with a mistake in it is never half accepted.
+            let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
+            if listed.switch == Switch::On && (listed.when == When::Always || mode == RunMode::Collide) {
+                self.effects.push(Arc::from(effect));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Least and greatest of one coordinate (0 or 1) of flat points.
+pub fn extent(points: &[f64], axis: usize) -> (f64, f64) {
+    let along = points.iter().skip(axis).step_by(2);
+    along.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), &value| (value.min(least), value.max(greatest)))
+}
+
+/// The rest positions: the mesh scaled, turned and moved, flat [m].
+fn placed(level: &BodyLevel, mesh: &Mesh) -> Vec<f64> {
+    let (scale, turn, [dx, dy]) = (level.place.scale.get(), level.place.turn.get(), level.place.offset.get());
+    let turn = turn.to_radians();
+    let (c, s) = if turn == 0.0 { (scale, 0.0) } else { (scale * libm::cos(turn), scale * libm::sin(turn)) };
+    mesh.points().iter().flat_map(|[x, y]| [c * x - s * y + dx, s * x + c * y + dy]).collect()
+}
+
+/// The start positions: stretched about the middle of the bottom edge, flat [m].
+fn stretched(level: &BodyLevel, rest: &[f64]) -> Vec<f64> {
+    let (sx, sy) = (level.stretch.0.get(), level.stretch.1.get());
+    let ((left, right), (bottom, _)) = (extent(rest, 0), extent(rest, 1));
+    let middle = 0.5 * (left + right);
+    let along = |value: f64, origin: f64, factor: f64| if factor == 1.0 { value } else { origin + factor * (value - origin) };
+    rest.chunks_exact(2).flat_map(|point| [along(point[0], middle, sx), along(point[1], bottom, sy)]).collect()
+}
+
+/// The start velocities: translation and spin about the centre of mass, flat [m/s].
+fn moving(level: &BodyLevel, x: &[f64], masses: &[f64]) -> Vec<f64> {
+    let (vx, vy, spin) = (level.velocity.0.get(), level.velocity.1.get(), level.spin.get());
+    let total: f64 = masses.iter().sum();
+    let centre = |axis: usize| x.iter().skip(axis).step_by(2).zip(masses).map(|(x, m)| x * m).sum::<f64>() / total;
+    let (cx, cy) = (centre(0), centre(1));
+    x.chunks_exact(2).flat_map(|point| [vx - spin * (point[1] - cy), vy + spin * (point[0] - cx)]).collect()
+}
+
+/// The mass of each vertex [kg].
+fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
+    let vertices = elements.vertices();
+    match mass {
+        MassLevel::Total(total) => vec![total.get() / vertices.len() as f64; vertices.len()],
+        MassLevel::Density(density) => {
+            let mut masses = vec![0.0; vertices.len()];
+            for (triangle, area) in elements.corners().iter().zip(elements.rest_areas()) {
+                for &corner in triangle {
+                    masses[corner as usize - vertices.start] += density.get() * area / 3.0;
+                }
+            }
+            masses
+        }
+    }
+}
+
+/// The vertices that the rules pin, ascending, judged on flat rest positions.
+fn pinned(pins: &[Pin], rest: &[f64]) -> Result<Vec<u32>, String> {
+    let count = rest.len() / 2;
+    let on_edge = |axis: usize, greatest: bool| on_edge(rest, axis, greatest);
+    let mut pinned = Vec::new();
+    for &pin in pins {
+        match pin {
+            Pin::Vertex(vertex) if (vertex as usize) < count => pinned.push(vertex),
+            Pin::Vertex(vertex) => return Err(format!("a pin names vertex {vertex}, but they go from 0 to {}", count - 1)),
+            Pin::Nearest(point) => pinned.extend(nearest_vertex(rest, point.get()).map(|i| i as u32)),
+            Pin::Left => pinned.extend(on_edge(0, false)),
+            Pin::Right => pinned.extend(on_edge(0, true)),
+            Pin::Bottom => pinned.extend(on_edge(1, false)),
+            Pin::Top => pinned.extend(on_edge(1, true)),
+        }
+    }
+    pinned.sort_unstable();
+    pinned.dedup();
+    Ok(pinned)
+}
+
+/// The vertices at the least or greatest coordinate along an axis, to round-off.
+fn on_edge(x: &[f64], axis: usize, greatest: bool) -> impl Iterator<Item = u32> {
+    let (low, high) = extent(x, axis);
+    let (edge, slack) = (if greatest { high } else { low }, 1e-9 * (high - low));
+    (0..x.len() / 2).filter(move |i| (x[2 * i + axis] - edge).abs() <= slack).map(|i| i as u32)
+}
+
+/// The number of the vertex nearest to a point, by flat positions; the lowest of equals.
+pub fn nearest_vertex(x: &[f64], [px, py]: [f64; 2]) -> Option<usize> {
+    let distance = |point: &[f64]| (point[0] - px) * (point[0] - px) + (point[1] - py) * (point[1] - py);
+    let distances = x.chunks_exact(2).map(distance).enumerate();
+    distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(vertex, _)| vertex)
+}

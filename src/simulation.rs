@@ -1,0 +1,236 @@
+//! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
+
+use crate::{
+    effects::{Effect, Grab},
+    fault::Fault,
+    integrators::Dynamics,
+    report::{Counts, EffectCost},
+    scene::Scene,
+    snapshot::Energies,
+    state::State,
+};
+use std::time::Duration;
+use web_time::Instant;
+
+/// A running scene.
+pub struct Simulation {
+    scene: Scene,
+    state: State,
+    /// Where the current batch of steps began, to go back to when a step fails.
+    checkpoint: State,
+    scratch: Scratch,
+    grab: Option<Grab>,
+    fault: Option<Fault>,
+}
+
+/// Everything that stepping writes to beside the state.
+#[derive(Default)]
+struct Scratch {
+    /// For the integrator.
+    work: Vec<f64>,
+    /// For the effects.
+    effects: Vec<f64>,
+    counts: Counts,
+    costs: Vec<EffectCost>,
+    /// Whether effects are timed.
+    timed: bool,
+}
+
+/// How many steps are taken between two looks at the clock.
+const BATCH: u64 = 10;
+
+impl Simulation {
+    /// A scene in a state. The state must belong to the scene (see [`Scene::first_state`]).
+    pub fn new(scene: Scene, state: State) -> Self {
+        let mut scratch = Scratch::default();
+        scratch.fit(&scene);
+        Self { checkpoint: state.clone(), scene, state, scratch, grab: None, fault: None }
+    }
+
+    /// Swaps the scene for one with the same vertices; the state stays, and newly pinned vertices stop.
+    pub fn replace_scene(&mut self, scene: Scene) {
+        for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
+            *v = 0.0;
+        }
+        self.scene = scene;
+        self.scratch.fit(&self.scene);
+    }
+
+    /// Puts the simulation into a state; a fault is forgotten.
+    pub fn set_state(&mut self, state: State) {
+        self.state = state;
+        self.grab = None;
+        self.fault = None;
+    }
+
+    /// Pulls a vertex, or lets go.
+    pub fn set_grab(&mut self, grab: Option<Grab>) {
+        self.grab = grab;
+    }
+
+    /// What the mouse pulls.
+    pub const fn grab(&self) -> Option<Grab> {
+        self.grab
+    }
+
+    /// The constant side.
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The moving side.
+    pub const fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Why stepping stopped, if it did.
+    pub const fn fault(&self) -> Option<&Fault> {
+        self.fault.as_ref()
+    }
+
+    /// What stepping cost so far.
+    pub const fn counts(&self) -> Counts {
+        self.scratch.counts
+    }
+
+    /// What each effect cost so far.
+    pub fn costs(&self) -> &[EffectCost] {
+        &self.scratch.costs
+    }
+
+    /// Whether the time spent in each effect is measured; reading the clock costs a few per cent.
+    pub fn set_timed(&mut self, timed: bool) {
+        self.scratch.timed = timed;
+    }
+
+    /// Takes up to `steps` steps; every few, `more` is asked whether to go on. Returns how many were taken.
+    ///
+    /// Every step is checked. If one leaves anything that is not a number, the state before it is restored, exactly, and
+    /// the fault is kept until the state is set anew.
+    pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
+        let mut taken = 0;
+        while taken < steps && self.fault.is_none() && (taken == 0 || more()) {
+            let batch = BATCH.min(steps - taken);
+            taken += self.batch(batch);
+        }
+        taken
+    }
+
+    fn batch(&mut self, steps: u64) -> u64 {
+        self.checkpoint.clone_from(&self.state);
+        for taken in 0..steps {
+            self.step();
+            if !self.state.is_finite() {
+                self.fail(taken);
+                return taken;
+            }
+        }
+        steps
+    }
+
+    fn step(&mut self) {
+        let h = self.scene.step;
+        let mut work = std::mem::take(&mut self.scratch.work);
+        let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
+        self.scene.integrator.kind().step(&mut system, &mut self.state, &mut work, h);
+        self.scratch.work = work;
+        self.scratch.counts.steps += 1;
+        self.state.steps += 1;
+        self.state.time += h;
+    }
+
+    /// Goes back to the last finite state: the same steps from the checkpoint give the same bits again.
+    fn fail(&mut self, good: u64) {
+        let counts = self.scratch.counts;
+        self.state.clone_from(&self.checkpoint);
+        for _ in 0..good {
+            self.step();
+        }
+        self.scratch.counts = counts;
+        self.fault = Some(Fault::find(&self.scene, &self.state, &self.checkpoint));
+    }
+
+    /// Energies now [J].
+    pub fn energies(&self) -> Energies {
+        let motion = self.scene.motion(&self.state, self.grab);
+        let speeds = motion.v.iter().zip(motion.mass);
+        let kinetic = 0.5 * speeds.map(|(v, mass)| mass * v * v).sum::<f64>();
+        let (elastic, other) = self.scene.effects.split_at(self.scene.bodies.len());
+        let stored = |effects: &[std::sync::Arc<dyn Effect>]| effects.iter().map(|effect| effect.energy(motion)).sum();
+        Energies { kinetic, elastic: stored(elastic), potential: stored(other) }
+    }
+
+    /// Least det F of all triangles, and how many have det F <= 0.
+    pub fn inversion(&self) -> (f64, usize) {
+        let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
+        ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
+    }
+}
+
+impl Scratch {
+    fn fit(&mut self, scene: &Scene) {
+        self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
+        let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost { name: effect.name(), time: Duration::ZERO, calls: 0, elements: 0 };
+        if !self.costs.iter().map(|cost| cost.name).eq(scene.effects.iter().map(|effect| effect.name())) {
+            self.costs = scene.effects.iter().map(cost).collect();
+        }
+    }
+}
+
+/// A scene as the integrator sees it.
+struct System<'a> {
+    scene: &'a Scene,
+    scratch: &'a mut Scratch,
+    grab: Option<Grab>,
+}
+
+impl Scratch {
+    /// Runs one effect and books its time and, if it is a call of its own, its elements.
+    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
+        let start = self.timed.then(Instant::now);
+        let result = run(&mut self.effects);
+        let cost = &mut self.costs[number];
+        if let Some(start) = start {
+            cost.time += start.elapsed();
+        }
+        if let Some(elements) = elements {
+            cost.calls += 1;
+            cost.elements += elements as u64;
+        }
+        result
+    }
+}
+
+impl Dynamics for System<'_> {
+    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
+        let scene = self.scene;
+        let motion = crate::effects::Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        self.scratch.counts.force_evaluations += 1;
+        force.fill(0.0);
+        for (number, effect) in scene.effects.iter().enumerate() {
+            let size = effect.scratch();
+            let elements = Some(effect.elements(motion));
+            self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
+        }
+    }
+
+    fn inverse_mass(&self) -> &[f64] {
+        &self.scene.inverse_mass
+    }
+
+    fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
+        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
+            let touched =
+                self.scratch.booked(number, None, |_| effect.constrain_velocity(x, v, &self.scene.inverse_mass));
+            self.scratch.counts.constrained += touched as u64;
+        }
+    }
+
+    fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
+        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
+            let touched =
+                self.scratch.booked(number, None, |_| effect.constrain_position(x, v, &self.scene.inverse_mass));
+            self.scratch.counts.constrained += touched as u64;
+        }
+    }
+}

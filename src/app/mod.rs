@@ -4,9 +4,9 @@
 mod camera;
 mod canvas;
 mod clock;
-
+mod colour;
 mod dialogs;
-
+mod draw;
 mod file_work;
 mod gallery;
 pub mod keys;

@@ -1,11 +1,11 @@
 //! Where the energy is, now and in the last seconds.
 
-use super::{fixed, heading};
+use super::{fixed, heading, row};
 use crate::{
-    app::numbers,
+    app::{numbers, theme::Theme},
     snapshot::{Energies, Snapshot},
 };
-use eframe::egui::{self, Align2, Color32, Grid, RichText, Ui};
+use eframe::egui::{self, Align2, Color32, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
 use std::collections::VecDeque;
 
@@ -59,8 +59,7 @@ struct Curve {
     name: &'static str,
     help: &'static str,
     value: fn(&Energies) -> f64,
-    /// On dark and on light ground; told apart by colour-blind eyes too.
-    colors: [Color32; 2],
+    color: fn(&Theme) -> Color32,
 }
 
 const CURVES: [Curve; 4] = [
@@ -68,32 +67,33 @@ const CURVES: [Curve; 4] = [
         name: "Kinetic",
         help: "Of motion: the sum of m v²/2 [J]",
         value: |of| of.kinetic,
-        colors: [Color32::from_rgb(0x56, 0xB4, 0xE9), Color32::from_rgb(0x00, 0x72, 0xB2)],
+        color: |theme| theme.series[1],
     },
     Curve {
         name: "Elastic",
         help: "Of deformation: the sum of ψ(F) times rest area [J]",
         value: |of| of.elastic,
-        colors: [Color32::from_rgb(0xF0, 0xA8, 0x30), Color32::from_rgb(0xB3, 0x6B, 0x00)],
+        color: |theme| theme.series[0],
     },
     Curve {
         name: "Potential",
         help: "Of gravity and the mouse spring [J]",
         value: |of| of.potential,
-        colors: [Color32::from_rgb(0x3F, 0xC3, 0x9A), Color32::from_rgb(0x00, 0x7A, 0x58)],
+        color: |theme| theme.series[2],
     },
     Curve {
         name: "Total",
         help: "The sum: constant without damping, contacts and a pulling hand [J]",
         value: |of| of.total(),
-        colors: [Color32::from_rgb(0xF2, 0xF2, 0xF2), Color32::from_rgb(0x30, 0x28, 0x20)],
+        color: |theme| theme.text,
     },
 ];
 
-impl Curve {
-    const fn color(&self, dark: bool) -> Color32 {
-        self.colors[if dark { 0 } else { 1 }]
-    }
+/// The value of a curve; what is only rounding beside the largest energy is zero.
+fn visible(curve: &Curve, of: &Energies) -> f64 {
+    let value = (curve.value)(of);
+    let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
+    if value.abs() > 1e-12 * largest.max(1e-3) { value } else { 0.0 }
 }
 
 pub fn show(ui: &mut Ui, history: &History) {
@@ -107,20 +107,19 @@ pub fn show(ui: &mut Ui, history: &History) {
             }
         });
     });
-    let dark = ui.visuals().dark_mode;
-    Grid::new("energies").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (index, curve) in CURVES.iter().enumerate() {
-            ui.label(RichText::new(curve.name).color(curve.color(dark))).on_hover_text(curve.help);
-            ui.monospace(fixed((curve.value)(&now), "J")).on_hover_text(curve.help);
-            if index % 2 == 1 {
-                ui.end_row();
+    let theme = Theme::of(ui.ctx());
+    for pair in CURVES.chunks(2) {
+        ui.columns(pair.len(), |columns| {
+            for (ui, curve) in columns.iter_mut().zip(pair) {
+                let name = RichText::new(curve.name).color((curve.color)(theme));
+                row(ui, name, &fixed(visible(curve, &now), "J"), curve.help);
             }
-        }
-    });
-    plot(ui, history, end, dark);
+        });
+    }
+    plot(ui, history, end, theme);
 }
 
-fn plot(ui: &mut Ui, history: &History, end: f64, dark: bool) {
+fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     let values = history.samples.iter().flat_map(|(_, of)| CURVES.iter().map(|curve| (curve.value)(of)));
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
@@ -145,13 +144,13 @@ fn plot(ui: &mut Ui, history: &History, end: f64, dark: bool) {
                 let points: PlotPoints<'_> =
                     history.samples.iter().map(|(time, of)| [*time, (curve.value)(of)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
-                plot.line(Line::new(curve.name, points).color(curve.color(dark)).width(width).allow_hover(false));
+                plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
             let now = history.samples.back().map(|(_, now)| *now).unwrap_or_default();
             for (curve, y) in CURVES.iter().zip(label_heights(&now, (high - low) * 13.0 / f64::from(HEIGHT))) {
                 let at = PlotPoint::new(end + 0.02 * span, y);
-                let text = RichText::new(curve.name).small().color(curve.color(dark));
-                plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_CENTER).allow_hover(false));
+                let text = RichText::new(curve.name).small().color((curve.color)(theme));
+                plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
             }
         });
     response.response.on_hover_text("Energies [J] over simulated time [s]");

@@ -24,12 +24,13 @@ use super::{
     gallery::Gallery,
     keys::{Act, Binding},
     numbers,
+    theme::Theme,
 };
 use crate::{
     command::Command,
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, vec2};
+use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 
 /// How things are looked at: nothing in here changes the simulation.
 #[derive(Default)]
@@ -182,14 +183,17 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
 /// A heading between the groups of a panel.
 fn heading(ui: &mut Ui, text: &str) -> egui::Response {
     ui.add_space(6.0);
-    let response = ui.label(RichText::new(text).strong().size(15.0));
+    let color = Theme::of(ui.ctx()).accent_line;
+    let response = ui.label(RichText::new(text).size(15.5).color(color));
     ui.add_space(2.0);
     response
 }
 
 /// A row with a name on the left and a number on the right that does not move when it changes.
-fn row(ui: &mut Ui, name: &str, value: &str, help: &str) {
+fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
     ui.horizontal(|ui| {
+        ui.spacing_mut().interact_size.y = 18.0;
+        ui.set_height(18.0);
         ui.label(name).on_hover_text(help);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.monospace(value).on_hover_text(help);

@@ -109,6 +109,7 @@ fn typed(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Opt
 /// The slider under it, as wide as the panel.
 fn dragged(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Option<f64> {
     let mut chosen = None;
+    ui.spacing_mut().interact_size.y = 16.0;
     ui.spacing_mut().slider_width = ui.available_width();
     let slider = Slider::from_get_set(look.range.0..=look.range.1, |new| {
         if new.is_some_and(|new| new != value) {

@@ -10,36 +10,54 @@ use crate::{
     materials::Model,
     snapshot::Snapshot,
 };
-use eframe::egui::{self, Button, Frame, Margin, Panel, Popup, PopupCloseBehavior, Ui, vec2};
+use eframe::egui::{self, Atom, Button, Frame, IdSalt, Margin, Panel, Popup, PopupCloseBehavior, Rect, Shape, Stroke, Ui, Vec2, vec2};
+
+/// Width of the four buttons on the right.
+const LOOKS: f32 = 4.0 * (HEIGHT + 2.0) + 3.0 * 2.0;
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
     Panel::top("strip").frame(frame).show(ui, |ui| {
-        ui.spacing_mut().item_spacing = vec2(if narrow { 6.0 } else { 10.0 }, 5.0);
+        ui.spacing_mut().item_spacing = vec2(2.0, 5.0);
         ui.horizontal_wrapped(|ui| {
             ui.set_min_height(HEIGHT);
             levels(ui, desk, view);
+            apart(ui);
             if let Some(mode) = modes(ui, desk.now) {
                 commands.push(Command::SetMode(mode));
             }
+            apart(ui);
             time(ui, desk.now, commands);
             if let Some(model) = models(ui, desk.now) {
                 commands.push(Command::SetModel(model));
             }
+            apart(ui);
             history(ui, desk.now, commands);
+            if !narrow {
+                ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
+            }
             looks(ui, view, narrow);
         });
     });
 }
 
+/// A gap between groups.
+fn apart(ui: &mut Ui) {
+    ui.add_space(8.0);
+}
+
 /// The level picker with its files.
 fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let name = if desk.now.level.name.is_empty() { "Level" } else { &desk.now.level.name };
-    let button = Button::new(format!("{name}  ⏷")).truncate().min_size(vec2(120.0, HEIGHT));
+    let room_for_arrow = Atom::custom(IdSalt::new("arrow"), Vec2::splat(10.0));
+    let button = Button::new((name, room_for_arrow)).truncate().min_size(vec2(120.0, HEIGHT));
     let response = ui.scope(|ui| {
         ui.set_max_width(200.0);
         ui.add(button)
     });
+    let arrow = Rect::from_center_size(response.inner.rect.right_center() - vec2(16.0, 0.0), vec2(9.0, 5.0));
+    let corners = vec![arrow.left_top(), arrow.right_top(), arrow.center_bottom()];
+    ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
     let about = if desk.now.level.about.is_empty() { "Which level to play" } else { &desk.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).width(280.0).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
@@ -76,7 +94,6 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
 fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let runs = now.running && now.mode != Mode::Edit;
     let (icon, name) = if runs { (Icon::Pause, "Pause") } else { (Icon::Play, "Run") };
-    ui.spacing_mut().item_spacing.x = 2.0;
     if icon_button(ui, icon, name, "[Space]", false).clicked() {
         commands.push(Command::SetRunning(!runs));
     }
@@ -87,7 +104,7 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Reset, "Start over", about, false).clicked() {
         commands.push(Command::Reset);
     }
-    ui.spacing_mut().item_spacing.x = 10.0;
+    apart(ui);
 }
 
 fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
@@ -113,7 +130,6 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
 }
 
 fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
-    ui.spacing_mut().item_spacing.x = 2.0;
     ui.add_enabled_ui(now.can_undo, |ui| {
         if icon_button(ui, Icon::Undo, "Undo", "Pins, sliders, model, level. [Ctrl+Z]", false).clicked() {
             commands.push(Command::Undo);
@@ -124,12 +140,11 @@ fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
             commands.push(Command::Redo);
         }
     });
-    ui.spacing_mut().item_spacing.x = 10.0;
+    apart(ui);
 }
 
 /// Panels, theme and help.
 fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
-    ui.spacing_mut().item_spacing.x = 2.0;
     let sides = [
         (Side::Left, Icon::Left, "Body panel", "What the body is made of and what acts on it."),
         (Side::Right, Icon::Right, "Cost panel", "Colours, what a frame costs, and the energies."),

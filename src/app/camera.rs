@@ -1,0 +1,68 @@
+//! Where the world lies on the screen.
+
+use eframe::egui::{Pos2, Rect, pos2};
+
+/// Room around the world square, as a share of its side; the roof and the ground need it.
+const MARGIN: f32 = 0.085;
+
+/// Screen coordinates beyond this [points] are cut off, so that a body that explodes cannot upset the drawing.
+const FARTHEST: f32 = 1e5;
+
+/// Maps the world, y up [m], to the screen, y down [points].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// World (0, 0) on the screen.
+    origin: Pos2,
+    /// Points a metre.
+    scale: f32,
+}
+
+impl Camera {
+    /// Shows the square 0..1 x 0..1 as large as fits in the middle of a canvas, above `below` points kept free.
+    pub fn new(canvas: Rect, below: f32) -> Self {
+        let height = (canvas.height() - below).max(1.0);
+        let side = canvas.width().min(height).max(1.0) / (1.0 + 2.0 * MARGIN);
+        let middle = pos2(canvas.center().x, canvas.top() + 0.5 * height);
+        Self { origin: pos2(middle.x - 0.5 * side, middle.y + 0.5 * side), scale: side }
+    }
+
+    /// A point of the world [m] on the screen.
+    pub fn screen_from_world(&self, [x, y]: [f64; 2]) -> Pos2 {
+        let place = |from: f32, metres: f64| (from + self.scale * metres as f32).clamp(-FARTHEST, FARTHEST);
+        pos2(place(self.origin.x, x), place(self.origin.y, -y))
+    }
+
+    /// A point of the screen in the world [m].
+    pub fn world_from_screen(&self, point: Pos2) -> [f64; 2] {
+        let scale = f64::from(self.scale);
+        [f64::from(point.x - self.origin.x) / scale, f64::from(self.origin.y - point.y) / scale]
+    }
+
+    /// A length of the world [m] on the screen.
+    pub fn length(&self, metres: f32) -> f32 {
+        self.scale * metres
+    }
+
+    /// The world square on the screen.
+    pub fn square(&self) -> Rect {
+        Rect::from_two_pos(self.screen_from_world([0.0, 0.0]), self.screen_from_world([1.0, 1.0]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Camera;
+    use eframe::egui::{Rect, pos2};
+
+    #[test]
+    fn goes_there_and_back() {
+        let canvas = Rect::from_min_max(pos2(240.0, 50.0), pos2(960.0, 770.0));
+        let camera = Camera::new(canvas, 40.0);
+        assert!(canvas.contains_rect(camera.square()));
+        for point in [[0.0, 0.0], [1.0, 1.0], [0.3, -0.7]] {
+            let back = camera.world_from_screen(camera.screen_from_world(point));
+            assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6, "{point:?} {back:?}");
+        }
+        assert!(camera.screen_from_world([0.0, 1.0]).y < camera.screen_from_world([0.0, 0.0]).y);
+    }
+}

@@ -1,0 +1,151 @@
+//! What the pointer holds: a press pins in edit mode, and pulls otherwise.
+
+use crate::{
+    app::camera::Camera,
+    command::{Command, Mode},
+    snapshot::Snapshot,
+};
+use eframe::egui::{Event, Pos2, Response};
+
+/// How far a press may wander [points] and still pin the vertex that it began at.
+const STILL: f32 = 14.0;
+
+/// A press from its beginning to its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Hold {
+    /// Nothing is pressed.
+    #[default]
+    Nothing,
+    /// A vertex will be pinned or freed when the press ends.
+    Pin { vertex: usize, origin: Pos2, generation: u64 },
+    /// A vertex is pulled to a point [m].
+    Pull { vertex: usize, target: [f64; 2], generation: u64 },
+    /// The press has been cut short; it means nothing until it ends.
+    Spent,
+}
+
+/// The pointer in this frame.
+struct Pointer {
+    /// Whether the stage is pressed.
+    down: bool,
+    /// Whether the window or the button was lost.
+    lost: bool,
+    /// Where the press began, if there is one.
+    origin: Option<Pos2>,
+    /// Where it is.
+    at: Option<Pos2>,
+}
+
+impl Pointer {
+    fn new(response: &Response) -> Self {
+        let pressed = response.is_pointer_button_down_on();
+        response.ctx.input(|input| Self {
+            down: pressed && input.pointer.primary_down(),
+            lost: input.events.contains(&Event::WindowFocused(false)),
+            origin: input.pointer.press_origin(),
+            at: input.pointer.interact_pos().or(response.interact_pointer_pos()),
+        })
+    }
+}
+
+impl Hold {
+    /// The vertex in question.
+    pub const fn vertex(&self) -> Option<usize> {
+        match *self {
+            Self::Pin { vertex, .. } | Self::Pull { vertex, .. } => Some(vertex),
+            Self::Nothing | Self::Spent => None,
+        }
+    }
+
+    /// Whether a vertex is pulled.
+    pub const fn is_pulling(&self) -> bool {
+        matches!(self, Self::Pull { .. })
+    }
+
+    /// Follows the pointer for a frame. `points` are the vertices on the screen.
+    pub fn follow(
+        &mut self,
+        response: &Response,
+        snapshot: &Snapshot,
+        camera: Camera,
+        points: &[Pos2],
+        commands: &mut Vec<Command>,
+    ) {
+        let pointer = Pointer::new(response);
+        *self = match *self {
+            Self::Nothing if pointer.down => begin(&pointer, snapshot, camera, points, commands),
+            Self::Nothing => {
+                // A press that ended within one frame is only known as a click.
+                if response.clicked() && snapshot.mode == Mode::Edit {
+                    let vertex = pointer.at.and_then(|at| nearest(points, at));
+                    commands.extend(vertex.map(Command::TogglePin));
+                }
+                Self::Nothing
+            }
+            Self::Pin { vertex, origin, generation } => {
+                if pointer.lost || generation != snapshot.generation || snapshot.mode != Mode::Edit {
+                    spent(&pointer)
+                } else if pointer.down {
+                    *self
+                } else {
+                    if pointer.at.is_none_or(|at| at.distance(origin) < STILL) {
+                        commands.push(Command::TogglePin(vertex));
+                    }
+                    Self::Nothing
+                }
+            }
+            Self::Pull { generation, .. } => {
+                let over = generation != snapshot.generation || snapshot.mode == Mode::Edit;
+                if pointer.lost || over || !pointer.down {
+                    commands.push(Command::Release);
+                    spent(&pointer)
+                } else {
+                    self.pulled(&pointer, camera, commands)
+                }
+            }
+            Self::Spent => spent(&pointer),
+        };
+    }
+
+    /// Goes on pulling, to where the pointer is now.
+    fn pulled(self, pointer: &Pointer, camera: Camera, commands: &mut Vec<Command>) -> Self {
+        match (self, pointer.at.map(|at| camera.world_from_screen(at))) {
+            (Self::Pull { vertex, target: old, generation }, Some(target)) if target != old => {
+                commands.push(Command::Pull(target));
+                Self::Pull { vertex, target, generation }
+            }
+            _ => self,
+        }
+    }
+}
+
+/// What a press means: the vertex nearest to where it began counts, however far it has moved since.
+fn begin(
+    pointer: &Pointer,
+    snapshot: &Snapshot,
+    camera: Camera,
+    points: &[Pos2],
+    commands: &mut Vec<Command>,
+) -> Hold {
+    let generation = snapshot.generation;
+    let begun = pointer.origin.and_then(|origin| Some((origin, nearest(points, origin)?)));
+    match begun {
+        None => Hold::Spent,
+        Some((origin, vertex)) if snapshot.mode == Mode::Edit => Hold::Pin { vertex, origin, generation },
+        Some((origin, vertex)) => {
+            let target = camera.world_from_screen(pointer.at.unwrap_or(origin));
+            commands.push(Command::Grab(vertex, target));
+            Hold::Pull { vertex, target, generation }
+        }
+    }
+}
+
+const fn spent(pointer: &Pointer) -> Hold {
+    if pointer.down { Hold::Spent } else { Hold::Nothing }
+}
+
+/// The vertex nearest to a point of the screen, however far away; the first of several.
+pub fn nearest(points: &[Pos2], at: Pos2) -> Option<usize> {
+    let distance = |i: &usize| points[*i].distance_sq(at);
+    (0..points.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}

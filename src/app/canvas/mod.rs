@@ -1,0 +1,172 @@
+//! The stage: draws a snapshot and turns the pointer into commands. It knows nothing of the simulation.
+
+mod hold;
+mod scenery;
+
+use super::{
+    camera::Camera,
+    colour::Scale,
+    draw::{
+        View, arrow,
+        body::Bodies,
+        colour_bar,
+        ink::Ink,
+        night::{self, Snow},
+        picked::Picked,
+        pins::Pins,
+        strip_numbers,
+    },
+    theme::Theme,
+};
+use crate::{
+    command::{Command, Mode},
+    snapshot::{Field, Snapshot},
+};
+use eframe::egui::{self, CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo};
+use hold::Hold;
+use scenery::Scenery;
+
+/// Longest frame that animations believe in [s].
+const LONGEST_FRAME: f32 = 0.1;
+
+/// What to show beside the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// What triangles are coloured by, once the snapshot has its values.
+    pub field: Field,
+    /// Whether the edges of triangles are drawn.
+    pub wireframe: bool,
+    /// Whether the vertices are drawn.
+    pub vertices: bool,
+}
+
+/// The stage with everything it remembers from frame to frame; none of it is physics.
+#[derive(Default)]
+pub struct Canvas {
+    hold: Hold,
+    bodies: Bodies,
+    pins: Pins,
+    picked: Picked,
+    scale: Scale,
+    scenery: Scenery,
+    snow: Snow,
+    /// Layers of the drawing: behind the scenery, the bodies, and what lies on top.
+    behind: Ink,
+    middle: Ink,
+    front: Ink,
+}
+
+/// What this frame is drawn with.
+#[derive(Clone, Copy)]
+struct Frame<'a> {
+    snapshot: &'a Snapshot,
+    options: &'a Options,
+    canvas: Rect,
+    view: View,
+    /// Now, and the length of the frame [s].
+    now: f64,
+    dt: f32,
+}
+
+impl Canvas {
+    /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
+    pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        describe(&response, snapshot);
+        let canvas = response.rect;
+        let camera = Camera::new(canvas, strip_numbers::height(snapshot, canvas));
+        let view = View { camera, theme: Theme::of(ui.ctx()) };
+        let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
+        let frame = Frame { snapshot, options, canvas, view, now, dt };
+
+        self.bodies.place(snapshot, view);
+        self.hold.follow(&response, snapshot, camera, self.bodies.points(), commands);
+        self.animate(&response, &frame);
+        if ui.is_rect_visible(canvas) {
+            self.draw(&painter, &frame, response.hover_pos());
+        }
+    }
+
+    fn animate(&mut self, response: &Response, frame: &Frame<'_>) {
+        let (snapshot, dt) = (frame.snapshot, frame.dt);
+        let live = snapshot.running && snapshot.mode != Mode::Edit;
+        let wanted = match self.hold.vertex() {
+            Some(vertex) => Some(vertex),
+            None => response.hover_pos().and_then(|at| hold::nearest(self.bodies.points(), at)),
+        };
+        self.picked.follow(wanted, dt);
+        self.pins.follow(snapshot, frame.now);
+        self.scenery.follow(snapshot, dt);
+        self.scale.follow(snapshot, dt);
+        if live {
+            self.snow.fall(dt);
+        }
+        let moving = self.picked.is_moving()
+            || self.pins.is_moving(frame.now)
+            || self.scenery.is_moving()
+            || self.scale.is_moving();
+        if live || moving {
+            response.ctx.request_repaint();
+        }
+        if wanted.is_some() {
+            let pulling = self.hold.is_pulling();
+            let free = if snapshot.mode == Mode::Edit { CursorIcon::PointingHand } else { CursorIcon::Grab };
+            response.ctx.set_cursor_icon(if pulling { CursorIcon::Grabbing } else { free });
+        }
+    }
+
+    fn draw(&mut self, painter: &Painter, frame: &Frame<'_>, pointer: Option<Pos2>) {
+        let Frame { snapshot, options, canvas, view, .. } = *frame;
+        let pixels_per_point = painter.pixels_per_point();
+        self.behind.clear(pixels_per_point);
+        night::sky(&mut self.behind, canvas, view);
+        self.snow.draw(&mut self.behind, canvas, view);
+        painter.add(self.behind.finish());
+        night::square(painter, view, 1.0 - self.scenery.room_presence());
+        painter.add(self.scenery.draw(pixels_per_point, canvas, view));
+
+        self.middle.clear(pixels_per_point);
+        self.bodies.draw(&mut self.middle, view, snapshot, options, &self.scale);
+        painter.add(self.middle.finish());
+        strip_numbers::strip_numbers(painter, view, canvas, snapshot);
+        self.draw_front(painter, frame, pointer);
+    }
+
+    fn draw_front(&mut self, painter: &Painter, frame: &Frame<'_>, pointer: Option<Pos2>) {
+        let Frame { snapshot, options, canvas, view, now, .. } = *frame;
+        let points = self.bodies.points();
+        self.front.clear(painter.pixels_per_point());
+        let free = pointer.filter(|_| self.hold.vertex().is_none());
+        self.picked.draw(&mut self.front, view, points, free);
+        self.pins.draw(&mut self.front, view, points, now);
+        let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, *points.get(pull.vertex)?)));
+        if let Some((pull, from)) = pull {
+            arrow::arrow(&mut self.front, view, from, pull);
+            arrow::force(painter, view, canvas, from, pull);
+        }
+        if options.field != Field::None && options.field == snapshot.field {
+            colour_bar::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
+            let under = free.and_then(|at| Some((at, self.bodies.value_at(snapshot, at)?)));
+            if let Some((at, value)) = under {
+                colour_bar::reading(painter, view, canvas, at, snapshot.field, value);
+            }
+        }
+        painter.add(self.front.finish());
+    }
+}
+
+/// What a screen reader, or a test, is told about the stage.
+fn describe(response: &Response, snapshot: &Snapshot) {
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Stage"));
+    response.ctx.accesskit_node_builder(response.id, |node| {
+        let bodies: Vec<&str> = snapshot.bodies.iter().map(|body| body.name.as_str()).collect();
+        let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
+        node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
+    });
+}
+
+/// The place on the screen of a point of the world [m], for a stage that fills `canvas`, and the other way round.
+/// For whoever wants to point at the stage from outside, such as a test.
+pub fn camera(snapshot: &Snapshot, canvas: egui::Rect) -> Camera {
+    Camera::new(canvas, strip_numbers::height(snapshot, canvas))
+}

@@ -1,0 +1,99 @@
+//! What stands on the stage beside the bodies: the shapes of the effects that act in this mode. It changes rarely, so
+//! its drawing is kept.
+
+use crate::{
+    app::draw::{View, candy, house, ink::Ink},
+    command::Mode,
+    effects::Shape,
+    level::{EffectLevel, Switch, When},
+    snapshot::Snapshot,
+};
+use eframe::egui::{self, Rect};
+
+/// How long a cross-fade takes [s].
+const FADE: f32 = 0.2;
+
+/// How much is seen in edit mode of what only acts in collide mode.
+const PALE: f32 = 0.38;
+
+/// The scenery and how much of it is there.
+#[derive(Default)]
+pub struct Scenery {
+    generation: Option<u64>,
+    /// The shapes of each effect, and their presence from 0 to 1.
+    effects: Vec<(Vec<Shape>, f32)>,
+    moving: bool,
+    ink: Ink,
+    /// What the ink shows: to be drawn again when it differs.
+    drawn: Option<(View, Rect, u32)>,
+    changed: bool,
+}
+
+impl Scenery {
+    /// Fades effects in and out.
+    pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
+        let known = self.generation == Some(snapshot.generation);
+        self.generation = Some(snapshot.generation);
+        self.moving = false;
+        if self.effects.len() != snapshot.level.effects.len() {
+            self.effects.resize_with(snapshot.level.effects.len(), || (Vec::new(), 0.0));
+            self.changed = true;
+        }
+        for (effect, (shapes, presence)) in snapshot.level.effects.iter().zip(&mut self.effects) {
+            let now = effect.effect.kind().shapes();
+            let wanted = if now.is_empty() { 0.0 } else { wanted(effect, snapshot.mode) };
+            let step = if known { dt / FADE } else { 1.0 };
+            let next = *presence + (wanted - *presence).clamp(-step, step);
+            self.changed |= *shapes != now || *presence != next;
+            self.moving |= next != wanted;
+            (*shapes, *presence) = (now, next);
+        }
+    }
+
+    /// Whether something still fades.
+    pub fn is_moving(&self) -> bool {
+        self.moving
+    }
+
+    /// How much of a room there is: it takes the place of the plain world square.
+    pub fn room_presence(&self) -> f32 {
+        let rooms = self.effects.iter().filter(|(shapes, _)| shapes.iter().any(|shape| matches!(shape, Shape::Room(_))));
+        rooms.map(|effect| effect.1).fold(0.0, f32::max)
+    }
+
+    /// The drawing, made again only if something has changed.
+    pub fn draw(&mut self, pixels_per_point: f32, canvas: Rect, view: View) -> egui::Shape {
+        let wanted = Some((view, canvas, pixels_per_point.to_bits()));
+        if !self.changed && self.drawn == wanted {
+            return self.ink.again();
+        }
+        (self.drawn, self.changed) = (wanted, false);
+        self.ink.clear(pixels_per_point);
+        let all = || self.effects.iter().filter(|(_, presence)| *presence > 0.02);
+        for (shapes, presence) in all() {
+            for shape in shapes {
+                if let Shape::Room(room) = shape {
+                    house::house(&mut self.ink, view, canvas, room, *presence);
+                }
+            }
+        }
+        let solids = all().flat_map(|(shapes, presence)| shapes.iter().map(move |shape| (shape, *presence)));
+        for (number, (shape, presence)) in solids.enumerate() {
+            match shape {
+                Shape::Solid(outline) => candy::gumdrop(&mut self.ink, view, outline, number, presence),
+                Shape::Edges(least, greatest) => candy::edges(&mut self.ink, view, [*least, *greatest], presence),
+                Shape::Room(_) => {}
+            }
+        }
+        self.ink.finish()
+    }
+}
+
+/// How much of an effect should be seen in a mode.
+fn wanted(effect: &EffectLevel, mode: Mode) -> f32 {
+    match (effect.switch, effect.when, mode) {
+        (Switch::Off, ..) | (Switch::On, When::Collide, Mode::Simulate) => 0.0,
+        (Switch::On, When::Collide, Mode::Edit) => PALE,
+        (Switch::On, ..) => 1.0,
+    }
+}

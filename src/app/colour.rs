@@ -1,0 +1,163 @@
+//! Colours for values: maps that colour-blind eyes can read, and a range that holds still.
+
+use crate::snapshot::{Field, Snapshot};
+use eframe::egui::Color32;
+use std::sync::LazyLock;
+
+/// Number of colours in a map.
+const COLORS: usize = 256;
+
+/// How long [s] values must be small before the range follows them down.
+const PATIENCE: f32 = 1.5;
+
+/// Time constant [s] with which the shown range goes to a new one.
+const EASE: f32 = 0.12;
+
+/// Share of the triangles that the range leaves out at its upper end, so that a single spike does not set it.
+const OUTLIERS: f64 = 0.01;
+
+static VIRIDIS: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::VIRIDIS, false));
+
+/// Red is compressed, blue is stretched, and rest is pale.
+static RED_BLUE: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::RED_BLUE, false));
+
+fn sampled(gradient: colorous::Gradient, reversed: bool) -> [Color32; COLORS] {
+    std::array::from_fn(|i| {
+        let color = gradient.eval_rational(if reversed { COLORS - 1 - i } else { i }, COLORS);
+        Color32::from_rgb(color.r, color.g, color.b)
+    })
+}
+
+/// What a field's values look like: a map and the range it covers.
+#[derive(Debug, Default)]
+pub struct Scale {
+    field: Field,
+    generation: Option<u64>,
+    /// Where the range is going: a round number.
+    goal: f64,
+    /// Where it is.
+    high: f64,
+    /// How long it could have been smaller [s], and the largest value since.
+    calm: f32,
+    calm_high: f64,
+    sorted: Vec<f64>,
+}
+
+impl Scale {
+    /// Looks at the values of a frame that lasted `dt` seconds. Growing is quick; shrinking waits for calm.
+    pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
+        let wanted = round_up(self.typical_high(snapshot).max(floor(snapshot)));
+        if self.field != snapshot.field || self.generation != Some(snapshot.generation) {
+            (self.field, self.generation) = (snapshot.field, Some(snapshot.generation));
+            (self.goal, self.high, self.calm) = (wanted, wanted, 0.0);
+            return;
+        }
+        if wanted > self.goal {
+            self.goal = wanted;
+        }
+        if wanted < 0.45 * self.goal {
+            self.calm_high = if self.calm > 0.0 { self.calm_high.max(wanted) } else { wanted };
+            self.calm += dt;
+        } else {
+            self.calm = 0.0;
+        }
+        if self.calm > PATIENCE {
+            (self.goal, self.calm) = (self.calm_high, 0.0);
+        }
+        let step = f64::from(1.0 - (-dt / EASE).exp());
+        self.high *= (step * (self.goal / self.high).ln()).exp();
+        if (self.high / self.goal - 1.0).abs() < 1e-3 {
+            self.high = self.goal;
+        }
+    }
+
+    /// Whether the range is on its way to another one.
+    pub fn is_moving(&self) -> bool {
+        self.field != Field::None && (self.high != self.goal || self.calm > 0.0)
+    }
+
+    /// The values at the two ends of the map.
+    pub fn range(&self) -> [f64; 2] {
+        match self.field {
+            Field::Volume => [1.0 - self.high, 1.0 + self.high],
+            Field::None | Field::EnergyDensity | Field::VonMises => [0.0, self.high],
+        }
+    }
+
+    /// The colour of a value.
+    pub fn color(&self, value: f64) -> Color32 {
+        let [low, high] = self.range();
+        self.at(((value - low) / (high - low)) as f32)
+    }
+
+    /// The colour at a share of the map from 0 to 1.
+    pub fn at(&self, share: f32) -> Color32 {
+        let map = if self.field == Field::Volume { &RED_BLUE } else { &VIRIDIS };
+        map[((share * COLORS as f32) as usize).min(COLORS - 1)]
+    }
+
+    /// The value, or its distance from rest, below which all but the outliers lie.
+    fn typical_high(&mut self, snapshot: &Snapshot) -> f64 {
+        let rest = if snapshot.field == Field::Volume { 1.0 } else { 0.0 };
+        self.sorted.clear();
+        self.sorted.extend(snapshot.values.iter().map(|value| (value - rest).abs()).filter(|size| size.is_finite()));
+        let Some(last) = self.sorted.len().checked_sub(1) else { return 0.0 };
+        let place = last - (last as f64 * OUTLIERS) as usize;
+        let (_, high, _) = self.sorted.select_nth_unstable_by(place, f64::total_cmp);
+        // Beyond J = 0 and J = 2 the ends of the map say enough.
+        if snapshot.field == Field::Volume { high.min(1.0) } else { *high }
+    }
+}
+
+/// The smallest range worth showing: about a thousandth of strain, so that rounding at rest is not painted.
+fn floor(snapshot: &Snapshot) -> f64 {
+    let young = snapshot.level.bodies.iter().map(|body| body.material.young().get()).fold(0.0, f64::max).max(1e-9);
+    match snapshot.field {
+        Field::EnergyDensity => 1e-6 * young,
+        Field::VonMises => 1e-3 * young,
+        Field::None | Field::Volume => 0.01,
+    }
+}
+
+/// The next of 1, 2, 5, 10, 20, 50, ...
+fn round_up(value: f64) -> f64 {
+    let decade = 10_f64.powf(value.log10().floor());
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| value <= factor * decade * 1.000_001).unwrap_or(10.0);
+    factor * decade
+}
+
+/// Round values from `low` to `high`, both included if they are round: at most six steps.
+pub fn ticks([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let step = round_up((high - low) / 6.0).max(f64::MIN_POSITIVE);
+    let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
+    (first..=last).map(move |i| i as f64 * step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Scale, round_up, ticks};
+    use crate::snapshot::{Field, Snapshot};
+
+    #[test]
+    fn rounds_up() {
+        for (value, round) in [(1.0, 1.0), (1.1, 2.0), (30.0, 50.0), (0.07, 0.1), (1e-9, 1e-9)] {
+            assert!((round_up(value) / round - 1.0).abs() < 1e-9, "{value}");
+        }
+        let values: Vec<f64> = ticks([0.0, 50.0]).collect();
+        assert_eq!(values, [0.0, 10.0, 20.0, 30.0, 40.0, 50.0]);
+    }
+
+    #[test]
+    fn grows_at_once_and_shrinks_after_a_while() {
+        let mut snapshot = Snapshot { field: Field::VonMises, values: vec![30.0; 9], ..Snapshot::default() };
+        let mut scale = Scale::default();
+        scale.follow(&snapshot, 0.02);
+        assert_eq!(scale.range(), [0.0, 50.0]);
+        snapshot.values.fill(1.0);
+        (0..50).for_each(|_| scale.follow(&snapshot, 0.02));
+        assert_eq!(scale.range(), [0.0, 50.0], "one second is too early");
+        (0..150).for_each(|_| scale.follow(&snapshot, 0.02));
+        assert_eq!(scale.range(), [0.0, 1.0]);
+        assert!(!scale.is_moving());
+    }
+}

@@ -1,0 +1,49 @@
+//! The drag: a red arrow from the vertex to where it is pulled, with its force.
+
+use super::{View, card, ink::Ink};
+use crate::{app::numbers::si_fixed, snapshot::Pull};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, vec2};
+
+/// Shaft and head of an arrow [points].
+struct Size {
+    width: f32,
+    head: f32,
+}
+
+/// Draws the arrow from its vertex.
+pub fn arrow(ink: &mut Ink, view: View, from: Pos2, pull: &Pull) {
+    let to = view.camera.screen_from_world(pull.target);
+    let length = from.distance(to);
+    let width = (view.size(0.006, 2.5, 14.0) + 0.012 * length).min(view.size(0.013, 5.0, 30.0));
+    let head = (0.35 * length).clamp(0.0, 5.0 * width);
+    let outline = view.theme.icing.gamma_multiply(0.9);
+    stroke(ink, from, to, &Size { width: width + 3.0, head: head + 4.0 }, outline);
+    stroke(ink, from, to, &Size { width, head }, view.theme.pull);
+}
+
+fn stroke(ink: &mut Ink, from: Pos2, to: Pos2, size: &Size, color: Color32) {
+    ink.disc(from, 0.9 * size.width, color);
+    if size.head < 1.5 * size.width {
+        return ink.line(&[from, to], false, size.width, color);
+    }
+    let along = (to - from).normalized();
+    // The outline's head is longer by what sticks out behind; its tip sticks out in front.
+    let tip = to + along * (0.5 * size.width);
+    let neck = tip - along * size.head;
+    ink.line(&[from, neck], false, size.width, color);
+    let aside = along.rot90() * (0.48 * size.head);
+    let notch = neck + along * (0.18 * size.head);
+    ink.area(&[tip, neck + aside, notch, neck - aside], color);
+    ink.line(&[tip, neck + aside, notch, neck - aside], true, 0.4 * size.width, color);
+}
+
+/// Writes the force beside the arrow's head.
+pub fn force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pull) {
+    let to = view.camera.screen_from_world(pull.target);
+    let right = to.x >= from.x;
+    let (aside, anchor) = if right { (16.0, Align2::LEFT_CENTER) } else { (-16.0, Align2::RIGHT_CENTER) };
+    let font = FontId::monospace(view.size(0.024, 14.0, 40.0));
+    let text = si_fixed(pull.force, "N");
+    let color = view.theme.pull.lerp_to_gamma(view.theme.ink, 0.35);
+    card(painter, view, canvas, (to + vec2(aside, 0.0), anchor), (text.trim(), font, color));
+}

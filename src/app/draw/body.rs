@@ -1,0 +1,198 @@
+//! Bodies: dough with a baked rim, or coloured by a field; icing on top; mesh lines for those who want to see them.
+
+use super::{View, icing, ink::Ink};
+use crate::{
+    app::{canvas::Options, colour::Scale},
+    meshes::Embedded,
+    snapshot::{BodySnapshot, Field, Snapshot},
+};
+use eframe::egui::{Color32, Pos2};
+
+/// Width of the baked rim [m].
+const RIM: f32 = 0.016;
+
+/// What does not change while a body moves.
+struct Part {
+    /// Its boundary, the body on the left.
+    loops: Vec<Vec<u32>>,
+    /// Its edges, each once.
+    edges: Vec<[u32; 2]>,
+    /// Sugar and spice.
+    specks: Vec<Embedded>,
+}
+
+/// All bodies of a scene.
+#[derive(Default)]
+pub struct Bodies {
+    generation: Option<u64>,
+    parts: Vec<Part>,
+    /// The vertices on the screen.
+    points: Vec<Pos2>,
+    line: Vec<Pos2>,
+}
+
+impl Bodies {
+    /// Places the vertices on the screen.
+    pub fn place(&mut self, snapshot: &Snapshot, view: View) {
+        if self.generation != Some(snapshot.generation) || self.parts.len() != snapshot.bodies.len() {
+            self.generation = Some(snapshot.generation);
+            self.parts = snapshot.bodies.iter().map(Part::new).collect();
+        }
+        self.points.clear();
+        let positions = snapshot.positions.chunks_exact(2);
+        self.points.extend(positions.map(|point| view.camera.screen_from_world([point[0], point[1]])));
+    }
+
+    /// The vertices on the screen, as placed last.
+    pub fn points(&self) -> &[Pos2] {
+        &self.points
+    }
+
+    /// The value of the triangle under a point of the screen; of the last one drawn, if there are several.
+    pub fn value_at(&self, snapshot: &Snapshot, at: Pos2) -> Option<f64> {
+        let turn = |a: Pos2, b: Pos2| (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
+        let is_inside = |triangle: &[u32; 3]| {
+            let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| self.points.get(vertex as usize).copied()) else {
+                return false;
+            };
+            let turns = [turn(a, b), turn(b, c), turn(c, a)];
+            turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
+        };
+        snapshot.values.get(snapshot.triangles.iter().rposition(is_inside)?).copied()
+    }
+
+    /// Draws all bodies, in the order of the level.
+    pub fn draw(&mut self, ink: &mut Ink, view: View, snapshot: &Snapshot, options: &Options, scale: &Scale) {
+        let field = options.field != Field::None && options.field == snapshot.field;
+        for (body, part) in snapshot.bodies.iter().zip(&self.parts) {
+            let Some(points) = self.points.get(body.vertices.clone()) else { continue };
+            let values = snapshot.values.get(body.triangles.clone()).filter(|_| field);
+            match values {
+                Some(values) => colored(ink, body, points, values, scale),
+                None => plain(ink, view, body, points),
+            }
+            part.rim(ink, view, points, &mut self.line, values.is_none());
+            if options.wireframe {
+                part.wireframe(ink, view, points, values.is_some());
+            }
+            if values.is_none() {
+                part.specks(ink, view, body, points);
+            }
+            if snapshot.inverted > 0 {
+                inside_out(ink, view, body, points);
+            }
+            let opacity = if values.is_some() || options.wireframe { 0.55 } else { 1.0 };
+            if body.mesh.icing().is_empty() {
+                icing::edge(ink, view, &part.loops, points, &mut self.line, opacity);
+            } else {
+                icing::strokes(ink, view, &body.mesh, points, &mut self.line, opacity);
+            }
+            if options.vertices {
+                vertices(ink, view, points);
+            }
+        }
+    }
+}
+
+impl Part {
+    fn new(body: &BodySnapshot) -> Self {
+        let triangles = body.mesh.triangles();
+        let mut edges: Vec<[u32; 2]> = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)]))
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        Self { loops: body.mesh.boundary_loops(), edges, specks: specks(body) }
+    }
+
+    fn rim(&self, ink: &mut Ink, view: View, points: &[Pos2], line: &mut Vec<Pos2>, baked: bool) {
+        let (width, pixel) = (view.size(RIM, 2.5, 40.0), ink.pixel());
+        for vertices in &self.loops {
+            gather(line, points, vertices);
+            if baked {
+                let distances = [-0.5 * pixel, 0.5 * pixel, 0.25 * width, 0.6 * width, width];
+                ink.bands(line, true, &distances, &[0.0, 1.0, 0.9, 0.4, 0.0], view.theme.crust);
+            } else {
+                ink.line(line, true, 1.5, view.theme.crust);
+            }
+        }
+    }
+
+    fn wireframe(&self, ink: &mut Ink, view: View, points: &[Pos2], colored: bool) {
+        let color = if colored { Color32::from_black_alpha(120) } else { view.theme.crust };
+        let across = ink.pixel();
+        for &[a, b] in &self.edges {
+            let (a, b) = (points[a as usize], points[b as usize]);
+            ink.bands(&[a, b], false, &[-across, 0.0, across], &[0.0, 0.9, 0.0], color);
+        }
+    }
+
+    fn specks(&self, ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
+        let size = view.size(0.0022, 0.7, 4.0);
+        for (number, speck) in self.specks.iter().enumerate() {
+            let color = if number % 3 == 0 { view.theme.icing.gamma_multiply(0.35) } else { view.theme.crust };
+            ink.disc(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
+        }
+    }
+}
+
+/// A few points of a body, always the same.
+fn specks(body: &BodySnapshot) -> Vec<Embedded> {
+    let triangles = body.mesh.triangles().len();
+    let count = ((body.mesh.area() * 500.0) as usize).clamp(12, 150);
+    let speck = |i| {
+        let place = |salt| f64::from(super::scatter(i, salt));
+        let (mut a, mut b) = (place(5), place(6));
+        if a + b > 1.0 {
+            (a, b) = (1.0 - a, 1.0 - b);
+        }
+        let triangle = ((place(7) * triangles as f64) as usize).min(triangles - 1) as u32;
+        Embedded { triangle, weights: [1.0 - a - b, a, b] }
+    };
+    (0..if triangles == 0 { 0 } else { count }).map(speck).collect()
+}
+
+/// The points of a loop.
+pub(super) fn gather(line: &mut Vec<Pos2>, points: &[Pos2], vertices: &[u32]) {
+    line.clear();
+    line.extend(vertices.iter().filter_map(|&vertex| points.get(vertex as usize)));
+}
+
+fn plain(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
+    let Some((&first, rest)) = points.split_first() else { return };
+    let start = ink.vertex(first, view.theme.dough);
+    for &point in rest {
+        ink.vertex(point, view.theme.dough);
+    }
+    for &[a, b, c] in body.mesh.triangles() {
+        ink.triangle(start + a, start + b, start + c);
+    }
+}
+
+fn colored(ink: &mut Ink, body: &BodySnapshot, points: &[Pos2], values: &[f64], scale: &Scale) {
+    for (triangle, &value) in body.mesh.triangles().iter().zip(values) {
+        let color = scale.color(value);
+        let [a, b, c] = triangle.map(|vertex| ink.vertex(points[vertex as usize], color));
+        ink.triangle(a, b, c);
+    }
+}
+
+/// Triangles that are inside out, which run the other way round on the screen too.
+fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
+    for triangle in body.mesh.triangles() {
+        let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
+        let (u, v) = (b - a, c - a);
+        // The screen's y points down: what runs counter-clockwise has a negative cross product here.
+        if u.x * v.y - u.y * v.x >= 0.0 {
+            let [a, b, c] = [a, b, c].map(|corner| ink.vertex(corner, view.theme.pull));
+            ink.triangle(a, b, c);
+        }
+    }
+}
+
+fn vertices(ink: &mut Ink, view: View, points: &[Pos2]) {
+    for &point in points {
+        ink.disc(point, 1.6, view.theme.ink);
+    }
+}

@@ -1,0 +1,54 @@
+//! Obstacles as candy, and the edges of the world.
+
+use super::{View, ink::Ink, scatter};
+use eframe::egui::{Color32, Pos2, Rect, vec2};
+
+/// A solid as a gumdrop: lighter on top, sugared, with a dark foot. `number` chooses its colour.
+pub fn gumdrop(ink: &mut Ink, view: View, outline: &[[f64; 2]], number: usize, presence: f32) {
+    let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
+    if points.len() < 3 {
+        return;
+    }
+    let color = |color| view.theme.present(color, presence);
+    let candy = view.theme.candy[number % 2];
+    let bounds = Rect::from_points(&points);
+    let (bright, dark) = (candy.lerp_to_gamma(Color32::WHITE, 0.22), candy.lerp_to_gamma(Color32::BLACK, 0.3));
+    ink.shaded(&points, |at| {
+        color(bright.lerp_to_gamma(dark, (at.y - bounds.top()) / bounds.height().max(1.0)))
+    });
+    ink.line(&points, true, view.size(0.005, 1.5, 20.0), color(dark));
+    sugar(ink, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
+}
+
+/// Sugar grains inside an outline.
+fn sugar(ink: &mut Ink, view: View, outline: &[Pos2], bounds: Rect, color: Color32) {
+    let size = view.size(0.0028, 0.8, 8.0);
+    let world = view.camera.length(1.0);
+    let count = (1800.0 * bounds.area() / (world * world)).clamp(8.0, 300.0) as usize;
+    for grain in 0..count {
+        let at = bounds.min + vec2(scatter(grain, 11), scatter(grain, 12)) * bounds.size();
+        if is_inside(outline, at) {
+            ink.disc(at, size * (0.6 + 0.6 * scatter(grain, 13)), color.gamma_multiply(0.8));
+        }
+    }
+}
+
+/// Whether a point lies inside an outline, by the edges to its right.
+fn is_inside(outline: &[Pos2], at: Pos2) -> bool {
+    let mut inside = false;
+    for (i, a) in outline.iter().enumerate() {
+        let b = outline[(i + 1) % outline.len()];
+        if (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x) {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+/// The rectangle that nothing leaves: a thread of icing.
+pub fn edges(ink: &mut Ink, view: View, [least, greatest]: [[f64; 2]; 2], presence: f32) {
+    let corners = [least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
+    let points = corners.map(|corner| view.camera.screen_from_world(corner));
+    let color = view.theme.world_edge.gamma_multiply(presence);
+    ink.line(&points, true, view.size(0.006, 2.0, 10.0), color);
+}

@@ -1,0 +1,195 @@
+//! The gingerbread house around a room: its inner faces are exactly where bodies touch.
+
+use super::{View, ink::Ink, roof};
+use eframe::egui::{Color32, Pos2, Rect, lerp, pos2};
+
+/// Thickness of walls, floor and roof [m].
+pub const THICKNESS: f64 = 0.05;
+
+/// How far the ground lies below the floor [m].
+const STEP: f64 = 0.045;
+
+/// What an edge of the room is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Below.
+    Floor,
+    /// At the side.
+    Wall,
+    /// Above.
+    Roof,
+    /// The room only ends there because the world does.
+    Open,
+}
+
+/// One edge of the room, counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// What it is.
+    pub kind: Kind,
+    /// Its ends [m].
+    pub ends: [[f64; 2]; 2],
+    /// The same ends on the outer face [m].
+    pub outer: [[f64; 2]; 2],
+    /// Unit vector outwards.
+    pub out: [f64; 2],
+}
+
+/// A pen in world coordinates, with the colours of the theme.
+pub struct Baker<'a> {
+    pub(super) ink: &'a mut Ink,
+    pub(super) view: View,
+    pub(super) presence: f32,
+}
+
+impl Baker<'_> {
+    pub(super) fn color(&self, color: Color32) -> Color32 {
+        self.view.theme.present(color, self.presence)
+    }
+
+    fn points(&self, points: &[[f64; 2]]) -> Vec<Pos2> {
+        points.iter().map(|&point| self.view.camera.screen_from_world(point)).collect()
+    }
+
+    pub(super) fn area(&mut self, points: &[[f64; 2]], color: Color32) {
+        let (points, color) = (self.points(points), self.color(color));
+        self.ink.area(&points, color);
+    }
+
+    pub(super) fn line(&mut self, points: &[[f64; 2]], width: f32, color: Color32) {
+        let (points, color) = (self.points(points), self.color(color));
+        self.ink.line(&points, false, self.view.size(width, 1.2, 100.0), color);
+    }
+
+    pub(super) fn disc(&mut self, at: [f64; 2], radius: f32, color: Color32) {
+        let (at, color) = (self.view.camera.screen_from_world(at), self.color(color));
+        self.ink.disc(at, self.view.camera.length(radius), color);
+    }
+
+    /// A candy button with a light.
+    pub(super) fn button(&mut self, at: [f64; 2], radius: f32, color: Color32) {
+        self.disc([at[0], at[1] - 0.1 * f64::from(radius)], 1.18 * radius, self.view.theme.wall_shade);
+        self.disc(at, radius, color);
+        let light = 0.3 * f64::from(radius);
+        self.disc([at[0] - light, at[1] + light], 0.24 * radius, color.lerp_to_gamma(Color32::WHITE, 0.7));
+    }
+}
+
+/// A point between two others, or beyond them.
+pub(super) fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
+    [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
+}
+
+/// A point moved along a direction.
+pub(super) fn moved(point: [f64; 2], direction: [f64; 2], by: f64) -> [f64; 2] {
+    [point[0] + by * direction[0], point[1] + by * direction[1]]
+}
+
+/// Draws the house around a convex room, standing in snow that reaches across the canvas.
+pub fn house(ink: &mut Ink, view: View, canvas: Rect, room: &[[f64; 2]], presence: f32) {
+    let sides = sides(room);
+    let mut baker = Baker { ink, view, presence };
+    let floor = sides.iter().find(|side| side.kind == Kind::Floor).map(|side| side.ends[0][1]);
+    if let Some(floor) = floor {
+        ground(&mut baker, canvas, floor - STEP);
+    }
+    roof::chimney(&mut baker, &sides);
+    inside(&mut baker, room);
+    for kind in [Kind::Floor, Kind::Wall] {
+        sides.iter().filter(|side| side.kind == kind).for_each(|side| wall(&mut baker, side));
+    }
+    roof::roof(&mut baker, &sides);
+}
+
+fn sides(room: &[[f64; 2]]) -> Vec<Side> {
+    let count = room.len();
+    let out = |i: usize| {
+        let ([ax, ay], [bx, by]) = (room[i % count], room[(i + 1) % count]);
+        let length = (bx - ax).hypot(by - ay).max(1e-12);
+        [(by - ay) / length, (ax - bx) / length]
+    };
+    // The outer face's corner lies as far out of both neighbouring faces.
+    let corner = |i: usize| {
+        let (a, b) = (out(i + count - 1), out(i));
+        let cosine = (1.0 + a[0] * b[0] + a[1] * b[1]).max(0.5);
+        moved(room[i % count], [a[0] + b[0], a[1] + b[1]], THICKNESS / cosine)
+    };
+    (0..count)
+        .map(|i| {
+            let ends = [room[i], room[(i + 1) % count]];
+            Side { kind: kind(ends, out(i)), ends, outer: [corner(i), corner(i + 1)], out: out(i) }
+        })
+        .collect()
+}
+
+fn kind(ends: [[f64; 2]; 2], out: [f64; 2]) -> Kind {
+    let on = |axis: usize, at: f64| ends.iter().all(|end| (end[axis] - at).abs() < 1e-9);
+    let worlds_end = on(0, 0.0) || on(0, 1.0) || on(1, 0.0) || on(1, 1.0);
+    match out[1] {
+        _ if worlds_end => Kind::Open,
+        up if up < -0.7 => Kind::Floor,
+        up if up < 0.3 => Kind::Wall,
+        _ => Kind::Roof,
+    }
+}
+
+/// Snow on the ground, in soft hills.
+fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64) {
+    let [near, far] = baker.view.theme.ground.map(|color| baker.color(color));
+    let base = baker.view.camera.screen_from_world([0.0, level]).y;
+    let height = baker.view.camera.length(0.012);
+    let steps = 48;
+    for i in 0..=steps {
+        let x = lerp(canvas.x_range(), i as f32 / steps as f32);
+        let along = baker.view.camera.world_from_screen(pos2(x, 0.0))[0] as f32;
+        let y = base - height * ((3.1 * along + 0.4).sin() + 0.6 * (7.3 * along + 2.0).sin());
+        let [top, bottom] = [(y, near), (canvas.bottom().max(y), far)].map(|(y, color)| baker.ink.vertex(pos2(x, y), color));
+        if i > 0 {
+            baker.ink.triangle(top - 2, top, bottom);
+            baker.ink.triangle(top - 2, bottom, bottom - 2);
+        }
+    }
+}
+
+/// The wall behind the bodies, with a window to the night.
+fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
+    let points = baker.points(room);
+    let [top, bottom] = baker.view.theme.inside.map(|color| baker.color(color));
+    let bounds = Rect::from_points(&points);
+    baker.ink.shaded(&points, |at| {
+        top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0))
+    });
+}
+
+/// A wall or the floor: dough, icing along both faces, candy in between.
+fn wall(baker: &mut Baker<'_>, side: &Side) {
+    let theme = baker.view.theme;
+    let ([a, b], [c, d]) = (side.ends, side.outer);
+    baker.area(&[a, c, d, b], theme.wall);
+    let shade = [0.72, 1.0].map(|share| [between(a, c, share), between(b, d, share)]);
+    baker.area(&[shade[0][0], shade[1][0], shade[1][1], shade[0][1]], theme.wall_shade);
+    let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+    let count = (length / 0.1).floor().max(1.0) as usize;
+    for i in 0..count {
+        let at = between(between(a, b, (i as f64 + 0.5) / count as f64), between(c, d, (i as f64 + 0.5) / count as f64), 0.52);
+        baker.button(at, 0.0105, theme.candy[i % 2]);
+    }
+    // The icing's inner rim is the face itself.
+    let icing = [a, b].map(|end| moved(end, side.out, 0.006));
+    baker.line(&icing, 0.012, theme.icing);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Kind, sides};
+
+    #[test]
+    fn knows_floor_walls_roof_and_where_the_world_ends() {
+        let room = [[0.05, 0.1], [0.95, 0.1], [0.95, 0.6], [0.5, 1.0], [0.05, 0.6]];
+        let kinds: Vec<Kind> = sides(&room).iter().map(|side| side.kind).collect();
+        assert_eq!(kinds, [Kind::Floor, Kind::Wall, Kind::Roof, Kind::Roof, Kind::Wall]);
+        let open = [[0.0, 0.1], [1.0, 0.1], [1.0, 1.0], [0.0, 1.0]];
+        let kinds: Vec<Kind> = sides(&open).iter().map(|side| side.kind).collect();
+        assert_eq!(kinds, [Kind::Floor, Kind::Open, Kind::Open, Kind::Open]);
+    }
+}

@@ -1,0 +1,50 @@
+//! Icing that lies on the dough and moves with it.
+
+use super::{View, body::gather, ink::Ink};
+use crate::meshes::{Embedded, IcingColor, Mesh};
+use eframe::egui::{Pos2, vec2};
+
+/// Where a point of the body is on the screen, for its vertices on the screen.
+pub fn place(point: &Embedded, triangles: &[[u32; 3]], points: &[Pos2]) -> Pos2 {
+    let mut sum = vec2(0.0, 0.0);
+    for (&vertex, &weight) in triangles[point.triangle as usize].iter().zip(&point.weights) {
+        sum += points[vertex as usize].to_vec2() * weight as f32;
+    }
+    sum.to_pos2()
+}
+
+/// The strokes that came with the mesh, each with a little shade below that lifts it off the dough.
+pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &mut Vec<Pos2>, opacity: f32) {
+    let theme = view.theme;
+    let lift = vec2(0.0, view.size(0.0025, 0.7, 6.0));
+    let shade = theme.crust.gamma_multiply(0.7 * opacity);
+    for stroke in mesh.icing() {
+        let color = match stroke.color {
+            IcingColor::White => theme.icing,
+            IcingColor::Red => theme.candy[0],
+            IcingColor::Green => theme.candy[1],
+        };
+        line.clear();
+        line.extend(stroke.points.iter().map(|point| place(point, mesh.triangles(), points) + lift));
+        let width = view.camera.length(stroke.width as f32).max(1.5);
+        for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(opacity), -lift)] {
+            line.iter_mut().for_each(|point| *point += back);
+            if stroke.filled {
+                ink.area(line, color);
+            } else {
+                ink.line(line, stroke.closed, width, color);
+            }
+        }
+    }
+}
+
+/// A plain line of icing along the boundary, for bodies that nobody has decorated.
+pub fn edge(ink: &mut Ink, view: View, loops: &[Vec<u32>], points: &[Pos2], line: &mut Vec<Pos2>, opacity: f32) {
+    let (inset, half, pixel) = (view.size(0.016, 3.0, 60.0), view.size(0.003, 0.9, 12.0), ink.pixel());
+    for vertices in loops {
+        gather(line, points, vertices);
+        let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
+        let color = view.theme.icing.gamma_multiply(opacity);
+        ink.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
+    }
+}

@@ -1,0 +1,169 @@
+//! Smooth shapes collected into one triangle mesh: egui copies it as it is, so thousands of triangles a frame stay cheap.
+
+use super::ears;
+use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, vec2};
+use std::{f32::consts::TAU, sync::Arc};
+
+/// A layer of the drawing. Later shapes cover earlier ones; edges fade out over one pixel.
+pub struct Ink {
+    mesh: Mesh,
+    shown: Arc<Mesh>,
+    pixel: f32,
+    /// Directions across a line, reused.
+    across: Vec<Vec2>,
+}
+
+impl Default for Ink {
+    fn default() -> Self {
+        Self { mesh: Mesh::default(), shown: Arc::default(), pixel: 1.0, across: Vec::new() }
+    }
+}
+
+impl Ink {
+    /// Begins again with nothing, keeping the memory.
+    pub fn clear(&mut self, pixels_per_point: f32) {
+        self.mesh.indices.clear();
+        self.mesh.vertices.clear();
+        self.pixel = 1.0 / pixels_per_point.max(0.1);
+    }
+
+    /// What was drawn since `clear`. egui lets go of the mesh before the next frame, so two buffers suffice.
+    pub fn finish(&mut self) -> Shape {
+        match Arc::get_mut(&mut self.shown) {
+            Some(shown) => std::mem::swap(shown, &mut self.mesh),
+            None => self.shown = Arc::new(std::mem::take(&mut self.mesh)),
+        }
+        self.again()
+    }
+
+    /// What `finish` returned last.
+    pub fn again(&self) -> Shape {
+        Shape::Mesh(Arc::clone(&self.shown))
+    }
+
+    /// The width of a pixel [points].
+    pub fn pixel(&self) -> f32 {
+        self.pixel
+    }
+
+    /// A corner for [`Self::triangle`].
+    pub fn vertex(&mut self, at: Pos2, color: Color32) -> u32 {
+        self.mesh.colored_vertex(at, color);
+        self.mesh.vertices.len() as u32 - 1
+    }
+
+    /// A triangle of corners, blending their colours.
+    pub fn triangle(&mut self, a: u32, b: u32, c: u32) {
+        self.mesh.add_triangle(a, b, c);
+    }
+
+    /// A rectangle that goes from one colour at its top to another at its bottom.
+    pub fn gradient(&mut self, rect: Rect, [top, bottom]: [Color32; 2]) {
+        let a = self.vertex(rect.left_top(), top);
+        let b = self.vertex(rect.right_top(), top);
+        let c = self.vertex(rect.right_bottom(), bottom);
+        let d = self.vertex(rect.left_bottom(), bottom);
+        self.triangle(a, b, c);
+        self.triangle(a, c, d);
+    }
+
+    /// The inside of an outline.
+    pub fn area(&mut self, outline: &[Pos2], color: Color32) {
+        self.shaded(outline, |_| color);
+    }
+
+    /// The inside of an outline, each corner in its own colour.
+    pub fn shaded(&mut self, outline: &[Pos2], color: impl Fn(Pos2) -> Color32) {
+        let first = self.mesh.vertices.len() as u32;
+        for &point in outline {
+            self.vertex(point, color(point));
+        }
+        ears::cut(outline, |[a, b, c]| self.mesh.add_triangle(first + a, first + b, first + c));
+        if let Some(&point) = outline.first() {
+            self.line(outline, true, self.pixel, color(point));
+        }
+    }
+
+    /// A disc.
+    pub fn disc(&mut self, center: Pos2, radius: f32, color: Color32) {
+        let pixel = self.pixel;
+        let count = ((radius / pixel).sqrt() * 5.0).clamp(6.0, 64.0) as u32;
+        let middle = self.vertex(center, color);
+        for i in 0..count {
+            let (sin, cos) = (TAU * i as f32 / count as f32).sin_cos();
+            let out = vec2(cos, sin);
+            let inner = self.vertex(center + out * (radius - 0.5 * pixel).max(0.0), color);
+            let outer = self.vertex(center + out * (radius + 0.5 * pixel), Color32::TRANSPARENT);
+            let next = middle + 1 + 2 * ((i + 1) % count);
+            self.triangle(middle, inner, next);
+            self.triangle(inner, outer, next + 1);
+            self.triangle(inner, next + 1, next);
+        }
+    }
+
+    /// A disc that fades from its middle to its edge.
+    pub fn halo(&mut self, center: Pos2, radius: f32, color: Color32) {
+        let count = 32;
+        let middle = self.vertex(center, color);
+        for i in 0..count {
+            self.vertex(center + Vec2::angled(TAU * i as f32 / count as f32) * radius, Color32::TRANSPARENT);
+            self.triangle(middle, middle + 1 + i, middle + 1 + (i + 1) % count);
+        }
+    }
+
+    /// A line through points, with round ends if it is open.
+    pub fn line(&mut self, points: &[Pos2], closed: bool, width: f32, color: Color32) {
+        if points.len() < 2 || width <= 0.0 {
+            return;
+        }
+        let (half, color) = if width < self.pixel {
+            (0.5 * self.pixel, color.gamma_multiply(width / self.pixel))
+        } else {
+            (0.5 * width, color)
+        };
+        let fade = 0.5 * self.pixel;
+        let sides = [(half + fade, 0.0), ((half - fade).max(0.0), 1.0)];
+        let [(outer, _), (inner, _)] = sides;
+        self.bands(points, closed, &[outer, inner, -inner, -outer], &[0.0, 1.0, 1.0, 0.0], color);
+        if !closed && half > self.pixel {
+            self.disc(points[0], half, color);
+            self.disc(points[points.len() - 1], half, color);
+        }
+    }
+
+    /// Bands along a line: at each distance to its left (on screen, going forward) its share of the colour.
+    pub fn bands(&mut self, points: &[Pos2], closed: bool, distances: &[f32], shares: &[f32], color: Color32) {
+        self.find_across(points, closed);
+        let across = std::mem::take(&mut self.across);
+        let first = self.mesh.vertices.len() as u32;
+        for (&point, &across) in points.iter().zip(&across) {
+            for (&distance, &share) in distances.iter().zip(shares) {
+                self.vertex(point + across * distance, color.gamma_multiply(share));
+            }
+        }
+        self.across = across;
+        let (rows, columns) = (points.len() as u32, distances.len() as u32);
+        for row in 0..if closed { rows } else { rows - 1 } {
+            for column in 0..columns - 1 {
+                let here = first + row * columns + column;
+                let there = first + (row + 1) % rows * columns + column;
+                self.mesh.add_triangle(here, here + 1, there);
+                self.mesh.add_triangle(here + 1, there + 1, there);
+            }
+        }
+    }
+
+    /// At each point the direction across the line, longer at corners so that the line keeps its width there.
+    fn find_across(&mut self, points: &[Pos2], closed: bool) {
+        let count = points.len();
+        self.across.clear();
+        for i in 0..count {
+            let before = if i > 0 || closed { (points[i] - points[(i + count - 1) % count]).normalized() } else { Vec2::ZERO };
+            let after = if i + 1 < count || closed { (points[(i + 1) % count] - points[i]).normalized() } else { Vec2::ZERO };
+            let sum = (before + after).normalized();
+            let along = if sum == Vec2::ZERO { before } else { sum };
+            let cosine = if before == Vec2::ZERO || after == Vec2::ZERO { 1.0 } else { along.dot(before).abs() };
+            self.across.push(along.rot90() / cosine.max(0.45));
+        }
+    }
+}

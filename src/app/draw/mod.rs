@@ -1,0 +1,56 @@
+//! What the stage looks like: one file for each thing on it, drawn back to front by the canvas.
+
+pub mod arrow;
+pub mod body;
+pub mod candy;
+pub mod colour_bar;
+mod ears;
+pub mod house;
+mod icing;
+pub mod ink;
+pub mod night;
+pub mod picked;
+pub mod pins;
+mod roof;
+pub mod strip_numbers;
+
+use super::{camera::Camera, theme::Theme};
+use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
+
+/// How the world is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Where it lies on the screen.
+    pub camera: Camera,
+    /// Its colours.
+    pub theme: &'static Theme,
+}
+
+impl View {
+    /// A size that goes with the world [m], but stays readable [points].
+    fn size(&self, metres: f32, least: f32, most: f32) -> f32 {
+        self.camera.length(metres).clamp(least, most)
+    }
+}
+
+/// Text on a card that keeps it readable whatever is behind, kept inside `within`. Returns the card.
+fn card(painter: &Painter, view: View, within: Rect, at: (Pos2, Align2), text: (&str, FontId, Color32)) -> Rect {
+    let (text, font, color) = text;
+    let galley = painter.layout_no_wrap(text.to_owned(), font, color);
+    let padding = vec2(7.0, 3.0);
+    let mut rect = at.1.anchor_size(at.0, galley.size() + 2.0 * padding);
+    let inside = within.shrink(4.0);
+    rect = rect.translate(vec2((inside.left() - rect.left()).max(0.0), (inside.top() - rect.top()).max(0.0)));
+    rect = rect.translate(vec2((inside.right() - rect.right()).min(0.0), (inside.bottom() - rect.bottom()).min(0.0)));
+    painter.rect_filled(rect, CornerRadius::same(6), view.theme.card);
+    painter.galley(rect.min + padding, galley, color);
+    rect
+}
+
+/// A number from 0 to 1 that looks random and is always the same for the same two seeds.
+fn scatter(seed: usize, salt: u32) -> f32 {
+    let mut hash = (seed as u32).wrapping_mul(0x9E37_79B9) ^ salt.wrapping_mul(0x85EB_CA6B);
+    hash = (hash ^ (hash >> 15)).wrapping_mul(0x2C1B_3C6D);
+    hash = (hash ^ (hash >> 12)).wrapping_mul(0x297A_2D39);
+    (hash ^ (hash >> 15)) as f32 / u32::MAX as f32
+}

@@ -1,0 +1,45 @@
+//! What is behind the world: the sky and its snow, or a morning's paper.
+
+use super::{View, ink::Ink, scatter};
+use eframe::egui::{CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2};
+
+/// Slow sparse snow. It only falls while time runs.
+#[derive(Debug, Default)]
+pub struct Snow {
+    /// How long it has fallen [s].
+    time: f32,
+}
+
+impl Snow {
+    /// Lets it fall.
+    pub fn fall(&mut self, dt: f32) {
+        self.time += dt;
+    }
+
+    /// Draws the flakes.
+    pub fn draw(&self, ink: &mut Ink, canvas: Rect, view: View) {
+        let count = (canvas.area() / 9000.0).clamp(24.0, 240.0) as usize;
+        let unit = (canvas.height() / 700.0).clamp(0.8, 2.5);
+        for flake in 0..count {
+            let near = scatter(flake, 1);
+            let across = scatter(flake, 2) + 0.012 * (self.time * (0.3 + 0.4 * near) + 40.0 * near).sin();
+            let down = (scatter(flake, 3) + self.time * (0.006 + 0.016 * near)).fract();
+            let at = pos2(canvas.left() + canvas.width() * across, canvas.top() + canvas.height() * down);
+            ink.disc(at, unit * (0.7 + 1.5 * near * near), view.theme.snow.gamma_multiply(0.2 + 0.55 * near));
+        }
+    }
+}
+
+/// The sky.
+pub fn sky(ink: &mut Ink, canvas: Rect, view: View) {
+    ink.gradient(canvas, view.theme.sky);
+}
+
+/// The world square, where no house stands in it.
+pub fn square(painter: &Painter, view: View, presence: f32) {
+    let (theme, corner) = (view.theme, CornerRadius::same(10));
+    let square = view.camera.square();
+    painter.rect_filled(square, corner, theme.world.gamma_multiply(presence));
+    let edge = Stroke::new(1.0, theme.world_edge.gamma_multiply(presence));
+    painter.rect_stroke(square, corner, edge, StrokeKind::Inside);
+}

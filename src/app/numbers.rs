@@ -1,0 +1,112 @@
+//! Numbers as people read them: three significant digits, an SI prefix, a unit, and no jitter in width.
+
+/// Prefixes from the smallest power of a thousand to the largest.
+const PREFIXES: [(i32, &str); 9] =
+    [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
+
+/// A value with its unit for sentences and labels: `0.21 ms`, `30 kPa`, `1.25 J`. Zeros at the end are left out.
+pub fn si(value: f64, unit: &str) -> String {
+    write(value, unit, true)
+}
+
+/// A value with its unit for numbers that run: always three digits and the same width in a monospace font, whatever
+/// the prefix and the sign.
+pub fn si_fixed(value: f64, unit: &str) -> String {
+    let text = write(value, unit, false);
+    let (number, unit_now) = text.split_once(' ').unwrap_or((&text, ""));
+    let slot = if unit.is_empty() { 0 } else { unit.chars().count() + usize::from(takes_prefix(unit)) };
+    let gap = if unit.is_empty() { "" } else { " " };
+    format!("{number:>6}{gap}{unit_now:<slot$}")
+}
+
+fn write(value: f64, unit: &str, trim: bool) -> String {
+    if value.is_nan() {
+        return "no number".to_owned();
+    }
+    if value.is_infinite() {
+        return join(if value > 0.0 { "∞" } else { "−∞" }, "", unit);
+    }
+    let (digits, exponent) = three_digits(value.abs());
+    let sign = if value < 0.0 && digits > 0 { "−" } else { "" };
+    let (power, prefix) = if takes_prefix(unit) { prefix(exponent, unit) } else { (0, "") };
+    let place = exponent - power;
+    let number = if (-4..=5).contains(&place) {
+        decimal(digits, place, trim)
+    } else {
+        format!("{}e{place}", decimal(digits, 0, trim))
+    };
+    join(&format!("{sign}{number}"), prefix, unit)
+}
+
+fn join(number: &str, prefix: &str, unit: &str) -> String {
+    let gap = if unit.is_empty() || unit == "%" || unit == "°" { "" } else { " " };
+    format!("{number}{gap}{prefix}{unit}")
+}
+
+/// The value as `d.dd * 10^exponent`, rounded once; the digits as a number from 100 to 999, or 0.
+fn three_digits(value: f64) -> (u32, i32) {
+    let text = format!("{value:.2e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or(("0", "0"));
+    let digits = mantissa.chars().filter(char::is_ascii_digit).filter_map(|digit| digit.to_digit(10));
+    (digits.fold(0, |sum, digit| 10 * sum + digit), exponent.parse().unwrap_or(0))
+}
+
+/// `digits` (three of them) times 10^(place - 2), written out.
+fn decimal(digits: u32, place: i32, trim: bool) -> String {
+    let decimals = (2 - place).max(0) as usize;
+    let text = format!("{:.decimals$}", f64::from(digits) * 10_f64.powi(place - 2));
+    if trim && text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Whether a prefix in front of the unit means what it says: not for squares, angles, counts and kilograms.
+fn takes_prefix(unit: &str) -> bool {
+    let first = unit.split('/').next().unwrap_or(unit);
+    matches!(first, "s" | "m" | "N" | "J" | "Pa" | "W" | "Hz")
+}
+
+/// The prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`.
+fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
+    let early = i32::from(matches!(unit, "s" | "m"));
+    let power = (exponent + early).div_euclid(3) * 3;
+    let power = if unit == "s" { power.min(0) } else { power }.clamp(-12, 12);
+    PREFIXES.into_iter().find(|&(of, _)| of == power).unwrap_or((0, ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{si, si_fixed};
+
+    #[test]
+    fn reads_like_prose() {
+        for (value, unit, text) in [
+            (0.000_21, "s", "0.21 ms"),
+            (0.000_166_67, "s", "0.167 ms"),
+            (30_000.0, "Pa", "30 kPa"),
+            (1.25, "J", "1.25 J"),
+            (-9.81, "m/s²", "−9.81 m/s²"),
+            (999.9, "N", "1 kN"),
+            (0.0, "N", "0 N"),
+            (0.1185, "m", "0.118 m"),
+            (0.01, "m", "10 mm"),
+            (1000.0, "kg/m³", "1000 kg/m³"),
+            (0.58, "", "0.58"),
+            (1.0e-7, "", "1e-7"),
+            (45.0, "°", "45°"),
+            (100_000.0, "s", "100000 s"),
+            (f64::INFINITY, "J", "∞ J"),
+            (f64::NAN, "J", "no number"),
+        ] {
+            assert_eq!(si(value, unit), text, "{value:e} {unit}");
+        }
+    }
+
+    #[test]
+    fn runs_without_jitter() {
+        let width = si_fixed(1.0, "J").chars().count();
+        for value in [0.0, -1.0, 12.345, -123.456, 0.001, 9999.0, 1.0e6, -1.0e-9] {
+            assert_eq!(si_fixed(value, "J").chars().count(), width, "{}", si_fixed(value, "J"));
+        }
+        assert_eq!(si_fixed(1.0, "J"), "  1.00 J ");
+        assert_eq!(si_fixed(0.5, ""), " 0.500");
+    }
+}

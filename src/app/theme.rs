@@ -1,0 +1,256 @@
+//! The colours of the house, by night and by day, and the look that egui's widgets get from them.
+
+use eframe::egui::{
+    self, Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Visuals, style, vec2,
+};
+
+/// Every colour the window uses, for one mode.
+#[derive(Debug, PartialEq)]
+pub struct Theme {
+    /// The canvas outside the world, from top to bottom.
+    pub sky: [Color32; 2],
+    /// Falling snow.
+    pub snow: Color32,
+    /// Snow that lies around the house.
+    pub ground: [Color32; 2],
+    /// The world square.
+    pub world: Color32,
+    /// Its edge.
+    pub world_edge: Color32,
+    /// The inside of the house, from top to bottom.
+    pub inside: [Color32; 2],
+    /// Gingerbread walls.
+    pub wall: Color32,
+    /// Their shaded parts.
+    pub wall_shade: Color32,
+    /// Dough of bodies.
+    pub dough: Color32,
+    /// Its baked rim.
+    pub crust: Color32,
+    /// Royal icing.
+    pub icing: Color32,
+    /// The two candies: red, green.
+    pub candy: [Color32; 2],
+    /// The drag arrow.
+    pub pull: Color32,
+    /// The vertex that would be picked.
+    pub glow: Color32,
+    /// Lines and numbers on the stage.
+    pub ink: Color32,
+    /// Less important lines and numbers on the stage.
+    pub faint_ink: Color32,
+    /// Behind numbers on the stage.
+    pub card: Color32,
+    /// Panels.
+    pub panel: Color32,
+    /// Wells: text fields, plots.
+    pub well: Color32,
+    /// Buttons: at rest, hovered, pressed.
+    pub button: [Color32; 3],
+    /// Thin lines between things.
+    pub line: Color32,
+    /// Text.
+    pub text: Color32,
+    /// Text that explains.
+    pub faint_text: Color32,
+    /// What is chosen: background of a segment, filled part of a slider.
+    pub accent: Color32,
+    /// Text on the accent.
+    pub on_accent: Color32,
+    /// The accent as a line or as text.
+    pub accent_line: Color32,
+    /// It works: stable, honest.
+    pub good: Color32,
+    /// Be careful.
+    pub caution: Color32,
+    /// It went wrong.
+    pub bad: Color32,
+    /// Lines of plots, in this order; told apart by colour-blind eyes.
+    pub series: [Color32; 6],
+}
+
+const fn rgb(hex: u32) -> Color32 {
+    Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
+}
+
+const fn rgba(hex: u32, alpha: u8) -> Color32 {
+    Color32::from_rgba_unmultiplied_const((hex >> 16) as u8, (hex >> 8) as u8, hex as u8, alpha)
+}
+
+/// A clear winter night.
+static NIGHT: Theme = Theme {
+    sky: [rgb(0x0F_1A2E), rgb(0x1E_2F4D)],
+    snow: rgb(0xDC_E8FA),
+    ground: [rgb(0xC3_D3EC), rgb(0x7F_95BA)],
+    world: rgba(0xFF_FFFF, 10),
+    world_edge: rgba(0xB9_CBE8, 46),
+    inside: [rgb(0x2C_222B), rgb(0x45_302B)],
+    wall: rgb(0x7A_4420),
+    wall_shade: rgb(0x5A_3016),
+    dough: rgb(0xB5_713A),
+    crust: rgb(0x8A_4F22),
+    icing: rgb(0xFF_F7EA),
+    candy: [rgb(0xD7_443E), rgb(0x3E_9B6E)],
+    pull: rgb(0xE5_484D),
+    glow: rgb(0xFF_D98A),
+    ink: rgb(0xF2_F5FB),
+    faint_ink: rgb(0xA9_B9D4),
+    card: rgba(0x0C_1526, 205),
+    panel: rgb(0x16_2238),
+    well: rgb(0x0E_1829),
+    button: [rgb(0x25_3552), rgb(0x31_4568), rgb(0x1D_2B45)],
+    line: rgb(0x2C_3D5C),
+    text: rgb(0xE6_ECF6),
+    faint_text: rgb(0x9F_AFCB),
+    accent: rgb(0x9C_5E2B),
+    on_accent: rgb(0xFF_F7EA),
+    accent_line: rgb(0xE0_A067),
+    good: rgb(0x6F_CF97),
+    caution: rgb(0xF2_B85C),
+    bad: rgb(0xFF_7B7F),
+    series: [rgb(0xE0_A067), rgb(0x6C_B6F2), rgb(0x6F_CF97), rgb(0xF0_82B4), rgb(0xF2_E06B), rgb(0xB9_A5F5)],
+};
+
+/// A kitchen table in the morning.
+static DAY: Theme = Theme {
+    sky: [rgb(0xFB_F6EC), rgb(0xF6_EDDC)],
+    snow: rgb(0xD9_C9AC),
+    ground: [rgb(0xFF_FFFF), rgb(0xE9_E3DA)],
+    world: rgb(0xF3_E6CE),
+    world_edge: rgb(0xDC_C7A1),
+    inside: [rgb(0xFF_F3DC), rgb(0xF8_E2BE)],
+    wall: rgb(0x8A_4F26),
+    wall_shade: rgb(0x6B_3A19),
+    dough: rgb(0xB5_713A),
+    crust: rgb(0x8A_4F22),
+    icing: rgb(0xFF_F7EA),
+    candy: [rgb(0xD7_443E), rgb(0x3E_9B6E)],
+    pull: rgb(0xE5_484D),
+    glow: rgb(0xFF_C24B),
+    ink: rgb(0x3A_2614),
+    faint_ink: rgb(0x7C_674E),
+    card: rgba(0xFF_FCF5, 225),
+    panel: rgb(0xF7_EFE0),
+    well: rgb(0xFF_FCF5),
+    button: [rgb(0xEB_DCC0), rgb(0xE2_CEA8), rgb(0xD6_BE92)],
+    line: rgb(0xDD_CCAE),
+    text: rgb(0x3A_2614),
+    faint_text: rgb(0x76_6049),
+    accent: rgb(0x9A_5A26),
+    on_accent: rgb(0xFF_FBF3),
+    accent_line: rgb(0x8F_4F1C),
+    good: rgb(0x1F_7A4D),
+    caution: rgb(0x9A_5B00),
+    bad: rgb(0xB8_2A30),
+    series: [rgb(0xA0_5A1E), rgb(0x1F_6FB5), rgb(0x1F_7A4D), rgb(0xB8_3B78), rgb(0x8A_7400), rgb(0x6B_4FC0)],
+};
+
+impl Theme {
+    /// The theme that the window is in now.
+    pub fn of(ctx: &egui::Context) -> &'static Self {
+        Self::for_mode(ctx.theme())
+    }
+
+    /// The theme for a mode.
+    pub const fn for_mode(mode: egui::Theme) -> &'static Self {
+        match mode {
+            egui::Theme::Dark => &NIGHT,
+            egui::Theme::Light => &DAY,
+        }
+    }
+
+    /// A colour of the stage that is only partly there: 0 is the sky, 1 the colour itself. It stays opaque.
+    pub fn present(&self, color: Color32, presence: f32) -> Color32 {
+        if presence >= 1.0 { color } else { self.sky[0].lerp_to_gamma(self.sky[1], 0.5).lerp_to_gamma(color, presence) }
+    }
+
+    fn widget(&self, fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
+        style::WidgetVisuals {
+            bg_fill: fill,
+            weak_bg_fill: fill,
+            bg_stroke: edge,
+            corner_radius: CornerRadius::same(8),
+            fg_stroke: Stroke::new(1.5, text),
+            expansion: 0.0,
+        }
+    }
+
+    fn widgets(&self) -> style::Widgets {
+        let [rest, hover, press] = self.button;
+        style::Widgets {
+            noninteractive: style::WidgetVisuals {
+                fg_stroke: Stroke::new(1.0, self.text),
+                ..self.widget(self.panel, self.text, Stroke::new(1.0, self.line))
+            },
+            inactive: self.widget(rest, self.text, Stroke::NONE),
+            hovered: self.widget(hover, self.text, Stroke::new(1.0, self.accent_line)),
+            active: self.widget(press, self.text, Stroke::new(1.5, self.accent_line)),
+            open: self.widget(press, self.text, Stroke::new(1.0, self.line)),
+        }
+    }
+
+    fn visuals(&self, base: Visuals) -> Visuals {
+        let shade = Shadow { offset: [0, 6], blur: 18, spread: 0, color: Color32::from_black_alpha(70) };
+        Visuals {
+            weak_text_color: Some(self.faint_text),
+            widgets: self.widgets(),
+            selection: style::Selection { bg_fill: self.accent, stroke: Stroke::new(1.0, self.on_accent) },
+            hyperlink_color: self.accent_line,
+            faint_bg_color: self.button[0].gamma_multiply(0.35),
+            extreme_bg_color: self.well,
+            code_bg_color: self.well,
+            warn_fg_color: self.caution,
+            error_fg_color: self.bad,
+            window_corner_radius: CornerRadius::same(12),
+            menu_corner_radius: CornerRadius::same(10),
+            window_fill: self.panel,
+            window_stroke: Stroke::new(1.0, self.line),
+            panel_fill: self.panel,
+            window_shadow: shade,
+            popup_shadow: shade,
+            slider_trailing_fill: true,
+            handle_shape: style::HandleShape::Circle,
+            indent_has_left_vline: false,
+            ..base
+        }
+    }
+}
+
+/// Gives egui this look in both modes.
+pub fn install(ctx: &egui::Context) {
+    for (mode, visuals) in [(egui::Theme::Dark, Visuals::dark()), (egui::Theme::Light, Visuals::light())] {
+        let visuals = Theme::for_mode(mode).visuals(visuals);
+        ctx.style_mut_of(mode, |style| {
+            style.visuals = visuals;
+            measure(style);
+        });
+    }
+}
+
+/// Sizes: text that reads from a step back, targets that a finger hits.
+fn measure(style: &mut Style) {
+    let text = |size| FontId::new(size, FontFamily::Proportional);
+    style.text_styles = [
+        (TextStyle::Small, text(12.0)),
+        (TextStyle::Body, text(14.5)),
+        (TextStyle::Button, text(14.5)),
+        (TextStyle::Heading, text(19.0)),
+        (TextStyle::Monospace, FontId::new(13.5, FontFamily::Monospace)),
+    ]
+    .into();
+    style.drag_value_text_style = TextStyle::Monospace;
+    style.animation_time = 0.12;
+    let spacing = &mut style.spacing;
+    spacing.item_spacing = vec2(8.0, 6.0);
+    spacing.button_padding = vec2(10.0, 5.0);
+    spacing.interact_size = vec2(40.0, 26.0);
+    spacing.window_margin = Margin::same(12);
+    spacing.menu_margin = Margin::same(8);
+    spacing.slider_width = 120.0;
+    spacing.slider_rail_height = 6.0;
+    spacing.icon_width = 18.0;
+    spacing.icon_width_inner = 10.0;
+    spacing.icon_spacing = 6.0;
+    spacing.combo_width = 120.0;
+    spacing.tooltip_width = 320.0;
+}

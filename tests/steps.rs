@@ -4,12 +4,7 @@
 mod common;
 
 use common::{Random, level, models, sheet, simulation};
-use gingerbread::{
-    document, files,
-    level::Level,
-    simulation::Simulation,
-    stability::critical_step,
-};
+use gingerbread::{document, files, level::Level, simulation::Simulation, stability::critical_step};
 
 /// The body deformed at random and moving at random.
 fn shake(simulation: &mut Simulation, seed: u64) {
@@ -90,7 +85,11 @@ fn pinned_vertices_keep_every_bit() {
 }
 
 fn falling(model: &str) -> Level {
-    sheet(model, "spin: 2", "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.001)), (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]")
+    sheet(
+        model,
+        "spin: 2",
+        "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.001)), (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]",
+    )
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Buttons that belong together, and buttons that are a picture.
 
 use super::icons::Icon;
-use eframe::egui::{self, Color32, CornerRadius, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, vec2};
+use eframe::egui::{
+    self, Color32, CornerRadius, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, vec2,
+};
 
 /// One part of a segmented control.
 pub struct Segment<'a> {

@@ -4,10 +4,10 @@ use crate::{
     files::{self, FileError},
     level::{Level, RunMode},
     materials::Model,
+    report::Energies,
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
-    snapshot::Energies,
 };
 use serde::Serialize;
 use std::{

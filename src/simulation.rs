@@ -4,9 +4,8 @@ use crate::{
     effects::{Effect, Grab},
     fault::Fault,
     integrators::Dynamics,
-    report::{Counts, EffectCost},
+    report::{Counts, EffectCost, Energies},
     scene::Scene,
-    snapshot::Energies,
     state::State,
 };
 use std::time::Duration;

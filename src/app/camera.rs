@@ -2,8 +2,8 @@
 
 use eframe::egui::{Pos2, Rect, pos2};
 
-/// Room around the world square, as a share of its side; the roof and the ground need it.
-const MARGIN: f32 = 0.085;
+/// Room beside, above and below the world square, as shares of its side: the eaves, the roof and the ground need it.
+const MARGINS: [f32; 3] = [0.085, 0.105, 0.065];
 
 /// Screen coordinates beyond this [points] are cut off, so that a body that explodes cannot upset the drawing.
 const FARTHEST: f32 = 1e5;
@@ -20,10 +20,11 @@ pub struct Camera {
 impl Camera {
     /// Shows the square 0..1 x 0..1 as large as fits in the middle of a canvas, above `below` points kept free.
     pub fn new(canvas: Rect, below: f32) -> Self {
-        let height = (canvas.height() - below).max(1.0);
-        let side = canvas.width().min(height).max(1.0) / (1.0 + 2.0 * MARGIN);
-        let middle = pos2(canvas.center().x, canvas.top() + 0.5 * height);
-        Self { origin: pos2(middle.x - 0.5 * side, middle.y + 0.5 * side), scale: side }
+        let [beside, above, under] = MARGINS;
+        let height = canvas.height() - below;
+        let scale = (canvas.width() / (1.0 + 2.0 * beside)).min(height / (1.0 + above + under)).max(1.0);
+        let spare = 0.5 * (height - scale * (1.0 + above + under));
+        Self { origin: pos2(canvas.center().x - 0.5 * scale, canvas.top() + spare + scale * (1.0 + above)), scale }
     }
 
     /// A point of the world [m] on the screen.

@@ -29,6 +29,8 @@ pub struct Theme {
     pub crust: Color32,
     /// Royal icing.
     pub icing: Color32,
+    /// Its shaded rim.
+    pub icing_shade: Color32,
     /// The two candies: red, green.
     pub candy: [Color32; 2],
     /// The drag arrow.
@@ -90,6 +92,7 @@ static NIGHT: Theme = Theme {
     dough: rgb(0xB5_713A),
     crust: rgb(0x8A_4F22),
     icing: rgb(0xFF_F7EA),
+    icing_shade: rgb(0xC9_BFB8),
     candy: [rgb(0xD7_443E), rgb(0x3E_9B6E)],
     pull: rgb(0xE5_484D),
     glow: rgb(0xFF_D98A),
@@ -118,12 +121,13 @@ static DAY: Theme = Theme {
     ground: [rgb(0xFF_FFFF), rgb(0xE9_E3DA)],
     world: rgb(0xF3_E6CE),
     world_edge: rgb(0xDC_C7A1),
-    inside: [rgb(0xFF_F3DC), rgb(0xF8_E2BE)],
+    inside: [rgb(0xF8_E5C3), rgb(0xEF_D2A3)],
     wall: rgb(0x8A_4F26),
     wall_shade: rgb(0x6B_3A19),
     dough: rgb(0xB5_713A),
     crust: rgb(0x8A_4F22),
-    icing: rgb(0xFF_F7EA),
+    icing: rgb(0xFF_FAF1),
+    icing_shade: rgb(0xD3_BC98),
     candy: [rgb(0xD7_443E), rgb(0x3E_9B6E)],
     pull: rgb(0xE5_484D),
     glow: rgb(0xFF_C24B),

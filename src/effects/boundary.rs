@@ -75,11 +75,11 @@ impl Effect for Edges {
                 continue;
             }
             for axis in 0..2 {
-                if x[axis] < self.least[axis] {
+                if x[axis] <= self.least[axis] {
                     x[axis] = self.least[axis];
                     v[axis] = v[axis].max(0.0);
                     touched += 1;
-                } else if x[axis] > self.greatest[axis] {
+                } else if x[axis] >= self.greatest[axis] {
                     x[axis] = self.greatest[axis];
                     v[axis] = v[axis].min(0.0);
                     touched += 1;

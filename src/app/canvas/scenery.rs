@@ -14,7 +14,7 @@ use eframe::egui::{self, Rect};
 const FADE: f32 = 0.2;
 
 /// How much is seen in edit mode of what only acts in collide mode.
-const PALE: f32 = 0.38;
+const PALE: f32 = 0.6;
 
 /// The scenery and how much of it is there.
 #[derive(Default)]
@@ -69,20 +69,19 @@ impl Scenery {
         }
         (self.drawn, self.changed) = (wanted, false);
         self.ink.clear(pixels_per_point);
-        let all = || self.effects.iter().filter(|(_, presence)| *presence > 0.02);
-        for (shapes, presence) in all() {
-            for shape in shapes {
-                if let Shape::Room(room) = shape {
-                    house::house(&mut self.ink, view, canvas, room, *presence);
-                }
-            }
-        }
-        let solids = all().flat_map(|(shapes, presence)| shapes.iter().map(move |shape| (shape, *presence)));
-        for (number, (shape, presence)) in solids.enumerate() {
+        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.02);
+        let mut shapes: Vec<(&Shape, f32)> =
+            there.flat_map(|(shapes, presence)| shapes.iter().map(move |shape| (shape, *presence))).collect();
+        shapes.sort_by_key(|(shape, _)| match shape {
+            Shape::Edges(..) => 0,
+            Shape::Room(_) => 1,
+            Shape::Solid(_) => 2,
+        });
+        for (number, (shape, presence)) in shapes.into_iter().enumerate() {
             match shape {
-                Shape::Solid(outline) => candy::gumdrop(&mut self.ink, view, outline, number, presence),
                 Shape::Edges(least, greatest) => candy::edges(&mut self.ink, view, [*least, *greatest], presence),
-                Shape::Room(_) => {}
+                Shape::Room(room) => house::house(&mut self.ink, view, canvas, room, presence),
+                Shape::Solid(outline) => candy::gumdrop(&mut self.ink, view, outline, number, presence),
             }
         }
         self.ink.finish()

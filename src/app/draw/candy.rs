@@ -50,5 +50,5 @@ pub fn edges(ink: &mut Ink, view: View, [least, greatest]: [[f64; 2]; 2], presen
     let corners = [least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
     let points = corners.map(|corner| view.camera.screen_from_world(corner));
     let color = view.theme.world_edge.gamma_multiply(presence);
-    ink.line(&points, true, view.size(0.006, 2.0, 10.0), color);
+    ink.line(&points, true, view.size(0.003, 1.5, 8.0), color);
 }

@@ -6,8 +6,8 @@ use eframe::egui::{Color32, Pos2, Rect, lerp, pos2};
 /// Thickness of walls, floor and roof [m].
 pub const THICKNESS: f64 = 0.05;
 
-/// How far the ground lies below the floor [m].
-const STEP: f64 = 0.045;
+/// How far the snow behind and in front of the house lies below the floor [m].
+const HILLS: [f64; 2] = [0.03, 0.055];
 
 /// What an edge of the room is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ pub fn house(ink: &mut Ink, view: View, canvas: Rect, room: &[[f64; 2]], presenc
     let mut baker = Baker { ink, view, presence };
     let floor = sides.iter().find(|side| side.kind == Kind::Floor).map(|side| side.ends[0][1]);
     if let Some(floor) = floor {
-        ground(&mut baker, canvas, floor - STEP);
+        ground(&mut baker, canvas, floor - HILLS[0], 0.4);
     }
     roof::chimney(&mut baker, &sides);
     inside(&mut baker, room);
@@ -99,6 +99,21 @@ pub fn house(ink: &mut Ink, view: View, canvas: Rect, room: &[[f64; 2]], presenc
         sides.iter().filter(|side| side.kind == kind).for_each(|side| wall(&mut baker, side));
     }
     roof::roof(&mut baker, &sides);
+    seam(&mut baker, &sides);
+    if let Some(floor) = floor {
+        ground(&mut baker, canvas, floor - HILLS[1], 2.6);
+    }
+}
+
+/// Icing along the inner faces; its inner rim is where bodies touch.
+fn seam(baker: &mut Baker<'_>, sides: &[Side]) {
+    let icing = baker.view.theme.icing;
+    let (half, width) = (0.006 / THICKNESS, 0.012);
+    let end = |side: &Side, i: usize| between(side.ends[i], side.outer[i], half);
+    for side in sides.iter().filter(|side| side.kind != Kind::Open) {
+        // Round ends make the corners.
+        baker.line(&[end(side, 0), end(side, 1)], width, icing);
+    }
 }
 
 fn sides(room: &[[f64; 2]]) -> Vec<Side> {
@@ -134,7 +149,7 @@ fn kind(ends: [[f64; 2]; 2], out: [f64; 2]) -> Kind {
 }
 
 /// Snow on the ground, in soft hills.
-fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64) {
+fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64, shift: f32) {
     let [near, far] = baker.view.theme.ground.map(|color| baker.color(color));
     let base = baker.view.camera.screen_from_world([0.0, level]).y;
     let height = baker.view.camera.length(0.012);
@@ -142,7 +157,7 @@ fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64) {
     for i in 0..=steps {
         let x = lerp(canvas.x_range(), i as f32 / steps as f32);
         let along = baker.view.camera.world_from_screen(pos2(x, 0.0))[0] as f32;
-        let y = base - height * ((3.1 * along + 0.4).sin() + 0.6 * (7.3 * along + 2.0).sin());
+        let y = base - height * ((3.1 * along + shift).sin() + 0.6 * (7.3 * along + 5.0 * shift).sin());
         let [top, bottom] = [(y, near), (canvas.bottom().max(y), far)].map(|(y, color)| baker.ink.vertex(pos2(x, y), color));
         if i > 0 {
             baker.ink.triangle(top - 2, top, bottom);
@@ -151,7 +166,7 @@ fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64) {
     }
 }
 
-/// The wall behind the bodies, with a window to the night.
+/// The wall behind the bodies.
 fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     let points = baker.points(room);
     let [top, bottom] = baker.view.theme.inside.map(|color| baker.color(color));
@@ -161,7 +176,7 @@ fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     });
 }
 
-/// A wall or the floor: dough, icing along both faces, candy in between.
+/// A wall or the floor: dough with candy on it.
 fn wall(baker: &mut Baker<'_>, side: &Side) {
     let theme = baker.view.theme;
     let ([a, b], [c, d]) = (side.ends, side.outer);
@@ -174,9 +189,6 @@ fn wall(baker: &mut Baker<'_>, side: &Side) {
         let at = between(between(a, b, (i as f64 + 0.5) / count as f64), between(c, d, (i as f64 + 0.5) / count as f64), 0.52);
         baker.button(at, 0.0105, theme.candy[i % 2]);
     }
-    // The icing's inner rim is the face itself.
-    let icing = [a, b].map(|end| moved(end, side.out, 0.006));
-    baker.line(&icing, 0.012, theme.icing);
 }
 
 #[cfg(test)]

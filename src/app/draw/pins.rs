@@ -8,6 +8,9 @@ use std::f32::consts::TAU;
 /// How long a pin takes to pop in [s].
 const POP: f64 = 0.12;
 
+/// Beyond this number pins are drawn small without looking at each other.
+const MANY: usize = 300;
+
 /// The pins of a scene and when each was put in.
 #[derive(Debug, Default)]
 pub struct Pins {
@@ -38,10 +41,21 @@ impl Pins {
     /// Draws them on the vertices' places.
     pub fn draw(&self, ink: &mut Ink, view: View, points: &[Pos2], now: f64) {
         let full = view.size(0.0115, 5.5, 22.0);
-        for &(vertex, since) in &self.since {
+        for (place, &(vertex, since)) in self.since.iter().enumerate() {
             let Some(&at) = points.get(vertex as usize) else { continue };
-            peppermint(ink, view, at, full * pop(((now - since) / POP).clamp(0.0, 1.0) as f32));
+            let room = 0.56 * self.room(place, points);
+            peppermint(ink, view, at, room.clamp(0.5 * full, full) * pop(((now - since) / POP).clamp(0.0, 1.0) as f32));
         }
+    }
+
+    /// The distance to the nearest other pin, so that a row of pins stays a row; not worth finding among very many.
+    fn room(&self, place: usize, points: &[Pos2]) -> f32 {
+        if self.since.len() > MANY {
+            return 0.0;
+        }
+        let at = |i: usize| points.get(self.since[i].0 as usize).copied().unwrap_or_default();
+        let others = (0..self.since.len()).filter(|&i| i != place);
+        others.map(|i| at(i).distance(at(place))).fold(f32::INFINITY, f32::min)
     }
 }
 

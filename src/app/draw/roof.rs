@@ -1,6 +1,7 @@
 //! The roof of the house: shingles of dough, a blanket of icing with scallops, a gumdrop on the ridge.
 
 use super::house::{Baker, Kind, Side, THICKNESS, between, moved};
+use eframe::egui::Color32;
 
 /// How far the roof reaches beyond the walls [m].
 const EAVES: f64 = 0.055;
@@ -34,7 +35,9 @@ pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
     let ends: Vec<Slope> = slopes(sides).collect();
     ends.iter().for_each(|slope| boards(baker, slope));
-    ends.iter().for_each(|slope| blanket(baker, slope));
+    for (color, lower) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
+        ends.iter().for_each(|slope| blanket(baker, slope, color, lower));
+    }
     if let Some(ridge) = ends.iter().find(|slope| slope.ridge) {
         let top = [ridge.high[0], ridge.high[1] + THICKNESS + 0.006];
         baker.disc(top, 0.026, theme.icing);
@@ -63,13 +66,11 @@ impl Slope {
     }
 }
 
-/// The dough, with an icing seam where bodies touch it.
+/// The dough, with candy on it.
 fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     let theme = baker.view.theme;
     baker.area(&[slope.at(slope.eaves(), 0.0), slope.at(slope.eaves(), 1.0), slope.top(1.0), slope.top(0.0)], theme.wall);
-    let seam = [slope.at(0.0, 0.12), slope.top(0.12)];
-    baker.line(&[slope.at(slope.eaves(), 0.06), seam[1]], 0.006, theme.wall_shade);
-    baker.line(&seam, 0.012, theme.icing);
+    baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
     let count = (slope.length() / SCALLOP / 2.0).floor().max(1.0);
     for i in 0..count as usize {
         let at = slope.at((i as f64 + 0.5) / count, 0.5);
@@ -77,17 +78,16 @@ fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     }
 }
 
-/// Snow of icing on top, hanging down in scallops of uneven length.
-fn blanket(baker: &mut Baker<'_>, slope: &Slope) {
-    let icing = baker.view.theme.icing;
+/// Icing on top, hanging down in scallops of uneven length; `wider` all around for its rim [m].
+fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
     let low = slope.eaves() - 0.004;
-    baker.line(&[slope.at(low, 1.05), slope.top(1.05)], 0.03, icing);
+    baker.line(&[slope.at(low, 1.05), slope.top(1.05)], 0.03 + wider, icing);
     let count = ((1.0 - low) * slope.length() / SCALLOP).round().max(1.0);
     for i in 0..=count as usize {
         let along = low + (1.0 - low) * i as f64 / count;
         let (radius, drop) = if i % 2 == 0 { (0.019, 0.82) } else { (0.0165, 0.92) };
         if along < 1.0 - 0.02 / slope.length() {
-            baker.disc(slope.at(along, drop), radius, icing);
+            baker.disc(slope.at(along, drop), radius + wider, icing);
         }
     }
 }

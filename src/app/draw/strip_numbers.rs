@@ -7,12 +7,12 @@ use crate::{
 };
 use eframe::egui::{Align, Color32, FontId, Painter, Pos2, Rect, epaint::text::LayoutJob, pos2};
 
-/// Lines below a strip: name, four numbers, and room for a caution.
-const LINES: f32 = 7.6;
+/// Lines below the strips: a name, four numbers, and two lines for a caution.
+const LINES: f32 = 7.2;
 
 /// Text size in a canvas [points].
 fn size(canvas: Rect) -> f32 {
-    (canvas.height() / 42.0).min(canvas.width() / 42.0).clamp(11.0, 44.0)
+    (canvas.height() / 42.0).min(canvas.width() / 34.0).clamp(11.0, 44.0)
 }
 
 /// How much room the numbers need below the world [points].
@@ -20,18 +20,25 @@ pub fn height(snapshot: &Snapshot, canvas: Rect) -> f32 {
     if snapshot.level.test.is_some() { LINES * 1.3 * size(canvas) } else { 0.0 }
 }
 
-/// Writes the numbers of all strips.
+/// Writes the numbers of all strips, and below them the cautions.
 pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Snapshot) {
     if snapshot.level.test.is_none() {
         return;
     }
-    let square = view.camera.square();
+    let (square, size) = (view.camera.square(), size(canvas));
     let middles: Vec<f32> = snapshot.bodies.iter().filter_map(|body| middle(view, snapshot, body)).collect();
     let gap = middles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(canvas.width(), f32::min);
-    let most = if middles.len() < 2 { square.width() } else { gap - 10.0 };
+    let top = square.bottom() + 0.8 * size;
+    let mut bottom = top;
     for (body, &middle) in snapshot.bodies.iter().zip(&middles) {
-        let top = pos2(middle, square.bottom() + 0.7 * size(canvas));
-        column(painter, view, top, most, size(canvas), body, snapshot.side_by_side);
+        let column = Column { top: pos2(middle, top), width: gap - 0.8 * size, size };
+        bottom = bottom.max(column.write(painter, view, body, snapshot.bodies.len() > 1));
+    }
+    for caution in snapshot.bodies.iter().filter_map(|body| body.caution.as_deref()) {
+        bottom = sentence(painter, pos2(canvas.center().x, bottom + 0.25 * size), canvas.width() - size, caution, (
+            FontId::proportional(size),
+            view.theme.caution,
+        ));
     }
 }
 
@@ -43,33 +50,49 @@ fn middle(view: View, snapshot: &Snapshot, body: &BodySnapshot) -> Option<f32> {
     Some(view.camera.screen_from_world([0.5 * (least + most), 0.0]).x)
 }
 
-fn column(painter: &Painter, view: View, top: Pos2, width: f32, size: f32, body: &BodySnapshot, models: bool) {
-    let theme = view.theme;
-    let name = if models { body.model.title().to_owned() } else { format!("{}: {}", body.name, body.model.title()) };
-    let rows = [
-        ("width ", si_fixed(body.mid_width, "m")),
-        ("force ", si_fixed(body.top_force, "N")),
-        ("energy", si_fixed(body.energy, "J")),
-        ("min J ", format!("{}   ", si_fixed(body.min_j, ""))),
-    ];
-    // A row is 16 letters of about 0.6 em: narrow columns get smaller figures.
-    let figures = FontId::monospace(size.min(width / 9.8));
-    let mut y = line(painter, top, width, &name, FontId::proportional(1.1 * size.min(width / 8.0)), theme.ink);
-    for (label, number) in &rows {
-        y = line(painter, pos2(top.x, y), width, &format!("{label} {number}"), figures.clone(), theme.ink);
+/// The place for one strip's numbers.
+struct Column {
+    top: Pos2,
+    width: f32,
+    size: f32,
+}
+
+impl Column {
+    /// Writes name and numbers; returns where they end.
+    fn write(&self, painter: &Painter, view: View, body: &BodySnapshot, models: bool) -> f32 {
+        let color = view.theme.ink;
+        let model = body.model.title();
+        let name = if models { model.to_owned() } else { format!("{}: {model}", body.name) };
+        let numbers = [
+            format!("width  {}", si_fixed(body.mid_width, "m")),
+            format!("force  {}", si_fixed(body.top_force, "N")),
+            format!("energy {}", si_fixed(body.energy, "J")),
+            format!("min J  {}", si_fixed(body.min_j, "")),
+        ];
+        self.fitted(painter, self.top, &name, FontId::proportional(1.15 * self.size), color);
+        let below = pos2(self.top.x, self.top.y + 1.5 * self.size);
+        self.fitted(painter, below, &numbers.join("\n"), FontId::monospace(self.size), color)
     }
-    if let Some(caution) = &body.caution {
-        let font = FontId::proportional(0.9 * size);
-        line(painter, pos2(top.x, y + 0.2 * size), width, caution, font, theme.caution);
+
+    /// Writes lines, smaller if they are too wide, as a block about the column's middle; returns where they end.
+    fn fitted(&self, painter: &Painter, top: Pos2, text: &str, font: FontId, color: Color32) -> f32 {
+        let layout = |font| painter.layout(text.to_owned(), font, color, f32::INFINITY);
+        let mut galley = layout(font.clone());
+        if galley.size().x > self.width {
+            galley = layout(FontId { size: font.size * self.width / galley.size().x, ..font });
+        }
+        let size = galley.size();
+        painter.galley(pos2(top.x - 0.5 * size.x, top.y), galley, color);
+        top.y + size.y
     }
 }
 
-/// Writes a paragraph about a middle and returns where it ends.
-fn line(painter: &Painter, top: Pos2, width: f32, text: &str, font: FontId, color: Color32) -> f32 {
+/// Writes a sentence about a middle, in several lines if it must; returns where it ends.
+fn sentence(painter: &Painter, top: Pos2, width: f32, text: &str, (font, color): (FontId, Color32)) -> f32 {
     let mut job = LayoutJob::simple(text.to_owned(), font, color, width);
     job.halign = Align::Center;
     let galley = painter.layout_job(job);
     let height = galley.size().y;
     painter.galley(top, galley, color);
-    top.y + 1.04 * height
+    top.y + height
 }

@@ -107,6 +107,11 @@ impl App {
         &self.sandbox
     }
 
+    /// Where a point of the world [m] is on the screen, if the stage fills `stage`.
+    pub fn on_screen(&self, stage: egui::Rect, point: [f64; 2]) -> egui::Pos2 {
+        canvas::camera(&self.snapshot, stage).screen_from_world(point)
+    }
+
     /// The message that waits to be read, if there is one.
     pub fn notice(&self) -> Option<&str> {
         self.view.notice.as_deref()

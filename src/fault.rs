@@ -1,6 +1,6 @@
 //! Why stepping stopped, found out and said in a sentence.
 
-use crate::{materials::Model, scene::Scene, stability::critical_step, state::State};
+use crate::{elements::Field, materials::Model, scene::Scene, stability::critical_step, state::State};
 
 /// A step that could not be taken. The simulation rests on the last finite state.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub enum Cause {
     },
     /// A triangle lost its area under a material whose energy is not defined there.
     Crushed(Model),
-    /// Numbers grew beyond what a computer can hold.
+    /// Positions or speeds grew out of all bounds.
     Overflow,
 }
 
@@ -57,7 +57,7 @@ fn worst_triangle(scene: &Scene, state: &State) -> (usize, usize, f64) {
     let mut deformation = -1.0;
     for (number, body) in scene.bodies.iter().enumerate() {
         let mut energies = Vec::new();
-        body.elements.field(crate::snapshot::Field::EnergyDensity, &state.x, &mut energies);
+        body.elements.field(Field::EnergyDensity, &state.x, &mut energies);
         for (triangle, ((f, _), energy)) in body.elements.gradients(&state.x).zip(energies).enumerate() {
             if !energy.is_finite() {
                 return (number, triangle, f.determinant());
@@ -74,16 +74,21 @@ fn worst_triangle(scene: &Scene, state: &State) -> (usize, usize, f64) {
 impl std::fmt::Display for Fault {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { step, time, body, triangle, volume_ratio, cause } = self;
-        write!(out, "Paused before step {step} (at {time:.3} s): after it some positions would no longer be numbers. ")?;
+        write!(out, "Paused before step {step} (at {time:.3} s): the step would throw vertices out of all bounds. ")?;
         write!(out, "Triangle {triangle} of {body} went first (J = {volume_ratio:.2e}). ")?;
         match cause {
             Cause::StepTooLong { step, limit } => {
-                write!(out, "The time step of {} is above the stability limit of about {}.", Millis(*step), Millis(*limit))
+                write!(
+                    out,
+                    "The time step of {} is above the stability limit of about {}.",
+                    Millis(*step),
+                    Millis(*limit)
+                )
             }
             Cause::Crushed(model) => {
                 write!(out, "It was crushed inside out, where {} has no energy.", model.title())
             }
-            Cause::Overflow => write!(out, "Forces or speeds grew beyond what numbers can hold."),
+            Cause::Overflow => write!(out, "Its speed grew out of all bounds."),
         }
     }
 }

@@ -66,7 +66,9 @@ pub fn write(level: &Level) -> Result<String, FileError> {
 /// [`FileError`] with the place and the reason.
 pub fn read(path: &Path) -> Result<Level, FileError> {
     let name = path.display().to_string();
-    if !path.exists() && let Some(text) = levels::built_in(&name) {
+    if !path.exists()
+        && let Some(text) = levels::built_in(&name)
+    {
         return parse(text, &name);
     }
     let mut level = parse(&read_text(path)?, &name)?;

@@ -25,3 +25,21 @@ pub struct EffectCost {
     /// Elements (vertices, triangles, ...) touched, summed over the calls.
     pub elements: u64,
 }
+
+/// Energies of a scene [J].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of deformation.
+    pub elastic: f64,
+    /// Of everything else that stores: gravity, the mouse spring.
+    pub potential: f64,
+}
+
+impl Energies {
+    /// The sum [J].
+    pub fn total(self) -> f64 {
+        self.kinetic + self.elastic + self.potential
+    }
+}

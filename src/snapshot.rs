@@ -12,6 +12,8 @@ use crate::{
 };
 use std::{ops::Range, sync::Arc};
 
+pub use crate::{elements::Field, report::Energies};
+
 /// What a frame of the window is drawn from. Buffers are reused from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
@@ -103,62 +105,6 @@ pub struct Pull {
     pub force: f64,
 }
 
-/// What triangles can be coloured by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Field {
-    /// Plain gingerbread.
-    #[default]
-    None,
-    /// Elastic energy density psi [J/m²].
-    EnergyDensity,
-    /// Von Mises equivalent of the Cauchy stress [Pa].
-    VonMises,
-    /// J = det F: area over rest area.
-    Volume,
-}
-
-impl Field {
-    /// All of them, in the order of the menu.
-    pub const ALL: [Self; 4] = [Self::None, Self::EnergyDensity, Self::VonMises, Self::Volume];
-
-    /// Name in the menu.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::None => "Gingerbread",
-            Self::EnergyDensity => "Energy density",
-            Self::VonMises => "Von Mises stress",
-            Self::Volume => "Area ratio J",
-        }
-    }
-
-    /// Unit symbol.
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::None | Self::Volume => "",
-            Self::EnergyDensity => "J/m²",
-            Self::VonMises => "Pa",
-        }
-    }
-}
-
-/// Energies of a scene [J].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies {
-    /// Of motion.
-    pub kinetic: f64,
-    /// Of deformation.
-    pub elastic: f64,
-    /// Of everything else that stores: gravity, the mouse spring.
-    pub potential: f64,
-}
-
-impl Energies {
-    /// The sum [J].
-    pub fn total(self) -> f64 {
-        self.kinetic + self.elastic + self.potential
-    }
-}
-
 impl Sandbox {
     /// Copies what is to be seen into `snapshot`, reusing its buffers.
     pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot) {
@@ -222,7 +168,9 @@ impl Sandbox {
         let x = &self.simulation.state().x;
         let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
         let springs = self.shown.effects.iter().filter(|listed| listed.switch == Switch::On);
-        let stiffness = springs.map(|listed| if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 });
+        let stiffness = springs.map(|listed| {
+            if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 }
+        });
         Pull { vertex, target, force: stiffness.sum::<f64>() * (dx * dx + dy * dy).sqrt() }
     }
 }

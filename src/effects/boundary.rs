@@ -70,16 +70,17 @@ impl Effect for Edges {
 
     fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
         let mut touched = 0;
-        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2)) {
+        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
+        {
             if inverse_mass[0] == 0.0 {
                 continue;
             }
             for axis in 0..2 {
-                if x[axis] < self.least[axis] {
+                if x[axis] <= self.least[axis] {
                     x[axis] = self.least[axis];
                     v[axis] = v[axis].max(0.0);
                     touched += 1;
-                } else if x[axis] > self.greatest[axis] {
+                } else if x[axis] >= self.greatest[axis] {
                     x[axis] = self.greatest[axis];
                     v[axis] = v[axis].min(0.0);
                     touched += 1;

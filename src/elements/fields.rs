@@ -1,14 +1,49 @@
 use super::Triangles;
-use crate::{
-    materials::{Material, Visitor},
-    snapshot::Field,
-};
+use crate::materials::{Material, Visitor};
 use nalgebra::Matrix2;
+
+/// What triangles can be coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Field {
+    /// Plain gingerbread.
+    #[default]
+    None,
+    /// Elastic energy density psi [J/m²].
+    EnergyDensity,
+    /// Von Mises equivalent of the Cauchy stress [Pa].
+    VonMises,
+    /// J = det F: area over rest area.
+    Volume,
+}
+
+impl Field {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 4] = [Self::None, Self::EnergyDensity, Self::VonMises, Self::Volume];
+
+    /// Name in the menu.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::None => "Gingerbread",
+            Self::EnergyDensity => "Energy density",
+            Self::VonMises => "Von Mises stress",
+            Self::Volume => "Area ratio J",
+        }
+    }
+
+    /// Unit symbol.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::None | Self::Volume => "",
+            Self::EnergyDensity => "J/m²",
+            Self::VonMises => "Pa",
+        }
+    }
+}
 
 impl Triangles {
     /// Adds one value a triangle to `values`, in their order; nothing for [`Field::None`].
     pub fn field(&self, field: Field, x: &[f64], values: &mut Vec<f64>) {
-        self.model().visit(self.lame(), Values { of: self, field, x, values });
+        self.model().visit(self.lame(), Values { of: self, field, x, out: values });
     }
 
     /// det F of each triangle.
@@ -21,7 +56,7 @@ struct Values<'a> {
     of: &'a Triangles,
     field: Field,
     x: &'a [f64],
-    values: &'a mut Vec<f64>,
+    out: &'a mut Vec<f64>,
 }
 
 impl Visitor for Values<'_> {
@@ -30,11 +65,11 @@ impl Visitor for Values<'_> {
         let gradients = self.of.gradients(self.x).map(|(f, _)| f);
         match self.field {
             Field::None => {}
-            Field::Volume => self.values.extend(gradients.map(|f| f.determinant())),
-            Field::EnergyDensity => self.values.extend(gradients.map(|f| material.energy(&f))),
+            Field::Volume => self.out.extend(gradients.map(|f| f.determinant())),
+            Field::EnergyDensity => self.out.extend(gradients.map(|f| material.energy(&f))),
             Field::VonMises => {
                 let plane_stress = self.of.plane_stress();
-                self.values.extend(gradients.map(|f| von_mises(material, &f, plane_stress)));
+                self.out.extend(gradients.map(|f| von_mises(material, &f, plane_stress)));
             }
         }
     }

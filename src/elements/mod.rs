@@ -3,4 +3,5 @@
 mod fields;
 mod triangle;
 
+pub use fields::Field;
 pub use triangle::Triangles;

@@ -23,7 +23,7 @@ impl Default for Gingerbread {
 
 impl MeshSource for Gingerbread {
     fn build(&self, _: &dyn Files) -> Result<Mesh, MeshError> {
-        let half = gingerbread_shape::contour(0.0);
+        let half = gingerbread_shape::outline();
         let area = polygon::signed_area(&mirrored(&half));
         let target = f64::from(self.resolution.count());
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&half, edge))?;

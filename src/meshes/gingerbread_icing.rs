@@ -19,10 +19,10 @@ const PER_WAVE: usize = 12;
 pub(super) fn icing(locator: &Locator) -> Vec<Stroke> {
     let mut strokes = vec![Stroke::line(locator, &piping(), true, WIDTH, IcingColor::White)];
     for side in [-1.0, 1.0] {
-        strokes.push(Stroke::area(locator, &disc([side * 0.043, 0.222], 0.0145), IcingColor::White));
+        strokes.push(Stroke::area(locator, &disc([side * 0.042, 0.229], 0.0145), IcingColor::White));
     }
     strokes.push(Stroke::line(locator, &smile(), false, 0.0105, IcingColor::White));
-    for (y, color) in [(0.045, IcingColor::Red), (-0.015, IcingColor::Green), (-0.075, IcingColor::Red)] {
+    for (y, color) in [(0.042, IcingColor::Red), (-0.018, IcingColor::Green), (-0.078, IcingColor::Red)] {
         strokes.push(Stroke::area(locator, &disc([0.0, y], 0.0165), color));
     }
     strokes
@@ -41,30 +41,33 @@ fn disc(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
 
 /// A mouth [m].
 fn smile() -> Vec<[f64; 2]> {
-    let at = |angle: f64| world([0.062 * libm::cos(angle), 0.2 + 0.056 * libm::sin(angle)]);
+    let at = |angle: f64| world([0.060 * libm::cos(angle), 0.206 + 0.054 * libm::sin(angle)]);
     (0..=24).map(|step| at(PI * (1.17 + 0.66 * f64::from(step) / 24.0))).collect()
 }
 
 /// A closed wave along the edge [m], mirrored like the outline.
 fn piping() -> Vec<[f64; 2]> {
-    let line = gingerbread_shape::contour(INSET);
+    let edge = gingerbread_shape::outline();
+    let line = shifted(&edge, |_| -INSET);
     let length: f64 = line.windows(2).map(|pair| squared_distance(pair[0], pair[1]).sqrt()).sum();
     let waves = (length / WAVE).round();
     let steps = waves as usize * PER_WAVE;
     let even = polygon::spaced(&line, steps + 1);
-    let half: Vec<_> = (0..=steps)
-        .map(|step| {
-            let (before, after) = (even[step.saturating_sub(1)], even[(step + 1).min(steps)]);
-            let size = squared_distance(before, after).sqrt();
-            let swing = SWING * libm::cos(TAU * step as f64 / PER_WAVE as f64) / size;
-            let outward = if step == 0 || step == steps {
-                [0.0, size.copysign(before[0] - after[0])]
-            } else {
-                [before[1] - after[1], after[0] - before[0]]
-            };
-            [even[step][0] + swing * outward[0], even[step][1] + swing * outward[1]]
-        })
-        .collect();
+    let half = shifted(&even, |step| SWING * libm::cos(TAU * step as f64 / PER_WAVE as f64));
     let left = half.iter().take(steps).skip(1).rev().map(|&[x, y]| [1.0 - x, y]);
     half.iter().copied().chain(left).collect()
+}
+
+/// A line from axis to axis with its points moved outwards, to the left of its direction, by a distance [m] each.
+fn shifted(line: &[[f64; 2]], distance: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    let last = line.len() - 1;
+    let move_out = |(index, point): (usize, &[f64; 2])| {
+        let (before, after) = (line[index.saturating_sub(1)], line[(index + 1).min(last)]);
+        // At the axis the mirror image is part of the line, which therefore runs straight across.
+        let rise = if index == 0 || index == last { 0.0 } else { after[1] - before[1] };
+        let run = after[0] - before[0];
+        let share = distance(index) / (rise * rise + run * run).sqrt();
+        [point[0] - share * rise, point[1] + share * run]
+    };
+    line.iter().enumerate().map(move_out).collect()
 }

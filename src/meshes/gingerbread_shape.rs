@@ -6,27 +6,30 @@ use super::mesh::squared_distance;
 
 /// The middle of the body in the world [m].
 pub(super) const MIDDLE: [f64; 2] = [0.5, 0.5];
-/// Step along a contour [m]: the polyline is then within 0.01 mm of the curve.
+/// Step along the outline [m]: the polyline is then within 0.01 mm of the curve.
 const STEP: f64 = 0.001;
 
 /// Two circles, centres and radii [m], with the band around both.
 struct Capsule([f64; 2], f64, [f64; 2], f64);
 
-const HEAD: Capsule = Capsule([0.0, 0.198], 0.127, [0.0, 0.197], 0.127);
-const TRUNK: Capsule = Capsule([0.0, 0.04], 0.085, [0.0, -0.10], 0.098);
-const ARM: Capsule = Capsule([0.04, 0.045], 0.052, [0.218, 0.085], 0.062);
-const LEG: Capsule = Capsule([0.05, -0.11], 0.068, [0.112, -0.258], 0.067);
+const HEAD: Capsule = Capsule([-0.004, 0.208], 0.117, [0.004, 0.208], 0.117);
+const TRUNK: Capsule = Capsule([0.0, 0.02], 0.083, [0.0, -0.09], 0.098);
+const ARM: Capsule = Capsule([0.04, 0.025], 0.050, [0.2165, 0.066], 0.0635);
+const LEG: Capsule = Capsule([0.05, -0.10], 0.066, [0.12, -0.2555], 0.0695);
 
-/// How far apart parts are [m] when their fillet begins.
-const FILLET: f64 = 0.05;
+/// Difference of the distances to two parts [m] at which their fillet begins: at the neck, armpits, hips and crotch.
+const NECK: f64 = 0.08;
+const ARMPIT: f64 = 0.06;
+const HIP: f64 = 0.05;
+const CROTCH: f64 = 0.06;
 
 /// Negative inside, positive outside, about the distance from the outline [m] near it.
-pub(super) fn level([x, y]: [f64; 2]) -> f64 {
+fn level([x, y]: [f64; 2]) -> f64 {
     let side = x.abs();
-    let legs = blend(LEG.distance([side, y]), LEG.distance([-side, y]));
-    let trunk = blend(TRUNK.distance([side, y]), legs);
-    let limbs = blend(trunk, ARM.distance([side, y]));
-    blend(limbs, HEAD.distance([side, y]))
+    let legs = blend(LEG.distance([side, y]), LEG.distance([-side, y]), CROTCH);
+    let trunk = blend(TRUNK.distance([side, y]), legs, HIP);
+    let limbs = blend(trunk, ARM.distance([side, y]), ARMPIT);
+    blend(limbs, HEAD.distance([side, y]), NECK)
 }
 
 impl Capsule {
@@ -52,10 +55,10 @@ impl Capsule {
     }
 }
 
-/// The smaller of two distances, rounded off where they are within [`FILLET`] of each other.
-fn blend(a: f64, b: f64) -> f64 {
-    let overlap = (FILLET - (a - b).abs()).max(0.0);
-    a.min(b) - 0.25 * overlap * overlap / FILLET
+/// The smaller of two distances, rounded off where they are within `fillet` of each other.
+fn blend(a: f64, b: f64, fillet: f64) -> f64 {
+    let overlap = (fillet - (a - b).abs()).max(0.0);
+    a.min(b) - 0.25 * overlap * overlap / fillet
 }
 
 /// Gradient of [`level`], by central differences.
@@ -64,32 +67,32 @@ fn slope([x, y]: [f64; 2]) -> [f64; 2] {
     [(level([x + H, y]) - level([x - H, y])) / (2.0 * H), (level([x, y + H]) - level([x, y - H])) / (2.0 * H)]
 }
 
-/// The right half of a contour of [`level`], in world coordinates [m] from the axis above the head down to the axis
-/// between the legs. `inset` [m] moves it inwards.
-pub(super) fn contour(inset: f64) -> Vec<[f64; 2]> {
-    let mut point = onto([0.0, 0.325 - inset], inset, true);
+/// The right half of the outline, in world coordinates [m] from the axis above the head down to the axis between the
+/// legs.
+pub(super) fn outline() -> Vec<[f64; 2]> {
+    let mut point = onto([0.0, 0.325], true);
     let mut line = vec![point];
     // The half outline is 1.4 m long; the bound only guards against a shape edited into nonsense.
     for _ in 0..10_000 {
         let [gx, gy] = slope(point);
         let size = (gx * gx + gy * gy).sqrt();
-        let next = onto([point[0] + STEP * gy / size, point[1] - STEP * gx / size], inset, false);
+        let next = onto([point[0] + STEP * gy / size, point[1] - STEP * gx / size], false);
         if next[0] < 0.25 * STEP {
             break;
         }
         point = next;
         line.push(point);
     }
-    line.push(onto([0.0, point[1]], inset, true));
+    line.push(onto([0.0, point[1]], true));
     line.iter().map(|&[x, y]| [x + MIDDLE[0], y + MIDDLE[1]]).collect()
 }
 
-/// Moves a point near a contour onto it by Newton's method, only up or down if it must stay on the axis.
-fn onto([mut x, mut y]: [f64; 2], inset: f64, on_axis: bool) -> [f64; 2] {
+/// Moves a point near the outline onto it by Newton's method, only up or down if it must stay on the axis.
+fn onto([mut x, mut y]: [f64; 2], on_axis: bool) -> [f64; 2] {
     for _ in 0..4 {
         let [gx, gy] = slope([x, y]);
         let gx = if on_axis { 0.0 } else { gx };
-        let excess = (level([x, y]) + inset) / (gx * gx + gy * gy);
+        let excess = level([x, y]) / (gx * gx + gy * gy);
         (x, y) = (x - excess * gx, y - excess * gy);
     }
     [x, y]

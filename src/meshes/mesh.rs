@@ -1,6 +1,6 @@
 //! The mesh every recipe ends in: points, counter-clockwise triangles and icing, all of it checked.
 
-use super::{MeshError, Stroke, error::MOST_TRIANGLES, topology::Topology};
+use super::{Locator, MeshError, Stroke, error::MOST_TRIANGLES, topology::Topology};
 
 /// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
 const FLATTEST: f64 = 1e-12;
@@ -50,6 +50,7 @@ impl Mesh {
     }
 
     /// The same mesh with icing on it.
+    #[must_use]
     pub fn with_icing(mut self, icing: Vec<Stroke>) -> Self {
         self.icing = icing;
         self
@@ -109,6 +110,16 @@ impl Mesh {
     /// Lower left and upper right corner of the smallest box that holds all points [m].
     pub fn bounds(&self) -> [[f64; 2]; 2] {
         bounds(&self.points)
+    }
+
+    /// The triangle that holds a point [m] at rest, and the weights of its corners. For many points make one [`Locator`].
+    pub fn locate(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
+        Locator::new(&self.points, &self.triangles).locate(point)
+    }
+
+    /// As [`Mesh::locate`], or the nearest triangle to a point outside; see [`Locator::locate_nearest`].
+    pub fn locate_nearest(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
+        Locator::new(&self.points, &self.triangles).locate_nearest(point)
     }
 
     /// The neighbours; `None` never, because [`Mesh::new`] has matched the same edges before.

@@ -100,17 +100,18 @@ impl Reader {
 
     /// The vertex a corner names: counted from 1, or backwards from -1, the latest.
     fn corner(&self, word: &str) -> Result<u32, String> {
-        let expected = || format!("expected a vertex number such as `7`, `7/1` or `-1`, got `{}`", short(word));
-        let count = self.points.len() as i64;
-        let number: i64 = word.split('/').next().unwrap_or_default().parse().map_err(|_| expected())?;
-        let index = if number < 0 { number.saturating_add(count) } else { number - 1 };
-        if (0..count).contains(&index) {
-            u32::try_from(index).map_err(|_| expected())
-        } else {
-            Err(format!(
-                "vertex {number} is not there; expected 1 to {count}, or -1 to -{count}, of the `v` lines above"
-            ))
-        }
+        let number: i64 = word
+            .split('/')
+            .next()
+            .unwrap_or_default()
+            .parse()
+            .map_err(|_| format!("expected a vertex number such as `7`, `7/1` or `-1`, got `{}`", short(word)))?;
+        let count = self.points.len();
+        let steps = usize::try_from(number.unsigned_abs()).unwrap_or(usize::MAX);
+        let index = if number < 0 { count.checked_sub(steps) } else { steps.checked_sub(1) };
+        index.filter(|&index| index < count).and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
+            format!("vertex {number} is not there; expected 1 to {count}, or -1 to -{count}, of the `v` lines above")
+        })
     }
 
     /// Checks the whole.

@@ -6,6 +6,9 @@ use crate::quantity::{Coordinate, Point, Quantity, Triangles};
 /// Cosine of the turn above which a point of the outline is a corner: 20 degrees.
 const CORNER: f64 = 0.939_692_620_785_908_4;
 
+/// Most points along an outline. Compact ones stay far below, and the triangulation of long thin ones takes very long.
+const MOST_ALONG: f64 = 10_000.0;
+
 /// The inside of a polygon, in about `resolution` triangles. Corners stay sharp; a run of sides shorter than the
 /// triangles is taken for a curve. No angle is below 25 degrees unless the polygon itself has corners that sharp.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -56,6 +59,13 @@ impl MeshSource for Outline {
         }
         let area = polygon::signed_area(&corners);
         let target = f64::from(self.resolution.count());
+        // n points along the edge make at least n - 2 triangles. Refused here, before they fill the memory.
+        let along = polygon::perimeter(&corners) / triangulate::edge_length(area / target);
+        if along > target.min(MOST_ALONG) {
+            let reason =
+                format!("the outline is too long and thin: {along:.0} points would lie along it; make it wider");
+            return Err(MeshError::Recipe(reason));
+        }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
         let (points, triangles) = ordering::by_place(&points, &triangles);
         let mesh = Mesh::new(points, triangles)?;

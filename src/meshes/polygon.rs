@@ -1,6 +1,6 @@
 //! Plane polygons: whether they are simple, what lies inside them, how to cut small ones and how to space points along.
 
-use super::mesh::{area, squared_distance};
+use super::mesh::{area, bounds, squared_distance};
 
 /// Most corners of a polygon that [`cut`] takes: its time may grow with their cube.
 const MOST_CORNERS: usize = 200;
@@ -24,8 +24,11 @@ pub(super) fn perimeter(corners: &[[f64; 2]]) -> f64 {
 /// Two sides, by their first corners, that meet although they are not neighbours, or fold back onto each other.
 pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
     let sides: Vec<_> = sides(corners).collect();
-    let left = |side: usize| sides[side][0][0].min(sides[side][1][0]);
-    let right = |side: usize| sides[side][0][0].max(sides[side][1][0]);
+    let [low, high] = bounds(corners);
+    // Sweeping along the longer axis meets the fewest sides at a time.
+    let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
+    let left = |side: usize| sides[side][0][axis].min(sides[side][1][axis]);
+    let right = |side: usize| sides[side][0][axis].max(sides[side][1][axis]);
     let mut order: Vec<usize> = (0..sides.len()).collect();
     order.sort_by(|&a, &b| left(a).total_cmp(&left(b)).then(a.cmp(&b)));
     for (index, &a) in order.iter().enumerate() {

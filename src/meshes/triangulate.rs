@@ -37,12 +37,18 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
         if best.as_ref().is_none_or(|(so_far, ..)| angle > *so_far) {
             best = Some((angle, boundary.len(), filled));
         }
-        if angle >= GOOD_ANGLE {
+        // Far too small an angle is the outline's own, and no other start mends it.
+        if !(0.6 * GOOD_ANGLE..GOOD_ANGLE).contains(&angle) {
             break;
         }
     }
     let Some((angle, fixed, filled)) = best else { return Err(delaunay::too_narrow()) };
     if angle >= GOOD_ANGLE { Ok(filled) } else { delaunay::refine(&filled.0, fixed, 2 * target as usize) }
+}
+
+/// Side of an equilateral triangle of the given area: m from m².
+pub(super) fn edge_length(area: f64) -> f64 {
+    (2.0 * area / ROW).sqrt()
 }
 
 /// The smallest angle of all triangles [°].
@@ -54,7 +60,7 @@ fn smallest_angle((points, triangles): &Filled) -> f64 {
 /// The outline's points and the edge length [m] that come nearest to the wanted number of triangles. A simple polygon
 /// with `b` points on it and `i` inside has `2 i + b - 2` triangles however they are joined (Euler).
 fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start: [f64; 2]) -> (Vec<[f64; 2]>, f64) {
-    let mut edge = (2.0 * area / (ROW * target)).sqrt();
+    let mut edge = edge_length(area / target);
     let mut best = (f64::INFINITY, Vec::new(), edge);
     for _ in 0..12 {
         let boundary = outline(edge);
@@ -72,33 +78,52 @@ fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start
     (best.1, best.2)
 }
 
-/// Points of a triangular lattice inside a polygon and clear of its corners.
+/// Points of a triangular lattice inside a polygon and clear of its sides.
 fn lattice(boundary: &[[f64; 2]], edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
     let [low, high] = mesh::bounds(boundary);
-    let centre = [0.5 * (low[0] + high[0]) + start[0] * edge, 0.5 * (low[1] + high[1]) + start[1] * edge];
-    let height = ROW * edge;
-    let rows = ((high[1] - low[1]) / height) as i64 / 2 + 2;
-    let columns = ((high[0] - low[0]) / edge) as i64 / 2 + 2;
+    let origin = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]) + start[axis] * edge);
+    let rows = ((high[1] - low[1]) / (ROW * edge)) as usize / 2 + 2;
+    let clearance = CLEARANCE * edge;
     let mut points = Vec::new();
-    for row in -rows..=rows {
-        let y = centre[1] + row as f64 * height;
-        let crossings = crossings(boundary, y);
-        let near: Vec<_> = boundary.iter().filter(|point| (point[1] - y).abs() < CLEARANCE * edge).collect();
-        let shift = 0.5 * (row & 1) as f64;
-        points.extend((-columns..=columns).map(|column| [centre[0] + (column as f64 + shift) * edge, y]).filter(
-            |&point| {
-                let inside = crossings.partition_point(|&x| x < point[0]) % 2 == 1;
-                let limit = CLEARANCE * CLEARANCE * edge * edge;
-                inside && near.iter().all(|&&corner| mesh::squared_distance(corner, point) > limit)
-            },
-        ));
+    for (index, near) in sides_by_row(boundary, origin[1], ROW * edge, rows, clearance).iter().enumerate() {
+        let row = index as f64 - rows as f64;
+        let y = origin[1] + row * ROW * edge;
+        let left = origin[0] + if index % 2 == 0 { 0.0 } else { 0.5 * edge };
+        for run in crossings(near, y).chunks_exact(2) {
+            let (first, last) = (((run[0] - left) / edge).ceil() as i64, ((run[1] - left) / edge).floor() as i64);
+            points.extend((first..=last).map(|column| [left + column as f64 * edge, y]).filter(|&point| {
+                let square = |[from, to]: &[[f64; 2]; 2]| mesh::squared_distance_to_side(*from, *to, point);
+                near.iter().all(|side| square(side) > clearance * clearance)
+            }));
+        }
     }
     points
 }
 
-/// Where a horizontal line crosses a polygon, from left to right.
-fn crossings(boundary: &[[f64; 2]], y: f64) -> Vec<f64> {
-    let mut crossings: Vec<f64> = polygon::sides(boundary)
+/// The polygon's sides that come within `clearance` of each of `2 rows + 1` horizontal lines about height `middle` [m].
+fn sides_by_row(
+    boundary: &[[f64; 2]],
+    middle: f64,
+    height: f64,
+    rows: usize,
+    clearance: f64,
+) -> Vec<Vec<[[f64; 2]; 2]>> {
+    let mut near = vec![Vec::new(); 2 * rows + 1];
+    let row = |y: f64| ((y - middle) / height + rows as f64).max(0.0);
+    for side in polygon::sides(boundary) {
+        let [low, high] = mesh::bounds(&side);
+        let (first, last) = (row(low[1] - clearance).ceil() as usize, row(high[1] + clearance) as usize);
+        for list in near.iter_mut().take(last + 1).skip(first) {
+            list.push(side);
+        }
+    }
+    near
+}
+
+/// Where a horizontal line crosses the sides of a polygon, from left to right.
+fn crossings(sides: &[[[f64; 2]; 2]], y: f64) -> Vec<f64> {
+    let mut crossings: Vec<f64> = sides
+        .iter()
         .filter(|[from, to]| (from[1] > y) != (to[1] > y))
         .map(|[from, to]| from[0] + (y - from[1]) / (to[1] - from[1]) * (to[0] - from[0]))
         .collect();

@@ -159,7 +159,8 @@ fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64, shift: f32) {
         let x = lerp(canvas.x_range(), i as f32 / steps as f32);
         let along = baker.view.camera.world_from_screen(pos2(x, 0.0))[0] as f32;
         let y = base - height * ((3.1 * along + shift).sin() + 0.6 * (7.3 * along + 5.0 * shift).sin());
-        let [top, bottom] = [(y, near), (canvas.bottom().max(y), far)].map(|(y, color)| baker.ink.vertex(pos2(x, y), color));
+        let [top, bottom] =
+            [(y, near), (canvas.bottom().max(y), far)].map(|(y, color)| baker.ink.vertex(pos2(x, y), color));
         if i > 0 {
             baker.ink.triangle(top - 2, top, bottom);
             baker.ink.triangle(top - 2, bottom, bottom - 2);
@@ -172,9 +173,7 @@ fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     let points = baker.points(room);
     let [top, bottom] = baker.view.theme.inside.map(|color| baker.color(color));
     let bounds = Rect::from_points(&points);
-    baker.ink.shaded(&points, |at| {
-        top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0))
-    });
+    baker.ink.shaded(&points, |at| top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0)));
 }
 
 /// Two windows in the wall behind, quiet enough not to compete with a body in front of them.
@@ -218,7 +217,11 @@ fn wall(baker: &mut Baker<'_>, side: &Side) {
     let length = (b[0] - a[0]).hypot(b[1] - a[1]);
     let count = (length / 0.1).floor().max(1.0) as usize;
     for i in 0..count {
-        let at = between(between(a, b, (i as f64 + 0.5) / count as f64), between(c, d, (i as f64 + 0.5) / count as f64), 0.52);
+        let at = between(
+            between(a, b, (i as f64 + 0.5) / count as f64),
+            between(c, d, (i as f64 + 0.5) / count as f64),
+            0.52,
+        );
         baker.button(at, 0.0105, theme.candy[i % 2]);
     }
 }

@@ -63,14 +63,21 @@ impl Slope {
 
     /// The upper end at a share of the thickness: slopes meet above the ridge.
     fn top(&self, out: f64) -> [f64; 2] {
-        if self.ridge { [self.high[0], self.high[1] + out * THICKNESS / self.out[1].max(0.3)] } else { self.at(1.0, out) }
+        if self.ridge {
+            [self.high[0], self.high[1] + out * THICKNESS / self.out[1].max(0.3)]
+        } else {
+            self.at(1.0, out)
+        }
     }
 }
 
 /// The dough.
 fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     let theme = baker.view.theme;
-    baker.area(&[slope.at(slope.eaves(), 0.0), slope.at(slope.eaves(), 1.0), slope.top(1.0), slope.top(0.0)], theme.wall);
+    baker.area(
+        &[slope.at(slope.eaves(), 0.0), slope.at(slope.eaves(), 1.0), slope.top(1.0), slope.top(0.0)],
+        theme.wall,
+    );
     baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
 }
 
@@ -106,7 +113,10 @@ pub fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
     let [x, y] = slope.at(0.45, 1.0);
     let (half, top) = (0.042, y + 0.12);
     baker.area(&[[x - half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x - half, top]], theme.wall);
-    baker.area(&[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]], theme.wall_shade);
+    baker.area(
+        &[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]],
+        theme.wall_shade,
+    );
     baker.line(&[[x - half, top], [x + half, top]], 0.026, theme.icing);
     for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
         baker.disc([x + at * half, top - drop], 0.012, theme.icing);

@@ -1,0 +1,169 @@
+//! How much simulated time a frame owes, and what happens when it cannot pay: time slows down. Steps are never skipped
+//! and never lengthened. There is no clock in here, so all of it can be tested with plain numbers.
+
+/// Time a hidden or stalled window may be behind: about two frames [s].
+pub const MOST_DEBT: f64 = 2.0 / 60.0;
+
+/// How fast the shown rates follow the real ones [s].
+const MEMORY: f64 = 0.4;
+
+/// How often the shown rates change: often enough to be live, seldom enough to be read [s].
+const REFRESH: f64 = 0.25;
+
+/// The accumulator between real and simulated time.
+#[derive(Clone, Debug, Default)]
+pub struct Clock {
+    debt: f64,
+    paid: f64,
+    real: f64,
+    physics: f64,
+    frame: f64,
+    since_shown: f64,
+    shown: Option<Rates>,
+}
+
+/// What the panels show.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Simulated time over real time.
+    pub factor: f64,
+    /// Time spent on stepping in a frame [s].
+    pub physics: f64,
+    /// Time spent on a whole frame [s].
+    pub frame: f64,
+}
+
+/// What happened in a frame in which time ran.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Real time since the frame before [s].
+    pub elapsed: f64,
+    /// Length of a step [s].
+    pub step: f64,
+    /// Steps owed, from [`Clock::owe`].
+    pub owed: u64,
+    /// Steps taken.
+    pub taken: u64,
+    /// Time spent on taking them [s].
+    pub physics: f64,
+    /// Time spent on the whole frame before [s].
+    pub frame: f64,
+}
+
+impl Clock {
+    /// Adds real time and returns the whole steps now owed.
+    pub fn owe(&mut self, elapsed: f64, step: f64) -> u64 {
+        if !elapsed.is_finite() || !step.is_finite() || step <= 0.0 {
+            return 0;
+        }
+        self.debt = (self.debt + elapsed.max(0.0)).min(MOST_DEBT.max(step));
+        // A frame of exactly n steps must not be n - 1 because of the last bit.
+        (self.debt / step + 1e-9).floor() as u64
+    }
+
+    /// Notes what was paid. What could not be paid is dropped, all but the part of a step.
+    pub fn pay(&mut self, spent: Spent) {
+        let whole = spent.owed as f64 * spent.step;
+        self.debt = (self.debt - whole).clamp(0.0, spent.step);
+        let fade = (-spent.elapsed / MEMORY).exp();
+        self.paid = self.paid * fade + spent.taken as f64 * spent.step;
+        self.real = self.real * fade + spent.elapsed;
+        self.physics = blend(self.physics, spent.physics, fade);
+        self.frame = blend(self.frame, spent.frame, fade);
+        self.since_shown += spent.elapsed;
+        if self.shown.is_none() || self.since_shown >= REFRESH {
+            self.since_shown = 0.0;
+            let factor = if self.real > 0.0 { self.paid / self.real } else { 1.0 };
+            self.shown = Some(Rates { factor, physics: self.physics, frame: self.frame });
+        }
+    }
+
+    /// Forgets debt and rates: time stands still.
+    pub fn stop(&mut self) {
+        *self = Self { shown: None, ..Self::default() };
+    }
+
+    /// The rates to show; `None` while time stands still.
+    pub const fn rates(&self) -> Option<Rates> {
+        self.shown
+    }
+}
+
+fn blend(old: f64, new: f64, fade: f64) -> f64 {
+    if old == 0.0 { new } else { old * fade + new * (1.0 - fade) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const H: f64 = 1.0 / 6000.0;
+
+    fn run(clock: &mut Clock, frames: usize, elapsed: f64, affordable: u64) -> u64 {
+        let mut total = 0;
+        for _ in 0..frames {
+            let owed = clock.owe(elapsed, H);
+            let taken = owed.min(affordable);
+            clock.pay(Spent { elapsed, step: H, owed, taken, physics: 0.004, frame: 0.006 });
+            total += taken;
+        }
+        total
+    }
+
+    #[test]
+    fn a_second_of_frames_is_a_second_of_steps_at_any_display_rate() {
+        for rate in [30, 60, 75, 144, 240] {
+            let mut clock = Clock::default();
+            let total = run(&mut clock, rate, 1.0 / rate as f64, u64::MAX);
+            assert!((5999..=6000).contains(&total), "{rate} Hz gave {total} steps");
+        }
+    }
+
+    #[test]
+    fn a_slow_machine_slows_time_down_and_says_so() {
+        let mut clock = Clock::default();
+        run(&mut clock, 200, 1.0 / 60.0, 43);
+        let factor = clock.rates().map(|rates| rates.factor);
+        assert!(factor.is_some_and(|factor| (factor - 0.43).abs() < 1e-6), "{factor:?}");
+    }
+
+    #[test]
+    fn what_could_not_be_paid_is_not_caught_up_later() {
+        let mut clock = Clock::default();
+        run(&mut clock, 60, 1.0 / 60.0, 10);
+        assert!(run(&mut clock, 1, 1.0 / 60.0, u64::MAX) <= 101);
+    }
+
+    #[test]
+    fn a_stall_does_not_cause_a_burst() {
+        let mut clock = Clock::default();
+        assert_eq!(clock.owe(3600.0, H), 200);
+    }
+
+    #[test]
+    fn a_step_longer_than_two_frames_is_still_taken() {
+        let mut clock = Clock::default();
+        let steps: u64 = (0..60)
+            .map(|_| {
+                let owed = clock.owe(1.0 / 60.0, 0.1);
+                clock.pay(Spent { elapsed: 1.0 / 60.0, step: 0.1, owed, taken: owed, ..Spent::default() });
+                owed
+            })
+            .sum();
+        assert!((9..=10).contains(&steps), "{steps}");
+    }
+
+    #[test]
+    fn nonsense_from_a_clock_owes_nothing() {
+        let mut clock = Clock::default();
+        assert_eq!(clock.owe(-5.0, H) + clock.owe(f64::NAN, H) + clock.owe(1.0, 0.0), 0);
+    }
+
+    #[test]
+    fn standing_still_has_no_rate() {
+        let mut clock = Clock::default();
+        run(&mut clock, 10, 1.0 / 60.0, u64::MAX);
+        clock.stop();
+        assert_eq!(clock.rates(), None);
+    }
+}

@@ -1,0 +1,94 @@
+//! Opening and saving levels: a file that cannot be read changes nothing but shows why.
+
+use super::{
+    App,
+    dialogs::{Answer, file_name},
+    panels::{FileWish, Prompt, View},
+};
+use crate::{command::Command, files};
+use eframe::egui::Context;
+use std::path::Path;
+
+impl App {
+    /// Answers wishes, dialogs and prompts.
+    pub(super) fn file_work(&mut self, ctx: &Context) {
+        match self.view.file.take() {
+            Some(FileWish::BuiltIn(index)) => match self.gallery.level(index) {
+                Ok(level) => self.apply(Command::Open(Box::new(level))),
+                Err(message) => self.view.notice = Some(message),
+            },
+            Some(FileWish::Open) => self.dialogs.ask_open(),
+            Some(FileWish::Save) => self.dialogs.ask_save(&file_name(&self.snapshot.level.name)),
+            None => {}
+        }
+        match self.dialogs.poll(ctx) {
+            Some(Answer::Open(path)) => self.open(&path),
+            Some(Answer::Save(path)) => self.save(&path),
+            Some(Answer::Unavailable { saving }) => self.ask_for_text(ctx, saving),
+            None => {}
+        }
+        if let Some(prompt) = self.view.prompt.take_if(|prompt| prompt.answered) {
+            self.answer(&prompt);
+        }
+    }
+
+    /// Opens a level file. If it cannot be read or built, its message is shown and the old scene goes on.
+    pub fn open(&mut self, path: &Path) {
+        match files::read(path) {
+            Ok(level) => self.apply(Command::Open(Box::new(level))),
+            Err(error) => self.view.notice = Some(error.to_string()),
+        }
+    }
+
+    /// Opens a level from its text; `name` stands for the file in messages.
+    pub fn open_text(&mut self, text: &str, name: &str) {
+        match files::parse(text, name) {
+            Ok(level) => self.apply(Command::Open(Box::new(level))),
+            Err(error) => self.view.notice = Some(error.to_string()),
+        }
+    }
+
+    /// Saves the level with everything as it is now. If it fails, a file that was there stays.
+    pub fn save(&mut self, path: &Path) {
+        if let Err(error) = files::save(path, &self.sandbox.saved()) {
+            self.view.notice = Some(error.to_string());
+        }
+    }
+
+    /// Opens what is dropped on the window.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
+        for file in ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files)) {
+            self.open(file.path());
+        }
+    }
+
+    /// Without dialogs: a path to type, or in a browser the text of a level itself.
+    fn ask_for_text(&mut self, ctx: &Context, saving: bool) {
+        if cfg!(target_arch = "wasm32") && saving {
+            match files::write(&self.sandbox.saved()) {
+                Ok(text) => ctx.copy_text(text),
+                Err(error) => self.view.notice = Some(error.to_string()),
+            }
+            return;
+        }
+        let text = if saving { file_name(&self.snapshot.level.name) } else { String::new() };
+        self.view.prompt = Some(Prompt { saving, text, answered: false });
+    }
+
+    fn answer(&mut self, prompt: &Prompt) {
+        let path = Path::new(prompt.text.trim());
+        match (prompt.saving, cfg!(target_arch = "wasm32")) {
+            (true, _) => self.save(path),
+            (false, true) => self.open_text(&prompt.text, "pasted level"),
+            (false, false) => self.open(path),
+        }
+    }
+}
+
+impl View {
+    /// Whether the next frame has something to do with files.
+    pub(super) fn wants_files(&self) -> bool {
+        self.file.is_some() || self.prompt.as_ref().is_some_and(|prompt| prompt.answered)
+    }
+}

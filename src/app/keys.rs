@@ -1,0 +1,201 @@
+//! One table of what keys and mouse do. The dispatcher, the overlay and the line at the bottom all read it.
+
+use crate::{
+    command::{Command, Mode, Pose},
+    materials::Model,
+    snapshot::Snapshot,
+};
+use eframe::egui::{self, Event, Key, KeyboardShortcut, Modifiers};
+
+/// One line of the table.
+#[derive(Debug)]
+pub struct Binding {
+    /// What to press, as it is written.
+    pub label: &'static str,
+    /// What it does, in a few words.
+    pub words: &'static str,
+    /// When it does that.
+    pub when: When,
+    /// The keys that trigger it; none for the mouse.
+    pub shortcuts: &'static [KeyboardShortcut],
+    /// Whether holding the key does it again and again.
+    pub repeats: bool,
+    /// What it does.
+    pub act: fn(&Snapshot) -> Act,
+}
+
+/// When a line of the table applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// At any time.
+    Always,
+    /// In edit mode.
+    Edit,
+    /// In simulate and collide mode.
+    Moving,
+    /// In a test level.
+    Test,
+}
+
+/// What a key asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Act {
+    /// A change of the sandbox.
+    Do(Command),
+    /// Shows or hides the list of keys.
+    ToggleHelp,
+    /// Nothing: the stage answers the mouse by itself.
+    Mouse,
+}
+
+impl When {
+    /// Whether the line applies now.
+    pub fn holds(self, now: &Snapshot) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Edit => now.mode == Mode::Edit,
+            Self::Moving => now.mode != Mode::Edit,
+            Self::Test => now.level.test.is_some(),
+        }
+    }
+
+    /// Heading of the group in the overlay.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Always => "Always",
+            Self::Edit => "Edit mode",
+            Self::Moving => "Simulate and collide mode",
+            Self::Test => "Test levels",
+        }
+    }
+
+    /// The groups, in the order of the overlay.
+    pub const ALL: [Self; 4] = [Self::Edit, Self::Moving, Self::Always, Self::Test];
+}
+
+const fn key(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::NONE, key)
+}
+
+const fn command(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+const fn binding(
+    label: &'static str,
+    words: &'static str,
+    when: When,
+    shortcuts: &'static [KeyboardShortcut],
+    act: fn(&Snapshot) -> Act,
+) -> Binding {
+    Binding { label, words, when, shortcuts, repeats: false, act }
+}
+
+/// Everything keys and mouse do.
+pub static TABLE: &[Binding] = &[
+    binding("Click", "pin or free the vertex nearest to the cursor", When::Edit, &[], |_| Act::Mouse),
+    binding("R", "remove all pins", When::Edit, &[key(Key::R)], |_| Act::Do(Command::ClearPins)),
+    binding("Drag", "pull a vertex", When::Moving, &[], |_| Act::Mouse),
+    binding("R", "start over: positions and velocities", When::Moving, &[key(Key::R)], |_| Act::Do(Command::Reset)),
+    binding("Space", "run or pause", When::Always, &[key(Key::Space)], |now| {
+        Act::Do(Command::SetRunning(now.mode == Mode::Edit || !now.running))
+    }),
+    binding("M", "edit / simulate", When::Always, &[key(Key::M)], |now| toggle(now, Mode::Simulate)),
+    binding("T", "edit / collide", When::Always, &[key(Key::T)], |now| toggle(now, Mode::Collide)),
+    binding("D", "damping on or off", When::Always, &[key(Key::D)], |now| Act::Do(Command::SetDamping(!now.damping))),
+    binding("C", "corotated model, and start over", When::Always, &[key(Key::C)], |_| model(Model::Corotated)),
+    binding("V", "St. Venant-Kirchhoff model, and start over", When::Always, &[key(Key::V)], |_| {
+        model(Model::StVenantKirchhoff)
+    }),
+    binding("N", "neo-Hookean model, and start over", When::Always, &[key(Key::N)], |_| model(Model::NeoHookean)),
+    binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
+    binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
+    // The longer shortcut comes first: Ctrl+Shift+Z also is a Ctrl+Z.
+    Binding {
+        repeats: true,
+        ..binding(
+            "Ctrl+Y",
+            "redo (also Ctrl+Shift+Z)",
+            When::Always,
+            &[command(Key::Y), KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z)],
+            |_| Act::Do(Command::Redo),
+        )
+    },
+    Binding {
+        repeats: true,
+        ..binding("Ctrl+Z", "undo: pins, sliders, model, level", When::Always, &[command(Key::Z)], |_| {
+            Act::Do(Command::Undo)
+        })
+    },
+    binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| Act::ToggleHelp),
+];
+
+const fn model(model: Model) -> Act {
+    Act::Do(Command::SetModel(model))
+}
+
+const fn pose(pose: Pose) -> Act {
+    Act::Do(Command::SetPose(pose))
+}
+
+fn toggle(now: &Snapshot, mode: Mode) -> Act {
+    Act::Do(Command::SetMode(if now.mode == mode { Mode::Edit } else { mode }))
+}
+
+impl Binding {
+    fn is_pressed_by(&self, key: Key, modifiers: Modifiers) -> bool {
+        self.shortcuts.iter().any(|s| s.logical_key == key && modifiers.matches_logically(s.modifiers))
+    }
+}
+
+/// The line that the key of `binding` stands for now: an earlier key of the same frame may have changed the mode.
+pub fn now(binding: &Binding, now: &Snapshot) -> Option<&'static Binding> {
+    TABLE.iter().find(|b| b.label == binding.label && b.when.holds(now))
+}
+
+/// Takes the keys of the table out of this frame's input, so that Space presses no button and arrows move no focus.
+/// Nothing is taken while a person types.
+pub fn pressed(ctx: &egui::Context, now: &Snapshot) -> Vec<&'static Binding> {
+    if ctx.text_edit_focused() {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    ctx.input_mut(|input| input.events.retain(|event| !take(event, now, &mut found)));
+    if found.iter().any(|binding| binding.when == When::Test) {
+        // The focus has seen the arrow before us.
+        ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
+    }
+    found
+}
+
+/// Whether the event belongs to the table.
+fn take(event: &Event, now: &Snapshot, found: &mut Vec<&'static Binding>) -> bool {
+    let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return false };
+    let Some(binding) = TABLE.iter().find(|b| b.is_pressed_by(*key, *modifiers) && b.when.holds(now)) else {
+        return false;
+    };
+    if !repeat || binding.repeats {
+        found.push(binding);
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_with_two_meanings_has_them_in_different_modes() {
+        for (index, a) in TABLE.iter().enumerate() {
+            for b in TABLE[index + 1..].iter().filter(|b| b.label == a.label) {
+                assert_eq!((a.when, b.when), (When::Edit, When::Moving), "{} twice", a.label);
+            }
+        }
+    }
+
+    #[test]
+    fn redo_is_not_mistaken_for_undo() {
+        let found = TABLE.iter().find(|b| b.is_pressed_by(Key::Z, Modifiers::COMMAND | Modifiers::SHIFT));
+        assert!(found.is_some_and(|binding| binding.label == "Ctrl+Y"));
+    }
+}

@@ -1,0 +1,58 @@
+//! What went wrong, over the stage, with buttons that mend it.
+
+use super::View;
+use crate::{command::Command, level::Substeps, snapshot::Snapshot};
+use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Stroke, Ui, vec2};
+
+pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
+    if now.fault.is_none() && view.notice.is_none() {
+        return;
+    }
+    let top = stage.center_top() + vec2(0.0, 10.0);
+    let area = Area::new(Id::unique("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
+    area.constrain_to(stage).show(ctx, |ui| {
+        let width = (stage.width() - 56.0).clamp(160.0, 520.0);
+        ui.set_max_width(width);
+        if let Some(fault) = &now.fault {
+            card(ui, width, Color32::from_rgb(0xE5, 0x48, 0x4D), "Time stopped", &fault.to_string(), |ui| {
+                remedies(ui, now, commands);
+            });
+        }
+        let mut read = false;
+        if let Some(notice) = &view.notice {
+            let color = ui.visuals().warn_fg_color;
+            card(ui, width, color, "This did not work", notice, |ui| read = ui.button("Got it").clicked());
+        }
+        if read {
+            view.notice = None;
+        }
+    });
+}
+
+fn card(ui: &mut Ui, width: f32, color: Color32, title: &str, text: &str, buttons: impl FnOnce(&mut Ui)) {
+    let frame = Frame::window(ui.style()).inner_margin(12).stroke(Stroke::new(1.5, color));
+    frame.show(ui, |ui| {
+        ui.set_width(width);
+        ui.label(RichText::new(title).strong().color(color));
+        ui.label(text);
+        ui.add_space(4.0);
+        ui.horizontal_wrapped(buttons);
+    });
+}
+
+/// What helps against a fault.
+fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    if ui.button("Reset").on_hover_text("Positions and velocities go back to the start. [R]").clicked() {
+        commands.push(Command::Reset);
+    }
+    let help = "Switches damping on and starts over: what shakes calms down. [D, R]";
+    if ui.add_enabled(!now.damping, egui::Button::new("Damp")).on_hover_text(help).clicked() {
+        commands.extend([Command::SetDamping(true), Command::Reset]);
+    }
+    if let Ok(finer) = Substeps::new(now.level.substeps.get().saturating_mul(2)) {
+        let help = "Twice as many steps, half as long, and starts over: dearer, and stable for stiffer bodies.";
+        if ui.button("Halve the step").on_hover_text(help).clicked() {
+            commands.extend([Command::SetSubsteps(finer), Command::EndGesture, Command::Reset]);
+        }
+    }
+}

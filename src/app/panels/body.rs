@@ -1,0 +1,106 @@
+//! What a body is made of.
+
+use super::{
+    View, heading,
+    segmented::{Segment, segmented},
+    settle,
+    slider::{self, Outcome},
+};
+use crate::{
+    command::Command,
+    level::MassLevel,
+    materials::{MaterialParameters, Plane},
+    quantity::{Density, Mass, OutOfRange},
+    snapshot::{BodySnapshot, Snapshot},
+};
+use eframe::egui::{ComboBox, Ui};
+
+pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
+    view.body = view.body.min(now.level.bodies.len().saturating_sub(1));
+    let Some(body) = now.level.bodies.get(view.body) else { return };
+    heading(ui, "Body");
+    if now.level.bodies.len() > 1 {
+        let pick = ComboBox::from_id_salt("body").width(ui.available_width()).selected_text(body.name.as_str());
+        let response = pick.show_ui(ui, |ui| {
+            for (index, body) in now.level.bodies.iter().enumerate() {
+                ui.selectable_value(&mut view.body, index, body.name.as_str());
+            }
+        });
+        response.response.on_hover_text("Which body the sliders below belong to").accessible_name("Body");
+    }
+    ui.push_id(("body", view.body), |ui| {
+        material(ui, body.material, view, commands);
+        let area = now.bodies.get(view.body).map_or(0.0, |shown| rest_area(shown) * body.place.scale.get().powi(2));
+        mass(ui, body.mass, area, view, commands);
+    });
+}
+
+fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands: &mut Vec<Command>) {
+    let (mut young, mut poisson, mut plane) = (material.young(), material.poisson(), material.plane());
+    let outcomes = [slider::quantity(ui, &mut young), slider::quantity(ui, &mut poisson)];
+    let mut changed = outcomes.iter().any(|outcome| outcome.changed);
+    let part = |which, text, about| Segment { text, name: text, about, on: plane == which };
+    let parts = [
+        part(Plane::Strain, "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
+        part(Plane::Stress, "Plane stress", "The faces are free: λ = E ν / ((1 + ν)(1 − ν)) [Pa]."),
+    ];
+    if let Some(clicked) = segmented(ui, "plane", &parts, true) {
+        plane = if clicked == 0 { Plane::Strain } else { Plane::Stress };
+        changed = plane != material.plane();
+    }
+    ui.add_space(5.0);
+    let switched = plane != material.plane();
+    let command = match MaterialParameters::new(material.model(), young, poisson, plane) {
+        Ok(new) => Some(Command::SetMaterial(view.body, new)),
+        Err(error) => {
+            view.notice = Some(error.to_string());
+            None
+        }
+    };
+    let sum = Outcome {
+        changed,
+        ended: switched || outcomes.iter().any(|outcome| outcome.ended),
+        refused: outcomes.into_iter().find_map(|outcome| outcome.refused),
+    };
+    settle(sum, command, view, commands);
+}
+
+fn mass(ui: &mut Ui, mass: MassLevel, area: f64, view: &mut View, commands: &mut Vec<Command>) {
+    let by_density = matches!(mass, MassLevel::Density(_));
+    let part = |text, about, on| Segment { text, name: text, about, on };
+    let parts = [
+        part("Density", "A third of density x area of every triangle goes to each of its corners.", by_density),
+        part("Total mass", "Every vertex carries the same share of a total.", !by_density),
+    ];
+    if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| (*clicked == 0) != by_density) {
+        match converted(mass, area, clicked == 0) {
+            Ok(new) => commands.extend([Command::SetMass(view.body, new), Command::EndGesture]),
+            Err(error) => view.notice = Some(error.to_string()),
+        }
+    }
+    let (outcome, new) = match mass {
+        MassLevel::Density(mut density) => (slider::quantity(ui, &mut density), MassLevel::Density(density)),
+        MassLevel::Total(mut total) => (slider::quantity(ui, &mut total), MassLevel::Total(total)),
+    };
+    settle(outcome, Some(Command::SetMass(view.body, new)), view, commands);
+}
+
+/// The same mass [kg] told the other way, over an area [m²].
+fn converted(mass: MassLevel, area: f64, to_density: bool) -> Result<MassLevel, OutOfRange> {
+    Ok(match (mass, to_density) {
+        (MassLevel::Total(total), true) => MassLevel::Density(Density::new(total.get() / area)?),
+        (MassLevel::Density(density), false) => MassLevel::Total(Mass::new(density.get() * area)?),
+        (same, _) => same,
+    })
+}
+
+/// Area of a body's mesh in its own coordinates [m²].
+fn rest_area(body: &BodySnapshot) -> f64 {
+    let points = body.mesh.points();
+    let corner = |vertex: u32| points[vertex as usize];
+    let area = |[a, b, c]: [u32; 3]| {
+        let ([ax, ay], [bx, by], [cx, cy]) = (corner(a), corner(b), corner(c));
+        0.5 * ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))
+    };
+    body.mesh.triangles().iter().copied().map(area).sum()
+}

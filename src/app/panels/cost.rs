@@ -1,0 +1,112 @@
+//! What is shown, and what it costs.
+
+use super::{
+    Desk, View, count, fixed, heading, row,
+    segmented::{Segment, segmented},
+    settle,
+    slider::{self, Look},
+};
+use crate::{
+    command::Command,
+    level::Substeps,
+    snapshot::{Field, Snapshot},
+};
+use eframe::egui::{Rect, Sense, Ui, vec2};
+
+/// A frame of 60 Hz [s].
+const FRAME: f64 = 1.0 / 60.0;
+
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    looks(ui, view);
+    heading(ui, "What it costs");
+    speed(ui, desk);
+    substeps(ui, desk.now, view, commands);
+    size(ui, desk.now);
+}
+
+/// Colours, edges and vertices.
+fn looks(ui: &mut Ui, view: &mut View) {
+    heading(ui, "Colour by");
+    let shorts = ["Plain", "Energy", "Von Mises", "J"];
+    let parts: Vec<_> = Field::ALL
+        .iter()
+        .zip(shorts)
+        .map(|(field, text)| Segment { text, name: field.title(), about: about(*field), on: view.field == *field })
+        .collect();
+    if let Some(field) = segmented(ui, "field", &parts, true).and_then(|clicked| Field::ALL.get(clicked)) {
+        view.field = *field;
+    }
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut view.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
+        ui.checkbox(&mut view.vertices, "Vertices").on_hover_text("A dot at every vertex");
+    });
+}
+
+const fn about(field: Field) -> &'static str {
+    match field {
+        Field::None => "Gingerbread with icing.",
+        Field::EnergyDensity => "ψ(F): elastic energy per rest area [J/m²].",
+        Field::VonMises => "The shear part of the Cauchy stress σ = P Fᵗ / J as one number [Pa].",
+        Field::Volume => "J = det F: area over rest area; below 0 a triangle is inside out.",
+    }
+}
+
+/// How fast time runs and how long a frame takes.
+fn speed(ui: &mut Ui, desk: &Desk<'_>) {
+    let rates = desk.rates;
+    let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
+    let factor = or_dash(rates.map(|rates| format!("{:.2} × real time", rates.factor)));
+    row(
+        ui,
+        "Speed",
+        &factor,
+        "Simulated time over real time. Steps are never skipped: if they cannot be afforded, time slows down.",
+    );
+    row(ui, "Simulated time", &fixed(desk.now.time, "s"), "Time since the start [s]");
+    let physics = or_dash(rates.map(|rates| fixed(rates.physics, "s")));
+    row(ui, "Physics per frame", &physics, "Time spent on stepping in a frame [s]");
+    let frame = or_dash(rates.map(|rates| fixed(rates.frame, "s")));
+    row(ui, "Whole frame", &frame, "Stepping and drawing; 60 frames a second leave 16.7 ms");
+    let share = rates.map_or(0.0, |rates| rates.physics / FRAME);
+    let whole = rates.map_or(0.0, |rates| rates.frame / FRAME);
+    gauge(ui, share as f32, whole as f32);
+}
+
+/// How much of a frame of 60 Hz is used: physics strong, the rest weak.
+fn gauge(ui: &mut Ui, physics: f32, whole: f32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
+    response.on_hover_text("How much of 1/60 s a frame takes: physics strong, drawing weak");
+    let visuals = ui.visuals();
+    ui.painter().rect_filled(rect, 4.0, visuals.extreme_bg_color);
+    let part = |share: f32| Rect::from_min_size(rect.min, vec2(rect.width() * share.clamp(0.0, 1.0), rect.height()));
+    let color = if whole > 1.0 { visuals.warn_fg_color } else { visuals.selection.bg_fill };
+    ui.painter().rect_filled(part(whole), 4.0, color.gamma_multiply(0.45));
+    ui.painter().rect_filled(part(physics), 4.0, color);
+    ui.add_space(4.0);
+}
+
+fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
+    let look = Look {
+        name: "substeps",
+        unit: "",
+        range: (1.0, 2000.0),
+        logarithmic: true,
+        help: "Steps in 1/60 s of simulated time: h = 1/(60 n). More are dearer and more stable.\nAllowed: [1, 100000].",
+    };
+    let mut chosen = now.level.substeps;
+    let outcome = slider::number(ui, &look, f64::from(chosen.get()), &mut |new| {
+        let whole = if new.is_finite() { new.round().clamp(0.0, f64::from(u32::MAX)) } else { 0.0 };
+        chosen = Substeps::new(whole as u32)?;
+        Ok(())
+    });
+    let command = (chosen != now.level.substeps).then_some(Command::SetSubsteps(chosen));
+    settle(outcome, command, view, commands);
+    row(ui, "Step", &fixed(chosen.step(), "s"), "h = 1/(60 n): the length of a step [s]");
+}
+
+fn size(ui: &mut Ui, now: &Snapshot) {
+    row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
+    row(ui, "Vertices", &count(now.positions.len() / 2), "In all bodies");
+    row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
+    row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
+}

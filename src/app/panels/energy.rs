@@ -1,0 +1,222 @@
+//! Where the energy is, now and in the last seconds.
+
+use super::{fixed, heading, row};
+use crate::{
+    app::{numbers, theme::Theme},
+    snapshot::{Energies, Snapshot},
+};
+use eframe::egui::{self, Align2, Color32, RichText, Ui};
+use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
+use std::collections::VecDeque;
+
+/// How far back the plot looks [s of simulated time].
+const WINDOW: f64 = 10.0;
+
+/// Least time between two kept samples [s].
+const APART: f64 = 1.0 / 120.0;
+
+/// Height of the plot [points].
+const HEIGHT: f32 = 180.0;
+
+/// Energies of the last seconds.
+#[derive(Default)]
+pub struct History {
+    samples: VecDeque<(f64, Energies)>,
+    generation: u64,
+}
+
+impl History {
+    /// Notes the energies of now; time that went backwards or another scene begins anew.
+    pub fn record(&mut self, now: &Snapshot) {
+        let back = self.samples.back().is_some_and(|(time, _)| now.time < *time);
+        if back || self.generation != now.generation {
+            self.samples.clear();
+            self.generation = now.generation;
+        }
+        let kept = self.samples.len();
+        // The newest sample moves along until it is far enough from the one before.
+        if kept >= 2 && now.time - self.samples[kept - 2].0 < APART || kept == 1 && now.time == self.samples[0].0 {
+            self.samples.pop_back();
+        }
+        self.samples.push_back((now.time, now.energies));
+        while self.samples.front().is_some_and(|(time, _)| now.time - time > WINDOW) {
+            self.samples.pop_front();
+        }
+    }
+
+    /// The samples as text, one line each, for a spreadsheet.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("time [s],kinetic [J],elastic [J],potential [J],total [J]\n");
+        for (time, of) in &self.samples {
+            text += &format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total());
+        }
+        text
+    }
+}
+
+/// One curve.
+struct Curve {
+    name: &'static str,
+    help: &'static str,
+    value: fn(&Energies) -> f64,
+    color: fn(&Theme) -> Color32,
+}
+
+const CURVES: [Curve; 4] = [
+    Curve {
+        name: "Kinetic",
+        help: "Of motion: the sum of m v²/2 [J]",
+        value: |of| of.kinetic,
+        color: |theme| theme.series[1],
+    },
+    Curve {
+        name: "Elastic",
+        help: "Of deformation: the sum of ψ(F) times rest area [J]",
+        value: |of| of.elastic,
+        color: |theme| theme.series[0],
+    },
+    Curve {
+        name: "Potential",
+        help: "Of gravity and the mouse spring [J]",
+        value: |of| of.potential,
+        color: |theme| theme.series[2],
+    },
+    Curve {
+        name: "Total",
+        help: "The sum: constant without damping, contacts and a pulling hand [J]",
+        value: |of| of.total(),
+        color: |theme| theme.text,
+    },
+];
+
+/// The value of a curve; what is only rounding beside the largest energy is zero.
+fn visible(curve: &Curve, of: &Energies) -> f64 {
+    let value = (curve.value)(of);
+    let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
+    if value.abs() > 1e-12 * largest.max(1e-3) { value } else { 0.0 }
+}
+
+pub fn show(ui: &mut Ui, history: &History) {
+    let Some(&(end, now)) = history.samples.back() else { return };
+    ui.horizontal(|ui| {
+        heading(ui, "Energies");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let help = "Copies time and energies as comma-separated values.";
+            if ui.small_button("Copy CSV").on_hover_text(help).clicked() {
+                ui.ctx().copy_text(history.csv());
+            }
+        });
+    });
+    let theme = Theme::of(ui.ctx());
+    for pair in CURVES.chunks(2) {
+        ui.columns(pair.len(), |columns| {
+            for (ui, curve) in columns.iter_mut().zip(pair) {
+                let name = RichText::new(curve.name).color((curve.color)(theme));
+                row(ui, name, &fixed(visible(curve, &now), "J"), curve.help);
+            }
+        });
+    }
+    plot(ui, history, end, theme);
+}
+
+fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
+    let values = history.samples.iter().flat_map(|(_, of)| CURVES.iter().map(|curve| (curve.value)(of)));
+    let (low, high) = nice_range(values);
+    let begin = (end - WINDOW).max(0.0);
+    let span = (end - begin).max(1.0);
+    let response = Plot::new("energy")
+        .height(HEIGHT)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .show_x(false)
+        .show_y(false)
+        .y_axis_min_width(52.0)
+        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+        .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
+        .show(ui, |plot| {
+            // The labels stand on the right of where the lines end.
+            plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
+            plot.set_plot_bounds_y(low..=high);
+            for curve in &CURVES {
+                let points: PlotPoints<'_> =
+                    history.samples.iter().map(|(time, of)| [*time, (curve.value)(of)]).collect();
+                let width = if curve.name == "Total" { 1.2 } else { 1.8 };
+                plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
+            }
+            let now = history.samples.back().map(|(_, now)| *now).unwrap_or_default();
+            for (curve, y) in CURVES.iter().zip(label_heights(&now, (high - low) * 13.0 / f64::from(HEIGHT))) {
+                let at = PlotPoint::new(end + 0.02 * span, y);
+                let text = RichText::new(curve.name).small().color((curve.color)(theme));
+                plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
+            }
+        });
+    response.response.on_hover_text("Energies [J] over simulated time [s]");
+}
+
+/// Where to write the names of the curves: at their last values, but at least `apart` from each other.
+fn label_heights(now: &Energies, apart: f64) -> [f64; 4] {
+    let mut heights = CURVES.each_ref().map(|curve| (curve.value)(now));
+    let mut order = [0, 1, 2, 3];
+    order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
+    for pair in 1..order.len() {
+        let floor = heights[order[pair - 1]] + apart;
+        heights[order[pair]] = heights[order[pair]].max(floor);
+    }
+    heights
+}
+
+/// A range that holds all values and ends at round numbers, so that it stands still while they change a little.
+fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    let round = |value: f64| {
+        let power = 10f64.powf(value.abs().log10().floor());
+        let lead = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0].into_iter().find(|lead| lead * power >= value.abs() * 0.999);
+        lead.unwrap_or(10.0) * power * value.signum()
+    };
+    let high = if high > 0.0 { round(high) } else { 0.0 };
+    let low = if low < -0.02 * high { round(low) } else { 0.0 };
+    let margin = (high - low).max(1e-9) * 0.06;
+    (low - margin, high + margin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(time: f64) -> Snapshot {
+        Snapshot { time, ..Snapshot::default() }
+    }
+
+    #[test]
+    fn the_plot_forgets_what_is_too_old_and_starts_anew_when_time_does() {
+        let mut history = History::default();
+        for frame in 0..3000 {
+            history.record(&at(f64::from(frame) / 60.0));
+        }
+        assert!((590..=602).contains(&history.samples.len()), "{}", history.samples.len());
+        history.record(&at(0.0));
+        assert_eq!(history.samples.len(), 1);
+    }
+
+    #[test]
+    fn slow_motion_does_not_fill_the_memory() {
+        let mut history = History::default();
+        for frame in 0..10_000 {
+            history.record(&at(f64::from(frame) * 1e-4));
+        }
+        assert!(history.samples.len() <= 122, "{}", history.samples.len());
+    }
+
+    #[test]
+    fn labels_of_equal_energies_do_not_cover_each_other() {
+        let heights = label_heights(&Energies::default(), 1.0);
+        for (index, a) in heights.iter().enumerate() {
+            assert!(heights[index + 1..].iter().all(|b| (a - b).abs() >= 1.0));
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Small pictures for buttons, drawn with lines so that they are crisp at every scale and need no font.
+
+use eframe::egui::{self, Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+/// What a button shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Icon {
+    /// Time runs.
+    Play,
+    /// Time stops.
+    Pause,
+    /// One step.
+    Step,
+    /// Start over.
+    Reset,
+    /// Take back.
+    Undo,
+    /// Do again.
+    Redo,
+    /// Light colours.
+    Sun,
+    /// Dark colours.
+    Moon,
+    /// A question mark.
+    Help,
+    /// The panel on the left.
+    Left,
+    /// The panel on the right.
+    Right,
+    /// Away with it.
+    Close,
+}
+
+impl Icon {
+    /// Paints it about a point, 14 points wide.
+    pub fn paint(self, painter: &Painter, at: Pos2, color: Color32) {
+        let stroke = Stroke::new(1.6, color);
+        let p = |x: f32, y: f32| at + vec2(x, y);
+        match self {
+            Self::Play => fill(painter, vec![p(-4.5, -6.0), p(6.5, 0.0), p(-4.5, 6.0)], color),
+            Self::Pause => {
+                for x in [-4.5, 1.5] {
+                    fill(painter, vec![p(x, -5.5), p(x + 3.0, -5.5), p(x + 3.0, 5.5), p(x, 5.5)], color);
+                }
+            }
+            Self::Step => {
+                fill(painter, vec![p(-6.0, -5.5), p(2.5, 0.0), p(-6.0, 5.5)], color);
+                fill(painter, vec![p(3.5, -5.5), p(6.0, -5.5), p(6.0, 5.5), p(3.5, 5.5)], color);
+            }
+            Self::Reset => {
+                arc(painter, at, 5.5, -0.15 * PI, 1.35 * PI, stroke);
+                head(painter, at + 5.5 * Vec2::angled(-0.15 * PI), -0.15 * PI - FRAC_PI_2, color);
+            }
+            Self::Undo | Self::Redo => turn_arrow(painter, at, self == Self::Undo, stroke),
+            Self::Sun => sun(painter, at, stroke),
+            Self::Moon => moon(painter, at, color),
+            Self::Help => {
+                arc(painter, p(0.0, -3.0), 3.3, -PI, 0.35 * PI, stroke);
+                painter.line_segment([p(1.5, -0.1), p(0.0, 2.6)], stroke);
+                painter.circle_filled(p(0.0, 5.8), 1.2, color);
+            }
+            Self::Left | Self::Right => {
+                let corners = [p(-7.0, -5.5), p(7.0, -5.5), p(7.0, 5.5), p(-7.0, 5.5), p(-7.0, -5.5)];
+                painter.line(corners.to_vec(), stroke);
+                let x = if self == Self::Left { -7.0 } else { 2.0 };
+                fill(painter, vec![p(x, -5.5), p(x + 5.0, -5.5), p(x + 5.0, 5.5), p(x, 5.5)], color);
+            }
+            Self::Close => {
+                painter.line_segment([p(-4.0, -4.0), p(4.0, 4.0)], stroke);
+                painter.line_segment([p(-4.0, 4.0), p(4.0, -4.0)], stroke);
+            }
+        }
+    }
+}
+
+fn fill(painter: &Painter, points: Vec<Pos2>, color: Color32) {
+    painter.add(Shape::convex_polygon(points, color, Stroke::NONE));
+}
+
+/// Part of a circle, by angles measured clockwise from the right.
+fn arc(painter: &Painter, center: Pos2, radius: f32, from: f32, to: f32, stroke: Stroke) {
+    let points = (0..=24).map(|i| center + radius * Vec2::angled(egui::lerp(from..=to, i as f32 / 24.0)));
+    painter.line(points.collect(), stroke);
+}
+
+/// A small triangle at `tip` that points along `angle`.
+fn head(painter: &Painter, tip: Pos2, angle: f32, color: Color32) {
+    let (along, across) = (Vec2::angled(angle), Vec2::angled(angle + FRAC_PI_2));
+    fill(painter, vec![tip + 3.6 * along, tip - 1.2 * along + 3.4 * across, tip - 1.2 * along - 3.4 * across], color);
+}
+
+fn turn_arrow(painter: &Painter, at: Pos2, left: bool, stroke: Stroke) {
+    let side = if left { 1.0 } else { -1.0 };
+    let p = |x: f32, y: f32| pos2(at.x + side * x, at.y + y);
+    let bend = (0..=16).map(|i| {
+        let angle = egui::lerp(-FRAC_PI_2..=FRAC_PI_2, i as f32 / 16.0);
+        p(2.0 + 3.8 * angle.cos(), 1.2 + 3.8 * angle.sin())
+    });
+    let line = std::iter::once(p(-4.0, -2.6)).chain(bend).chain([p(-3.0, 5.0)]);
+    painter.line(line.collect(), stroke);
+    fill(painter, vec![p(-7.0, -2.6), p(-2.6, -6.2), p(-2.6, 1.0)], stroke.color);
+}
+
+fn sun(painter: &Painter, at: Pos2, stroke: Stroke) {
+    painter.circle_filled(at, 3.4, stroke.color);
+    for ray in 0..8 {
+        let along = Vec2::angled(TAU * ray as f32 / 8.0);
+        painter.line_segment([at + 5.0 * along, at + 7.2 * along], stroke);
+    }
+}
+
+/// A crescent: not convex, so drawn as a strip of quadrilaterals between its two arcs.
+fn moon(painter: &Painter, at: Pos2, color: Color32) {
+    let outer = |t: f32| at + 6.5 * Vec2::angled(egui::lerp(-0.30 * PI..=-1.70 * PI, t));
+    let inner = |t: f32| at + vec2(3.2, -1.6) + 5.0 * Vec2::angled(egui::lerp(-0.42 * PI..=-1.50 * PI, t));
+    for i in 0..24 {
+        let (a, b) = (i as f32 / 24.0, (i + 1) as f32 / 24.0);
+        fill(painter, vec![outer(a), outer(b), inner(b), inner(a)], color);
+    }
+}

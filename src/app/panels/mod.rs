@@ -1,0 +1,234 @@
+//! Everything around the stage. A panel reads the snapshot, changes only how things are looked at ([`View`]), and
+//! answers with commands.
+
+mod banner;
+mod body;
+mod cost;
+mod effects;
+mod energy;
+mod help;
+mod icons;
+mod prompt;
+mod segmented;
+mod slider;
+mod status;
+mod strip;
+mod test_pose;
+
+pub use energy::History;
+pub use prompt::Prompt;
+
+use super::{
+    canvas,
+    clock::Rates,
+    gallery::Gallery,
+    keys::{Act, Binding},
+    numbers,
+    theme::Theme,
+};
+use crate::{
+    command::Command,
+    snapshot::{Field, Snapshot},
+};
+use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
+
+/// How things are looked at: nothing in here changes the simulation.
+#[derive(Default)]
+pub struct View {
+    /// What the triangles are coloured by.
+    pub field: Field,
+    /// Whether the edges of the triangles are drawn.
+    pub wireframe: bool,
+    /// Whether the vertices are drawn.
+    pub vertices: bool,
+    /// The body whose material the sliders show.
+    pub body: usize,
+    /// Whether the panel on the left is hidden, in a wide window.
+    pub left_hidden: bool,
+    /// Whether the panel on the right is hidden, in a wide window.
+    pub right_hidden: bool,
+    /// The panel that lies over the stage, in a narrow window.
+    pub drawer: Option<Side>,
+    /// Whether the list of keys is shown.
+    pub help: bool,
+    /// A message that waits to be read: a refused value, a file that cannot be read.
+    pub notice: Option<String>,
+    /// Warnings that were read and put away.
+    pub dismissed: Vec<String>,
+    /// Whether time was too slow of late; keeps the warning from flickering.
+    pub slow: bool,
+    /// Keys that were pressed, or clicked in the line at the bottom.
+    pub pressed: Vec<&'static Binding>,
+    /// What is wanted of the file system.
+    pub file: Option<FileWish>,
+    /// A question that waits for text, where there are no native dialogs.
+    pub prompt: Option<Prompt>,
+}
+
+/// A side of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The body and what acts on it.
+    Left,
+    /// What it costs.
+    Right,
+}
+
+/// What is wanted of the file system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileWish {
+    /// A level of the gallery, by number.
+    BuiltIn(usize),
+    /// Choose a level file and open it.
+    Open,
+    /// Choose a name and save.
+    Save,
+}
+
+/// What the panels read.
+pub struct Desk<'a> {
+    /// The state of everything.
+    pub now: &'a Snapshot,
+    /// How fast time runs and what it costs.
+    pub rates: Option<Rates>,
+    /// The levels that come with the program.
+    pub gallery: &'a Gallery,
+    /// Energies of the last seconds.
+    pub history: &'a History,
+}
+
+/// Below this width the sides fold away [points].
+const NARROW: f32 = 900.0;
+
+/// Draws the window.
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::Canvas, commands: &mut Vec<Command>) {
+    let narrow = ui.available_width() < NARROW;
+    strip::show(ui, desk, view, commands, narrow);
+    status::show(ui, desk, view, commands);
+    if !narrow {
+        view.drawer = None;
+        docked(ui, desk, view, commands);
+    }
+    let options = canvas::Options { field: view.field, wireframe: view.wireframe, vertices: view.vertices };
+    let stage = egui::CentralPanel::no_frame().show(ui, |ui| {
+        let stage = ui.max_rect();
+        canvas.show(ui, desk.now, &options, commands);
+        stage
+    });
+    let stage = stage.inner;
+    if let Some(side) = view.drawer {
+        drawer(ui, stage, side, desk, view, commands);
+    }
+    banner::show(ui.ctx(), stage, desk.now, view, commands);
+    help::show(ui.ctx(), desk.now, view);
+    prompt::show(ui.ctx(), view);
+}
+
+/// Both sides beside the stage.
+fn docked(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let mut open = !view.left_hidden;
+    Panel::left("left").resizable(false).exact_size(256.0).show_collapsible(ui, &mut open, |ui| {
+        side(ui, Side::Left, desk, view, commands);
+    });
+    let mut open = !view.right_hidden;
+    Panel::right("right").resizable(false).exact_size(320.0).show_collapsible(ui, &mut open, |ui| {
+        side(ui, Side::Right, desk, view, commands);
+    });
+}
+
+/// One side over the stage.
+fn drawer(ui: &Ui, stage: Rect, which: Side, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let align = if which == Side::Left { Align2::LEFT_TOP } else { Align2::RIGHT_TOP };
+    let width = (if which == Side::Left { 240.0_f32 } else { 304.0 }).min(stage.width() - 28.0);
+    let corner = align.pos_in_rect(&stage.shrink(6.0));
+    let area =
+        Area::new(Id::unique(("drawer", which == Side::Left))).order(Order::Middle).pivot(align).fixed_pos(corner);
+    area.constrain_to(stage).show(ui.ctx(), |ui| {
+        Frame::window(ui.style()).inner_margin(10).show(ui, |ui| {
+            ui.set_width(width - 20.0);
+            ui.set_max_height(stage.height() - 36.0);
+            side(ui, which, desk, view, commands);
+        });
+    });
+}
+
+fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let salt = if side == Side::Left { "left scroll" } else { "right scroll" };
+    ScrollArea::vertical().id_salt(salt).auto_shrink([false, true]).show(ui, |ui| {
+        ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
+        ui.add_space(4.0);
+        if side == Side::Left {
+            test_pose::show(ui, desk.now, commands);
+            body::show(ui, desk.now, view, commands);
+            effects::show(ui, desk.now, view, commands);
+        } else {
+            cost::show(ui, desk, view, commands);
+            energy::show(ui, desk.history);
+        }
+        ui.add_space(8.0);
+    });
+}
+
+/// Does what a line of the key table, or the button that stands for it, asks for.
+pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Command> {
+    match (binding.act)(now) {
+        Act::Do(command) => Some(command),
+        Act::ToggleHelp => {
+            view.help = !view.help;
+            None
+        }
+        Act::Mouse => None,
+    }
+}
+
+/// A heading between the groups of a panel.
+fn heading(ui: &mut Ui, text: &str) -> egui::Response {
+    ui.add_space(6.0);
+    let color = Theme::of(ui.ctx()).accent_line;
+    let response = ui.label(RichText::new(text).size(15.5).color(color));
+    ui.add_space(2.0);
+    response
+}
+
+/// A row with a name on the left and a number on the right that does not move when it changes.
+fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().interact_size.y = 18.0;
+        ui.set_height(18.0);
+        ui.label(name).on_hover_text(help);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.monospace(value).on_hover_text(help);
+        });
+    });
+}
+
+/// Takes what a slider did into the view: a refusal is shown, the end of a gesture is passed on.
+fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, commands: &mut Vec<Command>) {
+    if outcome.refused.is_some() {
+        view.notice = outcome.refused;
+    }
+    if outcome.changed {
+        commands.extend(command);
+    }
+    if outcome.ended {
+        commands.push(Command::EndGesture);
+    }
+}
+
+/// A count with thousands apart: `12 480`.
+fn count(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A number with a unit, always of the same width.
+fn fixed(value: f64, unit: &str) -> String {
+    numbers::si_fixed(value, unit)
+}

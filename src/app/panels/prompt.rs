@@ -1,0 +1,47 @@
+//! Questions that are answered with text, where there are no native file dialogs.
+
+use super::View;
+use eframe::egui::{self, Context, Id, Key, Modal, RichText, TextEdit, vec2};
+
+/// A question that waits for text.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Prompt {
+    /// Whether a file is to be saved; else one is to be opened.
+    pub saving: bool,
+    /// What was typed.
+    pub text: String,
+    /// Whether the answer was given.
+    pub answered: bool,
+}
+
+/// Whether files are named by a path; in a browser the text of the level itself is pasted.
+const PATHS: bool = cfg!(not(target_arch = "wasm32"));
+
+pub fn show(ctx: &Context, view: &mut View) {
+    let Some(prompt) = &mut view.prompt else { return };
+    let mut closed = false;
+    let modal = Modal::new(Id::unique("prompt")).show(ctx, |ui| {
+        ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
+        let (title, verb) = if prompt.saving { ("Save the level", "Save") } else { ("Open a level", "Open") };
+        ui.label(RichText::new(title).heading());
+        let question =
+            if PATHS { "There is no file dialog on this system. Path of the level file:" } else { "Paste a level:" };
+        ui.label(question);
+        let edit = if PATHS { TextEdit::singleline(&mut prompt.text) } else { TextEdit::multiline(&mut prompt.text) };
+        let field = ui.add(edit.desired_width(f32::INFINITY).hint_text("my-level.ron")).accessible_name("Level file");
+        let entered = PATHS && field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        if !prompt.answered && ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            let ready = !prompt.text.trim().is_empty();
+            let button = egui::Button::new(verb).min_size(vec2(72.0, 26.0));
+            prompt.answered |= ready && (ui.add_enabled(ready, button).clicked() || entered);
+            closed |= ui.button("Cancel").clicked();
+        });
+    });
+    if closed || modal.should_close() && !prompt.answered {
+        view.prompt = None;
+    }
+}

@@ -1,0 +1,198 @@
+//! One number that a person can drag or type, drawn from its description alone.
+
+use crate::{app::numbers, quantity::Quantity};
+use eframe::egui::{self, DragValue, Slider, SliderClamping, Ui, vec2};
+use std::cell::RefCell;
+
+/// What a number slider needs to know.
+pub struct Look<'a> {
+    /// Name in words.
+    pub name: &'a str,
+    /// Unit symbol.
+    pub unit: &'a str,
+    /// Range of the slider; other values can still be typed.
+    pub range: (f64, f64),
+    /// Whether the slider is logarithmic.
+    pub logarithmic: bool,
+    /// Formula and range, for the tooltip.
+    pub help: &'a str,
+}
+
+/// What a person did to a number.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// The value has changed.
+    pub changed: bool,
+    /// The drag or the typing is over: the next change is another gesture.
+    pub ended: bool,
+    /// Why a value was not taken; the old one is kept.
+    pub refused: Option<String>,
+}
+
+/// A slider for any quantity; a value outside its range is refused.
+pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> Outcome {
+    let spec = quantity.spec();
+    let help = format!("{}\nAllowed: {}.", spec.help.trim(), spec.range());
+    let look =
+        Look { name: spec.name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
+    let value = quantity.get();
+    number(ui, &look, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
+}
+
+/// A slider for a number; `set` may refuse a value.
+pub fn number(ui: &mut Ui, look: &Look<'_>, value: f64, set: &mut dyn FnMut(f64) -> Result<(), String>) -> Outcome {
+    let mut outcome = Outcome::default();
+    let mut now = value;
+    let mut take = |new: f64, outcome: &mut Outcome| match set(new) {
+        Ok(()) => {
+            now = new;
+            outcome.changed = true;
+        }
+        Err(message) => outcome.refused = Some(message),
+    };
+    ui.push_id(look.name, |ui| {
+        ui.spacing_mut().item_spacing.y = 1.0;
+        if let Some(new) = typed(ui, look, value, &mut outcome) {
+            take(new, &mut outcome);
+        }
+        if let Some(new) = dragged(ui, look, value, &mut outcome) {
+            take(new, &mut outcome);
+        }
+        ui.add_space(5.0);
+    });
+    let _ = now;
+    outcome
+}
+
+/// The row with the name and the number.
+fn typed(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Option<f64> {
+    let mut chosen = None;
+    let not_a_number = RefCell::new(None);
+    ui.horizontal(|ui| {
+        let label = ui.label(capitalised(look.name)).on_hover_text(look.help);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let shown = numbers::si(value, look.unit);
+            let widget = DragValue::from_get_set(|new| {
+                // Leaving the field without a change must not round the value to what is shown.
+                if let Some(new) = new.filter(|new| Some(*new) != parse(&shown, look.unit)) {
+                    chosen = Some(new);
+                }
+                chosen.unwrap_or(value)
+            })
+            .speed(if look.logarithmic { 0.01 * value.abs() } else { 0.002 * (look.range.1 - look.range.0) })
+            .update_while_editing(false)
+            .min_size(vec2(84.0, 20.0))
+            .custom_formatter(|value, _| numbers::si(value, look.unit))
+            .custom_parser(|text| {
+                let number = parse(text, look.unit);
+                if number.is_none() {
+                    *not_a_number.borrow_mut() = Some(text.trim().to_owned());
+                }
+                number
+            });
+            let response = ui.add(widget).labelled_by(label.id);
+            outcome.ended |= response.drag_stopped() || response.lost_focus();
+            response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k or 2.5e4.", look.help));
+        });
+    });
+    if let Some(text) = not_a_number.take() {
+        outcome.refused = Some(format!("{}: '{text}' is not a number", look.name));
+    }
+    chosen
+}
+
+/// The slider under it, as wide as the panel.
+fn dragged(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Option<f64> {
+    let mut chosen = None;
+    ui.spacing_mut().interact_size.y = 16.0;
+    ui.spacing_mut().slider_width = ui.available_width();
+    let slider = Slider::from_get_set(look.range.0..=look.range.1, |new| {
+        if new.is_some_and(|new| new != value) {
+            chosen = new;
+        }
+        chosen.unwrap_or(value)
+    })
+    .logarithmic(look.logarithmic)
+    .clamping(SliderClamping::Never)
+    .show_value(false)
+    .trailing_fill(true);
+    let response = ui.add(slider).accessible_name(capitalised(look.name));
+    // A key or an assistive tool changes it without a drag: each change is one gesture.
+    outcome.ended |= response.drag_stopped() || (response.changed() && !response.dragged());
+    response.on_hover_text(look.help);
+    chosen
+}
+
+/// `young's modulus` as a label begins with a capital.
+pub fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+/// Reads a number as a person writes it: `30k`, `30 kPa`, `2.5e4`, with or without unit.
+fn parse(text: &str, unit: &str) -> Option<f64> {
+    let plain = |text: &str| text.replace('³', "3").replace('²', "2").replace('−', "-").replace(' ', "");
+    let (text, unit) = (plain(text), plain(unit));
+    if let Some(number) = text.strip_suffix(&unit).and_then(scaled) {
+        return Some(number);
+    }
+    // The unit kg brings a prefix of its own: `2 Mg` is 2000 kg.
+    let gram = unit.strip_prefix('k').filter(|unit| unit.starts_with('g'));
+    gram.and_then(|gram| text.strip_suffix(gram)).and_then(scaled).map_or_else(|| scaled(&text), |g| Some(g / 1e3))
+}
+
+fn scaled(text: &str) -> Option<f64> {
+    if let Ok(number) = text.parse() {
+        return Some(number);
+    }
+    let last = text.chars().last()?;
+    let power = match last {
+        'p' => -12,
+        'n' => -9,
+        'u' | 'µ' | 'μ' => -6,
+        'm' => -3,
+        'k' | 'K' => 3,
+        'M' => 6,
+        'G' => 9,
+        'T' => 12,
+        'P' => 15,
+        _ => return None,
+    };
+    text[..text.len() - last.len_utf8()].parse::<f64>().ok().map(|number| number * 10f64.powi(power))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_can_be_typed_with_prefix_and_unit() {
+        let cases = [
+            ("30k", "Pa", 30e3),
+            ("30 kPa", "Pa", 30e3),
+            ("2.5e4", "Pa", 25e3),
+            ("0.45", "", 0.45),
+            ("5 ms", "s", 5e-3),
+            ("3 mm", "m", 3e-3),
+            ("3 m", "m", 3.0),
+            ("100 kg/m3", "kg/m³", 100.0),
+            ("2 Mg", "kg", 2000.0),
+            ("−9.81", "m/s²", -9.81),
+        ];
+        for (text, unit, value) in cases {
+            let read = parse(text, unit);
+            assert!(read.is_some_and(|read| (read - value).abs() <= 1e-12 * value.abs()), "{text}: {read:?}");
+        }
+        assert_eq!(parse("soft", "Pa"), None);
+    }
+
+    #[test]
+    fn what_is_shown_can_be_read_back() {
+        for unit in ["", "Pa", "kg", "kg/m³", "m/s²", "N/m", "s", "1/s", "m"] {
+            for value in [0.0, 1.23e-5, 0.45, 1.0, 9.81, 30e3, 1.23e9] {
+                let read = parse(&numbers::si(value, unit), unit);
+                assert!(read.is_some_and(|read| (read - value).abs() <= 6e-3 * value), "{value} {unit}: {read:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! The strip at the top: level, mode, time, model, history, and what is shown.
+
+use super::{
+    Desk, FileWish, Side, View,
+    icons::Icon,
+    segmented::{HEIGHT, Segment, icon_button, segmented},
+};
+use crate::{
+    command::{Command, Mode},
+    materials::Model,
+    snapshot::Snapshot,
+};
+use eframe::egui::{
+    self, Atom, Button, Frame, IdSalt, Margin, Panel, Popup, PopupCloseBehavior, Rect, Shape, Stroke, Ui, Vec2, vec2,
+};
+
+/// Width of the four buttons on the right.
+const LOOKS: f32 = 4.0 * (HEIGHT + 2.0) + 3.0 * 2.0;
+
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
+    Panel::top("strip").frame(frame).show(ui, |ui| {
+        ui.spacing_mut().item_spacing = vec2(2.0, 5.0);
+        ui.horizontal_wrapped(|ui| {
+            ui.set_min_height(HEIGHT);
+            levels(ui, desk, view);
+            apart(ui);
+            if let Some(mode) = modes(ui, desk.now) {
+                commands.push(Command::SetMode(mode));
+            }
+            apart(ui);
+            time(ui, desk.now, commands);
+            if let Some(model) = models(ui, desk.now) {
+                commands.push(Command::SetModel(model));
+            }
+            apart(ui);
+            history(ui, desk.now, commands);
+            if !narrow {
+                ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
+            }
+            looks(ui, view, narrow);
+        });
+    });
+}
+
+/// A gap between groups.
+fn apart(ui: &mut Ui) {
+    ui.add_space(8.0);
+}
+
+/// The level picker with its files.
+fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    let name = if desk.now.level.name.is_empty() { "Level" } else { &desk.now.level.name };
+    let room_for_arrow = Atom::custom(IdSalt::new("arrow"), Vec2::splat(10.0));
+    let button = Button::new((name, room_for_arrow)).truncate().min_size(vec2(120.0, HEIGHT));
+    let response = ui.scope(|ui| {
+        ui.set_max_width(200.0);
+        ui.add(button)
+    });
+    let arrow = Rect::from_center_size(response.inner.rect.right_center() - vec2(16.0, 0.0), vec2(9.0, 5.0));
+    let corners = vec![arrow.left_top(), arrow.right_top(), arrow.center_bottom()];
+    ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
+    let about = if desk.now.level.about.is_empty() { "Which level to play" } else { &desk.now.level.about };
+    let response = response.inner.on_hover_text(about).accessible_name("Level");
+    Popup::menu(&response).width(280.0).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
+        egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+            for (index, entry) in desk.gallery.entries().iter().enumerate() {
+                let button = Button::selectable(entry.name == *name, entry.name.as_str());
+                if ui.add_sized([ui.available_width(), 22.0], button).on_hover_text(&entry.about).clicked() {
+                    view.file = Some(FileWish::BuiltIn(index));
+                }
+            }
+        });
+        ui.separator();
+        if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
+            view.file = Some(FileWish::Open);
+        }
+        if ui.button("Save…").on_hover_text("Save the level with everything as it is now.").clicked() {
+            view.file = Some(FileWish::Save);
+        }
+    });
+}
+
+fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
+    let part = |mode, text, about| Segment { text, name: text, about, on: now.mode == mode };
+    let parts = [
+        part(Mode::Edit, "Edit", "Nothing moves; click to pin and free vertices. [M or T]"),
+        part(Mode::Simulate, "Simulate", "Time runs; drag to pull. [M]"),
+        part(
+            Mode::Collide,
+            "Collide",
+            "Time runs, with gravity, walls and whatever the level keeps for this mode. [T]",
+        ),
+    ];
+    let clicked = segmented(ui, "mode", &parts, false)?;
+    [Mode::Edit, Mode::Simulate, Mode::Collide].get(clicked).copied()
+}
+
+/// Play, step and start over.
+fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    let runs = now.running && now.mode != Mode::Edit;
+    let (icon, name) = if runs { (Icon::Pause, "Pause") } else { (Icon::Play, "Run") };
+    if icon_button(ui, icon, name, "[Space]", false).clicked() {
+        commands.push(Command::SetRunning(!runs));
+    }
+    if icon_button(ui, Icon::Step, "Single step", "Pauses, and takes one step.", false).clicked() {
+        commands.push(Command::StepOnce);
+    }
+    let about = "Positions and velocities go back to the start. [R while simulating]";
+    if icon_button(ui, Icon::Reset, "Start over", about, false).clicked() {
+        commands.push(Command::Reset);
+    }
+    apart(ui);
+}
+
+fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
+    let keys = ["C", "V", "N"];
+    let abouts: Vec<_> = Model::ALL
+        .iter()
+        .zip(keys)
+        .map(|(model, key)| format!("{}\nAll bodies follow it and start over. [{key}]", model.formula()))
+        .collect();
+    let parts: Vec<_> = Model::ALL
+        .iter()
+        .zip(keys)
+        .zip(&abouts)
+        .map(|((model, text), about)| Segment {
+            text,
+            name: model.title(),
+            about,
+            on: !now.bodies.is_empty() && now.bodies.iter().all(|body| body.model == *model),
+        })
+        .collect();
+    let clicked = segmented(ui, "model", &parts, false)?;
+    Model::ALL.get(clicked).copied()
+}
+
+fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(now.can_undo, |ui| {
+        if icon_button(ui, Icon::Undo, "Undo", "Pins, sliders, model, level. [Ctrl+Z]", false).clicked() {
+            commands.push(Command::Undo);
+        }
+    });
+    ui.add_enabled_ui(now.can_redo, |ui| {
+        if icon_button(ui, Icon::Redo, "Redo", "[Ctrl+Y or Ctrl+Shift+Z]", false).clicked() {
+            commands.push(Command::Redo);
+        }
+    });
+    apart(ui);
+}
+
+/// Panels, theme and help.
+fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
+    let sides = [
+        (Side::Left, Icon::Left, "Body panel", "What the body is made of and what acts on it."),
+        (Side::Right, Icon::Right, "Cost panel", "Colours, what a frame costs, and the energies."),
+    ];
+    for (side, icon, name, about) in sides {
+        let on = if narrow { view.drawer == Some(side) } else { !*view.hidden(side) };
+        if icon_button(ui, icon, name, about, on).clicked() {
+            if narrow {
+                view.drawer = (!on).then_some(side);
+            } else {
+                *view.hidden(side) = on;
+            }
+        }
+    }
+    let dark = ui.visuals().dark_mode;
+    let (icon, name) = if dark { (Icon::Sun, "Light theme") } else { (Icon::Moon, "Dark theme") };
+    if icon_button(ui, icon, name, "", false).clicked() {
+        ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+    }
+    if icon_button(ui, Icon::Help, "Keys", "Everything that keys and mouse do. [?]", view.help).clicked() {
+        view.help = !view.help;
+    }
+}
+
+impl View {
+    fn hidden(&mut self, side: Side) -> &mut bool {
+        if side == Side::Left { &mut self.left_hidden } else { &mut self.right_hidden }
+    }
+}

@@ -1,0 +1,28 @@
+//! The controls that only test levels have.
+
+use super::{
+    heading,
+    segmented::{Segment, segmented},
+};
+use crate::{
+    command::{Command, Pose},
+    snapshot::Snapshot,
+};
+use eframe::egui::Ui;
+
+pub fn show(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    let Some(test) = now.level.test else { return };
+    heading(ui, "Stretch test");
+    let about = |key: &str, factor: f64| format!("Starts at {factor} x the rest height. [{key}]");
+    let (up, down) = (about("Up", test.stretched.get()), about("Down", test.compressed.get()));
+    let part = |pose, text, about| Segment { text, name: text, about, on: now.pose == Some(pose) };
+    let parts = [part(Pose::Stretched, "Stretched", &up), part(Pose::Compressed, "Compressed", &down)];
+    if let Some(clicked) = segmented(ui, "pose", &parts, true) {
+        commands.push(Command::SetPose(if clicked == 0 { Pose::Stretched } else { Pose::Compressed }));
+    }
+    let mut together = now.side_by_side;
+    let help = "One body for each constitutive model, so that their answers can be compared.";
+    if ui.checkbox(&mut together, "All three models side by side").on_hover_text(help).changed() {
+        commands.push(Command::SetSideBySide(together));
+    }
+}

@@ -1,0 +1,69 @@
+//! What several test files share: random numbers that are the same on every run, and small scenes.
+#![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
+
+use gingerbread::{
+    files,
+    level::{Level, RunMode},
+    meshes::NoFiles,
+    scene::Scene,
+    simulation::Simulation,
+};
+use nalgebra::Matrix2;
+
+/// A fixed stream of irregular numbers (`SplitMix64`).
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A matrix with entries in [-2, 2) and a determinant in the range.
+    pub fn gradient(&mut self, least: f64, greatest: f64) -> Matrix2<f64> {
+        loop {
+            let f = Matrix2::from_fn(|_, _| self.between(-2.0, 2.0));
+            if (least..=greatest).contains(&f.determinant()) {
+                return f;
+            }
+        }
+    }
+}
+
+/// A rotation by an angle [rad].
+pub fn rotation(angle: f64) -> Matrix2<f64> {
+    Matrix2::new(angle.cos(), -angle.sin(), angle.sin(), angle.cos())
+}
+
+/// A level from its text.
+pub fn level(text: &str) -> Level {
+    files::parse(text, "test.ron").unwrap()
+}
+
+/// A simulation of a level in its own mode.
+pub fn simulation(level: &Level) -> Simulation {
+    let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
+    let state = scene.first_state(level.state.as_ref()).unwrap();
+    Simulation::new(scene, state)
+}
+
+/// A scene of one small square sheet of 2 x 4 x 4 triangles, with more fields of the body and the level.
+pub fn sheet(model: &str, body: &str, rest: &str) -> Level {
+    level(&format!(
+        "(name: \"sheet\", bodies: [(name: \"sheet\",
+            mesh: Rectangle(width: 0.4, height: 0.4, columns: 4, rows: 4, diagonals: Alternating, corner: (0.3, 0.3)),
+            material: (model: {model}, young: 100, poisson: 0.3, plane: Strain), mass: Density(1), {body})], {rest})"
+    ))
+}
+
+/// Names of all registered constitutive models.
+pub fn models() -> impl Iterator<Item = &'static str> {
+    gingerbread::materials::Model::ALL.iter().map(|model| model.name())
+}
+
+/// Both modes.
+pub const MODES: [RunMode; 2] = [RunMode::Simulate, RunMode::Collide];

@@ -1,0 +1,139 @@
+//! Facts about edges, walls and obstacles.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{Random, level, models, sheet, simulation};
+use gingerbread::{
+    effects::EffectKind,
+    files, levels,
+    obstacles::{Obstacle, ObstacleKind},
+};
+
+fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
+    let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{list}]))])");
+    let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { return Vec::new() };
+    walls.obstacles.iter().map(|kind| kind.kind().build().unwrap()).collect()
+}
+
+const ALL: &str =
+    "Plane(point: (0.1, 0.2), normal: (1, 2), eps: 0.02), Ball(centre: (0.5, 0.5), radius: 0.2, eps: 0.02),
+    Cuboid(centre: (0.5, 0.5), width: 0.5, height: 0.2, turn: 30, eps: 0.02),
+    Polygon(points: [(0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.5, 0.4), (0.2, 0.8)], eps: 0.02)";
+
+#[test]
+fn near_a_wall_velocity_inwards_is_removed_and_every_other_part_stays() {
+    let mut random = Random(1);
+    for obstacle in obstacles(ALL) {
+        let mut near = 0;
+        for _ in 0..4000 {
+            let x = [random.between(0.0, 1.0), random.between(0.0, 1.0)];
+            let v = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let mut after = v;
+            let touched = obstacle.constrain_velocity(&x, &mut after, &[1.0, 1.0]);
+            let Some(contact) = obstacle.contact(x) else {
+                assert!(touched == 0 && after == v);
+                continue;
+            };
+            near += 1;
+            let [nx, ny] = contact.normal;
+            let inwards = (v[0] * nx + v[1] * ny).min(0.0);
+            assert!((nx.hypot(ny) - 1.0).abs() < 1e-12 && contact.distance < 0.02);
+            assert!((after[0] - (v[0] - inwards * nx)).abs() < 1e-15);
+            assert!((after[1] - (v[1] - inwards * ny)).abs() < 1e-15);
+            assert!(after[0].hypot(after[1]) <= v[0].hypot(v[1]) * (1.0 + 1e-15), "a wall never gives speed");
+        }
+        assert!(near > 100, "only {near} points were near");
+    }
+}
+
+#[test]
+fn a_vertex_inside_is_put_on_the_surface_without_gaining_speed() {
+    let mut random = Random(2);
+    for obstacle in obstacles(ALL) {
+        let mut inside = 0;
+        for _ in 0..4000 {
+            let start = [random.between(0.0, 1.0), random.between(0.0, 1.0)];
+            let v = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let (mut x, mut after) = (start, v);
+            obstacle.constrain_position(&mut x, &mut after, &[1.0, 1.0]);
+            let was_inside = obstacle.contact(start).is_some_and(|contact| contact.distance < 0.0);
+            inside += i32::from(was_inside);
+            let distance = obstacle.contact(x).map_or(f64::INFINITY, |contact| contact.distance);
+            assert!(distance > -1e-12, "still {distance:e} inside");
+            assert!(after[0].hypot(after[1]) <= v[0].hypot(v[1]) * (1.0 + 1e-15));
+            assert!(was_inside || x == start, "outside nothing moves");
+        }
+        assert!(inside > 100, "only {inside} points were inside");
+    }
+}
+
+#[test]
+fn obstacles_without_a_shape_are_refused_with_a_reason() {
+    let refused = |kind: &str| {
+        let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{kind}]))])");
+        let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { return String::new() };
+        let kind: &ObstacleKind = &walls.obstacles[0];
+        kind.kind().build().err().unwrap()
+    };
+    assert!(refused("Plane(point: (0, 0), normal: (0, 0), eps: 0.01)").contains("direction"));
+    assert!(refused("Polygon(points: [(0, 0), (1, 0)], eps: 0.01)").contains("three corners"));
+    assert!(refused("Polygon(points: [(0, 0), (1, 1), (1, 0), (0, 1)], eps: 0.01)").contains("area"));
+    assert!(refused("Polygon(points: [(0, 0), (2, 0), (0.5, 1), (1, -1), (2, 2)], eps: 0.01)").contains("cross"));
+}
+
+#[test]
+fn a_vertex_beyond_an_edge_of_the_world_is_put_back_and_loses_its_velocity_outwards() {
+    let mut simulation = simulation(&sheet(
+        "Corotated",
+        "velocity: (40, -3)",
+        "effects: [(effect: Boundary(least: (0, 0), greatest: (1, 1)))]",
+    ));
+    for _ in 0..400 {
+        simulation.advance(1, &mut || true);
+        let state = simulation.state();
+        assert!(state.x.iter().all(|x| (0.0..=1.0).contains(x)));
+        assert!(state.x.iter().zip(&state.v).all(|(x, v)| (*x < 1.0 || *v <= 0.0) && (*x > 0.0 || *v >= 0.0)));
+    }
+    assert!(simulation.counts().constrained > 0);
+}
+
+/// The drop in the house, from rest, for every model: finite, whole, and never more energy than at the start.
+#[test]
+fn all_models_survive_ten_seconds_in_the_house_without_an_inverted_triangle_or_a_gain_of_energy() {
+    let mut level = files::parse(levels::built_in("gingerbread_house").unwrap(), "gingerbread_house.ron").unwrap();
+    for (&model, name) in gingerbread::materials::Model::ALL.iter().zip(models()) {
+        level.bodies[0].material = level.bodies[0].material.with_model(model);
+        let mut simulation = simulation(&level);
+        let start = simulation.energies().total();
+        let mut least = f64::INFINITY;
+        for _ in 0..2000 {
+            simulation.advance(30, &mut || true);
+            assert!(simulation.fault().is_none(), "{name}: {:?}", simulation.fault());
+            least = least.min(simulation.inversion().0);
+            assert!(simulation.energies().total() <= start * (1.0 + 1e-3), "{name}");
+        }
+        assert!(least > 0.2, "{name}: least J {least}");
+        assert!(simulation.counts().constrained > 0, "{name}: he never touched the house");
+    }
+}
+
+#[test]
+fn nobody_leaves_the_house_and_bodies_rest_outside_obstacles() {
+    for name in ["gingerbread_house", "jelly_disk"] {
+        let level = files::parse(levels::built_in(name).unwrap(), name).unwrap();
+        let walls = level.effects.iter().find_map(|listed| match &listed.effect {
+            EffectKind::Walls(walls) => Some(walls),
+            _ => None,
+        });
+        let built: Vec<_> = walls.unwrap().obstacles.iter().map(|kind| kind.kind().build().unwrap()).collect();
+        let mut simulation = simulation(&level);
+        for _ in 0..100 {
+            simulation.advance(100, &mut || true);
+            for point in simulation.state().x.chunks_exact(2) {
+                let deepest = built.iter().filter_map(|wall| wall.contact([point[0], point[1]]));
+                assert!(deepest.map(|contact| contact.distance).fold(0.0, f64::min) > -1e-9, "{name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The program as it is run in a terminal or a script.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+use std::{
+    fs,
+    path::PathBuf,
+    process::{Command, Output},
+};
+
+fn gingerbread(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gingerbread")).args(arguments).output().unwrap()
+}
+
+fn said(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
+    let folder = Folder::new("run");
+    let (state, report) = (folder.file("state.csv"), folder.file("report.json"));
+    let output = gingerbread(&["run", "jelly_disk", "--steps", "50", "--state", &state, "--report", &report]);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    let csv = fs::read_to_string(state).unwrap();
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some("vertex,x,y,vx,vy"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    for (number, row) in rows.iter().enumerate() {
+        assert!(row.len() == 5 && row[0] == number.to_string());
+        for cell in &row[1..] {
+            assert_eq!(format!("{:.16e}", cell.parse::<f64>().unwrap()), *cell);
+        }
+    }
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    assert_eq!(rows.len() as u64, report["vertices"].as_u64().unwrap());
+    assert_eq!(report["steps"], 50);
+    assert_eq!(report["force_evaluations"], 50);
+    assert_eq!(report["inverted"], 0);
+    for number in ["min_j", "wall_seconds", "ns_per_triangle_step"] {
+        assert!(report[number].as_f64().unwrap() > 0.0, "{number}");
+    }
+    let energy = |name: &str| report["energy"][name].as_f64().unwrap();
+    let sum = energy("kinetic") + energy("elastic") + energy("potential");
+    assert!((energy("total") - sum).abs() < 1e-12);
+    let effects = report["effects"].as_array().unwrap();
+    let elasticity = effects.iter().find(|effect| effect["name"] == "Elasticity").unwrap();
+    assert_eq!(elasticity["calls"], 50);
+    assert_eq!(elasticity["elements"].as_u64().unwrap(), 50 * report["triangles"].as_u64().unwrap());
+    assert!(elasticity["seconds"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn a_run_that_is_saved_and_continued_equals_one_that_was_not() {
+    let folder = Folder::new("continue");
+    let (saved, ends) = (folder.file("half.ron"), [folder.file("one.csv"), folder.file("two.csv")]);
+    assert!(gingerbread(&["run", "jelly_disk", "--steps", "80", "--save", &saved]).status.success());
+    assert!(gingerbread(&["run", &saved, "--steps", "70", "--state", &ends[0]]).status.success());
+    assert!(gingerbread(&["run", "jelly_disk", "--steps", "150", "--state", &ends[1]]).status.success());
+    assert_eq!(fs::read(&ends[0]).unwrap(), fs::read(&ends[1]).unwrap());
+}
+
+#[test]
+fn check_says_what_a_level_is_and_what_is_wrong_with_a_bad_one() {
+    let folder = Folder::new("check");
+    let bad = folder.file("bad.ron");
+    fs::write(&bad, "(\n  name: \"bad\",\n  bodis: [],\n)").unwrap();
+    let output = gingerbread(&["check", "gingerbread", &bad, "stretch_test"]);
+    assert_eq!(output.status.code(), Some(2));
+    let (good, wrong) = (said(&output.stdout), said(&output.stderr));
+    assert!(
+        good.contains("2010 triangles") && good.contains("stretch_test"),
+        "a bad file does not stop the rest: {good}"
+    );
+    assert!(wrong.contains("bad.ron:3:") && wrong.contains("bodis") && wrong.lines().count() == 1, "{wrong}");
+}
+
+#[test]
+fn wrong_arguments_and_missing_files_end_with_2_and_one_clear_message() {
+    for (arguments, expected) in [
+        (vec!["run", "no_such_level"], "no_such_level"),
+        (vec!["check", "no_such_level.ron"], "no_such_level.ron"),
+        (vec!["run", "gingerbread", "--seconds", "-1"], "seconds in [0, 1e9]"),
+        (vec!["run", "gingerbread", "--seconds", "soon"], "number of seconds"),
+        (vec!["run", "gingerbread", "--model", "jelly"], "NeoHookean"),
+    ] {
+        let output = gingerbread(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(said(&output.stderr).contains(expected), "{arguments:?}: {}", said(&output.stderr));
+    }
+}
+
+#[test]
+fn a_run_that_blows_up_says_why_and_ends_with_1() {
+    let folder = Folder::new("fault");
+    let (level, report) = (folder.file("stiff.ron"), folder.file("report.json"));
+    let text = "(name: \"stiff\", substeps: 1, bodies: [(name: \"sheet\", mesh: Rectangle(width: 1, height: 1, columns: 9, rows: 9),
+        mass: Total(1), stretch: (1.2, 1), material: (model: NeoHookean, young: 1e6, poisson: 0.3))])";
+    fs::write(&level, text).unwrap();
+    let output = gingerbread(&["run", &level, "--report", &report]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output.stderr).contains("stability limit"), "{}", said(&output.stderr));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    assert!(report["fault"].as_str().unwrap().contains("stability limit"));
+}
+
+/// Where there is no display the window cannot open; that must be said in one line, with the way out.
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_display_the_window_says_so_and_names_run() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gingerbread"));
+    let output =
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output().unwrap();
+    let message = said(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.lines().count() == 1 && message.contains("gingerbread run"), "{message}");
+}

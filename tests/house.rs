@@ -1,0 +1,124 @@
+//! The rules of the house, kept mechanically: which room may know what, and how large a file may grow.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing test should panic")]
+
+use std::{fs, path::Path};
+
+/// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
+const ROOMS: [&[&str]; 21] = [
+    &["quantity"],
+    &["registry"],
+    &["materials"],
+    &["meshes"],
+    &["obstacles"],
+    &["effects", "elements"],
+    &["state"],
+    &["integrators"],
+    &["level"],
+    &["scene"],
+    &["stability"],
+    &["report"],
+    &["fault"],
+    &["simulation"],
+    &["command"],
+    &["document"],
+    &["sandbox"],
+    &["snapshot"],
+    &["levels", "files"],
+    &["headless"],
+    &["app"],
+];
+
+/// Path below `src` and text of every source file.
+fn sources() -> Vec<(String, String)> {
+    fn walk(folder: &Path, found: &mut Vec<(String, String)>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let name = path.strip_prefix("src").unwrap().display().to_string();
+                found.push((name, fs::read_to_string(&path).unwrap()));
+            }
+        }
+    }
+    let mut found = Vec::new();
+    walk(Path::new("src"), &mut found);
+    assert!(found.len() > 40, "the walk must find the sources");
+    found
+}
+
+fn room_of(file: &str) -> &str {
+    file.split(['/', '.']).next().unwrap()
+}
+
+/// Text without comments.
+fn code(text: &str) -> String {
+    text.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn every_room_uses_only_rooms_before_it() {
+    let rank = |room: &str| ROOMS.iter().position(|rooms| rooms.contains(&room));
+    for (file, text) in sources().iter().filter(|(file, _)| file != "lib.rs" && file != "main.rs") {
+        let own = rank(room_of(file)).unwrap_or_else(|| panic!("{file} is in no room: add it to the map"));
+        let code = code(text);
+        for used in code.match_indices("crate::").flat_map(|(at, _)| names_after(&code[at + 7..])) {
+            let other = rank(&used).unwrap_or(0);
+            assert!(other <= own, "{file} uses {used}, which comes after it");
+        }
+    }
+}
+
+/// The first names of a path or of a braced list of paths: `a::b` gives a, `{a::{b, c}, d}` gives a and d.
+fn names_after(text: &str) -> Vec<String> {
+    let name = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let Some(list) = text.strip_prefix('{') else { return vec![name(text)] };
+    let mut depth = 0;
+    let mut names = vec![name(list.trim_start())];
+    for (at, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => names.push(name(list[at + 1..].trim_start())),
+            _ => {}
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    names
+}
+
+#[test]
+fn only_the_app_knows_the_window_and_only_obstacles_know_parry() {
+    for (file, text) in sources() {
+        let code = code(&text);
+        assert!(!code.contains("egui") || room_of(&file) == "app", "{file} says egui");
+        assert!(!code.contains("parry2d") || room_of(&file) == "obstacles", "{file} says parry2d");
+        assert!(!code.contains("spade") || file.starts_with("meshes/"), "{file} says spade");
+    }
+}
+
+#[test]
+fn stepping_is_deterministic_by_construction() {
+    for (file, text) in sources().iter().filter(|(file, _)| room_of(file) != "app" && room_of(file) != "headless") {
+        let code = code(text);
+        assert!(!code.contains("HashMap") && !code.contains("HashSet"), "{file}: order would differ from run to run");
+        assert!(!code.contains("mul_add"), "{file}: contraction differs from machine to machine");
+        for function in [".sin()", ".cos()", ".sin_cos()", ".ln()", ".exp()", ".powf(", ".atan2(", ".tan()", ".hypot("]
+        {
+            assert!(!code.contains(function), "{file}: {function} differs between systems; use libm");
+        }
+    }
+}
+
+#[test]
+fn files_stay_small_and_speak_of_nothing_outside() {
+    for (file, text) in sources() {
+        let lines = text.lines().count();
+        assert!(lines <= 420, "{file} has {lines} lines: it is two rooms");
+        assert!(
+            !text.contains("/home/") && !text.contains("/root/") && !text.contains("/tmp/"),
+            "{file} names a machine"
+        );
+    }
+}

@@ -1,0 +1,154 @@
+//! Promises about level files: what ships runs and repeats, and a bad file is told exactly what is wrong with it.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{MODES, level, sheet, simulation};
+use gingerbread::{
+    files::{self, Disk, FileError},
+    level::Level,
+    levels::BUILT_IN,
+    scene::{Scene, SceneError},
+};
+use std::{fmt::Write as _, fs, path::PathBuf};
+
+/// Every level that ships runs 2 s in every bit as recorded. After a deliberate change of physics or of a level, renew the record
+/// with `GINGERBREAD_RENEW=1 cargo test --test levels` and say in the commit why it changed.
+#[test]
+fn every_level_runs_two_seconds_to_its_recorded_bits() {
+    let record = PathBuf::from("tests/level_hashes.txt");
+    let mut lines = String::new();
+    for (file, text) in BUILT_IN {
+        for mode in MODES {
+            let level = Level { mode, ..files::parse(text, file).unwrap() };
+            let mut simulation = simulation(&level);
+            let steps = (2.0 / simulation.scene().step).round() as u64;
+            assert_eq!(simulation.advance(steps, &mut || true), steps, "{file}: {:?}", simulation.fault());
+            assert!(simulation.state().is_finite(), "{file}");
+            writeln!(lines, "{file} {mode:?} {:016x}", simulation.state().hash()).unwrap();
+        }
+    }
+    if std::env::var_os("GINGERBREAD_RENEW").is_some() {
+        fs::write(&record, &lines).unwrap();
+    }
+    assert_eq!(fs::read_to_string(&record).unwrap(), lines, "left: recorded, right: now");
+}
+
+#[test]
+fn every_level_survives_being_written_and_read_back() {
+    for (file, text) in BUILT_IN {
+        let level = files::parse(text, file).unwrap();
+        assert_eq!(files::parse(&files::write(&level).unwrap(), file).unwrap(), level);
+        assert!(!level.name.is_empty() && !level.about.is_empty(), "{file} should say what there is to see");
+    }
+    let names: Vec<_> = BUILT_IN.iter().map(|(file, _)| *file).collect();
+    for needed in ["gingerbread.ron", "gingerbread_house.ron", "stretch_test.ron"] {
+        assert!(names.contains(&needed));
+    }
+}
+
+/// The place and the message for a mistake in a level; `mistake` replaces `part` of a good one.
+fn told(part: &str, mistake: &str) -> (usize, usize, String) {
+    let good = "(\n  name: \"a\",\n  bodies: [(\n    name: \"b\",\n    mesh: Disk(radius: 0.2, rings: 5),\n    mass: Total(25),\n    material: (model: Corotated, young: 10, poisson: 0.3, plane: Strain),\n  )],\n)\n";
+    assert!(files::parse(good, "good.ron").is_ok() && good.contains(part));
+    match files::parse(&good.replace(part, mistake), "bad.ron") {
+        Err(FileError::Text { file, line, column, what }) if file == "bad.ron" => (line, column, what),
+        other => panic!("{mistake}: {other:?}"),
+    }
+}
+
+#[test]
+fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
+    let cases = [
+        ("name: \"a\"", "nme: \"a\"", 2, "nme"),
+        ("mass: Total(25)", "mass: Total(25), colour: 3", 6, "colour"),
+        ("mass: Total(25)", "mass: Total(\"heavy\")", 6, "float"),
+        ("mass: Total(25)", "mass: Heavy(25)", 6, "Density"),
+        ("mass: Total(25)", "mass: Total(-25)", 6, "total mass must be in (0, 1e12] kg, got -25"),
+        ("mass: Total(25)", "mass: Total(NaN)", 6, "got NaN"),
+        ("mass: Total(25)", "mass: Total(1e999)", 6, "got inf"),
+        ("young: 10", "young: 0", 7, "Young's modulus must be in (0, 1e15] Pa, got 0"),
+        ("poisson: 0.3", "poisson: 0.7", 7, "Poisson's ratio must be in (-1, 0.5], got 0.7"),
+        ("poisson: 0.3", "poisson: 0.5", 7, "(-1, 0.5) for plane strain"),
+        ("model: Corotated", "model: Jelly", 7, "Corotated"),
+        ("rings: 5", "rings: 0", 5, "rings"),
+        ("mesh: Disk(radius: 0.2, rings: 5)", "mesh: Disk(radius: 0.2", 5, ""),
+        ("name: \"b\"", "name: 5", 4, "string"),
+        ("bodies: [(", "substeps: 0, bodies: [(", 3, "[1, 100000]"),
+    ];
+    for (part, mistake, expected_line, expected) in cases {
+        let (line, column, what) = told(part, mistake);
+        assert!(line.abs_diff(expected_line) <= 1, "{mistake}: line {line} instead of {expected_line}: {what}");
+        assert!(column > 0 && what.contains(expected), "{mistake}: {what}");
+    }
+    let message = files::parse("(name: 5)", "five.ron").unwrap_err().to_string();
+    assert!(message.starts_with("five.ron:1:"), "{message}");
+}
+
+#[test]
+fn broken_text_is_refused_without_a_panic() {
+    for (_, text) in BUILT_IN {
+        for end in (0..text.trim_end().len()).step_by(7).filter(|end| text.is_char_boundary(*end)) {
+            assert!(files::parse(&text[..end], "cut.ron").is_err());
+        }
+    }
+    assert!(files::parse(&"[".repeat(100_000), "deep.ron").is_err());
+    assert!(files::parse(&"(".repeat(100_000), "deep.ron").is_err());
+}
+
+fn refused(level: &Level) -> String {
+    Scene::build(level, level.mode, &Disk, None).err().map(|error| error.to_string()).unwrap_or_default()
+}
+
+#[test]
+fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
+    let empty = Level { bodies: Vec::new(), ..sheet("Corotated", "", "") };
+    assert_eq!(refused(&empty), SceneError::NoBodies.to_string());
+    let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));
+    assert!(pinned.contains("sheet") && pinned.contains("from 0 to 24"), "{pinned}");
+    let edges = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)))]";
+    assert!(refused(&sheet("Corotated", "", edges)).contains("least corner"));
+    let off = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)), switch: Off)]";
+    assert!(refused(&sheet("Corotated", "", off)).contains("least corner"), "a mistake counts also when switched off");
+    let far = refused(&sheet("Corotated", "place: (offset: (1e308, 0), scale: 1e9)", ""));
+    assert!(far.is_empty() || far.contains("reach"), "{far}");
+    let lost = level(
+        "(name: \"\", bodies: [(name: \"man\", mesh: Obj(path: \"nowhere.obj\"), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))])",
+    );
+    assert!(refused(&lost).contains("nowhere.obj"));
+}
+
+#[test]
+fn a_saved_state_of_another_mesh_is_refused() {
+    let simulation = simulation(&sheet("Corotated", "", ""));
+    let mut saved = gingerbread::document::saved(simulation.state()).unwrap();
+    saved.positions.pop();
+    let error = simulation.scene().first_state(Some(&saved)).unwrap_err().to_string();
+    assert!(error.contains("24 positions") && error.contains("25 vertices"), "{error}");
+}
+
+#[test]
+fn saving_replaces_the_whole_file_and_paths_of_meshes_follow() {
+    let folder = std::env::temp_dir().join(format!("gingerbread-levels-{}", std::process::id()));
+    fs::create_dir_all(folder.join("meshes")).unwrap();
+    fs::write(folder.join("meshes/two.obj"), "v 0 0\nv 1 0\nv 1 1\nv 0 1\nf 1 2 3 4\n").unwrap();
+    let path = folder.join("level.ron");
+    let text = "(name: \"two\", bodies: [(name: \"two\", mesh: Obj(path: \"meshes/two.obj\"), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))])";
+    fs::write(&path, text).unwrap();
+    let read = files::read(&path).unwrap();
+    assert_eq!(simulation_of(&read).scene().triangles.len(), 2, "the mesh is found next to the level");
+    files::save(&path, &read).unwrap();
+    assert!(fs::read_to_string(&path).unwrap().contains("\"meshes/two.obj\""), "a saved path stays relative");
+    assert_eq!(files::read(&path).unwrap(), read);
+    let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert!(names.into_iter().all(|name| !name.contains("part")), "nothing half-written is left");
+    let error = files::save(&folder.join("no/such/folder.ron"), &read).unwrap_err().to_string();
+    assert!(error.contains("folder.ron"), "{error}");
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+fn simulation_of(level: &Level) -> gingerbread::simulation::Simulation {
+    let scene = Scene::build(level, level.mode, &Disk, None).unwrap();
+    let state = scene.start.clone();
+    gingerbread::simulation::Simulation::new(scene, state)
+}

@@ -1,0 +1,298 @@
+//! Facts about constitutive models, for every registered one.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{Random, rotation};
+use gingerbread::{
+    materials::{Lame, Material, MaterialParameters, Model, Plane, Visitor},
+    quantity::{Poisson, Young},
+};
+use nalgebra::{Matrix2, Matrix4, Vector4};
+
+const LAME: Lame = Lame { mu: 0.7, lambda: 1.1 };
+
+/// A check of one model.
+struct Check(fn(&dyn Probe));
+
+/// A material without its type.
+trait Probe {
+    fn title(&self) -> &'static str;
+    fn energy(&self, f: &Matrix2<f64>) -> f64;
+    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64>;
+    fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
+    fn free_width(&self, stretch: f64) -> Option<f64>;
+}
+
+impl<M: Material> Probe for M {
+    fn title(&self) -> &'static str {
+        M::TITLE
+    }
+    fn energy(&self, f: &Matrix2<f64>) -> f64 {
+        Material::energy(self, f)
+    }
+    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
+        Material::stress(self, f)
+    }
+    fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        Material::stiffness(self, f)
+    }
+    fn free_width(&self, stretch: f64) -> Option<f64> {
+        Material::free_width(self, stretch)
+    }
+}
+
+impl Visitor for Check {
+    type Output = ();
+    fn visit<M: Material>(self, material: &M) {
+        self.0(material);
+    }
+}
+
+fn for_every_model(check: fn(&dyn Probe)) {
+    for &model in Model::ALL {
+        model.visit(LAME, Check(check));
+    }
+}
+
+/// The least error of central differences over a sweep of steps: truncation falls and round-off grows with smaller ones.
+fn best_difference<const N: usize>(exact: [f64; N], along: impl Fn(f64) -> [f64; N], scale: f64) -> f64 {
+    let error = |epsilon: f64| {
+        let (ahead, behind) = (along(epsilon), along(-epsilon));
+        (0..N).map(|i| ((ahead[i] - behind[i]) / (2.0 * epsilon) - exact[i]).abs()).fold(0.0, f64::max) / scale
+    };
+    (6..=14).map(|power| error(10.0_f64.powf(-0.5 * f64::from(power)))).fold(f64::INFINITY, f64::min)
+}
+
+fn moved(f: &Matrix2<f64>, entry: usize, by: f64) -> Matrix2<f64> {
+    let mut f = *f;
+    f.as_mut_slice()[entry] += by;
+    f
+}
+
+#[test]
+fn stress_is_the_derivative_of_energy() {
+    for_every_model(|material| {
+        let mut random = Random(1);
+        for _ in 0..1000 {
+            let f = random.gradient(0.2, 5.0);
+            let stress = material.stress(&f);
+            for entry in 0..4 {
+                let along = |by: f64| [material.energy(&moved(&f, entry, by))];
+                let error = best_difference([stress.as_slice()[entry]], along, stress.norm().max(1.0));
+                assert!(error < 1e-8, "{} at {f}: {error:e}", material.title());
+            }
+        }
+    });
+}
+
+#[test]
+fn stiffness_is_the_derivative_of_stress_and_symmetric() {
+    for_every_model(|material| {
+        let mut random = Random(2);
+        for _ in 0..1000 {
+            let f = random.gradient(0.2, 5.0);
+            let stiffness = material.stiffness(&f);
+            let scale = stiffness.norm().max(1.0);
+            assert!((stiffness - stiffness.transpose()).norm() < 1e-13 * scale, "{}", material.title());
+            for entry in 0..4 {
+                let exact: [f64; 4] = stiffness.column(entry).into_owned().into();
+                let along =
+                    |by: f64| Vector4::from_column_slice(material.stress(&moved(&f, entry, by)).as_slice()).into();
+                let error = best_difference(exact, along, scale);
+                assert!(error < 1e-8, "{} at {f}: {error:e}", material.title());
+            }
+        }
+    });
+}
+
+#[test]
+fn turning_the_body_turns_the_stress() {
+    for_every_model(|material| {
+        let mut random = Random(3);
+        for _ in 0..1000 {
+            let (f, q) = (random.gradient(0.2, 5.0), rotation(random.between(0.0, 7.0)));
+            let difference = material.stress(&(q * f)) - q * material.stress(&f);
+            assert!(difference.norm() < 1e-12 * (1.0 + material.stress(&f).norm()), "{}", material.title());
+            assert!((material.energy(&(q * f)) - material.energy(&f)).abs() < 1e-12 * (1.0 + material.energy(&f)));
+        }
+    });
+}
+
+#[test]
+fn rest_has_no_energy_and_no_stress_however_it_is_turned() {
+    for_every_model(|material| {
+        for degrees in (0..360).step_by(15) {
+            let q = rotation(f64::from(degrees).to_radians());
+            assert!(material.energy(&q).abs() < 1e-15, "{}", material.title());
+            assert!(material.stress(&q).norm() < 1e-14, "{}", material.title());
+        }
+        assert_eq!(material.stress(&Matrix2::identity()), Matrix2::zeros(), "{}", material.title());
+    });
+}
+
+#[test]
+fn small_strains_obey_hookes_law() {
+    let hooke = |e: &Matrix2<f64>| e * (2.0 * LAME.mu) + Matrix2::identity() * (LAME.lambda * e.trace());
+    let expected = Matrix4::from_fn(|i, j| {
+        let mut unit = Matrix2::zeros();
+        unit.as_mut_slice()[j] = 1.0;
+        hooke(&((unit + unit.transpose()) * 0.5)).as_slice()[i]
+    });
+    model_stiffness_at_rest(|title, stiffness| {
+        assert!((stiffness - expected).norm() < 1e-14, "{title}: {stiffness}");
+    });
+}
+
+fn model_stiffness_at_rest(check: impl Fn(&'static str, Matrix4<f64>)) {
+    struct AtRest;
+    impl Visitor for AtRest {
+        type Output = (&'static str, Matrix4<f64>);
+        fn visit<M: Material>(self, material: &M) -> Self::Output {
+            (M::TITLE, Material::stiffness(material, &Matrix2::identity()))
+        }
+    }
+    for &model in Model::ALL {
+        let (title, stiffness) = model.visit(LAME, AtRest);
+        check(title, stiffness);
+    }
+}
+
+/// P11 of a strip stretched by s whose sides are held at width 1, written out by hand for each model.
+#[test]
+fn a_clamped_strip_pulls_as_its_closed_form_says() {
+    let Lame { mu, lambda } = LAME;
+    for s in [0.6_f64, 2.0] {
+        let expected = [
+            ("Corotated", (2.0 * mu + lambda) * (s - 1.0)),
+            ("St. Venant-Kirchhoff", (mu + 0.5 * lambda) * s * (s * s - 1.0)),
+            ("Neo-Hookean", mu * (s - 1.0 / s) + lambda * s.ln() / s),
+        ];
+        check_strip(s, 1.0, &expected);
+    }
+}
+
+/// P11 and the width of a strip stretched by s whose sides are free.
+#[test]
+fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
+    let Lame { mu, lambda } = LAME;
+    let ratio = lambda / (2.0 * mu + lambda);
+    let corotated = |s: f64| 1.0 - ratio * (s - 1.0);
+    let kirchhoff = |s: f64| (1.0 - ratio * (s * s - 1.0)).sqrt();
+    // mu (w² - 1) + lambda ln(s w) = 0 by bisection.
+    let neo_hookean = |s: f64| {
+        let (mut low, mut high) = (1e-6_f64, 10.0_f64);
+        for _ in 0..200 {
+            let w = 0.5 * (low + high);
+            if mu * (w * w - 1.0) + lambda * (s * w).ln() > 0.0 { high = w } else { low = w }
+        }
+        0.5 * (low + high)
+    };
+    let young_of = 4.0 * mu * (mu + lambda) / (2.0 * mu + lambda);
+    for s in [0.6_f64, 1.4] {
+        check_strip(s, corotated(s), &[("Corotated", young_of * (s - 1.0))]);
+        check_strip(s, kirchhoff(s), &[("St. Venant-Kirchhoff", 0.5 * young_of * s * (s * s - 1.0))]);
+    }
+    check_strip(2.0, corotated(2.0), &[("Corotated", young_of)]);
+    for s in [0.6_f64, 2.0] {
+        let w = neo_hookean(s);
+        check_strip(s, w, &[("Neo-Hookean", mu * (s - 1.0 / s) + lambda * (s * w).ln() / s)]);
+    }
+    for_every_model(|material| {
+        for s in [0.6, 1.0, 1.4] {
+            let width = material.free_width(s).unwrap();
+            let side = material.stress(&Matrix2::new(s, 0.0, 0.0, width)).m22;
+            assert!(side.abs() < 1e-12, "{} at {s}: {side:e}", material.title());
+        }
+    });
+}
+
+fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {
+    struct Pull(f64, f64);
+    impl Visitor for Pull {
+        type Output = f64;
+        fn visit<M: Material>(self, material: &M) -> f64 {
+            Material::stress(material, &Matrix2::new(self.0, 0.0, 0.0, self.1)).m11
+        }
+    }
+    for (title, force) in expected {
+        let model = Model::ALL.iter().find(|model| model.title() == *title).unwrap();
+        let pull = model.visit(LAME, Pull(stretch, width));
+        assert!((pull - force).abs() < 1e-10 * force.abs().max(1.0), "{title} at {stretch}: {pull} against {force}");
+    }
+}
+
+#[test]
+fn an_inverted_corotated_triangle_is_pushed_back_and_its_frame_is_a_rotation() {
+    let mut random = Random(4);
+    for _ in 0..1000 {
+        let f = random.gradient(-5.0, -0.01);
+        let (r, trace) = gingerbread::materials::nearest_rotation(&f);
+        assert!((r.determinant() - 1.0).abs() < 1e-14);
+        assert!(((r.transpose() * f).trace() - trace).abs() < 1e-13);
+        let stress = Model::Corotated.visit(LAME, StressOf(f));
+        assert!(stress.norm() > 1e-3, "a mirrored triangle must not be at rest");
+    }
+}
+
+struct StressOf(Matrix2<f64>);
+
+impl Visitor for StressOf {
+    type Output = Matrix2<f64>;
+    fn visit<M: Material>(self, material: &M) -> Matrix2<f64> {
+        Material::stress(material, &self.0)
+    }
+}
+
+fn parameters(young: f64, nu: f64, plane: Plane) -> Result<MaterialParameters, String> {
+    let young = Young::new(young).map_err(|error| error.to_string())?;
+    let poisson = Poisson::new(nu).map_err(|error| error.to_string())?;
+    MaterialParameters::new(Model::Corotated, young, poisson, plane).map_err(|error| error.to_string())
+}
+
+#[test]
+fn lames_parameters_give_back_youngs_modulus_and_poissons_ratio() {
+    for nu in [-0.5, 0.0, 0.3, 0.49] {
+        let Lame { mu, lambda } = parameters(200.0, nu, Plane::Strain).unwrap().lame();
+        assert!((mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu) - 200.0).abs() < 1e-9);
+        assert!((0.5 * lambda / (lambda + mu) - nu).abs() < 1e-12);
+        // In plane stress a strip with free sides has exactly E and nu.
+        let Lame { mu, lambda } = parameters(200.0, nu, Plane::Stress).unwrap().lame();
+        assert!((4.0 * mu * (mu + lambda) / (2.0 * mu + lambda) - 200.0).abs() < 1e-9);
+        assert!((lambda / (2.0 * mu + lambda) - nu).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn impossible_elasticity_is_refused_with_its_range() {
+    for (young, nu, plane, range) in [
+        (0.0, 0.3, Plane::Strain, "(0, 1e15]"),
+        (-5.0, 0.3, Plane::Stress, "(0, 1e15]"),
+        (f64::NAN, 0.3, Plane::Stress, "(0, 1e15]"),
+        (1.0, 0.5, Plane::Strain, "(-1, 0.5)"),
+        (1.0, 0.51, Plane::Stress, "(-1, 0.5]"),
+        (1.0, -1.0, Plane::Strain, "(-1, 0.5]"),
+    ] {
+        let error = parameters(young, nu, plane).unwrap_err();
+        assert!(error.contains(range), "{error}");
+    }
+    assert!(parameters(1.0, 0.5, Plane::Stress).is_ok());
+}
+
+#[test]
+fn a_model_without_an_answer_says_so() {
+    let half = parameters(100.0, 0.5, Plane::Stress).unwrap().lame();
+    let caution = |model: Model, stretch| model.caution(half, stretch);
+    assert!(caution(Model::StVenantKirchhoff, 2.0).unwrap().contains("width"));
+    assert!(caution(Model::StVenantKirchhoff, 0.57).unwrap().contains("58 %"));
+    assert!(caution(Model::StVenantKirchhoff, 0.6).is_none());
+    assert!(caution(Model::StVenantKirchhoff, 1.7).is_none());
+    // nu = 0.5 in plane stress: no width from s² - 1 = 1/nu on, that is from s = sqrt(3) = 1.732.
+    assert!(caution(Model::StVenantKirchhoff, 1.733).is_some());
+    assert!(caution(Model::NeoHookean, 2.0).is_none());
+    assert!(caution(Model::Corotated, 2.0).is_none());
+    let strain = parameters(100.0, 0.25, Plane::Strain).unwrap().lame();
+    // nu >= 1/s² in plane strain: from s = 2 on.
+    assert!(Model::StVenantKirchhoff.caution(strain, 1.999).is_none());
+    assert!(Model::StVenantKirchhoff.caution(strain, 2.001).is_some());
+}

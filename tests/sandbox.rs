@@ -1,0 +1,286 @@
+//! What commands do to a sandbox: modes, edits, undo, tests, and that a refused command changes nothing.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::level;
+use gingerbread::{
+    command::{Command, Mode, Pose},
+    files,
+    level::{EffectLevel, Level, MassLevel, Pin, Substeps, Switch},
+    levels::built_in,
+    materials::{MaterialParameters, Model},
+    meshes::NoFiles,
+    quantity::{Density, Poisson, Young},
+    sandbox::Sandbox,
+    snapshot::{Field, Snapshot},
+};
+
+fn sandbox(name: &str) -> Sandbox {
+    let level = files::parse(built_in(name).unwrap(), name).unwrap();
+    Sandbox::new(level, Box::new(NoFiles)).unwrap()
+}
+
+fn small() -> Sandbox {
+    let text = "(name: \"small\", bodies: [(name: \"s\", mesh: Rectangle(width: 0.4, height: 0.4, columns: 3, rows: 3), mass: Total(1),
+        stretch: (1.2, 1), material: (model: Corotated, young: 100, poisson: 0.3))],
+        effects: [(effect: Gravity(down: 1), when: Collide), (effect: MouseSpring(stiffness: 50))])";
+    Sandbox::new(level(text), Box::new(NoFiles)).unwrap()
+}
+
+fn seen(sandbox: &Sandbox) -> Snapshot {
+    let mut snapshot = Snapshot::default();
+    sandbox.snapshot(Field::None, &mut snapshot);
+    snapshot
+}
+
+fn run(sandbox: &mut Sandbox, steps: u64) {
+    assert_eq!(sandbox.advance(steps, &mut || true), steps);
+}
+
+#[test]
+fn it_starts_in_edit_mode_where_time_stands_still() {
+    let mut sandbox = sandbox("gingerbread");
+    assert_eq!(seen(&sandbox).mode, Mode::Edit);
+    assert_eq!(sandbox.advance(100, &mut || true), 0);
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    assert_eq!((seen(&sandbox).mode, seen(&sandbox).running), (Mode::Simulate, true), "play goes to the level's mode");
+    let mut house = self::sandbox("gingerbread_house");
+    house.apply(Command::SetRunning(true)).unwrap();
+    assert_eq!(seen(&house).mode, Mode::Collide);
+}
+
+#[test]
+fn only_collide_mode_has_the_effects_kept_for_it() {
+    let mut sandbox = small();
+    let height = |sandbox: &Sandbox| seen(sandbox).positions.iter().skip(1).step_by(2).sum::<f64>();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    let start = height(&sandbox);
+    run(&mut sandbox, 100);
+    assert!((height(&sandbox) - start).abs() < 1e-12, "no gravity in simulate mode");
+    sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+    run(&mut sandbox, 100);
+    assert!(height(&sandbox) < start - 1e-4, "gravity in collide mode");
+}
+
+#[test]
+fn pulling_draws_the_vertex_to_the_cursor_for_as_long_as_the_button_is_down() {
+    let mut sandbox = small();
+    assert!(sandbox.apply(Command::Grab(0, [0.0, 0.0])).is_err(), "nothing can be pulled in edit mode");
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    sandbox.apply(Command::Grab(0, [-1.0, -1.0])).unwrap();
+    sandbox.apply(Command::Pull([-2.0, 0.0])).unwrap();
+    let before = seen(&sandbox);
+    let pull = before.pull.unwrap();
+    let distance = (before.positions[0] + 2.0).hypot(before.positions[1]);
+    assert!(pull.vertex == 0 && pull.target == [-2.0, 0.0] && (pull.force - 50.0 * distance).abs() < 1e-12);
+    run(&mut sandbox, 200);
+    assert!(seen(&sandbox).positions[0] < before.positions[0] - 0.01);
+    sandbox.apply(Command::Release).unwrap();
+    assert!(seen(&sandbox).pull.is_none());
+    assert!(sandbox.apply(Command::Grab(999, [0.0, 0.0])).is_err());
+    assert!(sandbox.apply(Command::Grab(0, [f64::NAN, 0.0])).is_err());
+}
+
+#[test]
+fn choosing_a_model_puts_positions_and_velocities_back_and_undo_brings_both_back() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    run(&mut sandbox, 50);
+    let moved = seen(&sandbox);
+    for model in [Model::StVenantKirchhoff, Model::NeoHookean] {
+        sandbox.apply(Command::SetModel(model)).unwrap();
+        let now = seen(&sandbox);
+        assert!(now.bodies.iter().all(|body| body.model == model));
+        assert!(now.positions == *now.start && now.energies.kinetic == 0.0 && now.time == 0.0);
+        run(&mut sandbox, 10);
+    }
+    for _ in 0..2 {
+        sandbox.apply(Command::Undo).unwrap();
+    }
+    let back = seen(&sandbox);
+    assert_eq!((back.positions, back.bodies[0].model), (moved.positions, Model::Corotated));
+}
+
+#[test]
+fn pins_are_toggled_undone_redone_and_cleared() {
+    let mut sandbox = small();
+    for vertex in [5, 3, 5, 7] {
+        sandbox.apply(Command::TogglePin(vertex)).unwrap();
+    }
+    assert_eq!(*seen(&sandbox).pins, [3, 7]);
+    sandbox.apply(Command::Undo).unwrap();
+    sandbox.apply(Command::Undo).unwrap();
+    assert_eq!(*seen(&sandbox).pins, [3, 5]);
+    sandbox.apply(Command::Redo).unwrap();
+    assert_eq!(*seen(&sandbox).pins, [3]);
+    assert!(seen(&sandbox).can_redo);
+    sandbox.apply(Command::ClearPins).unwrap();
+    assert!(seen(&sandbox).pins.is_empty() && !seen(&sandbox).can_redo, "a new edit ends what could be redone");
+    assert!(sandbox.apply(Command::TogglePin(99)).is_err());
+    sandbox.apply(Command::Undo).unwrap();
+    assert_eq!(sandbox.saved().bodies[0].pins, [Pin::Vertex(3)]);
+}
+
+#[test]
+fn a_pin_set_on_a_moving_body_holds_it_where_it_is() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    run(&mut sandbox, 30);
+    sandbox.apply(Command::TogglePin(0)).unwrap();
+    let held = seen(&sandbox).positions[..2].to_vec();
+    run(&mut sandbox, 100);
+    assert_eq!(seen(&sandbox).positions[..2], held[..]);
+    assert_ne!(held[..], seen(&sandbox).start[..2], "it was not sent back");
+}
+
+fn material(young: f64) -> MaterialParameters {
+    let (young, poisson) = (Young::new(young).unwrap(), Poisson::new(0.2).unwrap());
+    MaterialParameters::new(Model::Corotated, young, poisson, gingerbread::materials::Plane::Strain).unwrap()
+}
+
+#[test]
+fn a_slider_acts_at_once_and_one_gesture_is_one_undo() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    run(&mut sandbox, 20);
+    let before = seen(&sandbox).positions;
+    for young in [200.0, 300.0, 400.0] {
+        sandbox.apply(Command::SetMaterial(0, material(young))).unwrap();
+    }
+    sandbox.apply(Command::EndGesture).unwrap();
+    sandbox.apply(Command::SetMaterial(0, material(500.0))).unwrap();
+    let lame = |sandbox: &Sandbox| sandbox.simulation().scene().bodies[0].elements.lame().mu;
+    assert!((lame(&sandbox) - 500.0 / 2.4).abs() < 1e-12, "mu = E / (2 (1 + nu)) at once");
+    assert_eq!(seen(&sandbox).positions, before, "a slider does not move anything");
+    sandbox.apply(Command::Undo).unwrap();
+    assert!((lame(&sandbox) - 400.0 / 2.4).abs() < 1e-12);
+    sandbox.apply(Command::Undo).unwrap();
+    assert!((lame(&sandbox) - 100.0 / 2.6).abs() < 1e-12, "the whole gesture is gone");
+    sandbox.apply(Command::SetMass(0, MassLevel::Density(Density::new(10.0).unwrap()))).unwrap();
+    assert!((sandbox.simulation().scene().mass.iter().sum::<f64>() / 2.0 - 1.6).abs() < 1e-12);
+    sandbox.apply(Command::SetSubsteps(Substeps::new(200).unwrap())).unwrap();
+    assert!((sandbox.step_length() - 1.0 / 12000.0).abs() < 1e-18);
+}
+
+#[test]
+fn effects_are_switched_and_damping_is_found_or_added() {
+    let mut sandbox = small();
+    let count = seen(&sandbox).level.effects.len();
+    sandbox.apply(Command::SetDamping(true)).unwrap();
+    assert!(seen(&sandbox).damping && seen(&sandbox).level.effects.len() == count + 1);
+    sandbox.apply(Command::SetDamping(false)).unwrap();
+    assert!(!seen(&sandbox).damping && seen(&sandbox).level.effects.len() == count + 1, "off, but still listed");
+    let listed: EffectLevel = seen(&sandbox).level.effects[0].clone();
+    sandbox.apply(Command::SetEffect(0, EffectLevel { switch: Switch::Off, ..listed })).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+    assert!(!sandbox.simulation().scene().effects.iter().any(|effect| effect.name() == "Gravity"));
+    let listed = seen(&sandbox).level.effects[0].clone();
+    assert!(sandbox.apply(Command::SetEffect(9, listed)).is_err());
+}
+
+#[test]
+fn opening_a_level_can_be_undone_and_a_bad_one_changes_nothing() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    run(&mut sandbox, 40);
+    let before = seen(&sandbox);
+    let bad = Level { bodies: Vec::new(), ..Level::clone(&before.level) };
+    assert!(sandbox.apply(Command::Open(Box::new(bad))).is_err());
+    assert_eq!(seen(&sandbox).positions, before.positions);
+    assert_eq!(seen(&sandbox).mode, Mode::Simulate);
+    let other = files::parse(built_in("cantilever").unwrap(), "cantilever").unwrap();
+    sandbox.apply(Command::Open(Box::new(other))).unwrap();
+    assert_eq!((seen(&sandbox).level.name.as_str(), seen(&sandbox).mode), ("Cantilever", Mode::Edit));
+    assert_ne!(seen(&sandbox).generation, before.generation);
+    sandbox.apply(Command::Undo).unwrap();
+    assert_eq!((seen(&sandbox).level.name.as_str(), seen(&sandbox).positions), ("small", before.positions));
+    sandbox.apply(Command::Redo).unwrap();
+    assert_eq!(seen(&sandbox).level.name, "Cantilever");
+}
+
+#[test]
+fn reset_goes_back_to_the_start_and_keeps_the_edits() {
+    let mut sandbox = small();
+    sandbox.apply(Command::TogglePin(2)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    run(&mut sandbox, 40);
+    sandbox.apply(Command::Reset).unwrap();
+    let now = seen(&sandbox);
+    assert!(now.positions == *now.start && now.time == 0.0 && *now.pins == [2] && now.mode == Mode::Simulate);
+}
+
+#[test]
+fn a_fault_pauses_and_reset_takes_it_away() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMaterial(0, material(1e9))).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    sandbox.advance(100_000, &mut || true);
+    let fault = seen(&sandbox).fault.unwrap().to_string();
+    assert!(fault.contains("stability limit") && !sandbox.is_live(), "{fault}");
+    assert!(seen(&sandbox).positions.iter().all(|x| x.is_finite()));
+    sandbox.apply(Command::Reset).unwrap();
+    assert!(seen(&sandbox).fault.is_none() && sandbox.is_live());
+}
+
+#[test]
+fn a_stretch_test_takes_both_poses_and_shows_all_models_side_by_side() {
+    let mut sandbox = sandbox("stretch_test");
+    assert!(small().apply(Command::SetPose(Pose::Stretched)).is_err());
+    sandbox.apply(Command::SetPose(Pose::Compressed)).unwrap();
+    let one = seen(&sandbox);
+    assert!((one.bodies[0].height_ratio - 0.6).abs() < 1e-12);
+    assert!((one.bodies[0].mid_width - 0.2375).abs() < 1e-12, "not yet bulged");
+    sandbox.apply(Command::SetSideBySide(true)).unwrap();
+    let three = seen(&sandbox);
+    let models: Vec<_> = three.bodies.iter().map(|body| body.model).collect();
+    assert_eq!(models, Model::ALL);
+    for (number, body) in three.bodies.iter().enumerate() {
+        let own = &three.positions[2 * body.vertices.start..2 * body.vertices.end];
+        let (left, right) = gingerbread::scene::extent(own, 0);
+        assert!((0.5 * (left + right) - (number as f64 + 0.5) / 3.0).abs() < 1e-12);
+        assert!(body.energy > 0.0 && body.top_force < 0.0, "a pressed strip is held down");
+    }
+    sandbox.apply(Command::SetMaterial(2, material(50.0))).unwrap();
+    assert!(seen(&sandbox).level.bodies.iter().all(|body| body.material.young().get() == 50.0));
+    assert_eq!(seen(&sandbox).bodies[2].model, Model::NeoHookean, "the models stay apart");
+    sandbox.apply(Command::SetPose(Pose::Stretched)).unwrap();
+    assert!(seen(&sandbox).bodies.iter().all(|body| (body.height_ratio - 2.0).abs() < 1e-12 && body.top_force > 0.0));
+    sandbox.apply(Command::SetModel(Model::StVenantKirchhoff)).unwrap();
+    let now = seen(&sandbox);
+    assert!(now.bodies.len() == 1 && now.bodies[0].model == Model::StVenantKirchhoff && !now.side_by_side);
+}
+
+/// The clamped strip of the test, at its ends: the force on the top edge is what the law of each model says for a strip that is
+/// stretched evenly, before its free sides have moved.
+#[test]
+fn the_force_shown_on_the_top_edge_is_the_stress_times_the_width() {
+    let mut sandbox = sandbox("stretch_test");
+    sandbox.apply(Command::SetSideBySide(true)).unwrap();
+    sandbox.apply(Command::SetPose(Pose::Stretched)).unwrap();
+    let (mu, lambda) = (100.0 / 3.0, 100.0 / 1.5);
+    let s = 2.0_f64;
+    let stresses = [
+        (2.0 * mu + lambda) * (s - 1.0),
+        (mu + 0.5 * lambda) * s * (s * s - 1.0),
+        mu * (s - 1.0 / s) + lambda * s.ln() / s,
+    ];
+    for (body, stress) in seen(&sandbox).bodies.iter().zip(stresses) {
+        assert!((body.top_force - stress * 0.2375).abs() < 1e-10 * stress, "{}: {}", body.name, body.top_force);
+    }
+}
+
+#[test]
+fn what_is_saved_goes_on_exactly() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+    run(&mut sandbox, 123);
+    let saved = files::parse(&files::write(&sandbox.saved()).unwrap(), "saved").unwrap();
+    assert_eq!(saved.bodies[0].mesh, seen(&sandbox).level.bodies[0].mesh);
+    let mut again = Sandbox::new(saved, Box::new(NoFiles)).unwrap();
+    again.apply(Command::SetRunning(true)).unwrap();
+    assert_eq!(seen(&again).mode, Mode::Collide, "a level remembers how it was running");
+    run(&mut again, 100);
+    run(&mut sandbox, 100);
+    assert_eq!(again.simulation().state(), sandbox.simulation().state());
+}

@@ -172,28 +172,17 @@ impl Theme {
         if presence >= 1.0 { color } else { self.sky[0].lerp_to_gamma(self.sky[1], 0.5).lerp_to_gamma(color, presence) }
     }
 
-    fn widget(&self, fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
-        style::WidgetVisuals {
-            bg_fill: fill,
-            weak_bg_fill: fill,
-            bg_stroke: edge,
-            corner_radius: CornerRadius::same(8),
-            fg_stroke: Stroke::new(1.5, text),
-            expansion: 0.0,
-        }
-    }
-
     fn widgets(&self) -> style::Widgets {
         let [rest, hover, press] = self.button;
         style::Widgets {
             noninteractive: style::WidgetVisuals {
                 fg_stroke: Stroke::new(1.0, self.text),
-                ..self.widget(self.panel, self.text, Stroke::new(1.0, self.line))
+                ..widget(self.panel, self.text, Stroke::new(1.0, self.line))
             },
-            inactive: self.widget(rest, self.text, Stroke::NONE),
-            hovered: self.widget(hover, self.text, Stroke::new(1.0, self.accent_line)),
-            active: self.widget(press, self.text, Stroke::new(1.5, self.accent_line)),
-            open: self.widget(press, self.text, Stroke::new(1.0, self.line)),
+            inactive: widget(rest, self.text, Stroke::NONE),
+            hovered: widget(hover, self.text, Stroke::new(1.0, self.accent_line)),
+            active: widget(press, self.text, Stroke::new(1.5, self.accent_line)),
+            open: widget(press, self.text, Stroke::new(1.0, self.line)),
         }
     }
 
@@ -221,6 +210,18 @@ impl Theme {
             indent_has_left_vline: false,
             ..base
         }
+    }
+}
+
+/// A widget in one of its states.
+fn widget(fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
+    style::WidgetVisuals {
+        bg_fill: fill,
+        weak_bg_fill: fill,
+        bg_stroke: edge,
+        corner_radius: CornerRadius::same(8),
+        fg_stroke: Stroke::new(1.5, text),
+        expansion: 0.0,
     }
 }
 

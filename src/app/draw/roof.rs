@@ -34,11 +34,17 @@ fn slopes(sides: &[Side]) -> impl Iterator<Item = Slope> {
 pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
     let ends: Vec<Slope> = slopes(sides).collect();
-    ends.iter().for_each(|slope| boards(baker, slope));
-    for (color, lower) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
-        ends.iter().for_each(|slope| blanket(baker, slope, color, lower));
+    for slope in &ends {
+        boards(baker, slope);
     }
-    ends.iter().for_each(|slope| gumdrops(baker, slope));
+    for (color, lower) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
+        for slope in &ends {
+            blanket(baker, slope, color, lower);
+        }
+    }
+    for slope in &ends {
+        gumdrops(baker, slope);
+    }
     if let Some(ridge) = ends.iter().find(|slope| slope.ridge) {
         let top = [ridge.high[0], ridge.high[1] + THICKNESS + 0.006];
         baker.disc(top, 0.026, theme.icing);

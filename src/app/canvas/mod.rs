@@ -74,7 +74,7 @@ impl Canvas {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
         describe(&response, snapshot);
         let canvas = response.rect;
-        let camera = Camera::new(canvas, strip_numbers::height(snapshot, canvas));
+        let camera = camera(snapshot, canvas);
         let view = View { camera, theme: Theme::of(ui.ctx()) };
         let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
         let frame = Frame { snapshot, options, canvas, view, now, dt };
@@ -163,4 +163,9 @@ fn describe(response: &Response, snapshot: &Snapshot) {
         let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
         node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
     });
+}
+
+/// How the stage looks at the world when it fills `canvas`.
+pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
+    Camera::new(canvas, strip_numbers::height(snapshot, canvas))
 }

@@ -71,7 +71,7 @@ struct Frame<'a> {
 impl Canvas {
     /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot);
         let canvas = response.rect;
         let camera = Camera::new(canvas, strip_numbers::height(snapshot, canvas));

@@ -1,5 +1,5 @@
 //! The rules of the house, kept mechanically: which room may know what, and how large a file may grow.
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing test should panic")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
 
 use std::{fs, path::Path};
 

@@ -110,7 +110,12 @@ pub static TABLE: &[Binding] = &[
     binding("N", "neo-Hookean model, and start over", When::Always, &[key(Key::N)], |_| model(Model::NeoHookean)),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
-    // The longer shortcut comes first: Ctrl+Shift+Z also is a Ctrl+Z.
+    Binding {
+        repeats: true,
+        ..binding("Ctrl+Z", "undo: pins, sliders, model, level", When::Always, &[command(Key::Z)], |_| {
+            Act::Do(Command::Undo)
+        })
+    },
     Binding {
         repeats: true,
         ..binding(
@@ -120,12 +125,6 @@ pub static TABLE: &[Binding] = &[
             &[command(Key::Y), KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z)],
             |_| Act::Do(Command::Redo),
         )
-    },
-    Binding {
-        repeats: true,
-        ..binding("Ctrl+Z", "undo: pins, sliders, model, level", When::Always, &[command(Key::Z)], |_| {
-            Act::Do(Command::Undo)
-        })
     },
     binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| Act::ToggleHelp),
 ];
@@ -144,7 +143,9 @@ fn toggle(now: &Snapshot, mode: Mode) -> Act {
 
 impl Binding {
     fn is_pressed_by(&self, key: Key, modifiers: Modifiers) -> bool {
-        self.shortcuts.iter().any(|s| s.logical_key == key && modifiers.matches_logically(s.modifiers))
+        // Shift may be needed to write a `?`, but Ctrl+Shift+Z is no Ctrl+Z.
+        let shift = |s: &KeyboardShortcut| !s.modifiers.command || s.modifiers.shift == modifiers.shift;
+        self.shortcuts.iter().any(|s| s.logical_key == key && modifiers.matches_logically(s.modifiers) && shift(s))
     }
 }
 

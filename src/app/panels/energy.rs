@@ -1,6 +1,6 @@
 //! Where the energy is, now and in the last seconds.
 
-use super::{fixed, heading, row};
+use super::{fixed, heading_here, row};
 use crate::{
     app::{numbers, theme::Theme},
     snapshot::{Energies, Snapshot},
@@ -15,8 +15,8 @@ const WINDOW: f64 = 10.0;
 /// Least time between two kept samples [s].
 const APART: f64 = 1.0 / 120.0;
 
-/// Height of the plot [points].
-const HEIGHT: f32 = 180.0;
+/// Least and greatest height of the plot [points].
+const HEIGHTS: (f32, f32) = (150.0, 300.0);
 
 /// Energies of the last seconds.
 #[derive(Default)]
@@ -98,8 +98,9 @@ fn visible(curve: &Curve, of: &Energies) -> f64 {
 
 pub fn show(ui: &mut Ui, history: &History) {
     let Some(&(end, now)) = history.samples.back() else { return };
+    ui.add_space(6.0);
     ui.horizontal(|ui| {
-        heading(ui, "Energies");
+        heading_here(ui, "Energies");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let help = "Copies time and energies as comma-separated values.";
             if ui.small_button("Copy CSV").on_hover_text(help).clicked() {
@@ -109,6 +110,7 @@ pub fn show(ui: &mut Ui, history: &History) {
     });
     let theme = Theme::of(ui.ctx());
     for pair in CURVES.chunks(2) {
+        ui.spacing_mut().item_spacing.x = 20.0;
         ui.columns(pair.len(), |columns| {
             for (ui, curve) in columns.iter_mut().zip(pair) {
                 let name = RichText::new(curve.name).color((curve.color)(theme));
@@ -124,13 +126,16 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
     let span = (end - begin).max(1.0);
+    let height = (ui.clip_rect().bottom() - ui.cursor().top() - 12.0).clamp(HEIGHTS.0, HEIGHTS.1);
+    let apart = (high - low) * 13.0 / f64::from(height - 22.0);
     let response = Plot::new("energy")
-        .height(HEIGHT)
+        .height(height)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
+        .grid_color(theme.line)
         .show_x(false)
         .show_y(false)
         .y_axis_min_width(52.0)
@@ -147,7 +152,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
             let now = history.samples.back().map(|(_, now)| *now).unwrap_or_default();
-            for (curve, y) in CURVES.iter().zip(label_heights(&now, (high - low) * 13.0 / f64::from(HEIGHT))) {
+            for (curve, y) in CURVES.iter().zip(label_heights(&now, apart, high - apart)) {
                 let at = PlotPoint::new(end + 0.02 * span, y);
                 let text = RichText::new(curve.name).small().color((curve.color)(theme));
                 plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
@@ -156,14 +161,20 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     response.response.on_hover_text("Energies [J] over simulated time [s]");
 }
 
-/// Where to write the names of the curves: at their last values, but at least `apart` from each other.
-fn label_heights(now: &Energies, apart: f64) -> [f64; 4] {
+/// Where to write the names of the curves: at their last values, but at least `apart` from each other, and up to `top`.
+fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
     let mut heights = CURVES.each_ref().map(|curve| (curve.value)(now));
     let mut order = [0, 1, 2, 3];
     order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
-    for pair in 1..order.len() {
-        let floor = heights[order[pair - 1]] + apart;
-        heights[order[pair]] = heights[order[pair]].max(floor);
+    let mut floor = f64::NEG_INFINITY;
+    for curve in order {
+        heights[curve] = heights[curve].max(floor);
+        floor = heights[curve] + apart;
+    }
+    let mut ceiling = top;
+    for curve in order.into_iter().rev() {
+        heights[curve] = heights[curve].min(ceiling);
+        ceiling = heights[curve] - apart;
     }
     heights
 }
@@ -214,7 +225,8 @@ mod tests {
 
     #[test]
     fn labels_of_equal_energies_do_not_cover_each_other() {
-        let heights = label_heights(&Energies::default(), 1.0);
+        let heights = label_heights(&Energies::default(), 1.0, 2.0);
+        assert!(heights.iter().all(|height| *height <= 2.0));
         for (index, a) in heights.iter().enumerate() {
             assert!(heights[index + 1..].iter().all(|b| (a - b).abs() >= 1.0));
         }

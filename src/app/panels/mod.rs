@@ -182,12 +182,15 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
 }
 
 /// A heading between the groups of a panel.
-fn heading(ui: &mut Ui, text: &str) -> egui::Response {
+fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
-    let color = Theme::of(ui.ctx()).accent_line;
-    let response = ui.label(RichText::new(text).size(15.5).color(color));
+    heading_here(ui, text);
     ui.add_space(2.0);
-    response
+}
+
+/// A heading without space around it.
+fn heading_here(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).size(15.5).color(Theme::of(ui.ctx()).accent_line));
 }
 
 /// A row with a name on the left and a number on the right that does not move when it changes.

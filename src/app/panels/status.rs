@@ -20,6 +20,9 @@ struct Warning {
 /// Time slower than this is worth a warning; faster than the other it is forgotten.
 const SLOW: (f64, f64) = (0.85, 0.95);
 
+/// Stepping that takes this long in a frame is what slows time down [s].
+const MUCH: f64 = 0.009;
+
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
     let warning = warning(desk, view);
@@ -84,7 +87,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
 
 /// Writes the warning; what does not fit can be read in its tooltip.
 fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<Command>) {
-    let put_away = ui.small_button("Hide").on_hover_text("Puts this warning away.");
+    let put_away = ui.button("Hide").on_hover_text("Puts this warning away.");
     if put_away.clicked() {
         view.dismissed.push(warning.text.clone());
     }
@@ -113,7 +116,7 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     all.extend(inside_out(now));
     all.extend(now.bodies.iter().filter_map(|body| body.caution.clone().map(|text| caution(text, body.model))));
     if view.slow {
-        all.extend(slow(now));
+        all.extend(desk.rates.and_then(|rates| slow(now, rates.physics)));
     }
     all.extend(now.messages.iter().map(|text| Warning { text: text.clone(), mend: None }));
     view.dismissed.retain(|text| all.iter().any(|warning| warning.text == *text));
@@ -135,7 +138,11 @@ fn caution(text: String, model: Model) -> Warning {
     Warning { text, mend }
 }
 
-fn slow(now: &Snapshot) -> Option<Warning> {
+fn slow(now: &Snapshot, physics: f64) -> Option<Warning> {
+    if physics < MUCH {
+        let text = "Frames come too seldom: time runs slower than real time".to_owned();
+        return Some(Warning { text, mend: None });
+    }
     let steps = now.level.substeps.get();
     let text = format!("This machine cannot afford {steps} steps a frame: time runs slower than real time");
     let fewer = Substeps::new(steps / 2).ok()?;

@@ -3,7 +3,7 @@
 use super::{
     Desk, FileWish, Side, View,
     icons::Icon,
-    segmented::{HEIGHT, Segment, icon_button, segmented},
+    segmented::{HEIGHT, Lit, Segment, icon_button, segmented},
 };
 use crate::{
     command::{Command, Mode},
@@ -11,7 +11,8 @@ use crate::{
     snapshot::Snapshot,
 };
 use eframe::egui::{
-    self, Atom, Button, Frame, IdSalt, Margin, Panel, Popup, PopupCloseBehavior, Rect, Shape, Stroke, Ui, Vec2, vec2,
+    self, Align, Atom, Button, Frame, IdSalt, Layout, Margin, Panel, Popup, PopupCloseBehavior, Rect, ScrollArea,
+    Shape, Stroke, Ui, Vec2, vec2,
 };
 
 /// Width of the four buttons on the right.
@@ -62,14 +63,18 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
     let about = if desk.now.level.about.is_empty() { "Which level to play" } else { &desk.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
-    Popup::menu(&response).width(280.0).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
-        egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
-            for (index, entry) in desk.gallery.entries().iter().enumerate() {
-                let button = Button::selectable(entry.name == *name, entry.name.as_str());
-                if ui.add_sized([ui.available_width(), 22.0], button).on_hover_text(&entry.about).clicked() {
-                    view.file = Some(FileWish::BuiltIn(index));
+    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
+        ui.set_min_width(180.0);
+        let list = ScrollArea::vertical().max_height(420.0).auto_shrink([false, true]);
+        list.show(ui, |ui| {
+            ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
+                for (index, entry) in desk.gallery.entries().iter().enumerate() {
+                    let button = Button::selectable(entry.name == *name, entry.name.as_str());
+                    if ui.add(button).on_hover_text(&entry.about).clicked() {
+                        view.file = Some(FileWish::BuiltIn(index));
+                    }
                 }
-            }
+            });
         });
         ui.separator();
         if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
@@ -136,16 +141,14 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
 }
 
 fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
-    ui.add_enabled_ui(now.can_undo, |ui| {
-        if icon_button(ui, Icon::Undo, "Undo", "Pins, sliders, model, level. [Ctrl+Z]", false).clicked() {
-            commands.push(Command::Undo);
-        }
-    });
-    ui.add_enabled_ui(now.can_redo, |ui| {
-        if icon_button(ui, Icon::Redo, "Redo", "[Ctrl+Y or Ctrl+Shift+Z]", false).clicked() {
-            commands.push(Command::Redo);
-        }
-    });
+    let lit = |possible| if possible { Lit::Off } else { Lit::Disabled };
+    let about = "Pins, sliders, model, level. [Ctrl+Z]";
+    if icon_button(ui, Icon::Undo, "Undo", about, lit(now.can_undo)).clicked() {
+        commands.push(Command::Undo);
+    }
+    if icon_button(ui, Icon::Redo, "Redo", "[Ctrl+Y or Ctrl+Shift+Z]", lit(now.can_redo)).clicked() {
+        commands.push(Command::Redo);
+    }
     apart(ui);
 }
 

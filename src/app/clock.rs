@@ -155,11 +155,13 @@ mod tests {
     #[test]
     fn a_step_longer_than_two_frames_is_still_taken() {
         let mut clock = Clock::default();
-        let steps: u64 = (0..60).map(|_| {
-            let owed = clock.owe(1.0 / 60.0, 0.1);
-            clock.pay(Spent { elapsed: 1.0 / 60.0, step: 0.1, owed, taken: owed, ..Spent::default() });
-            owed
-        }).sum();
+        let steps: u64 = (0..60)
+            .map(|_| {
+                let owed = clock.owe(1.0 / 60.0, 0.1);
+                clock.pay(Spent { elapsed: 1.0 / 60.0, step: 0.1, owed, taken: owed, ..Spent::default() });
+                owed
+            })
+            .sum();
         assert!((9..=10).contains(&steps), "{steps}");
     }
 

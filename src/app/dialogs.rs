@@ -73,7 +73,8 @@ mod native {
         }
 
         fn dialog(&self) -> AsyncFileDialog {
-            let dialog = AsyncFileDialog::new().add_filter("Gingerbread level", &["ron"]).add_filter("All files", &["*"]);
+            let dialog =
+                AsyncFileDialog::new().add_filter("Gingerbread level", &["ron"]).add_filter("All files", &["*"]);
             match &self.folder {
                 Some(folder) => dialog.set_directory(folder),
                 None => dialog,

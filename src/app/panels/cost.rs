@@ -56,7 +56,12 @@ fn speed(ui: &mut Ui, desk: &Desk<'_>) {
     let rates = desk.rates;
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
     let factor = or_dash(rates.map(|rates| format!("{:.2} × real time", rates.factor)));
-    row(ui, "Speed", &factor, "Simulated time over real time. Steps are never skipped: if they cannot be afforded, time slows down.");
+    row(
+        ui,
+        "Speed",
+        &factor,
+        "Simulated time over real time. Steps are never skipped: if they cannot be afforded, time slows down.",
+    );
     row(ui, "Simulated time", &fixed(desk.now.time, "s"), "Time since the start [s]");
     let physics = or_dash(rates.map(|rates| fixed(rates.physics, "s")));
     row(ui, "Physics per frame", &physics, "Time spent on stepping in a frame [s]");

@@ -141,7 +141,8 @@ fn drawer(ui: &Ui, stage: Rect, which: Side, desk: &Desk<'_>, view: &mut View, c
     let align = if which == Side::Left { Align2::LEFT_TOP } else { Align2::RIGHT_TOP };
     let width = (if which == Side::Left { 240.0_f32 } else { 304.0 }).min(stage.width() - 28.0);
     let corner = align.pos_in_rect(&stage.shrink(6.0));
-    let area = Area::new(Id::unique(("drawer", which == Side::Left))).order(Order::Middle).pivot(align).fixed_pos(corner);
+    let area =
+        Area::new(Id::unique(("drawer", which == Side::Left))).order(Order::Middle).pivot(align).fixed_pos(corner);
     area.constrain_to(stage).show(ui.ctx(), |ui| {
         Frame::window(ui.style()).inner_margin(10).show(ui, |ui| {
             ui.set_width(width - 20.0);

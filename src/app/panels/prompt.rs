@@ -24,7 +24,8 @@ pub fn show(ctx: &Context, view: &mut View) {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
         let (title, verb) = if prompt.saving { ("Save the level", "Save") } else { ("Open a level", "Open") };
         ui.label(RichText::new(title).heading());
-        let question = if PATHS { "There is no file dialog on this system. Path of the level file:" } else { "Paste a level:" };
+        let question =
+            if PATHS { "There is no file dialog on this system. Path of the level file:" } else { "Paste a level:" };
         ui.label(question);
         let edit = if PATHS { TextEdit::singleline(&mut prompt.text) } else { TextEdit::multiline(&mut prompt.text) };
         let field = ui.add(edit.desired_width(f32::INFINITY).hint_text("my-level.ron")).accessible_name("Level file");

@@ -1,7 +1,9 @@
 //! Buttons that belong together, and buttons that are a picture.
 
 use super::icons::Icon;
-use eframe::egui::{self, Color32, CornerRadius, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, vec2};
+use eframe::egui::{
+    self, Color32, CornerRadius, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, Ui, WidgetInfo, vec2,
+};
 
 /// One part of a segmented control.
 pub struct Segment<'a> {
@@ -96,11 +98,7 @@ fn back(ui: &Ui, response: &Response, rect: Rect, on: bool) -> Color32 {
         let stroke = Stroke::new(1.0, visuals.selection.stroke.color);
         ui.painter().rect_stroke(rect, radius, stroke, StrokeKind::Inside);
     }
-    if on {
-        visuals.selection.stroke.color
-    } else {
-        visuals.text_color()
-    }
+    if on { visuals.selection.stroke.color } else { visuals.text_color() }
 }
 
 fn tip(response: Response, name: &str, about: &str) -> Response {

@@ -33,13 +33,8 @@ pub struct Outcome {
 pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> Outcome {
     let spec = quantity.spec();
     let help = format!("{}\nAllowed: {}.", spec.help.trim(), spec.range());
-    let look = Look {
-        name: spec.name,
-        unit: spec.unit,
-        range: spec.slider,
-        logarithmic: spec.logarithmic,
-        help: &help,
-    };
+    let look =
+        Look { name: spec.name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
     let value = quantity.get();
     number(ui, &look, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
 }

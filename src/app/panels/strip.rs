@@ -10,7 +10,10 @@ use crate::{
     materials::Model,
     snapshot::Snapshot,
 };
-use eframe::egui::{self, Align, Atom, Button, Frame, IdSalt, Layout, Margin, Panel, Popup, PopupCloseBehavior, Rect, ScrollArea, Shape, Stroke, Ui, Vec2, vec2};
+use eframe::egui::{
+    self, Align, Atom, Button, Frame, IdSalt, Layout, Margin, Panel, Popup, PopupCloseBehavior, Rect, ScrollArea,
+    Shape, Stroke, Ui, Vec2, vec2,
+};
 
 /// Width of the four buttons on the right.
 const LOOKS: f32 = 4.0 * (HEIGHT + 2.0) + 3.0 * 2.0;
@@ -88,7 +91,11 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
     let parts = [
         part(Mode::Edit, "Edit", "Nothing moves; click to pin and free vertices. [M or T]"),
         part(Mode::Simulate, "Simulate", "Time runs; drag to pull. [M]"),
-        part(Mode::Collide, "Collide", "Time runs, with gravity, walls and whatever the level keeps for this mode. [T]"),
+        part(
+            Mode::Collide,
+            "Collide",
+            "Time runs, with gravity, walls and whatever the level keeps for this mode. [T]",
+        ),
     ];
     let clicked = segmented(ui, "mode", &parts, false)?;
     [Mode::Edit, Mode::Simulate, Mode::Collide].get(clicked).copied()

@@ -78,7 +78,12 @@ impl std::fmt::Display for Fault {
         write!(out, "Triangle {triangle} of {body} went first (J = {volume_ratio:.2e}). ")?;
         match cause {
             Cause::StepTooLong { step, limit } => {
-                write!(out, "The time step of {} is above the stability limit of about {}.", Millis(*step), Millis(*limit))
+                write!(
+                    out,
+                    "The time step of {} is above the stability limit of about {}.",
+                    Millis(*step),
+                    Millis(*limit)
+                )
             }
             Cause::Crushed(model) => {
                 write!(out, "It was crushed inside out, where {} has no energy.", model.title())

@@ -59,15 +59,17 @@ pub fn write(level: &Level) -> Result<String, FileError> {
     text.map(|text| text + "\n").map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
 }
 
-/// Reads a level from a file, or, where there is no such file, the built-in one of that name. Paths of meshes in it are
+/// Reads a level from a file; a bare name such as `gingerbread` is that built-in level. Paths of meshes in it are
 /// taken relative to its folder.
 ///
 /// # Errors
 /// [`FileError`] with the place and the reason.
 pub fn read(path: &Path) -> Result<Level, FileError> {
     let name = path.display().to_string();
-    if !path.exists() && let Some(text) = levels::built_in(&name) {
-        return parse(text, &name);
+    if path.extension().is_none()
+        && let Some(text) = levels::built_in(&name)
+    {
+        return parse(text, &format!("{name}.ron"));
     }
     let mut level = parse(&read_text(path)?, &name)?;
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -105,6 +105,15 @@ pub struct RunReport {
     pub fault: Option<String>,
 }
 
+impl std::fmt::Display for RunReport {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { level, steps, time, wall_seconds, ns_per_triangle_step, energy, min_j, state_hash, .. } = self;
+        write!(out, "{level}: {steps} steps to {time:.4} s in {wall_seconds:.3} s ")?;
+        write!(out, "({ns_per_triangle_step:.1} ns per triangle and step); ")?;
+        write!(out, "energy {:.6} J, least J {min_j:.4}, state {state_hash}", energy.total)
+    }
+}
+
 /// Energies [J].
 #[derive(Debug, Serialize)]
 pub struct EnergyReport {
@@ -258,7 +267,11 @@ fn access(path: &Path, error: &dyn std::error::Error) -> FileError {
 
 fn seconds(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
-    if value.is_finite() && (0.0..=1e9).contains(&value) { Ok(value) } else { Err("expected seconds in [0, 1e9]".to_owned()) }
+    if value.is_finite() && (0.0..=1e9).contains(&value) {
+        Ok(value)
+    } else {
+        Err("expected seconds in [0, 1e9]".to_owned())
+    }
 }
 
 fn model(text: &str) -> Result<Model, String> {

@@ -1,8 +1,47 @@
-//! Gingerbread: a 2D deformable-body FEM sandbox.
-#![allow(missing_docs)]
+//! Gingerbread: a 2D deformable-body FEM sandbox, as a simulation library with a window on top.
+//!
+//! A **level file** says what there is and which effects act; a **scene** is built from it once and does not change
+//! while time runs; an **integrator** advances the **state**; the window draws a **snapshot** and answers with
+//! **commands**.
+//!
+//! ```text
+//! levels/x.ron --serde--> Level --build--> Scene (constant) --+
+//!                                                             +--> Simulation::advance --> Counts, Fault
+//!                                State (moves) <--------------+         |
+//!                                                                       v
+//!       Command <-- panels, keys, mouse <-- App::ui <-- Snapshot (a copy, no references back)
+//!          +------- applied at the start of App::logic --------> Sandbox::apply
+//! ```
+//!
+//! # The rooms, in reading order
+//!
+//! Each uses only those before it (`tests/house.rs` keeps that). Where a room has kinds, its `mod.rs` holds the trait
+//! and the list, and each kind is one file beside it: a new one is that file, its `mod` line and one entry in
+//! `registry!`. Menus, level files and tests walk the same list.
+//!
+//! | room | what it knows |
+//! |---|---|
+//! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
+//! | `registry` | the macro behind every list of kinds |
+//! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
+//! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
+//! | [`obstacles`] | what bodies bump into; the one room that says parry2d |
+//! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles themselves |
+//! | [`state`] | positions and velocities: what moves |
+//! | [`integrators`] | how time passes, without any physics |
+//! | [`level`] | what a file may say |
+//! | [`scene`] | a level made ready for stepping |
+//! | [`stability`] | how long a step may be |
+//! | [`report`], [`fault`] | what stepping cost, and why it stopped |
+//! | [`simulation`] | scene and state together: taking steps |
+//! | [`command`], [`document`], [`sandbox`] | what a person can do, what can be undone, and doing it |
+//! | [`snapshot`] | what a frame of the window is drawn from |
+//! | [`levels`], [`files`] | the levels that come along; reading and saving |
+//! | `headless` | `gingerbread run` and `gingerbread check` (not in browsers) |
+//! | [`app`] | the window; the one room that says egui |
 
 pub mod quantity;
-pub(crate) mod registry;
+mod registry;
 
 pub mod materials;
 pub mod meshes;
@@ -16,19 +55,18 @@ pub mod state;
 pub mod integrators;
 
 pub mod level;
-
 pub mod scene;
-
-pub mod stability;
 
 pub mod fault;
 pub mod report;
+pub mod stability;
 
 pub mod simulation;
 
 pub mod command;
 pub mod document;
 pub mod sandbox;
+
 pub mod snapshot;
 
 pub mod files;
@@ -36,3 +74,5 @@ pub mod levels;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod headless;
+
+pub mod app;

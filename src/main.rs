@@ -1,12 +1,12 @@
 //! Opens the window, or runs a headless subcommand.
 
 use clap::{Parser, Subcommand};
-use gingerbread::{files, headless};
+use gingerbread::{app, files, headless};
 use std::{path::PathBuf, process::ExitCode};
 
 /// A 2D deformable-body sandbox. Without a subcommand it opens the window.
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version, about, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -31,15 +31,32 @@ fn main() -> ExitCode {
     match arguments.command {
         Some(Command::Run(run)) => match headless::run(&run) {
             Ok(report) => {
-                println!("{}: {} steps to {:.4} s in {:.3} s, {:.1} ns per triangle and step, total energy {:.6} J, least J {:.4}, state {}",
-                    report.level, report.steps, report.time, report.wall_seconds, report.ns_per_triangle_step,
-                    report.energy.total, report.min_j, report.state_hash);
+                println!("{report}");
                 ExitCode::SUCCESS
             }
             Err(error) => fail(&error, error.exit_code()),
         },
         Some(Command::Check { files }) => check(&files),
-        None => ExitCode::SUCCESS,
+        None => window(arguments.level.as_deref()),
+    }
+}
+
+/// Opens the window; where that cannot be, says so and what to do instead.
+fn window(level: Option<&std::path::Path>) -> ExitCode {
+    let level = match level.map(files::read).transpose() {
+        Ok(level) => level,
+        Err(error) => return fail(&error, 2),
+    };
+    match app::run(level) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let reason = error.to_string();
+            let reason = reason.lines().next().unwrap_or_default();
+            eprintln!(
+                "gingerbread: no window can be opened here ({reason}); `gingerbread run LEVEL` works without one."
+            );
+            ExitCode::from(2)
+        }
     }
 }
 

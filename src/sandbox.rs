@@ -107,7 +107,8 @@ impl Sandbox {
             }
             Command::SetMaterial(body, material) => {
                 let body = document.source(body);
-                let model = if document.side_by_side { document.level.bodies[0].material.model() } else { material.model() };
+                let model =
+                    if document.side_by_side { document.level.bodies[0].material.model() } else { material.model() };
                 get(&mut document.level.bodies, body)?.material = material.with_model(model);
                 gesture = Some(Gesture::Material(body));
             }
@@ -169,10 +170,11 @@ impl Sandbox {
     fn show(&mut self, document: Document, then: Then, state: Option<State>) -> Result<(), Refused> {
         let scene = self.build(&document, self.effect_mode(&document))?;
         let shown = without_state(&document.shown(self.middle()));
-        let same = self.shown.bodies.len() == shown.bodies.len()
-            && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
-                a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
-            });
+        let same =
+            self.shown.bodies.len() == shown.bodies.len()
+                && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
+                    a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
+                });
         if then == Then::Restart || !same {
             let state = match state {
                 Some(state) if state.x.len() == scene.rest.len() => state,

@@ -80,7 +80,9 @@ pub enum SceneError {
         why: String,
     },
     /// The saved state belongs to other meshes.
-    #[error("the saved state has {positions} positions and {velocities} velocities, but the bodies have {vertices} vertices")]
+    #[error(
+        "the saved state has {positions} positions and {velocities} velocities, but the bodies have {vertices} vertices"
+    )]
     State {
         /// Number of saved positions.
         positions: usize,
@@ -117,8 +119,7 @@ impl Scene {
             scene.add_body(body, files, previous).map_err(|why| SceneError::Body { name: body.name.clone(), why })?;
         }
         scene.finish_masses();
-        scene.triangles =
-            Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
+        scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
         Ok(scene)
     }
@@ -235,7 +236,8 @@ fn stretched(level: &BodyLevel, rest: &[f64]) -> Vec<f64> {
     let (sx, sy) = (level.stretch.0.get(), level.stretch.1.get());
     let ((left, right), (bottom, _)) = (extent(rest, 0), extent(rest, 1));
     let middle = 0.5 * (left + right);
-    let along = |value: f64, origin: f64, factor: f64| if factor == 1.0 { value } else { origin + factor * (value - origin) };
+    let along =
+        |value: f64, origin: f64, factor: f64| if factor == 1.0 { value } else { origin + factor * (value - origin) };
     rest.chunks_exact(2).flat_map(|point| [along(point[0], middle, sx), along(point[1], bottom, sy)]).collect()
 }
 
@@ -273,7 +275,9 @@ fn pinned(pins: &[Pin], rest: &[f64]) -> Result<Vec<u32>, String> {
     for &pin in pins {
         match pin {
             Pin::Vertex(vertex) if (vertex as usize) < count => pinned.push(vertex),
-            Pin::Vertex(vertex) => return Err(format!("a pin names vertex {vertex}, but they go from 0 to {}", count - 1)),
+            Pin::Vertex(vertex) => {
+                return Err(format!("a pin names vertex {vertex}, but they go from 0 to {}", count - 1));
+            }
             Pin::Nearest(point) => pinned.extend(nearest_vertex(rest, point.get()).map(|i| i as u32)),
             Pin::Left => pinned.extend(on_edge(0, false)),
             Pin::Right => pinned.extend(on_edge(0, true)),

@@ -169,7 +169,12 @@ impl Simulation {
 impl Scratch {
     fn fit(&mut self, scene: &Scene) {
         self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
-        let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost { name: effect.name(), time: Duration::ZERO, calls: 0, elements: 0 };
+        let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost {
+            name: effect.name(),
+            time: Duration::ZERO,
+            calls: 0,
+            elements: 0,
+        };
         if !self.costs.iter().map(|cost| cost.name).eq(scene.effects.iter().map(|effect| effect.name())) {
             self.costs = scene.effects.iter().map(cost).collect();
         }
@@ -203,7 +208,8 @@ impl Scratch {
 impl Dynamics for System<'_> {
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
-        let motion = crate::effects::Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        let motion =
+            crate::effects::Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
         for (number, effect) in scene.effects.iter().enumerate() {

@@ -168,7 +168,9 @@ impl Sandbox {
         let x = &self.simulation.state().x;
         let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
         let springs = self.shown.effects.iter().filter(|listed| listed.switch == Switch::On);
-        let stiffness = springs.map(|listed| if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 });
+        let stiffness = springs.map(|listed| {
+            if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 }
+        });
         Pull { vertex, target, force: stiffness.sum::<f64>() * (dx * dx + dy * dy).sqrt() }
     }
 }

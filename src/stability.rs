@@ -10,7 +10,8 @@ use crate::{scene::Scene, state::State};
 /// unit circle while `h² w² + 2 h c < 4`.
 pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     let square = largest_eigenvalue(scene, state)?;
-    let [alpha, beta] = scene.effects.iter().map(|effect| effect.damping()).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let [alpha, beta] =
+        scene.effects.iter().map(|effect| effect.damping()).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let rate = alpha + beta * square;
     let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
     step.is_finite().then_some(step)
@@ -47,7 +48,7 @@ pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
     (eigenvalue.is_finite() && eigenvalue > 0.0).then_some(eigenvalue)
 }
 
-/// A fixed irregular sequence in [-1, 1): the high half of a 64-bit mix (Steele, Lea and Flood, *SplitMix*, 2014).
+/// A fixed irregular sequence in [-1, 1): the high half of a 64-bit mix (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).
 fn irregular(number: u64) -> f64 {
     let mut z = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -29,8 +29,8 @@ impl State {
     /// A fingerprint of every bit of positions and velocities (FNV-1a, 64 bit): equal states, equal numbers.
     pub fn hash(&self) -> u64 {
         let numbers = self.x.iter().chain(&self.v);
-        numbers.flat_map(|number| number.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
+        numbers
+            .flat_map(|number| number.to_bits().to_le_bytes())
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
     }
 }

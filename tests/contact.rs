@@ -16,7 +16,8 @@ fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
     walls.obstacles.iter().map(|kind| kind.kind().build().unwrap()).collect()
 }
 
-const ALL: &str = "Plane(point: (0.1, 0.2), normal: (1, 2), eps: 0.02), Ball(centre: (0.5, 0.5), radius: 0.2, eps: 0.02),
+const ALL: &str =
+    "Plane(point: (0.1, 0.2), normal: (1, 2), eps: 0.02), Ball(centre: (0.5, 0.5), radius: 0.2, eps: 0.02),
     Cuboid(centre: (0.5, 0.5), width: 0.5, height: 0.2, turn: 30, eps: 0.02),
     Polygon(points: [(0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.5, 0.4), (0.2, 0.8)], eps: 0.02)";
 
@@ -83,8 +84,11 @@ fn obstacles_without_a_shape_are_refused_with_a_reason() {
 
 #[test]
 fn a_vertex_beyond_an_edge_of_the_world_is_put_back_and_loses_its_velocity_outwards() {
-    let mut simulation =
-        simulation(&sheet("Corotated", "velocity: (40, -3)", "effects: [(effect: Boundary(least: (0, 0), greatest: (1, 1)))]"));
+    let mut simulation = simulation(&sheet(
+        "Corotated",
+        "velocity: (40, -3)",
+        "effects: [(effect: Boundary(least: (0, 0), greatest: (1, 1)))]",
+    ));
     for _ in 0..400 {
         simulation.advance(1, &mut || true);
         let state = simulation.state();

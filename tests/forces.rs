@@ -164,7 +164,8 @@ fn the_force_of_every_effect_with_energy_is_minus_its_derivative() {
         let effect = kind.kind().build(&bodies).unwrap();
         let x = shaken(&scene.rest, 0.01, 5);
         let v = vec![0.0; x.len()];
-        let energy = |x: &[f64]| effect.energy(Motion { x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab });
+        let energy =
+            |x: &[f64]| effect.energy(Motion { x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab });
         let mut force = vec![0.0; x.len()];
         let motion = Motion { x: &x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab };
         effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);

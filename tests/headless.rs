@@ -86,7 +86,10 @@ fn check_says_what_a_level_is_and_what_is_wrong_with_a_bad_one() {
     let output = gingerbread(&["check", "gingerbread", &bad, "stretch_test"]);
     assert_eq!(output.status.code(), Some(2));
     let (good, wrong) = (said(&output.stdout), said(&output.stderr));
-    assert!(good.contains("2010 triangles") && good.contains("stretch_test"), "a bad file does not stop the rest: {good}");
+    assert!(
+        good.contains("2010 triangles") && good.contains("stretch_test"),
+        "a bad file does not stop the rest: {good}"
+    );
     assert!(wrong.contains("bad.ron:3:") && wrong.contains("bodis") && wrong.lines().count() == 1, "{wrong}");
 }
 
@@ -124,7 +127,8 @@ fn a_run_that_blows_up_says_why_and_ends_with_1() {
 #[cfg(target_os = "linux")]
 fn without_a_display_the_window_says_so_and_names_run() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gingerbread"));
-    let output = command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output().unwrap();
+    let output =
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output().unwrap();
     let message = said(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.lines().count() == 1 && message.contains("gingerbread run"), "{message}");

@@ -97,7 +97,8 @@ fn stiffness_is_the_derivative_of_stress_and_symmetric() {
             assert!((stiffness - stiffness.transpose()).norm() < 1e-13 * scale, "{}", material.title());
             for entry in 0..4 {
                 let exact: [f64; 4] = stiffness.column(entry).into_owned().into();
-                let along = |by: f64| Vector4::from_column_slice(material.stress(&moved(&f, entry, by)).as_slice()).into();
+                let along =
+                    |by: f64| Vector4::from_column_slice(material.stress(&moved(&f, entry, by)).as_slice()).into();
                 let error = best_difference(exact, along, scale);
                 assert!(error < 1e-8, "{} at {f}: {error:e}", material.title());
             }

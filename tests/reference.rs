@@ -17,10 +17,8 @@ fn rows(name: &str) -> Vec<Vec<f64>> {
 fn greatest_difference(model: Model, poisson: f64, file: &str) -> f64 {
     let reference = rows(file);
     let points: Vec<_> = reference.iter().map(|row| format!("({:?}, {:?})", row[1], row[2])).collect();
-    let triangles: Vec<_> = rows("cs5643_ref_mesh_tris.csv")
-        .iter()
-        .map(|row| format!("({}, {}, {})", row[0], row[1], row[2]))
-        .collect();
+    let triangles: Vec<_> =
+        rows("cs5643_ref_mesh_tris.csv").iter().map(|row| format!("({}, {}, {})", row[0], row[1], row[2])).collect();
     let level = format!(
         "(name: \"reference\", bodies: [(name: \"man\", mass: Total(25), mesh: Points(points: [{}], triangles: [{}]),
           material: (model: {}, young: 1000, poisson: {poisson}, plane: Stress))])",
@@ -42,7 +40,8 @@ fn greatest_difference(model: Model, poisson: f64, file: &str) -> f64 {
 #[test]
 #[ignore = "needs the reference data"]
 fn six_hundred_steps_agree_with_an_independent_program() {
-    let models = [(Model::Corotated, "corotated"), (Model::StVenantKirchhoff, "stvk"), (Model::NeoHookean, "neohookean")];
+    let models =
+        [(Model::Corotated, "corotated"), (Model::StVenantKirchhoff, "stvk"), (Model::NeoHookean, "neohookean")];
     for (model, name) in models {
         for (poisson, suffix) in [(0.0, ""), (0.3, "_nu03")] {
             let difference = greatest_difference(model, poisson, &format!("cs5643_ref_{name}{suffix}.csv"));

@@ -4,12 +4,7 @@
 mod common;
 
 use common::{Random, level, models, sheet, simulation};
-use gingerbread::{
-    document, files,
-    level::Level,
-    simulation::Simulation,
-    stability::critical_step,
-};
+use gingerbread::{document, files, level::Level, simulation::Simulation, stability::critical_step};
 
 /// The body deformed at random and moving at random.
 fn shake(simulation: &mut Simulation, seed: u64) {
@@ -27,7 +22,7 @@ fn run(simulation: &mut Simulation, steps: u64) {
     assert_eq!(simulation.advance(steps, &mut || true), steps, "{:?}", simulation.fault());
 }
 
-/// v_n = -n g h and x_n - x_0 = -g h² (1 + 2 + .. + n).
+/// `v_n = -n g h` and `x_n - x_0 = -g h² (1 + 2 + .. + n)`.
 #[test]
 fn a_free_fall_of_n_steps_is_g_h_squared_n_n_plus_1_over_2() {
     let mut simulation = simulation(&sheet("NeoHookean", "", "effects: [(effect: Gravity(down: 9.8))]"));
@@ -90,7 +85,11 @@ fn pinned_vertices_keep_every_bit() {
 }
 
 fn falling(model: &str) -> Level {
-    sheet(model, "spin: 2", "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.001)), (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]")
+    sheet(
+        model,
+        "spin: 2",
+        "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.001)), (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]",
+    )
 }
 
 #[test]
@@ -122,7 +121,7 @@ fn saving_reading_back_and_going_on_equals_never_having_stopped() {
     }
 }
 
-/// Near rest, where the limit is 2/omega_max of the linearised scene, on every model and with damping.
+/// Near rest, where the limit is 2/w of the linearised scene, on every model and with damping.
 #[test]
 fn a_step_just_below_the_stability_limit_holds_and_one_just_above_blows_up() {
     for model in models() {

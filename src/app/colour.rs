@@ -13,8 +13,8 @@ const PATIENCE: f32 = 1.5;
 /// Time constant [s] with which the shown range goes to a new one.
 const EASE: f32 = 0.12;
 
-/// Share of the triangles that the range leaves out at its upper end, so that a single spike does not set it.
-const OUTLIERS: f64 = 0.01;
+/// Share of the triangles that the range leaves out at its upper end, so that a few spikes do not set it.
+const OUTLIERS: f64 = 0.03;
 
 static VIRIDIS: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::VIRIDIS, false));
 

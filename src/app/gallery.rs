@@ -34,6 +34,15 @@ impl Gallery {
         &self.entries
     }
 
+    /// Reads the level that the program starts with.
+    ///
+    /// # Errors
+    /// What is wrong with its text, with file, line and column.
+    pub fn first(&self) -> Result<Level, String> {
+        let first = |entry: &Entry| entry.file.strip_suffix(".ron") == Some(levels::FIRST);
+        self.level(self.entries.iter().position(first).unwrap_or(0))
+    }
+
     /// Reads a level of the picker.
     ///
     /// # Errors

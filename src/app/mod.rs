@@ -55,14 +55,14 @@ pub struct App {
 }
 
 impl App {
-    /// Starts with a level, or with the first one of the gallery.
+    /// Starts with a level, or with the gingerbread man.
     ///
     /// # Errors
     /// If the level cannot be built.
     pub fn new(cc: &eframe::CreationContext<'_>, level: Option<Level>) -> Result<Self, Refused> {
         let level = match level {
             Some(level) => level,
-            None => Gallery::default().level(0).unwrap_or_default(),
+            None => Gallery::default().first().unwrap_or_default(),
         };
         Self::with_level(&cc.egui_ctx, level, Box::new(Disk))
     }

@@ -70,7 +70,8 @@ impl Effect for Edges {
 
     fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
         let mut touched = 0;
-        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2)) {
+        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
+        {
             if inverse_mass[0] == 0.0 {
                 continue;
             }

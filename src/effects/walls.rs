@@ -25,11 +25,19 @@ impl EffectParameters for Walls {
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
-        self.obstacles.iter_mut().filter(|kind| !matches!(kind, ObstacleKind::Plane(_))).flat_map(|kind| kind.kind_mut().parameters()).collect()
+        self.obstacles
+            .iter_mut()
+            .filter(|kind| !matches!(kind, ObstacleKind::Plane(_)))
+            .flat_map(|kind| kind.kind_mut().parameters())
+            .collect()
     }
 
     fn shapes(&self) -> Vec<Shape> {
-        let planes = || self.obstacles.iter().filter_map(|kind| if let ObstacleKind::Plane(plane) = kind { Some(plane) } else { None });
+        let planes = || {
+            self.obstacles
+                .iter()
+                .filter_map(|kind| if let ObstacleKind::Plane(plane) = kind { Some(plane) } else { None })
+        };
         let solids = self.obstacles.iter().map(|kind| kind.kind().outline()).filter(|outline| !outline.is_empty());
         let room = planes().next().is_some().then(|| Shape::Room(room(planes(), [0.0, 0.0], [1.0, 1.0])));
         room.into_iter().chain(solids.map(Shape::Solid)).collect()

@@ -43,7 +43,7 @@ impl Field {
 impl Triangles {
     /// Adds one value a triangle to `values`, in their order; nothing for [`Field::None`].
     pub fn field(&self, field: Field, x: &[f64], values: &mut Vec<f64>) {
-        self.model().visit(self.lame(), Values { of: self, field, x, values });
+        self.model().visit(self.lame(), Values { of: self, field, x, out: values });
     }
 
     /// det F of each triangle.
@@ -56,7 +56,7 @@ struct Values<'a> {
     of: &'a Triangles,
     field: Field,
     x: &'a [f64],
-    values: &'a mut Vec<f64>,
+    out: &'a mut Vec<f64>,
 }
 
 impl Visitor for Values<'_> {
@@ -65,11 +65,11 @@ impl Visitor for Values<'_> {
         let gradients = self.of.gradients(self.x).map(|(f, _)| f);
         match self.field {
             Field::None => {}
-            Field::Volume => self.values.extend(gradients.map(|f| f.determinant())),
-            Field::EnergyDensity => self.values.extend(gradients.map(|f| material.energy(&f))),
+            Field::Volume => self.out.extend(gradients.map(|f| f.determinant())),
+            Field::EnergyDensity => self.out.extend(gradients.map(|f| material.energy(&f))),
             Field::VonMises => {
                 let plane_stress = self.of.plane_stress();
-                self.values.extend(gradients.map(|f| von_mises(material, &f, plane_stress)));
+                self.out.extend(gradients.map(|f| von_mises(material, &f, plane_stress)));
             }
         }
     }

@@ -100,7 +100,13 @@ impl Triangles {
     }
 
     /// Adds a force at each corner, computed from the triangle's number, F, and D0⁻¹, as `[f1 f2] = -A stress D0⁻ᵀ`.
-    pub(crate) fn add_stress(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64], stress: impl Fn(usize, &Self, &Matrix2<f64>) -> Matrix2<f64>) {
+    pub(crate) fn add_stress(
+        &self,
+        x: &[f64],
+        scratch: &mut [f64],
+        force: &mut [f64],
+        stress: impl Fn(usize, &Self, &Matrix2<f64>) -> Matrix2<f64>,
+    ) {
         for (number, (out, (f, _))) in scratch.chunks_exact_mut(6).zip(self.gradients(x)).enumerate() {
             self.rest[number].corner_forces(&stress(number, self, &f), out);
         }

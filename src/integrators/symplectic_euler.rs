@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Symplectic (semi-implicit) Euler: `v += h f(x, v)/m`, then `x += h v`.
 ///
-/// First order. Without damping it is stable for h < 2/omega_max, omega_max the highest natural frequency, and keeps a
+/// First order. Without damping it is stable for h < 2/w, w the highest natural angular frequency, and keeps a
 /// modified energy exactly for linear forces, so that the true one swings but does not drift
 /// (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, section I.1.2).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -17,11 +17,7 @@ pub struct Ball {
 impl Default for Ball {
     fn default() -> Self {
         let half = Coordinate::literal(0.5);
-        Self {
-            centre: Point(half, Coordinate::literal(0.2)),
-            radius: Length::literal(0.1),
-            eps: Reach::literal(0.01),
-        }
+        Self { centre: Point(half, Coordinate::literal(0.2)), radius: Length::literal(0.1), eps: Reach::literal(0.01) }
     }
 }
 

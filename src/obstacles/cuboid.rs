@@ -41,9 +41,8 @@ impl Cuboid {
         let ([x, y], turn) = (self.centre.get(), self.turn.get().to_radians());
         let (c, s) = (libm::cos(turn), libm::sin(turn));
         let (w, h) = (0.5 * self.width.get(), 0.5 * self.height.get());
-        let corner = |[a, b]: [f64; 2]| {
-            Point(Coordinate::literal(x + c * a - s * b), Coordinate::literal(y + s * a + c * b))
-        };
+        let corner =
+            |[a, b]: [f64; 2]| Point(Coordinate::literal(x + c * a - s * b), Coordinate::literal(y + s * a + c * b));
         Polygon { points: [[-w, -h], [w, -h], [w, h], [-w, h]].map(corner).to_vec(), eps: self.eps }
     }
 }

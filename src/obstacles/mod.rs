@@ -76,7 +76,8 @@ pub trait Obstacle: Send + Sync {
     /// energy never grows. Returns the number of vertices touched.
     fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
         let mut touched = 0;
-        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2)) {
+        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
+        {
             let Some(Contact { distance, normal: [nx, ny] }) = self.contact([x[0], x[1]]) else { continue };
             if distance < 0.0 && inverse_mass[0] > 0.0 {
                 let inwards = (v[0] * nx + v[1] * ny).min(0.0);

@@ -120,13 +120,7 @@ impl Hold {
 }
 
 /// What a press means: the vertex nearest to where it began counts, however far it has moved since.
-fn begin(
-    pointer: &Pointer,
-    snapshot: &Snapshot,
-    camera: Camera,
-    points: &[Pos2],
-    commands: &mut Vec<Command>,
-) -> Hold {
+fn begin(pointer: &Pointer, snapshot: &Snapshot, camera: Camera, points: &[Pos2], commands: &mut Vec<Command>) -> Hold {
     let generation = snapshot.generation;
     let begun = pointer.origin.and_then(|origin| Some((origin, nearest(points, origin)?)));
     match begun {

@@ -22,7 +22,7 @@ use crate::{
     command::{Command, Mode},
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{self, CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo};
+use eframe::egui::{CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo};
 use hold::Hold;
 use scenery::Scenery;
 
@@ -163,10 +163,4 @@ fn describe(response: &Response, snapshot: &Snapshot) {
         let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
         node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
     });
-}
-
-/// The place on the screen of a point of the world [m], for a stage that fills `canvas`, and the other way round.
-/// For whoever wants to point at the stage from outside, such as a test.
-pub fn camera(snapshot: &Snapshot, canvas: egui::Rect) -> Camera {
-    Camera::new(canvas, strip_numbers::height(snapshot, canvas))
 }

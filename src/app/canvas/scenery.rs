@@ -14,7 +14,7 @@ use eframe::egui::{self, Rect};
 const FADE: f32 = 0.2;
 
 /// How much is seen in edit mode of what only acts in collide mode.
-const PALE: f32 = 0.6;
+const PALE: f32 = 0.72;
 
 /// The scenery and how much of it is there.
 #[derive(Default)]
@@ -57,7 +57,8 @@ impl Scenery {
 
     /// How much of a room there is: it takes the place of the plain world square.
     pub fn room_presence(&self) -> f32 {
-        let rooms = self.effects.iter().filter(|(shapes, _)| shapes.iter().any(|shape| matches!(shape, Shape::Room(_))));
+        let rooms =
+            self.effects.iter().filter(|(shapes, _)| shapes.iter().any(|shape| matches!(shape, Shape::Room(_))));
         rooms.map(|effect| effect.1).fold(0.0, f32::max)
     }
 

@@ -13,9 +13,7 @@ pub fn gumdrop(ink: &mut Ink, view: View, outline: &[[f64; 2]], number: usize, p
     let candy = view.theme.candy[number % 2];
     let bounds = Rect::from_points(&points);
     let (bright, dark) = (candy.lerp_to_gamma(Color32::WHITE, 0.22), candy.lerp_to_gamma(Color32::BLACK, 0.3));
-    ink.shaded(&points, |at| {
-        color(bright.lerp_to_gamma(dark, (at.y - bounds.top()) / bounds.height().max(1.0)))
-    });
+    ink.shaded(&points, |at| color(bright.lerp_to_gamma(dark, (at.y - bounds.top()) / bounds.height().max(1.0))));
     ink.line(&points, true, view.size(0.005, 1.5, 20.0), color(dark));
     sugar(ink, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
 }

@@ -28,7 +28,9 @@ pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &m
         line.extend(stroke.points.iter().map(|point| place(point, mesh.triangles(), points) + lift));
         let width = view.camera.length(stroke.width as f32).max(1.5);
         for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(opacity), -lift)] {
-            line.iter_mut().for_each(|point| *point += back);
+            for point in line.iter_mut() {
+                *point += back;
+            }
             if stroke.filled {
                 ink.area(line, color);
             } else {

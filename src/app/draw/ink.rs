@@ -158,8 +158,10 @@ impl Ink {
         let count = points.len();
         self.across.clear();
         for i in 0..count {
-            let before = if i > 0 || closed { (points[i] - points[(i + count - 1) % count]).normalized() } else { Vec2::ZERO };
-            let after = if i + 1 < count || closed { (points[(i + 1) % count] - points[i]).normalized() } else { Vec2::ZERO };
+            let before =
+                if i > 0 || closed { (points[i] - points[(i + count - 1) % count]).normalized() } else { Vec2::ZERO };
+            let after =
+                if i + 1 < count || closed { (points[(i + 1) % count] - points[i]).normalized() } else { Vec2::ZERO };
             let sum = (before + after).normalized();
             let along = if sum == Vec2::ZERO { before } else { sum };
             let cosine = if before == Vec2::ZERO || after == Vec2::ZERO { 1.0 } else { along.dot(before).abs() };

@@ -34,9 +34,16 @@ fn slopes(sides: &[Side]) -> impl Iterator<Item = Slope> {
 pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
     let ends: Vec<Slope> = slopes(sides).collect();
-    ends.iter().for_each(|slope| boards(baker, slope));
+    for slope in &ends {
+        boards(baker, slope);
+    }
     for (color, lower) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
-        ends.iter().for_each(|slope| blanket(baker, slope, color, lower));
+        for slope in &ends {
+            blanket(baker, slope, color, lower);
+        }
+    }
+    for slope in &ends {
+        gumdrops(baker, slope);
     }
     if let Some(ridge) = ends.iter().find(|slope| slope.ridge) {
         let top = [ridge.high[0], ridge.high[1] + THICKNESS + 0.006];
@@ -62,20 +69,22 @@ impl Slope {
 
     /// The upper end at a share of the thickness: slopes meet above the ridge.
     fn top(&self, out: f64) -> [f64; 2] {
-        if self.ridge { [self.high[0], self.high[1] + out * THICKNESS / self.out[1].max(0.3)] } else { self.at(1.0, out) }
+        if self.ridge {
+            [self.high[0], self.high[1] + out * THICKNESS / self.out[1].max(0.3)]
+        } else {
+            self.at(1.0, out)
+        }
     }
 }
 
-/// The dough, with candy on it.
+/// The dough.
 fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     let theme = baker.view.theme;
-    baker.area(&[slope.at(slope.eaves(), 0.0), slope.at(slope.eaves(), 1.0), slope.top(1.0), slope.top(0.0)], theme.wall);
+    baker.area(
+        &[slope.at(slope.eaves(), 0.0), slope.at(slope.eaves(), 1.0), slope.top(1.0), slope.top(0.0)],
+        theme.wall,
+    );
     baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
-    let count = (slope.length() / SCALLOP / 2.0).floor().max(1.0);
-    for i in 0..count as usize {
-        let at = slope.at((i as f64 + 0.5) / count, 0.5);
-        baker.button(at, 0.0085, theme.candy[i % 2]);
-    }
 }
 
 /// Icing on top, hanging down in scallops of uneven length; `wider` all around for its rim [m].
@@ -92,6 +101,17 @@ fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
     }
 }
 
+/// Candy stuck into the icing.
+fn gumdrops(baker: &mut Baker<'_>, slope: &Slope) {
+    let candy = baker.view.theme.candy;
+    let low = slope.eaves();
+    let count = ((1.0 - low) * slope.length() / (2.0 * SCALLOP)).floor().max(1.0);
+    for i in 0..count as usize {
+        let along = low + (1.0 - low) * (i as f64 + 0.35) / count;
+        baker.button(slope.at(along, 1.12), 0.0095, candy[i % 2]);
+    }
+}
+
 /// A chimney on the right slope, behind the roof.
 pub fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
@@ -99,7 +119,10 @@ pub fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
     let [x, y] = slope.at(0.45, 1.0);
     let (half, top) = (0.042, y + 0.12);
     baker.area(&[[x - half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x - half, top]], theme.wall);
-    baker.area(&[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]], theme.wall_shade);
+    baker.area(
+        &[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]],
+        theme.wall_shade,
+    );
     baker.line(&[[x - half, top], [x + half, top]], 0.026, theme.icing);
     for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
         baker.disc([x + at * half, top - drop], 0.012, theme.icing);

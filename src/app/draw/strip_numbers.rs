@@ -35,10 +35,13 @@ pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Sna
         bottom = bottom.max(column.write(painter, view, body, snapshot.bodies.len() > 1));
     }
     for caution in snapshot.bodies.iter().filter_map(|body| body.caution.as_deref()) {
-        bottom = sentence(painter, pos2(canvas.center().x, bottom + 0.25 * size), canvas.width() - size, caution, (
-            FontId::proportional(size),
-            view.theme.caution,
-        ));
+        bottom = sentence(
+            painter,
+            pos2(canvas.center().x, bottom + 0.25 * size),
+            canvas.width() - size,
+            caution,
+            (FontId::proportional(size), view.theme.caution),
+        );
     }
 }
 

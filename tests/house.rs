@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 21] = [
+const ROOMS: [&[&str]; 22] = [
     &["quantity"],
     &["registry"],
     &["materials"],
@@ -23,6 +23,7 @@ const ROOMS: [&[&str]; 21] = [
     &["document"],
     &["sandbox"],
     &["snapshot"],
+    &["study"],
     &["levels", "files"],
     &["headless"],
     &["app"],

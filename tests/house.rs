@@ -4,12 +4,13 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 21] = [
+const ROOMS: [&[&str]; 22] = [
     &["quantity"],
     &["registry"],
     &["materials"],
     &["meshes"],
     &["obstacles"],
+    &["solvers"],
     &["effects", "elements"],
     &["state"],
     &["integrators"],

@@ -26,6 +26,7 @@
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`obstacles`] | what bodies bump into; the one room that says parry2d |
+//! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, Newton's method |
 //! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles themselves |
 //! | [`state`] | positions and velocities: what moves |
 //! | [`integrators`] | how time passes, without any physics |
@@ -47,6 +48,8 @@ mod registry;
 pub mod materials;
 pub mod meshes;
 pub mod obstacles;
+
+pub mod solvers;
 
 pub mod effects;
 pub mod elements;

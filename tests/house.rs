@@ -10,6 +10,7 @@ const ROOMS: [&[&str]; 22] = [
     &["materials"],
     &["meshes"],
     &["obstacles"],
+    &["solvers"],
     &["effects", "elements"],
     &["state"],
     &["integrators"],

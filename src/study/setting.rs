@@ -86,8 +86,7 @@ pub(super) fn limit(scene: &Scene, start: &State) -> f64 {
 /// symplectic Euler to 1/64 of it by halves; implicit ones from one step a frame on; error control from a tolerance of
 /// 1e-2 to 1e-9.
 pub fn ladder(integrator: &IntegratorKind, scene: &Scene, start: &State) -> Vec<Setting> {
-    let substeps = |count: f64| Substeps::new(libm::ceil(count.max(1.0)) as u32).ok();
-    let at = |count: f64| Some(Setting { integrator: integrator.clone(), substeps: substeps(count)? });
+    let at = |count: f64| Setting { integrator: integrator.clone(), substeps: Substeps::nearest(count) };
     let mut settings: Vec<Setting> = match integrator.kind().class() {
         Class::Explicit => {
             let limit = limit(scene, start);
@@ -95,13 +94,13 @@ pub fn ladder(integrator: &IntegratorKind, scene: &Scene, start: &State) -> Vec<
             let shares = [0.75, 1.1, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
             // A scheme of high order is below all errors of interest long before 1/64.
             let finest = if integrator.kind().order() >= 4 { 16.0 } else { 64.0 };
-            shares.into_iter().filter(|share| *share <= finest).filter_map(|share| at(share * limit)).collect()
+            shares.into_iter().filter(|share| *share <= finest).map(|share| at(share * limit)).collect()
         }
-        Class::Implicit => [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().filter_map(at).collect(),
+        Class::Implicit => [1.0, 2.0, 4.0, 8.0, 16.0].into_iter().map(at).collect(),
         Class::ErrorControlled => (2..=9)
             .filter_map(|digits| {
                 let integrator = with_tolerance(integrator, libm::pow(10.0, -f64::from(digits)))?;
-                Some(Setting { integrator, substeps: substeps(1.0)? })
+                Some(Setting { integrator, substeps: Substeps::nearest(1.0) })
             })
             .collect(),
     };

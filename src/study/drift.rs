@@ -90,6 +90,11 @@ impl Drift {
         Progress { done: done / self.runs.len().max(1) as f64, finished }
     }
 
+    /// How many run at once.
+    pub(super) const fn threads(&self) -> usize {
+        self.threads
+    }
+
     /// The courses so far, in the order of the settings.
     pub fn runs(&self) -> &[DriftRun] {
         &self.runs

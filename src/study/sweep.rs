@@ -2,6 +2,7 @@
 
 use super::{
     Outcome, Progress, Reference, ReferenceJob, Run, Setting, Status, StudyError, Trial, ladder,
+    fit::steady_slope,
     march::Deadline,
     setting::limit,
     threads,
@@ -205,14 +206,5 @@ fn order(points: &[Point], floor: f64) -> Option<f64> {
     };
     let mut finest_first: Vec<_> = points.iter().rev().filter_map(asymptotic).collect();
     finest_first.dedup_by(|a, b| a[0] == b[0]);
-    let slope = |a: &[f64; 2], b: &[f64; 2]| (a[1] - b[1]) / (a[0] - b[0]);
-    let [a, b, ..] = finest_first.as_slice() else { return None };
-    let finest = slope(a, b);
-    let steady = finest_first.windows(2).take_while(|pair| (slope(&pair[0], &pair[1]) - finest).abs() <= 0.3).count();
-    let fitted = &finest_first[..=steady];
-    let mean = |axis: usize| fitted.iter().map(|point| point[axis]).sum::<f64>() / fitted.len() as f64;
-    let [x, y] = [mean(0), mean(1)];
-    let covariance: f64 = fitted.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
-    let variance: f64 = fitted.iter().map(|point| (point[0] - x) * (point[0] - x)).sum();
-    Some(-covariance / variance)
+    steady_slope(&finest_first).map(|slope| -slope)
 }

@@ -108,6 +108,11 @@ impl Deviation {
         self.size += exact.iter().zip(start).map(|(exact, start)| (exact - start) * (exact - start)).sum::<f64>();
     }
 
+    /// The error of this one moment over the RMS size of all moments so far.
+    pub fn relative_to(self, all: Self, moments: f64) -> f64 {
+        if self.error == 0.0 { 0.0 } else { (self.error * moments / all.size).sqrt() }
+    }
+
     /// The relative RMS error; absolute [m²] would be `error` alone. Zero over zero is zero.
     pub fn relative(self) -> f64 {
         if self.error == 0.0 { 0.0 } else { (self.error / self.size).sqrt() }

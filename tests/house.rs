@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 22] = [
+const ROOMS: [&[&str]; 23] = [
     &["quantity"],
     &["registry"],
     &["materials"],

@@ -5,7 +5,7 @@ use super::{
     dialogs::{Answer, file_name},
     panels::{FileWish, Prompt, View},
 };
-use crate::{command::Command, files};
+use crate::{command::Command, files, level::Level};
 use eframe::egui::Context;
 use std::path::Path;
 
@@ -14,7 +14,7 @@ impl App {
     pub(super) fn file_work(&mut self, ctx: &Context) {
         match self.view.file.take() {
             Some(FileWish::BuiltIn(index)) => match self.gallery.level(index) {
-                Ok(level) => self.apply(Command::Open(Box::new(level))),
+                Ok(level) => self.start(level),
                 Err(message) => self.view.notice = Some(message),
             },
             Some(FileWish::Open) => self.dialogs.ask_open(),
@@ -32,10 +32,16 @@ impl App {
         }
     }
 
+    /// Starts a level that could be read; what was wrong with another one is forgotten.
+    fn start(&mut self, level: Level) {
+        self.view.notice = None;
+        self.apply(Command::Open(Box::new(level)));
+    }
+
     /// Opens a level file. If it cannot be read or built, its message is shown and the old scene goes on.
     pub fn open(&mut self, path: &Path) {
         match files::read(path) {
-            Ok(level) => self.apply(Command::Open(Box::new(level))),
+            Ok(level) => self.start(level),
             Err(error) => self.view.notice = Some(error.to_string()),
         }
     }
@@ -43,7 +49,7 @@ impl App {
     /// Opens a level from its text; `name` stands for the file in messages.
     pub fn open_text(&mut self, text: &str, name: &str) {
         match files::parse(text, name) {
-            Ok(level) => self.apply(Command::Open(Box::new(level))),
+            Ok(level) => self.start(level),
             Err(error) => self.view.notice = Some(error.to_string()),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::View;
 use crate::{command::Command, level::Substeps, snapshot::Snapshot};
-use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Stroke, Ui, vec2};
+use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Key, Order, Rect, RichText, Stroke, Ui, vec2};
 
 pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if now.fault.is_none() && view.notice.is_none() {
@@ -21,9 +21,9 @@ pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, command
         let mut read = false;
         if let Some(notice) = &view.notice {
             let color = ui.visuals().warn_fg_color;
-            card(ui, width, color, "This did not work", notice, |ui| read = ui.button("Got it").clicked());
+            card(ui, width, color, "This did not work", notice, |ui| read = ui.button("Got it").on_hover_text("[Esc]").clicked());
         }
-        if read {
+        if read || (view.notice.is_some() && ui.input(|input| input.key_pressed(Key::Escape))) {
             view.notice = None;
         }
     });

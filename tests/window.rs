@@ -243,9 +243,9 @@ fn changing_the_model_puts_positions_and_velocities_back() {
             assert!(moved(&window) > 1e-4, "he falls");
             press(&mut window, Key::Space);
             if by_key {
-                press(&mut window, key)
+                press(&mut window, key);
             } else {
-                click(&mut window, label)
+                click(&mut window, label);
             }
             assert_eq!(moved(&window), 0.0, "{label}");
             assert_eq!(window.state().snapshot().energies.kinetic, 0.0, "{label}");

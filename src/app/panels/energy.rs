@@ -46,11 +46,11 @@ impl History {
 
     /// The samples as text, one line each, for a spreadsheet.
     pub fn csv(&self) -> String {
-        let mut text = String::from("time [s],kinetic [J],elastic [J],potential [J],total [J]\n");
-        for (time, of) in &self.samples {
-            text += &format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total());
-        }
-        text
+        let head = "time [s],kinetic [J],elastic [J],potential [J],total [J]\n".to_owned();
+        let line = |(time, of): &(f64, Energies)| {
+            format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
+        };
+        std::iter::once(head).chain(self.samples.iter().map(line)).collect()
     }
 }
 

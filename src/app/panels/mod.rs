@@ -26,27 +26,18 @@ use super::{
     numbers,
     theme::Theme,
 };
-use crate::{
-    command::Command,
-    snapshot::{Field, Snapshot},
-};
+use crate::{command::Command, snapshot::Snapshot};
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 
 /// How things are looked at: nothing in here changes the simulation.
 #[derive(Default)]
 pub struct View {
-    /// What the triangles are coloured by.
-    pub field: Field,
-    /// Whether the edges of the triangles are drawn.
-    pub wireframe: bool,
-    /// Whether the vertices are drawn.
-    pub vertices: bool,
+    /// Colours, edges and vertices.
+    pub stage: canvas::Options,
     /// The body whose material the sliders show.
     pub body: usize,
-    /// Whether the panel on the left is hidden, in a wide window.
-    pub left_hidden: bool,
-    /// Whether the panel on the right is hidden, in a wide window.
-    pub right_hidden: bool,
+    /// Whether the panels on the left and on the right are hidden, in a wide window.
+    pub hidden: [bool; 2],
     /// The panel that lies over the stage, in a narrow window.
     pub drawer: Option<Side>,
     /// Whether the list of keys is shown.
@@ -109,7 +100,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
         view.drawer = None;
         docked(ui, desk, view, commands);
     }
-    let options = canvas::Options { field: view.field, wireframe: view.wireframe, vertices: view.vertices };
+    let options = view.stage;
     let stage = egui::CentralPanel::no_frame().show(ui, |ui| {
         let stage = ui.max_rect();
         canvas.show(ui, desk.now, &options, commands);
@@ -126,12 +117,11 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
 
 /// Both sides beside the stage.
 fn docked(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    let mut open = !view.left_hidden;
-    Panel::left("left").resizable(false).exact_size(256.0).show_collapsible(ui, &mut open, |ui| {
+    let [mut left, mut right] = view.hidden.map(|hidden| !hidden);
+    Panel::left("left").resizable(false).exact_size(256.0).show_collapsible(ui, &mut left, |ui| {
         side(ui, Side::Left, desk, view, commands);
     });
-    let mut open = !view.right_hidden;
-    Panel::right("right").resizable(false).exact_size(320.0).show_collapsible(ui, &mut open, |ui| {
+    Panel::right("right").resizable(false).exact_size(320.0).show_collapsible(ui, &mut right, |ui| {
         side(ui, Side::Right, desk, view, commands);
     });
 }

@@ -179,7 +179,7 @@ fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
 }
 
 impl View {
-    fn hidden(&mut self, side: Side) -> &mut bool {
-        if side == Side::Left { &mut self.left_hidden } else { &mut self.right_hidden }
+    const fn hidden(&mut self, side: Side) -> &mut bool {
+        &mut self.hidden[side as usize]
     }
 }

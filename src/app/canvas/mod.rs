@@ -2,6 +2,8 @@
 
 mod hold;
 mod scenery;
+#[cfg(test)]
+mod tests;
 
 use super::{
     camera::Camera,
@@ -71,10 +73,10 @@ struct Frame<'a> {
 impl Canvas {
     /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot);
         let canvas = response.rect;
-        let camera = Camera::new(canvas, strip_numbers::height(snapshot, canvas));
+        let camera = camera(snapshot, canvas);
         let view = View { camera, theme: Theme::of(ui.ctx()) };
         let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
         let frame = Frame { snapshot, options, canvas, view, now, dt };
@@ -163,4 +165,9 @@ fn describe(response: &Response, snapshot: &Snapshot) {
         let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
         node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
     });
+}
+
+/// How a stage that fills `canvas` shows the world, for whoever wants to point at it from outside, such as a test.
+pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
+    Camera::new(canvas, strip_numbers::height(snapshot, canvas))
 }

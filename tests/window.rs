@@ -338,6 +338,7 @@ fn what_is_saved_opens_again_as_it_was() {
     press(&mut window, Key::Space);
     let positions = window.state().snapshot().positions.clone();
     window.state_mut().save(&path);
+    assert!(window.state().notice().is_some_and(|notice| notice.starts_with("Saved as")));
     press(&mut window, Key::N);
     window.state_mut().open(&path);
     window.run_steps(3);

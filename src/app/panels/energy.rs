@@ -96,7 +96,7 @@ const CURVES: [Curve; 4] = [
 fn visible(curve: &Curve, of: &Energies) -> f64 {
     let value = (curve.value)(of);
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
-    if value.abs() > 1e-12 * largest.max(1e-3) { value } else { 0.0 }
+    if value.abs() <= 1e-12 * largest.max(1e-3) { 0.0 } else { value }
 }
 
 pub fn show(ui: &mut Ui, history: &History) {

@@ -116,6 +116,9 @@ fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<
 /// The one that matters most and was not put away. What is over can be warned of again.
 fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     let now = desk.now;
+    if now.fault.is_some() {
+        return None;
+    }
     let factor = desk.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let mut all = Vec::new();

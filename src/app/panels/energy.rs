@@ -6,7 +6,7 @@ use crate::{
     snapshot::{Energies, Snapshot},
 };
 use eframe::egui::{self, Align2, Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
+use egui_plot::{GridMark, Line, Plot, PlotPoint, PlotPoints, Text};
 use std::collections::VecDeque;
 
 /// How far back the plot looks [s of simulated time].
@@ -148,6 +148,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
         .show_x(false)
         .show_y(false)
         .y_axis_min_width(52.0)
+        .x_grid_spacer(move |input| marks(input.bounds, span))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
         .show(ui, |plot| {
@@ -168,6 +169,14 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
             }
         });
     response.response.on_hover_text("Energies [J] over simulated time [s]");
+}
+
+/// Seconds to mark and to number: few enough that the numbers do not touch.
+fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
+    let step = [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|step| *step >= 0.32 * span).unwrap_or(10.0);
+    let first = (from / step).ceil() as i64;
+    let last = (to / step).floor() as i64;
+    (first..=last).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
 }
 
 /// Where to write the names of the curves: at their last values, but at least `apart` from each other, and up to `top`.

@@ -28,7 +28,7 @@ use dialogs::Dialogs;
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use gallery::Gallery;
-use panels::{Desk, History, View};
+use panels::{Desk, History, Notice, View};
 use web_time::Instant;
 
 /// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
@@ -114,13 +114,13 @@ impl App {
 
     /// The message that waits to be read, if there is one.
     pub fn notice(&self) -> Option<&str> {
-        self.view.notice.as_deref()
+        self.view.notice.as_ref().map(Notice::text)
     }
 
     /// Applies a command; one that is refused is shown, and nothing changes.
     fn apply(&mut self, command: Command) {
         if let Err(refused) = self.sandbox.apply(command) {
-            self.view.notice = Some(refused.to_string());
+            self.view.notice = Some(Notice::trouble(&refused));
         }
     }
 

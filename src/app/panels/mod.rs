@@ -40,12 +40,14 @@ pub struct View {
     pub hidden: [bool; 2],
     /// The panel that lies over the stage, in a narrow window.
     pub drawer: Option<Side>,
+    /// Height of the strip at the top in the last frame [points].
+    pub strip_height: f32,
     /// Whether the list of keys is shown.
     pub help: bool,
-    /// A message that waits to be read: a refused value, a file that cannot be read.
-    pub notice: Option<String>,
-    /// Warnings that were read and put away.
-    pub dismissed: Vec<String>,
+    /// A message that waits to be read.
+    pub notice: Option<Notice>,
+    /// Kinds of warnings that were read and put away.
+    pub dismissed: Vec<&'static str>,
     /// Whether time was too slow of late; keeps the warning from flickering.
     pub slow: bool,
     /// Keys that were pressed, or clicked in the line at the bottom.
@@ -54,6 +56,28 @@ pub struct View {
     pub file: Option<FileWish>,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
+}
+
+/// A message that waits to be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// A refused value, a file that cannot be read: nothing has changed.
+    Trouble(String),
+    /// Something that cannot be seen was done.
+    Done(String),
+}
+
+impl Notice {
+    /// What is wrong.
+    pub fn trouble(why: &dyn std::fmt::Display) -> Self {
+        Self::Trouble(why.to_string())
+    }
+
+    /// What it says.
+    pub fn text(&self) -> &str {
+        let (Self::Trouble(text) | Self::Done(text)) = self;
+        text
+    }
 }
 
 /// A side of the window.
@@ -148,6 +172,9 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
         if side == Side::Left {
+            if !desk.now.level.about.is_empty() {
+                ui.label(RichText::new(&desk.now.level.about).small().weak());
+            }
             test_pose::show(ui, desk.now, commands);
             body::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
@@ -197,8 +224,8 @@ fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
 
 /// Takes what a slider did into the view: a refusal is shown, the end of a gesture is passed on.
 fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, commands: &mut Vec<Command>) {
-    if outcome.refused.is_some() {
-        view.notice = outcome.refused;
+    if outcome.refused.is_some() || outcome.changed {
+        view.notice = outcome.refused.map(Notice::Trouble);
     }
     if outcome.changed {
         commands.extend(command);

@@ -151,15 +151,19 @@ impl Simulation {
 
     /// Energies now [J].
     pub fn energies(&self) -> Energies {
+        if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
+            let [kinetic, potential] = toy.kind().energies([a, b]);
+            return Energies { kinetic, elastic: 0.0, potential };
+        }
         let motion = self.scene.motion(&self.state, self.grab);
         let speeds = motion.v.iter().zip(motion.mass);
         let kinetic = 0.5 * speeds.map(|(v, mass)| mass * v * v).sum::<f64>();
-        let (elastic, other) = self.scene.effects.split_at(self.scene.bodies.len());
+        let (elastic, other) = self.scene.effects.split_at(self.scene.element_count());
         let stored = |effects: &[std::sync::Arc<dyn Effect>]| effects.iter().map(|effect| effect.energy(motion)).sum();
         Energies { kinetic, elastic: stored(elastic), potential: stored(other) }
     }
 
-    /// Least det F of all triangles, and how many have det F <= 0.
+    /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.
     pub fn inversion(&self) -> (f64, usize) {
         let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
         ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))

@@ -4,15 +4,17 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 21] = [
+const ROOMS: [&[&str]; 23] = [
     &["quantity"],
     &["registry"],
     &["materials"],
     &["meshes"],
+    &["nets"],
     &["obstacles"],
     &["effects", "elements"],
     &["state"],
     &["integrators"],
+    &["toys"],
     &["level"],
     &["scene"],
     &["stability"],

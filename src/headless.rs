@@ -250,8 +250,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         time: state.time,
         force_evaluations: counts.force_evaluations,
         wall_seconds,
-        ns_per_triangle_step: (triangles > 0)
-            .then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),
+        ns_per_triangle_step: (triangles > 0).then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),
         effects: effects.collect(),
         state_hash: format!("{:016x}", state.hash()),
         fault: simulation.fault().map(ToString::to_string),

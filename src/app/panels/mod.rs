@@ -8,12 +8,14 @@ mod effects;
 mod energy;
 mod help;
 mod icons;
+mod net;
 mod prompt;
 mod segmented;
 mod slider;
 mod status;
 mod strip;
 mod test_pose;
+mod toy;
 
 pub use energy::History;
 pub use prompt::Prompt;
@@ -28,6 +30,7 @@ use super::{
 };
 use crate::{
     command::Command,
+    quantity::Quantity,
     snapshot::{Field, Snapshot},
 };
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
@@ -41,7 +44,7 @@ pub struct View {
     pub wireframe: bool,
     /// Whether the vertices are drawn.
     pub vertices: bool,
-    /// The body whose material the sliders show.
+    /// The body, or after the bodies the net, whose numbers the sliders show.
     pub body: usize,
     /// Whether the panel on the left is hidden, in a wide window.
     pub left_hidden: bool,
@@ -160,6 +163,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
         if side == Side::Left {
             test_pose::show(ui, desk.now, commands);
             body::show(ui, desk.now, view, commands);
+            toy::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
         } else {
             cost::show(ui, desk, view, commands);
@@ -216,6 +220,18 @@ fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, c
     if outcome.ended {
         commands.push(Command::EndGesture);
     }
+}
+
+/// Sliders for numbers that describe themselves; what they did, all together.
+fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::Outcome {
+    let mut sum = slider::Outcome::default();
+    for (index, number) in numbers.into_iter().enumerate() {
+        let outcome = ui.push_id(index, |ui| slider::quantity(ui, number)).inner;
+        sum.changed |= outcome.changed;
+        sum.ended |= outcome.ended;
+        sum.refused = outcome.refused.or(sum.refused.take());
+    }
+    sum
 }
 
 /// A count with thousands apart: `12 480`.

@@ -1,5 +1,6 @@
 //! What stepping cost: counts that tests pin, and clocks that are only shown.
 
+use crate::integrators::StepCounts;
 use std::time::Duration;
 
 /// Counts of the steps taken since the scene was built.
@@ -9,8 +10,36 @@ pub struct Counts {
     pub steps: u64,
     /// Evaluations of all forces together.
     pub force_evaluations: u64,
+    /// Steps inside the steps; more than `steps` if the integrator controls its error.
+    pub inner_steps: u64,
+    /// Steps inside the steps that were taken again, shorter, for their error.
+    pub rejected: u64,
+    /// Iterations of Newton's method.
+    pub newton_iterations: u64,
+    /// How often a Newton step was cut short by its line search.
+    pub line_search_cuts: u64,
+    /// Sparse factorisations.
+    pub factorisations: u64,
+    /// Factorisations repeated with a heavier diagonal, as the matrix was not positive definite.
+    pub shifts: u64,
+    /// Steps whose equations were not solved to tolerance.
+    pub unconverged: u64,
     /// Vertices whose velocity or position an effect changed.
     pub constrained: u64,
+}
+
+impl Counts {
+    /// Books one step.
+    pub fn add(&mut self, step: &StepCounts) {
+        self.steps += 1;
+        self.inner_steps += step.inner_steps;
+        self.rejected += step.rejected;
+        self.newton_iterations += step.newton.iterations;
+        self.line_search_cuts += step.newton.cuts;
+        self.factorisations += step.newton.factorisations;
+        self.shifts += step.newton.shifts;
+        self.unconverged += step.newton.unconverged;
+    }
 }
 
 /// What one effect cost.

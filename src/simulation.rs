@@ -1,12 +1,14 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
 use crate::{
-    effects::{Effect, Grab},
+    effects::{Effect, Grab, Motion},
     fault::Fault,
-    integrators::Dynamics,
+    integrators::{Dynamics, Ode, Scheme, StepCounts, Work},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
+    solvers::{BlockMatrix, Weights},
     state::State,
+    toys::Toy,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -26,7 +28,7 @@ pub struct Simulation {
 #[derive(Default)]
 struct Scratch {
     /// For the integrator.
-    work: Vec<f64>,
+    work: Work,
     /// For the effects.
     effects: Vec<f64>,
     counts: Counts,
@@ -130,10 +132,21 @@ impl Simulation {
     fn step(&mut self) {
         let h = self.scene.step;
         let mut work = std::mem::take(&mut self.scratch.work);
-        let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
-        self.scene.integrator.kind().step(&mut system, &mut self.state, &mut work, h);
+        let integrator = self.scene.integrator.kind();
+        let counts = match (&self.scene.toy, integrator.scheme()) {
+            (Some(toy), Scheme::First(scheme)) => {
+                let mut system = ToySystem { toy: toy.kind(), counts: &mut self.scratch.counts };
+                scheme.step(&mut system, &mut self.state, &mut work, h)
+            }
+            // A toy with another scheme is not built.
+            (Some(_), Scheme::Second(_)) => StepCounts::ONE,
+            (None, _) => {
+                let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
+                integrator.step(&mut system, &mut self.state, &mut work, h)
+            }
+        };
         self.scratch.work = work;
-        self.scratch.counts.steps += 1;
+        self.scratch.counts.add(&counts);
         self.state.steps += 1;
         self.state.time += h;
     }
@@ -172,6 +185,7 @@ impl Simulation {
 
 impl Scratch {
     fn fit(&mut self, scene: &Scene) {
+        self.work.forget();
         self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
         let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost {
             name: effect.name(),
@@ -209,11 +223,17 @@ impl Scratch {
     }
 }
 
+impl System<'_> {
+    fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
+        let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
+        Motion { x, v, mass, inverse_mass, grab: self.grab }
+    }
+}
+
 impl Dynamics for System<'_> {
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
-        let motion =
-            crate::effects::Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
         for (number, effect) in scene.effects.iter().enumerate() {
@@ -223,8 +243,32 @@ impl Dynamics for System<'_> {
         }
     }
 
+    fn mass(&self) -> &[f64] {
+        &self.scene.mass
+    }
+
     fn inverse_mass(&self) -> &[f64] {
         &self.scene.inverse_mass
+    }
+
+    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
+        let motion = self.motion(x, v);
+        for effect in &self.scene.effects {
+            effect.stiffness_times(motion, d, product);
+        }
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        for effect in &self.scene.effects {
+            effect.couples(add);
+        }
+    }
+
+    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+        let motion = self.motion(x, v);
+        for effect in &self.scene.effects {
+            effect.add_stiffness(motion, weights, matrix);
+        }
     }
 
     fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
@@ -240,6 +284,21 @@ impl Dynamics for System<'_> {
             let touched =
                 self.scratch.booked(number, None, |_| effect.constrain_position(x, v, &self.scene.inverse_mass));
             self.scratch.counts.constrained += touched as u64;
+        }
+    }
+}
+
+/// A toy as the integrator sees it; its rates count as forces.
+struct ToySystem<'a> {
+    toy: &'a dyn Toy,
+    counts: &'a mut Counts,
+}
+
+impl Ode for ToySystem<'_> {
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+        self.counts.force_evaluations += 1;
+        if let &[a, b] = x {
+            rate.copy_from_slice(&self.toy.rate([a, b]));
         }
     }
 }

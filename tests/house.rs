@@ -4,13 +4,14 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 23] = [
+const ROOMS: [&[&str]; 24] = [
     &["quantity"],
     &["registry"],
     &["materials"],
     &["meshes"],
     &["nets"],
     &["obstacles"],
+    &["solvers"],
     &["effects", "elements"],
     &["state"],
     &["integrators"],

@@ -2,7 +2,9 @@ use super::{Effect, EffectParameters, Motion};
 use crate::{
     elements::Elements,
     quantity::{DragCoefficient, Quantity},
+    solvers::{BlockMatrix, Weights},
 };
+use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 /// Viscous drag: `f = -k v` on every vertex, whatever its mass, as a fluid at rest would slow a small ball.
@@ -61,6 +63,13 @@ impl Effect for Viscous {
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         for (force, v) in force.iter_mut().zip(motion.v) {
             *force -= self.0 * v;
+        }
+    }
+
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+        let block = Matrix2::identity() * (weights.velocity * self.0);
+        for vertex in 0..motion.x.len() / 2 {
+            matrix.diagonal(vertex, &block);
         }
     }
 }

@@ -15,7 +15,12 @@ pub use mouse_spring::MouseSpring;
 pub use rayleigh::Rayleigh;
 pub use walls::Walls;
 
-use crate::{elements::Elements, quantity::Quantity, registry::registry};
+use crate::{
+    elements::Elements,
+    quantity::Quantity,
+    registry::registry,
+    solvers::{BlockMatrix, Weights},
+};
 
 registry! {
     /// What can act on bodies.
@@ -115,6 +120,14 @@ pub trait Effect: Send + Sync {
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
     fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _product: &mut [f64]) {}
+
+    /// Names every couple of different vertices whose forces depend on each other, in the order in which
+    /// [`Self::add_stiffness`] adds their blocks. A couple may be named more than once.
+    fn couples(&self, _add: &mut dyn FnMut(u32, u32)) {}
+
+    /// Adds `ax (-d force/dx) + av (-d force/dv)` to a matrix: any diagonal blocks, and one block for every couple, in the
+    /// order of [`Self::couples`]. The matrix is symmetric; what is not, is left out and only slows Newton's method down.
+    fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut BlockMatrix) {}
 
     /// Rayleigh's alpha [1/s] and beta [s], if this is damping; where it differs from vertex to vertex, the largest.
     fn damping(&self, _motion: Motion<'_>) -> [f64; 2] {

@@ -1,7 +1,9 @@
 use crate::{
     effects::{Effect, Motion},
     nets::{Link, Net},
+    solvers::{BlockMatrix, Weights},
 };
+use nalgebra::Matrix2;
 use std::ops::Range;
 
 /// The springs of one net: linear in their length.
@@ -54,6 +56,24 @@ impl Springs {
             add_pair(force, link, [pull * ux, pull * uy]);
         }
     }
+
+    /// Adds `factor (-d force/dv)` of the dampers, one couple for each spring.
+    pub(crate) fn add_damping_stiffness(&self, x: &[f64], beta: f64, factor: f64, matrix: &mut BlockMatrix) {
+        for link in &self.links {
+            let [ux, uy] = direction(x, link).map_or([0.0; 2], |(along, _)| along);
+            add_block(matrix, link, [ux * ux, ux * uy, uy * uy].map(|entry| factor * beta * link.stiffness * entry));
+        }
+    }
+}
+
+/// Adds the stiffness between the two ends of the next spring of the list, xx, xy, yy.
+#[inline]
+fn add_block(matrix: &mut BlockMatrix, link: &Link, [xx, xy, yy]: [f64; 3]) {
+    let block = Matrix2::new(xx, xy, xy, yy);
+    for end in link.ends {
+        matrix.diagonal(end as usize, &block);
+    }
+    matrix.couple(&-block);
 }
 
 /// From the first end to the second.
@@ -118,6 +138,18 @@ impl Effect for Springs {
         for link in &self.links {
             let ([xx, xy, yy], [dx, dy]) = (block(motion.x, link), between(d, link));
             add_pair(product, link, [-xx * dx - xy * dy, -xy * dx - yy * dy]);
+        }
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        for link in &self.links {
+            add(link.ends[0], link.ends[1]);
+        }
+    }
+
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+        for link in &self.links {
+            add_block(matrix, link, block(motion.x, link).map(|entry| weights.position * entry));
         }
     }
 }

@@ -1,11 +1,18 @@
-//! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks a [`Dynamics`] for
-//! forces. Each scheme is one file; [`IntegratorKind`] lists them all.
+//! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks an [`Ode`] for rates or
+//! a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
 mod symplectic_euler;
+mod system;
 
 pub use symplectic_euler::SymplecticEuler;
+pub use system::{Dynamics, Ode, Rates};
 
-use crate::{registry::registry, state::State};
+use crate::{
+    quantity::Quantity,
+    registry::registry,
+    solvers::{Newton, NewtonCounts},
+    state::State,
+};
 
 registry! {
     /// How a scene is advanced in time.
@@ -20,22 +27,7 @@ impl Default for IntegratorKind {
     }
 }
 
-/// A system of second order, `M a = f(x, v)`, with a diagonal mass matrix and constraints on single vertices.
-pub trait Dynamics {
-    /// Writes the force [N] at these positions [m] and velocities [m/s]; all flat and of one length.
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
-
-    /// 1/mass [1/kg] for each number; zero where nothing may move.
-    fn inverse_mass(&self) -> &[f64];
-
-    /// Changes velocities that are not allowed, before positions move by them.
-    fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]);
-
-    /// Changes positions that are not allowed, after they have moved.
-    fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]);
-}
-
-/// A time-stepping scheme.
+/// A time-stepping scheme with its parameters.
 pub trait Integrator: Send + Sync {
     /// Name as it is said, such as `Symplectic Euler`.
     fn title(&self) -> &'static str;
@@ -43,6 +35,90 @@ pub trait Integrator: Send + Sync {
     /// The scheme, its order and its stability, for a tooltip.
     fn about(&self) -> &'static str;
 
-    /// Advances the state by `h` [s]. `work` is kept between steps so that no step after the first allocates.
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Vec<f64>, h: f64);
+    /// The order p: the error of positions at a fixed time shrinks as h^p.
+    fn order(&self) -> u32;
+
+    /// What limits the step.
+    fn class(&self) -> Class;
+
+    /// The numbers a panel may change.
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        Vec::new()
+    }
+
+    /// The scheme itself, for the kind of system it needs.
+    fn scheme(&self) -> Scheme<'_>;
+}
+
+/// What limits the step of a scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Stability: above some h everything blows up.
+    Explicit,
+    /// Accuracy alone; equations are solved in every step.
+    Implicit,
+    /// The scheme itself, by an estimate of its error.
+    ErrorControlled,
+}
+
+/// A scheme, by the kind of system it advances.
+#[derive(Clone, Copy)]
+pub enum Scheme<'a> {
+    /// Any system: it needs rates alone.
+    First(&'a dyn FirstOrder),
+    /// Systems of second order only: it treats positions and velocities differently.
+    Second(&'a dyn SecondOrder),
+}
+
+/// A scheme for any [`Ode`].
+pub trait FirstOrder {
+    /// Advances the state by `h` [s].
+    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts;
+}
+
+/// A scheme for [`Dynamics`].
+pub trait SecondOrder {
+    /// Advances the state by `h` [s].
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts;
+}
+
+impl dyn Integrator + '_ {
+    /// Advances a system of second order by `h` [s]: every scheme can.
+    pub fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+        match self.scheme() {
+            Scheme::First(scheme) => scheme.step(&mut Rates(system), state, work, h),
+            Scheme::Second(scheme) => scheme.step(system, state, work, h),
+        }
+    }
+}
+
+/// What is kept between steps so that none after the first allocates; nothing in it changes what a step computes.
+#[derive(Default)]
+pub struct Work {
+    numbers: Vec<f64>,
+    spare: Vec<f64>,
+    newton: Newton,
+}
+
+impl Work {
+    /// Forgets which vertices are coupled: for a new scene.
+    pub fn forget(&mut self) {
+        self.newton.forget();
+    }
+}
+
+/// What a step took beside evaluations of forces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepCounts {
+    /// Steps inside the step that were taken; 1 unless the error is controlled.
+    pub inner_steps: u64,
+    /// Steps inside the step whose error was too large, taken again with a shorter one.
+    pub rejected: u64,
+    /// What solving equations took.
+    pub newton: NewtonCounts,
+}
+
+impl StepCounts {
+    /// One step with no equations to solve.
+    pub const ONE: Self = Self { inner_steps: 1, rejected: 0, newton: NewtonCounts::NONE };
 }

@@ -1,4 +1,4 @@
-use super::{Dynamics, Integrator};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -20,10 +20,25 @@ impl Integrator for SymplecticEuler {
         "v += h f/m, then x += h v. First order; stable for h < 2/ω of the stiffest vibration; energy swings but does not drift."
     }
 
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Vec<f64>, h: f64) {
-        work.resize(state.x.len(), 0.0);
-        system.force(&state.x, &state.v, work);
-        for ((v, f), inverse_mass) in state.v.iter_mut().zip(work.iter()).zip(system.inverse_mass()) {
+    fn order(&self) -> u32 {
+        1
+    }
+
+    fn class(&self) -> Class {
+        Class::Explicit
+    }
+
+    fn scheme(&self) -> Scheme<'_> {
+        Scheme::Second(self)
+    }
+}
+
+impl SecondOrder for SymplecticEuler {
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+        let force = &mut work.numbers;
+        force.resize(state.x.len(), 0.0);
+        system.force(&state.x, &state.v, force);
+        for ((v, f), inverse_mass) in state.v.iter_mut().zip(force.iter()).zip(system.inverse_mass()) {
             *v += h * f * inverse_mass;
         }
         system.constrain_velocity(&state.x, &mut state.v);
@@ -31,5 +46,6 @@ impl Integrator for SymplecticEuler {
             *x += h * v;
         }
         system.constrain_position(&mut state.x, &mut state.v);
+        StepCounts::ONE
     }
 }

@@ -8,7 +8,7 @@ pub use net::Net;
 use crate::{
     effects::{Effect, Motion},
     elements::{Elements, Triangles},
-    integrators::IntegratorKind,
+    integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Switch, When},
     materials::Plane,
     meshes::{Files, Mesh, MeshKind},
@@ -84,6 +84,16 @@ pub enum SceneError {
     /// A toy beside other things.
     #[error("a toy stands alone: take the bodies, nets and effects out of the level, or the toy")]
     ToyWithOthers,
+    /// A toy has no positions and velocities that could be treated differently.
+    #[error(
+        "{integrator} tells positions from velocities, which a toy has not; choose another integrator, such as {instead}"
+    )]
+    ToyIntegrator {
+        /// The integrator of the level.
+        integrator: &'static str,
+        /// One that would do.
+        instead: &'static str,
+    },
     /// A body's mesh, pins or place.
     #[error("body {name:?}: {why}")]
     Body {
@@ -128,12 +138,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] names the body or effect and what is wrong.
     pub fn build(level: &Level, mode: RunMode, files: &dyn Files, previous: Option<&Self>) -> Result<Self, SceneError> {
-        let still = level.bodies.is_empty() && level.nets.is_empty();
-        match level.toy {
-            None if still => return Err(SceneError::Nothing),
-            Some(_) if !still || !level.effects.is_empty() => return Err(SceneError::ToyWithOthers),
-            _ => {}
-        }
+        check_kind(level)?;
         let mut scene = Self {
             bodies: Vec::new(),
             nets: Vec::new(),
@@ -268,6 +273,24 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Bodies and nets, or a toy with an integrator that can advance it.
+fn check_kind(level: &Level) -> Result<(), SceneError> {
+    let still = level.bodies.is_empty() && level.nets.is_empty();
+    if level.toy.is_none() {
+        return if still { Err(SceneError::Nothing) } else { Ok(()) };
+    }
+    if !still || !level.effects.is_empty() {
+        return Err(SceneError::ToyWithOthers);
+    }
+    let suits = |kind: &IntegratorKind| matches!(kind.kind().scheme(), Scheme::First(_));
+    if suits(&level.integrator) {
+        return Ok(());
+    }
+    let known = IntegratorKind::all();
+    let instead = known.iter().find(|kind| suits(kind)).map_or("another", |kind| kind.kind().title());
+    Err(SceneError::ToyIntegrator { integrator: level.integrator.kind().title(), instead })
 }
 
 /// Least and greatest of one coordinate (0 or 1) of flat points.

@@ -1,0 +1,84 @@
+use crate::solvers::{BlockMatrix, Weights};
+
+/// A system of first order, `dX/dt = f(X)`, flat and of any length.
+///
+/// In a [`State`](crate::state::State) X is the positions followed by the velocities; a system of first order that is
+/// not a [`Dynamics`] keeps all of X in the positions and leaves the velocities empty.
+pub trait Ode {
+    /// Writes f(X) to `rate`.
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]);
+
+    /// Puts right what a step of length `h` from `before` to `after` did that is not allowed. `spare` is scratch.
+    fn settle(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>, _h: f64) {}
+}
+
+/// A system of second order, `M a = f(x, v)`, with a diagonal mass matrix and constraints on single vertices.
+///
+/// [`Rates`] makes it an [`Ode`], with X = (x, v).
+pub trait Dynamics {
+    /// Writes the force [N] at these positions [m] and velocities [m/s]; all flat and of one length.
+    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
+
+    /// Mass [kg] for each number.
+    fn mass(&self) -> &[f64];
+
+    /// 1/mass [1/kg] for each number; zero where nothing may move.
+    fn inverse_mass(&self) -> &[f64];
+
+    /// Adds `-df/dx d` [N] for a displacement `d` [m] to `product`.
+    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
+
+    /// Names every couple of different vertices (two numbers each) whose forces depend on each other, in the order in
+    /// which [`Self::add_stiffness`] adds their blocks.
+    fn couples(&self, add: &mut dyn FnMut(u32, u32));
+
+    /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
+    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
+
+    /// Changes velocities that are not allowed, before positions move by them.
+    fn constrain_velocity(&mut self, _x: &[f64], _v: &mut [f64]) {}
+
+    /// Changes positions that are not allowed, after they have moved.
+    fn constrain_position(&mut self, _x: &mut [f64], _v: &mut [f64]) {}
+}
+
+/// A [`Dynamics`] seen as an [`Ode`]: X = (x, v), dX/dt = (v, f/m).
+pub struct Rates<'a>(pub &'a mut dyn Dynamics);
+
+impl Ode for Rates<'_> {
+    fn rate(&mut self, state: &[f64], rate: &mut [f64]) {
+        let ((x, v), (dx, dv)) = (state.split_at(state.len() / 2), rate.split_at_mut(state.len() / 2));
+        self.0.force(x, v, dv);
+        for (acceleration, inverse_mass) in dv.iter_mut().zip(self.0.inverse_mass()) {
+            *acceleration *= inverse_mass;
+        }
+        // A pinned vertex has no velocity to move with, whatever else the state says.
+        for ((dx, v), inverse_mass) in dx.iter_mut().zip(v).zip(self.0.inverse_mass()) {
+            *dx = if *inverse_mass == 0.0 { 0.0 } else { *v };
+        }
+    }
+
+    fn settle(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>, h: f64) {
+        let half = after.len() / 2;
+        let (x, v) = after.split_at_mut(half);
+        settle(self.0, &before[..half], (x, v), spare, h);
+    }
+}
+
+/// Applies the constraints to a step of length `h` that began at `before`: velocities first; what they lose, the
+/// positions lose as well (`x += h (v - v_free)`); then the positions.
+pub(super) fn settle(
+    system: &mut dyn Dynamics,
+    before: &[f64],
+    (x, v): (&mut [f64], &mut [f64]),
+    spare: &mut Vec<f64>,
+    h: f64,
+) {
+    spare.clear();
+    spare.extend_from_slice(v);
+    system.constrain_velocity(before, v);
+    for ((x, v), free) in x.iter_mut().zip(&*v).zip(&*spare).filter(|((_, v), free)| v != free) {
+        *x += h * (v - free);
+    }
+    system.constrain_position(x, v);
+}

@@ -1,0 +1,114 @@
+use nalgebra::Matrix2;
+
+/// What the entries of a stiffness matrix are multiplied by when they are added to a [`BlockMatrix`]: an implicit step
+/// that writes `x = x^ + ax z, v = v^ + av z` needs `M + ax (-df/dx) + av (-df/dv)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Factor of `-df/dx` [N/m].
+    pub position: f64,
+    /// Factor of `-df/dv` [N s/m].
+    pub velocity: f64,
+}
+
+/// A symmetric sparse matrix of 2 x 2 blocks.
+///
+/// Which blocks exist is settled once, from a list of couples of vertices; repeated couples share a block. Filling goes
+/// through the same list in the same order: the n-th [`Self::couple`] after [`Self::clear`] lands in the slot of the
+/// n-th couple of the list, with no search. Each block is kept once, for the lower of its two vertices as the column.
+#[derive(Clone, Debug, Default)]
+pub struct BlockMatrix {
+    diagonal: Vec<Matrix2<f64>>,
+    /// One for each different couple, in the order of `couples`.
+    blocks: Vec<Matrix2<f64>>,
+    /// The different couples, (row, column) with row > column, sorted by row.
+    couples: Vec<[u32; 2]>,
+    /// For each couple of the list the number of its block, doubled; odd where the couple names the lower vertex first.
+    slots: Vec<u32>,
+    cursor: usize,
+}
+
+impl BlockMatrix {
+    /// An empty matrix for so many vertices and these couples. A couple of a vertex with itself is left to the diagonal.
+    pub fn new(vertices: usize, listed: &[[u32; 2]]) -> Self {
+        let ordered = |[a, b]: [u32; 2]| [a.max(b), a.min(b)];
+        let mut couples: Vec<_> = listed.iter().map(|couple| ordered(*couple)).collect();
+        couples.sort_unstable();
+        couples.dedup();
+        let slot = |couple: &[u32; 2]| {
+            let block = couples.partition_point(|other| *other < ordered(*couple)) as u32;
+            2 * block + u32::from(couple[0] < couple[1])
+        };
+        let slots = listed.iter().map(slot).collect();
+        let (diagonal, blocks) = (vec![Matrix2::zeros(); vertices], vec![Matrix2::zeros(); couples.len()]);
+        Self { diagonal, blocks, couples, slots, cursor: 0 }
+    }
+
+    /// Sets every entry to zero and goes back to the first couple.
+    pub fn clear(&mut self) {
+        self.diagonal.fill(Matrix2::zeros());
+        self.blocks.fill(Matrix2::zeros());
+        self.cursor = 0;
+    }
+
+    /// Adds to the block of a vertex with itself; only its symmetric part is used.
+    #[inline]
+    pub fn diagonal(&mut self, vertex: usize, block: &Matrix2<f64>) {
+        self.diagonal[vertex] += block;
+    }
+
+    /// Adds to the block of the next couple (a, b) of the list: how what acts on a depends on b, and by symmetry the other
+    /// way round. More blocks than couples are ignored, which [`Self::is_full`] tells.
+    #[inline]
+    pub fn couple(&mut self, block: &Matrix2<f64>) {
+        if let Some(slot) = self.slots.get(self.cursor) {
+            let into = &mut self.blocks[(slot >> 1) as usize];
+            if slot & 1 == 0 {
+                *into += block;
+            } else {
+                *into += block.transpose();
+            }
+        }
+        self.cursor += 1;
+    }
+
+    /// Whether as many couples were added as were listed.
+    pub fn is_full(&self) -> bool {
+        self.cursor == self.slots.len()
+    }
+
+    /// Number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    /// The blocks of vertices with themselves.
+    pub fn diagonals(&self) -> &[Matrix2<f64>] {
+        &self.diagonal
+    }
+
+    /// The other blocks, each once.
+    pub fn blocks(&self) -> &[Matrix2<f64>] {
+        &self.blocks
+    }
+
+    /// Row and column of each of the other blocks: row > column, in ascending order.
+    pub fn couples(&self) -> &[[u32; 2]] {
+        &self.couples
+    }
+
+    /// Adds the product with a flat vector to another one.
+    pub fn add_product(&self, vector: &[f64], product: &mut [f64]) {
+        let mut add = |row: usize, block: &Matrix2<f64>, column: usize| {
+            let (x, y) = (vector[2 * column], vector[2 * column + 1]);
+            product[2 * row] += block.m11 * x + block.m12 * y;
+            product[2 * row + 1] += block.m21 * x + block.m22 * y;
+        };
+        for (vertex, block) in self.diagonal.iter().enumerate() {
+            add(vertex, block, vertex);
+        }
+        for ([row, column], block) in self.couples.iter().zip(&self.blocks) {
+            add(*row as usize, block, *column as usize);
+            add(*column as usize, &block.transpose(), *row as usize);
+        }
+    }
+}

@@ -1,0 +1,3 @@
+/// The factorisation of a block matrix.
+#[derive(Debug, Default)]
+pub struct Factor {}

@@ -1,0 +1,10 @@
+//! Sparse systems of equations: a symmetric matrix of 2 x 2 blocks, one block row a vertex, and how to solve with it.
+//! Nothing here knows what the numbers mean.
+
+mod block_matrix;
+mod cholesky;
+mod newton;
+
+pub use block_matrix::{BlockMatrix, Weights};
+pub use cholesky::Factor;
+pub use newton::{Equations, Newton, NewtonCounts};

@@ -10,8 +10,9 @@ use crate::{scene::Scene, state::State};
 /// unit circle while `h² w² + 2 h c < 4`.
 pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     let square = largest_eigenvalue(scene, state)?;
+    let motion = scene.motion(state, None);
     let [alpha, beta] =
-        scene.effects.iter().map(|effect| effect.damping()).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        scene.effects.iter().map(|effect| effect.damping(motion)).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let rate = alpha + beta * square;
     let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
     step.is_finite().then_some(step)

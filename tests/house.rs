@@ -4,16 +4,18 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 22] = [
+const ROOMS: [&[&str]; 24] = [
     &["quantity"],
     &["registry"],
     &["materials"],
     &["meshes"],
+    &["nets"],
     &["obstacles"],
     &["solvers"],
     &["effects", "elements"],
     &["state"],
     &["integrators"],
+    &["toys"],
     &["level"],
     &["scene"],
     &["stability"],

@@ -134,7 +134,7 @@ fn refused(level: &Level) -> String {
 #[test]
 fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
     let empty = Level { bodies: Vec::new(), ..sheet("Corotated", "", "") };
-    assert_eq!(refused(&empty), SceneError::NoBodies.to_string());
+    assert_eq!(refused(&empty), SceneError::Nothing.to_string());
     let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));
     assert!(pinned.contains("sheet") && pinned.contains("from 0 to 24"), "{pinned}");
     let edges = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)))]";

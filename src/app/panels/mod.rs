@@ -9,6 +9,7 @@ mod effects;
 mod energy;
 mod help;
 mod icons;
+mod net;
 mod prompt;
 mod scheme;
 mod segmented;
@@ -16,6 +17,7 @@ mod slider;
 mod status;
 mod strip;
 mod test_pose;
+mod toy;
 
 pub use energy::History;
 pub use prompt::Prompt;
@@ -29,7 +31,7 @@ use super::{
     numbers,
     theme::Theme,
 };
-use crate::{command::Command, snapshot::Snapshot};
+use crate::{command::Command, quantity::Quantity, snapshot::Snapshot};
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 
 /// How things are looked at: nothing in here changes the simulation.
@@ -37,7 +39,7 @@ use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, 
 pub struct View {
     /// Colours, edges and vertices.
     pub stage: canvas::Options,
-    /// The body whose material the sliders show.
+    /// The body, or after the bodies the net, whose numbers the sliders show.
     pub body: usize,
     /// Whether the panels on the left and on the right are hidden, in a wide window.
     pub hidden: [bool; 2],
@@ -187,6 +189,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
             }
             test_pose::show(ui, desk.now, commands);
             body::show(ui, desk.now, view, commands);
+            toy::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
         } else {
             cost::show(ui, desk, view, commands);
@@ -245,6 +248,18 @@ fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, c
     if outcome.ended {
         commands.push(Command::EndGesture);
     }
+}
+
+/// Sliders for numbers that describe themselves; what they did, all together.
+fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::Outcome {
+    let mut sum = slider::Outcome::default();
+    for (index, number) in numbers.into_iter().enumerate() {
+        let outcome = ui.push_id(index, |ui| slider::quantity(ui, number)).inner;
+        sum.changed |= outcome.changed;
+        sum.ended |= outcome.ended;
+        sum.refused = outcome.refused.or(sum.refused.take());
+    }
+    sum
 }
 
 /// A count with thousands apart: `12 480`.

@@ -52,8 +52,12 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
 /// Keys that matter in this mode, as far as there is room; each can be clicked instead.
 fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
-    let special = TABLE.iter().filter(|binding| binding.when != When::Always && binding.when.holds(now));
+    let places = [When::Edit, When::Moving, When::Test];
+    let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.holds(now));
     let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "?"].contains(&binding.label));
+    // A toy has no vertices to pin or pull, and nothing that could be damped.
+    let special = special.filter(|binding| now.toy.is_none() || !["Click", "Drag"].contains(&binding.label));
+    let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
     for binding in special.chain(general) {
         let words = brief(binding, now);
         let font = TextStyle::Small.resolve(ui.style());

@@ -31,10 +31,12 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
             }
             apart(ui);
             time(ui, desk.now, commands);
-            if let Some(model) = models(ui, desk.now) {
-                commands.push(Command::SetModel(model));
+            if !desk.now.bodies.is_empty() {
+                if let Some(model) = models(ui, desk.now) {
+                    commands.push(Command::SetModel(model));
+                }
+                apart(ui);
             }
-            apart(ui);
             history(ui, desk.now, commands);
             if !narrow {
                 ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
@@ -139,7 +141,7 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
             text,
             name: model.title(),
             about,
-            on: !now.bodies.is_empty() && now.bodies.iter().all(|body| body.model == *model),
+            on: now.bodies.iter().all(|body| body.model == *model),
         })
         .collect();
     let clicked = segmented(ui, "model", &parts, false)?;

@@ -53,10 +53,6 @@ impl Simulation {
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
             *v = 0.0;
         }
-        if self.scene.integrator.name() != scene.integrator.name() {
-            // What another scheme remembers means nothing to this one: it begins afresh from positions and velocities.
-            self.state.memory.clear();
-        }
         self.scene = scene;
         self.scratch.fit(&self.scene);
     }

@@ -11,20 +11,31 @@
 
 mod drift;
 mod exact;
+mod export;
+mod fit;
+mod locking;
 mod march;
+mod mesh_study;
 mod reference;
+mod refine;
 mod setting;
+mod statics;
 mod suggestion;
 mod sweep;
 mod trial;
+mod twin;
 mod workers;
 
 pub use drift::{Drift, DriftRun, Moment};
+pub use export::{Origin, is_time_column};
+pub use locking::{Locking, LockingNumber};
+pub use mesh_study::{Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy};
 pub use reference::{Reference, ReferenceJob, Source};
 pub use setting::{Setting, ladder};
 pub use suggestion::{Price, Suggestion};
 pub use sweep::{Curve, Plan, Point, WorkPrecision};
 pub use trial::{Outcome, Run, Status, Trial};
+pub use twin::Twin;
 pub use workers::threads;
 
 use crate::{fault::Fault, scene::SceneError};

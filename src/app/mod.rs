@@ -183,16 +183,18 @@ impl eframe::App for App {
         self.view.pressed.extend(keys::pressed(ui.ctx(), &self.snapshot));
         #[cfg(not(target_arch = "wasm32"))]
         self.take_dropped_files(ui.ctx());
-        let desk =
-            Desk {
-                now: &self.snapshot,
-                rates: self.clock.rates(),
-                gallery: &self.gallery,
-                history: &self.history,
-                lab: &self.lab,
-            };
+        let desk = Desk {
+            now: &self.snapshot,
+            rates: self.clock.rates(),
+            gallery: &self.gallery,
+            history: &self.history,
+            lab: &self.lab,
+        };
         panels::show(ui, &desk, &mut self.view, &mut self.canvas, &mut self.commands);
-        let asked = !self.commands.is_empty() || !self.view.wishes.is_empty() || !self.view.pressed.is_empty() || self.view.wants_files();
+        let asked = !self.commands.is_empty()
+            || !self.view.wishes.is_empty()
+            || !self.view.pressed.is_empty()
+            || self.view.wants_files();
         if asked || self.view.stage.field != self.snapshot.field || self.sandbox.is_live() {
             ui.ctx().request_repaint();
         }

@@ -1,8 +1,8 @@
 //! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
 
 mod fields;
-mod tangent;
 mod spring;
+mod tangent;
 mod triangle;
 
 pub use fields::Field;

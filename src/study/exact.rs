@@ -11,7 +11,8 @@ pub(super) fn solution(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
 /// A body without stress under gravity alone moves as one: `x = x0 + v t + g t²/2`.
 fn free_fall(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
     let (scene, start) = (&trial.scene, &trial.start);
-    let others = scene.effects.iter().filter(|effect| !["Elasticity", "Mouse spring", "Gravity"].contains(&effect.name()));
+    let others =
+        scene.effects.iter().filter(|effect| !["Elasticity", "Mouse spring", "Gravity"].contains(&effect.name()));
     if others.count() > 0 || trial.grab.is_some() || !scene.pins.is_empty() || start.v.len() != start.x.len() {
         return None;
     }

@@ -71,7 +71,10 @@ impl WorkPrecision {
         let more = [
             ("reference", reference),
             ("reference_error_at_most", format!("{own:e}")),
-            ("error", "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned()),
+            (
+                "error",
+                "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned(),
+            ),
         ];
         let mut text = head(self.trial(), self.plan().threads, &more);
         text += "integrator,order,measured_order,substeps,step_s,tolerance,current,status,error,above_floor,steps,\
@@ -100,7 +103,8 @@ impl WorkPrecision {
 impl MeshStudy {
     /// The study as far as it is, as CSV: one line a mesh, the finest being the reference.
     pub fn csv(&self) -> String {
-        let reference = self.reference().map_or(String::from("none yet"), |(value, _)| format!("{value:e}, extrapolated"));
+        let reference =
+            self.reference().map_or(String::from("none yet"), |(value, _)| format!("{value:e}, extrapolated"));
         let own = self.reference().map_or(f64::NAN, |(_, own)| own);
         let more = [
             ("quantity", format!("{} [{}]", self.plan().measure.title(), self.plan().measure.unit())),

@@ -1,6 +1,6 @@
 //! How much too stiff linear triangles are when the area can hardly change.
 
-use super::{Progress, StudyError, refine::with_triangles, statics, mesh_study::Measure};
+use super::{Progress, StudyError, mesh_study::Measure, refine::with_triangles, statics};
 use crate::{
     level::Level,
     materials::{MaterialParameters, Plane},
@@ -59,7 +59,9 @@ impl Locking {
             for level in [cut(level, Diagonals::Grid), better] {
                 let scene = Scene::build(&level, level.mode, files, scenes.last())?;
                 if scene.pins.len() < 2 {
-                    return Err(StudyError::NotHere("this level does not hold its bodies, so they do not come to rest"));
+                    return Err(StudyError::NotHere(
+                        "this level does not hold its bodies, so they do not come to rest",
+                    ));
                 }
                 scenes.push(scene);
             }

@@ -53,11 +53,7 @@ impl March {
 
     /// Goes on until the deadline, the last frame, a fault or until `seen` breaks off; `seen` is shown the end of every frame.
     /// Returns whether the march is over.
-    pub fn advance(
-        &mut self,
-        deadline: Deadline,
-        seen: &mut dyn FnMut(u32, &Simulation) -> ControlFlow<()>,
-    ) -> bool {
+    pub fn advance(&mut self, deadline: Deadline, seen: &mut dyn FnMut(u32, &Simulation) -> ControlFlow<()>) -> bool {
         while self.frame < self.frames {
             let begin = Instant::now();
             let taken = self.simulation.advance(self.bunch.min(self.substeps - self.taken), &mut || true);

@@ -52,9 +52,7 @@ impl Measure {
     /// Its value at positions of a scene.
     pub fn of(self, scene: &Scene, x: &[f64]) -> f64 {
         match self {
-            Self::TipDeflection => {
-                x.iter().zip(&scene.rest).map(|(x, rest)| (x - rest).abs()).fold(0.0, f64::max)
-            }
+            Self::TipDeflection => x.iter().zip(&scene.rest).map(|(x, rest)| (x - rest).abs()).fold(0.0, f64::max),
             Self::ElasticEnergy => scene.bodies.iter().map(|body| body.elements.elastic_energy(x)).sum(),
         }
     }

@@ -104,9 +104,8 @@ const MOST_WORK: f64 = 5e8;
 impl ReferenceJob {
     /// Begins to look for a reference that is good for errors down to `smallest_error`.
     pub fn new(trial: &Trial, smallest_error: f64) -> Self {
-        let exact = exact::solution(trial).map(|(form, frames)| {
-            Ok(Reference { source: Source::Exact(form), own_error: 0.0, frames })
-        });
+        let exact = exact::solution(trial)
+            .map(|(form, frames)| Ok(Reference { source: Source::Exact(form), own_error: 0.0, frames }));
         let integrator = finest();
         let first = Substeps::nearest(2.0 * limit(&trial.scene, &trial.start));
         let [coarse, fine] = [first, first.doubled()].map(|substeps| Recorded::new(trial, &integrator, substeps));

@@ -3,7 +3,7 @@
 use super::StudyError;
 use crate::{
     level::{Level, Pin},
-    quantity::{Cells, Quantity as _, Rings, Triangles},
+    quantity::{Cells, Rings, Triangles},
 };
 
 /// The level with `share` times as many triangles, as nearly as its meshes allow: each number of a recipe that is a resolution is
@@ -34,9 +34,5 @@ pub(super) fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyEr
         }
         refined |= own;
     }
-    if refined {
-        Ok(level)
-    } else {
-        Err(StudyError::NotHere("no mesh of this level has a resolution to vary"))
-    }
+    if refined { Ok(level) } else { Err(StudyError::NotHere("no mesh of this level has a resolution to vary")) }
 }

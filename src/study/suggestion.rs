@@ -67,7 +67,12 @@ impl Suggestion {
 impl std::fmt::Display for Suggestion {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Outcome { error, ms_per_second, .. } = &self.outcome;
-        write!(out, "{}: error {:.2} %, {ms_per_second:.1} ms per simulated second", self.setting.label(), 100.0 * error)?;
+        write!(
+            out,
+            "{}: error {:.2} %, {ms_per_second:.1} ms per simulated second",
+            self.setting.label(),
+            100.0 * error
+        )?;
         match (self.saves(), &self.current) {
             (Some(factor), Some(now)) if factor >= 1.0 => {
                 write!(out, "; {factor:.1} times cheaper than now (error {:.2} %)", 100.0 * now.error)

@@ -1,12 +1,8 @@
 //! The work-precision diagram: one trial with many settings.
 
 use super::{
-    Outcome, Progress, Reference, ReferenceJob, Run, Setting, Status, StudyError, Trial, ladder,
-    fit::steady_slope,
-    march::Deadline,
-    setting::limit,
-    threads,
-    workers::spread,
+    Outcome, Progress, Reference, ReferenceJob, Run, Setting, Status, StudyError, Trial, fit::steady_slope, ladder,
+    march::Deadline, setting::limit, threads, workers::spread,
 };
 use crate::{
     integrators::{Class, IntegratorKind},
@@ -201,8 +197,7 @@ fn order(points: &[Point], floor: f64) -> Option<f64> {
     let asymptotic = |point: &Point| {
         let outcome = point.outcome.as_ref().filter(|outcome| outcome.status == Status::Ok)?;
         let steps = (outcome.counts.inner_steps + outcome.counts.rejected) as f64;
-        (outcome.error > floor.max(1e-13) && outcome.error <= 0.1)
-            .then(|| [libm::log(steps), libm::log(outcome.error)])
+        (outcome.error > floor.max(1e-13) && outcome.error <= 0.1).then(|| [libm::log(steps), libm::log(outcome.error)])
     };
     let mut finest_first: Vec<_> = points.iter().rev().filter_map(asymptotic).collect();
     finest_first.dedup_by(|a, b| a[0] == b[0]);

@@ -4,14 +4,7 @@ use super::{
     Reference, Setting, StudyError,
     march::{Deadline, March},
 };
-use crate::{
-    effects::Grab,
-    level::Level,
-    meshes::Files,
-    report::Counts,
-    scene::Scene,
-    state::State,
-};
+use crate::{effects::Grab, level::Level, meshes::Files, report::Counts, scene::Scene, state::State};
 use std::ops::ControlFlow;
 
 /// What is run: a scene from a start for a time. Positions are compared at the end of every frame of 1/60 s.

@@ -1,11 +1,6 @@
 //! The error of a running simulation, now: a twin with a fine step runs beside it and is pulled along by the same mouse.
 
-use super::{
-    march::Deadline,
-    reference::finest,
-    setting::limit,
-    trial::Deviation,
-};
+use super::{march::Deadline, reference::finest, setting::limit, trial::Deviation};
 use crate::{effects::Grab, integrators::IntegratorKind, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 use web_time::Instant;

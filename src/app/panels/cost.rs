@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
         looks(ui, view);
     } else if !desk.now.nets.is_empty() {
         let help = "Flexion springs too, which lie over the others";
-        ui.checkbox(&mut view.wireframe, "All springs").on_hover_text(help);
+        ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
     }
     heading(ui, "What it costs");
     speed(ui, desk);

@@ -1,13 +1,20 @@
 //! The diagram of accuracy against cost, over the window while it is wanted.
 
-use super::{Desk, View, heading, scheme::percent, segmented::{Segment, segmented}};
+use super::{
+    Desk, View, heading,
+    scheme::percent,
+    segmented::{Segment, segmented},
+};
 use crate::{
-    app::{lab::{Diagram, SECONDS, TARGETS, Wish}, theme::Theme},
+    app::{
+        lab::{Diagram, SECONDS, TARGETS, Wish},
+        theme::Theme,
+    },
     command::Command,
     study::{Curve, Outcome, Point, Price, Status},
 };
 use eframe::egui::{self, Color32, ComboBox, Context, Id, ProgressBar, RichText, Ui, Vec2, Window};
-use egui_plot::{GridMark, Legend, Line, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+use egui_plot::{GridMark, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
 
 /// How the diagram is looked at.
 #[derive(Default)]
@@ -61,8 +68,16 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         } else if ui.button("Measure").on_hover_text(format!("{SECONDS} s of simulated time from now.")).clicked() {
             view.wishes.push(Wish::Measure);
         }
-        let parts = [(Price::Time, "Time", "Measured [ms] for a simulated second"), (Price::ForceEvaluations, "Force evaluations", "The same on every machine, but blind to the price of solving equations")];
-        let segments = parts.map(|(price, text, about)| Segment { text, name: text, about, on: view.diagram.price == price });
+        let parts = [
+            (Price::Time, "Time", "Measured [ms] for a simulated second"),
+            (
+                Price::ForceEvaluations,
+                "Force evaluations",
+                "The same on every machine, but blind to the price of solving equations",
+            ),
+        ];
+        let segments =
+            parts.map(|(price, text, about)| Segment { text, name: text, about, on: view.diagram.price == price });
         if let Some((price, ..)) = segmented(ui, "price", &segments, false).and_then(|clicked| parts.get(clicked)) {
             view.diagram.price = *price;
         }
@@ -85,11 +100,14 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
     ui.horizontal_wrapped(|ui| {
         ui.label("Cheapest under");
         let target = &mut view.diagram.target;
-        ComboBox::from_id_salt("target").width(72.0).selected_text(percent(TARGETS[*target % TARGETS.len()])).show_ui(ui, |ui| {
-            for (number, error) in TARGETS.iter().enumerate() {
-                ui.selectable_value(target, number, percent(*error));
-            }
-        });
+        ComboBox::from_id_salt("target").width(72.0).selected_text(percent(TARGETS[*target % TARGETS.len()])).show_ui(
+            ui,
+            |ui| {
+                for (number, error) in TARGETS.iter().enumerate() {
+                    ui.selectable_value(target, number, percent(*error));
+                }
+            },
+        );
         ui.label("error:");
         let price = usize::from(view.diagram.price == Price::ForceEvaluations);
         match diagram.suggestions.get(*target).and_then(|by_price| by_price[price].as_ref()) {
@@ -151,7 +169,7 @@ fn marker<'a>(name: &str, point: &Point, outcome: &Outcome, price: Price, color:
         _ => (MarkerShape::Cross, 4.0),
     };
     let [x, y] = at(outcome, price);
-    Points::new(name.to_owned(), vec![PlotPoint::new(x, y)]).shape(shape).radius(radius).color(color)
+    Points::new(name.to_owned(), vec![[x, y]]).shape(shape).radius(radius).color(color)
 }
 
 /// The scheme with the order that was measured.

@@ -65,7 +65,13 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
         }
     };
     if let Some(share) = share {
-        let color = if share > 1.0 { theme.bad } else if share > 0.8 { theme.caution } else { theme.good };
+        let color = if share > 1.0 {
+            theme.bad
+        } else if share > 0.8 {
+            theme.caution
+        } else {
+            theme.good
+        };
         bar(ui, share, color);
     }
     let help = "h over 2/ω, ω the fastest vibration of M⁻¹K at the present state; the limit moves as the body deforms.";
@@ -112,7 +118,11 @@ fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
 
 /// A share in per cent, three digits.
 pub fn percent(share: f64) -> String {
-    if share == 0.0 || share >= 1e-5 { format!("{} %", three(100.0 * share)) } else { format!("{:.1e} %", 100.0 * share) }
+    if share == 0.0 || share >= 1e-5 {
+        format!("{} %", three(100.0 * share))
+    } else {
+        format!("{:.1e} %", 100.0 * share)
+    }
 }
 
 fn three(value: f64) -> String {

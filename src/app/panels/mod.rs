@@ -7,6 +7,7 @@ mod cost;
 mod effects;
 mod energy;
 mod help;
+mod history;
 mod icons;
 mod prompt;
 mod segmented;
@@ -15,7 +16,7 @@ mod status;
 mod strip;
 mod test_pose;
 
-pub use energy::History;
+pub use history::History;
 pub use prompt::Prompt;
 
 use super::{

@@ -8,6 +8,7 @@ mod diagram;
 mod effects;
 mod energy;
 mod help;
+mod history;
 mod icons;
 mod net;
 mod prompt;
@@ -19,7 +20,7 @@ mod strip;
 mod test_pose;
 mod toy;
 
-pub use energy::History;
+pub use history::History;
 pub use prompt::Prompt;
 
 use super::{

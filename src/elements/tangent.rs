@@ -30,10 +30,10 @@ impl Triangles {
         x: &[f64],
         weight: f64,
         matrix: &mut BlockMatrix,
-        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+        tangent: impl Fn(usize, &Matrix2<f64>) -> Matrix4<f64>,
     ) {
-        for (&triangle, (rest, (f, _))) in self.corners().iter().zip(self.rest().iter().zip(self.gradients(x))) {
-            let [one, two, across] = rest.corner_blocks(&tangent(&f), weight);
+        for (number, (&triangle, (f, _))) in self.corners().iter().zip(self.gradients(x)).enumerate() {
+            let [one, two, across] = self.rest()[number].corner_blocks(&tangent(number, &f), weight);
             let turned = across.transpose();
             let (to_one, to_two) = (-one - turned, -across - two);
             // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
@@ -77,6 +77,6 @@ struct Elastic<'a> {
 impl Visitor for Elastic<'_> {
     type Output = ();
     fn visit<M: Material>(self, material: &M) {
-        self.of.add_tangent(self.x, self.weight, self.matrix, |f| material.stiffness(f));
+        self.of.add_tangent(self.x, self.weight, self.matrix, |_, f| material.stiffness(f));
     }
 }

@@ -40,8 +40,11 @@ impl Fault {
     pub fn find(scene: &Scene, state: &State, before: &State) -> Self {
         let (number, triangle, volume_ratio) = worst_triangle(scene, state);
         let body = &scene.bodies[number];
-        let limits = [&scene.start, before].map(|state| critical_step(scene, state));
-        let limit = limits.into_iter().flatten().reduce(f64::min);
+        // The limit h w = 2 scaled to the scheme's; schemes without one cannot fail by it.
+        let limit = scene.integrator.kind().stability_limit().and_then(|reach| {
+            let limits = [&scene.start, before].map(|state| critical_step(scene, state));
+            limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)
+        });
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
             _ if volume_ratio <= 0.0 => Cause::Crushed(body.elements.model()),
@@ -99,6 +102,9 @@ struct Millis(f64);
 impl std::fmt::Display for Millis {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let millis = self.0 * 1e3;
+        if millis == 0.0 {
+            return write!(out, "0 ms");
+        }
         let digits = (2.0 - libm::floor(libm::log10(millis.max(1e-12)))).clamp(0.0, 12.0) as usize;
         write!(out, "{millis:.digits$} ms")
     }

@@ -228,7 +228,7 @@ fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
         for integrator in ["ImplicitEuler", "ImplicitMidpoint", "Bdf2"] {
             let effects = format!(
                 "substeps: 1, {}",
-                DAMPED.replace("]", ", (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]")
+                DAMPED.replace(']', ", (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]")
             );
             let mut simulation = built(&under(sheet(model, "", &effects), integrator), None);
             simulation.set_grab(Some(Grab { vertex: 24, target: [0.9, 0.9] }));

@@ -1,5 +1,5 @@
 //! Facts about time stepping: growth, order, what is kept, what is remembered. Every registered kind is walked.
-#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
 
 mod common;
 

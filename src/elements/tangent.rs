@@ -50,7 +50,7 @@ impl Triangles {
 
 impl Rest {
     /// Blocks of the second corner with itself, of the third with itself, and of the second with the third:
-    /// `K_ab[i, k] = weight A sum over J, L of g_a[J] C[iJ, kL] g_b[L]`, with g_a the gradient of a corner's shape
+    /// `K_ab[i, k] = weight A sum over J, L of g_a[J] C[iJ, kL] g_b[L]`, with `g_a` the gradient of a corner's shape
     /// function, a row of D0⁻¹ (Bonet and Wood, *Nonlinear Continuum Mechanics for Finite Element Analysis*, section 9.4).
     #[inline]
     fn corner_blocks(&self, tangent: &Matrix4<f64>, weight: f64) -> [Matrix2<f64>; 3] {

@@ -62,8 +62,11 @@ impl Fault {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
             .unwrap_or((Culprit::Toy, None));
-        let limits = [&scene.start, before].map(|state| critical_step(scene, state));
-        let limit = limits.into_iter().flatten().reduce(f64::min);
+        // The limit h w = 2 scaled to the scheme's; schemes without one cannot fail by it.
+        let limit = scene.integrator.kind().stability_limit().and_then(|reach| {
+            let limits = [&scene.start, before].map(|state| critical_step(scene, state));
+            limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)
+        });
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),

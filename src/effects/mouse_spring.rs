@@ -2,7 +2,9 @@ use super::{Effect, EffectParameters, Grab, Motion};
 use crate::{
     elements::Elements,
     quantity::{Quantity, Spring},
+    solvers::{BlockMatrix, Weights},
 };
+use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 /// The spring between the cursor and the vertex it took hold of: `f = k (cursor - vertex)`, energy `k/2 |cursor - vertex|²`.
@@ -75,6 +77,12 @@ impl Effect for Pulling {
             let at = 2 * grab.vertex;
             product[at] += self.0 * d[at];
             product[at + 1] += self.0 * d[at + 1];
+        }
+    }
+
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+        if let Some(grab) = motion.grab {
+            matrix.diagonal(grab.vertex, &Matrix2::from_diagonal_element(weights.position * self.0));
         }
     }
 }

@@ -2,8 +2,9 @@ use super::{Effect, EffectParameters, Motion};
 use crate::{
     elements::{Elements, Springs, Triangles},
     quantity::{DampingRate, DampingTime, Quantity},
+    solvers::{BlockMatrix, Weights},
 };
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Matrix4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -59,6 +60,18 @@ impl EffectParameters for Rayleigh {
     }
 }
 
+/// Derivative by dF/dt of the viscous stress `F (2 mu E' + lambda tr(E') I)`, `E' = sym(Fᵀ dF/dt)` (4 x 4) [Pa s]:
+/// a change G of dF/dt gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`.
+fn viscous_tangent(f: &Matrix2<f64>, mu: f64, lambda: f64) -> Matrix4<f64> {
+    let left = f * f.transpose();
+    // Entries column by column: number 2 j + i is row i, column j.
+    Matrix4::from_fn(|to, by| {
+        let (i, j, k, l) = (to % 2, to / 2, by % 2, by / 2);
+        let same = if j == l { left[(i, k)] } else { 0.0 };
+        mu * (same + f[(i, l)] * f[(k, j)]) + lambda * f[(i, j)] * f[(k, l)]
+    })
+}
+
 struct Damping {
     alpha: f64,
     beta: f64,
@@ -100,6 +113,31 @@ impl Effect for Damping {
         }
         for net in &self.nets {
             net.add_damping(motion.x, motion.v, self.beta, force);
+        }
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        for body in &self.bodies {
+            body.name_couples(add);
+        }
+        for net in &self.nets {
+            net.couples(add);
+        }
+    }
+
+    /// The part for v is exact. The one for x is left out: it is not symmetric, and smaller than the elastic stiffness
+    /// by `beta |dE/dt|`, the strain that builds up within beta.
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+        for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
+            matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));
+        }
+        for body in &self.bodies {
+            let lame = body.lame();
+            let (mu, lambda) = (self.beta * lame.mu, self.beta * lame.lambda);
+            body.add_tangent(motion.x, weights.velocity, matrix, |f| viscous_tangent(f, mu, lambda));
+        }
+        for net in &self.nets {
+            net.add_damping_stiffness(motion.x, self.beta, weights.velocity, matrix);
         }
     }
 }

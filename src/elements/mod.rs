@@ -2,6 +2,7 @@
 
 mod fields;
 mod spring;
+mod tangent;
 mod triangle;
 
 pub use fields::Field;

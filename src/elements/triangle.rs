@@ -1,6 +1,7 @@
 use crate::{
     effects::{Effect, Motion},
     materials::{Lame, Material, Model, Visitor},
+    solvers::{BlockMatrix, Weights},
 };
 use nalgebra::{Matrix2, Vector2, Vector4};
 use std::ops::Range;
@@ -71,6 +72,11 @@ impl Triangles {
     /// Lame's parameters [Pa].
     pub const fn lame(&self) -> Lame {
         self.lame
+    }
+
+    /// The rest shape of each triangle.
+    pub(super) fn rest(&self) -> &[Rest] {
+        &self.rest
     }
 
     /// Whether the faces of the sheet are free of stress.
@@ -245,5 +251,13 @@ impl Effect for Triangles {
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
         self.model.visit(self.lame, StiffnessTimes { of: self, x: motion.x, d, product });
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.name_couples(add);
+    }
+
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+        self.add_elastic_tangent(motion.x, weights.position, matrix);
     }
 }

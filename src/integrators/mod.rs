@@ -1,11 +1,33 @@
 //! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks an [`Ode`] for rates or
 //! a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
+mod bdf2;
+mod dormand_prince;
+mod forward_euler;
+mod heun;
+mod implicit;
+mod implicit_euler;
+mod implicit_midpoint;
+mod linearly_implicit_euler;
+mod memory;
+mod position_verlet;
+mod runge_kutta4;
 mod symplectic_euler;
 mod system;
+mod velocity_verlet;
 
+pub use bdf2::Bdf2;
+pub use dormand_prince::DormandPrince;
+pub use forward_euler::ForwardEuler;
+pub use heun::Heun;
+pub use implicit_euler::ImplicitEuler;
+pub use implicit_midpoint::ImplicitMidpoint;
+pub use linearly_implicit_euler::LinearlyImplicitEuler;
+pub use position_verlet::PositionVerlet;
+pub use runge_kutta4::RungeKutta4;
 pub use symplectic_euler::SymplecticEuler;
 pub use system::{Dynamics, Ode, Rates};
+pub use velocity_verlet::VelocityVerlet;
 
 use crate::{
     quantity::Quantity,
@@ -18,6 +40,16 @@ registry! {
     /// How a scene is advanced in time.
     pub enum IntegratorKind: dyn Integrator {
         SymplecticEuler(SymplecticEuler),
+        ForwardEuler(ForwardEuler),
+        VelocityVerlet(VelocityVerlet),
+        PositionVerlet(PositionVerlet),
+        Heun(Heun),
+        RungeKutta4(RungeKutta4),
+        DormandPrince(DormandPrince),
+        LinearlyImplicitEuler(LinearlyImplicitEuler),
+        ImplicitEuler(ImplicitEuler),
+        ImplicitMidpoint(ImplicitMidpoint),
+        Bdf2(Bdf2),
     }
 }
 
@@ -121,4 +153,30 @@ pub struct StepCounts {
 impl StepCounts {
     /// One step with no equations to solve.
     pub const ONE: Self = Self { inner_steps: 1, rejected: 0, newton: NewtonCounts::NONE };
+}
+
+/// Cuts a buffer into equal parts, made large enough first. What is in them is left over from before.
+fn parts<const COUNT: usize>(numbers: &mut Vec<f64>, length: usize) -> [&mut [f64]; COUNT] {
+    if numbers.len() < COUNT * length {
+        numbers.resize(COUNT * length, 0.0);
+    }
+    let mut rest = numbers.as_mut_slice();
+    [(); COUNT].map(|()| {
+        let (part, others) = std::mem::take(&mut rest).split_at_mut(length);
+        rest = others;
+        part
+    })
+}
+
+/// X = (x, v).
+fn gather(state: &State, x: &mut [f64]) {
+    let (positions, velocities) = x.split_at_mut(state.x.len());
+    positions.copy_from_slice(&state.x);
+    velocities.copy_from_slice(&state.v);
+}
+
+fn scatter(x: &[f64], state: &mut State) {
+    let (positions, velocities) = x.split_at(state.x.len());
+    state.x.copy_from_slice(positions);
+    state.v.copy_from_slice(velocities);
 }

@@ -66,7 +66,7 @@ impl Ode for Rates<'_> {
 }
 
 /// Applies the constraints to a step of length `h` that began at `before`: velocities first; what they lose, the
-/// positions lose as well (`x += h (v - v_free)`); then the positions.
+/// positions lose as well (`x += h (v - v_free)`); then the positions. Leaves in `spare` what [`touched`] needs.
 pub(super) fn settle(
     system: &mut dyn Dynamics,
     before: &[f64],
@@ -80,5 +80,11 @@ pub(super) fn settle(
     for ((x, v), free) in x.iter_mut().zip(&*v).zip(&*spare).filter(|((_, v), free)| v != free) {
         *x += h * (v - free);
     }
+    spare.extend_from_slice(x);
     system.constrain_position(x, v);
+}
+
+/// Whether [`settle`] changed a number of the state.
+pub(super) fn touched(x: &[f64], v: &[f64], spare: &[f64], number: usize) -> bool {
+    v[number] != spare[number] || x[number] != spare[x.len() + number]
 }

@@ -1,0 +1,52 @@
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
+use crate::state::State;
+use serde::{Deserialize, Serialize};
+
+/// Heun's method, the explicit trapezoid: `X* = X + h f(X)`, then `X += h/2 (f(X) + f(X*))`.
+///
+/// Second order. An undamped oscillation of angular frequency w grows by `sqrt(1 + h⁴ w⁴/4)` in every step: never stable, but
+/// for small h very slowly so (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, section II.1).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Heun {}
+
+impl Integrator for Heun {
+    fn title(&self) -> &'static str {
+        "Explicit trapezoid (Heun)"
+    }
+
+    fn about(&self) -> &'static str {
+        "X* = X + h f(X), then X += h/2 (f(X) + f(X*)). Second order; vibrations grow by √(1 + h⁴ω⁴/4) a step."
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn class(&self) -> Class {
+        Class::Explicit
+    }
+
+    fn scheme(&self) -> Scheme<'_> {
+        Scheme::First(self)
+    }
+}
+
+impl FirstOrder for Heun {
+    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+        let Work { numbers, spare, .. } = work;
+        let [x, next, rate, end_rate] = parts(numbers, state.x.len() + state.v.len());
+        gather(state, x);
+        system.rate(x, rate);
+        for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
+            *next = x + h * rate;
+        }
+        system.rate(next, end_rate);
+        for (((next, x), rate), end_rate) in next.iter_mut().zip(&*x).zip(&*rate).zip(&*end_rate) {
+            *next = x + 0.5 * h * (rate + end_rate);
+        }
+        system.settle(x, next, spare, h);
+        scatter(next, state);
+        StepCounts::ONE
+    }
+}

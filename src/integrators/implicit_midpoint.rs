@@ -1,0 +1,51 @@
+use super::{
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    implicit::{Affine, solve},
+};
+use crate::state::State;
+use serde::{Deserialize, Serialize};
+
+/// The implicit midpoint rule: `v' = v + h a((x + x')/2, (v + v')/2)`, `x' = x + h (v + v')/2`.
+///
+/// Second order, A-stable and symplectic: an undamped linear oscillation keeps its amplitude exactly at every step length, so
+/// vibrations that a long step cannot follow are not damped either, and strongly nonlinear ones may still blow up
+/// (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sections II.1.4 and VI.4).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImplicitMidpoint {}
+
+impl Integrator for ImplicitMidpoint {
+    fn title(&self) -> &'static str {
+        "Implicit midpoint"
+    }
+
+    fn about(&self) -> &'static str {
+        "v′ = v + h a at the midpoint, x′ = x + h (v + v′)/2. Second order; stable for every h; vibrations neither grow nor fade."
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn class(&self) -> Class {
+        Class::Implicit
+    }
+
+    fn scheme(&self) -> Scheme<'_> {
+        Scheme::Second(self)
+    }
+}
+
+impl SecondOrder for ImplicitMidpoint {
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+        let affine = Affine { ax: 0.25 * h * h, av: 0.5 * h };
+        let solved =
+            solve(system, state, work, affine, |number| [state.x[number] + 0.5 * h * state.v[number], state.v[number]]);
+        // From the midpoint to the end.
+        for (number, z) in solved.z.iter().enumerate() {
+            solved.v[number] = state.v[number] + h * z;
+            solved.x[number] = state.x[number] + h * (state.v[number] + 0.5 * h * z);
+        }
+        solved.finish(system, state, h)
+    }
+}

@@ -1,0 +1,54 @@
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts, system::settle};
+use crate::state::State;
+use serde::{Deserialize, Serialize};
+
+/// Velocity Verlet: `x += h v + h²/2 a(x, v)`, then `v += h/2 (a(x, v) + a(x', v + h a))`.
+///
+/// Second order, also with forces that depend on velocity. Without damping it is symplectic and stable for h < 2/w, w the
+/// highest natural angular frequency (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, section I.3). Forces are
+/// taken twice a step: nothing but the state is kept, so that a pull that changes between two steps is not missed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityVerlet {}
+
+impl Integrator for VelocityVerlet {
+    fn title(&self) -> &'static str {
+        "Velocity Verlet"
+    }
+
+    fn about(&self) -> &'static str {
+        "x += h v + h²/2 a, then v += h/2 (a + a′). Second order; stable for h < 2/ω of the stiffest vibration; energy does not drift."
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn class(&self) -> Class {
+        Class::Explicit
+    }
+
+    fn scheme(&self) -> Scheme<'_> {
+        Scheme::Second(self)
+    }
+}
+
+impl SecondOrder for VelocityVerlet {
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+        let Work { numbers, spare, .. } = work;
+        let [before, predicted, force, end_force] = parts(numbers, state.x.len());
+        before.copy_from_slice(&state.x);
+        system.force(&state.x, &state.v, force);
+        for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
+            let a = force[number] * inverse_mass;
+            state.x[number] += h * (state.v[number] + 0.5 * h * a);
+            predicted[number] = state.v[number] + h * a;
+        }
+        system.force(&state.x, predicted, end_force);
+        for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
+            state.v[number] += 0.5 * h * (force[number] + end_force[number]) * inverse_mass;
+        }
+        settle(system, before, (&mut state.x, &mut state.v), spare, h);
+        StepCounts::ONE
+    }
+}

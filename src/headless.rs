@@ -22,7 +22,7 @@ pub struct Run {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
     /// Simulated time to run [s].
-    #[arg(long, conflicts_with = "steps", value_parser = seconds)]
+    #[arg(long, conflicts_with = "steps", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Number of steps to take.
     #[arg(long)]

@@ -28,7 +28,7 @@ use dialogs::Dialogs;
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use gallery::Gallery;
-use panels::{Desk, History, View};
+use panels::{Desk, History, Notice, View};
 use web_time::Instant;
 
 /// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
@@ -109,18 +109,18 @@ impl App {
 
     /// Where a point of the world [m] is on the screen, if the stage fills `stage`.
     pub fn on_screen(&self, stage: egui::Rect, point: [f64; 2]) -> egui::Pos2 {
-        canvas::camera(&self.snapshot, stage).screen_from_world(point)
+        camera::Camera::new(stage, draw::strip_numbers::height(&self.snapshot, stage)).screen_from_world(point)
     }
 
     /// The message that waits to be read, if there is one.
     pub fn notice(&self) -> Option<&str> {
-        self.view.notice.as_deref()
+        self.view.notice.as_ref().map(Notice::text)
     }
 
     /// Applies a command; one that is refused is shown, and nothing changes.
     fn apply(&mut self, command: Command) {
         if let Err(refused) = self.sandbox.apply(command) {
-            self.view.notice = Some(refused.to_string());
+            self.view.notice = Some(Notice::trouble(&refused));
         }
     }
 
@@ -130,7 +130,7 @@ impl App {
             self.apply(command);
         }
         for pressed in std::mem::take(&mut self.view.pressed) {
-            self.sandbox.snapshot(self.view.field, &mut self.snapshot);
+            self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
             let command = keys::now(pressed, &self.snapshot)
                 .and_then(|binding| panels::press(binding, &self.snapshot, &mut self.view));
             if let Some(command) = command {
@@ -164,7 +164,7 @@ impl eframe::App for App {
         self.apply_wishes();
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.advance(ctx.input(|input| input.time), time_of_frame);
-        self.sandbox.snapshot(self.view.field, &mut self.snapshot);
+        self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
         self.history.record(&self.snapshot);
     }
 
@@ -176,7 +176,7 @@ impl eframe::App for App {
             Desk { now: &self.snapshot, rates: self.clock.rates(), gallery: &self.gallery, history: &self.history };
         panels::show(ui, &desk, &mut self.view, &mut self.canvas, &mut self.commands);
         let asked = !self.commands.is_empty() || !self.view.pressed.is_empty() || self.view.wants_files();
-        if asked || self.view.field != self.snapshot.field || self.sandbox.is_live() {
+        if asked || self.view.stage.field != self.snapshot.field || self.sandbox.is_live() {
             ui.ctx().request_repaint();
         }
     }

@@ -2,6 +2,8 @@
 
 mod hold;
 mod scenery;
+#[cfg(test)]
+mod tests;
 
 use super::{
     camera::Camera,
@@ -74,7 +76,7 @@ struct Frame<'a> {
 impl Canvas {
     /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot);
         let canvas = response.rect;
         let camera = camera(snapshot, canvas);
@@ -173,7 +175,7 @@ fn describe(response: &Response, snapshot: &Snapshot) {
     });
 }
 
-/// How the stage looks at the world when it fills `canvas`.
+/// How a stage that fills `canvas` shows the world, for whoever wants to point at it from outside, such as a test.
 pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
     Camera::new(canvas, strip_numbers::height(snapshot, canvas))
 }

@@ -1,7 +1,7 @@
 //! What a body is made of.
 
 use super::{
-    View, heading, net,
+    Notice, View, heading, net,
     segmented::{Segment, segmented},
     settle,
     slider::{self, Outcome},
@@ -61,7 +61,7 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     let command = match MaterialParameters::new(material.model(), young, poisson, plane) {
         Ok(new) => Some(Command::SetMaterial(view.body, new)),
         Err(error) => {
-            view.notice = Some(error.to_string());
+            view.notice = Some(Notice::trouble(&error));
             None
         }
     };
@@ -83,7 +83,7 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: f64, view: &mut View, commands: &mut
     if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| (*clicked == 0) != by_density) {
         match converted(mass, area, clicked == 0) {
             Ok(new) => commands.extend([Command::SetMass(view.body, new), Command::EndGesture]),
-            Err(error) => view.notice = Some(error.to_string()),
+            Err(error) => view.notice = Some(Notice::trouble(&error)),
         }
     }
     let (outcome, new) = match mass {

@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
         looks(ui, view);
     } else if has_hidden_springs(desk.now) {
         let help = "Flexion springs too, which lie over the others";
-        ui.checkbox(&mut view.wireframe, "All springs").on_hover_text(help);
+        ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
     }
     heading(ui, "What it costs");
     speed(ui, desk);
@@ -42,14 +42,19 @@ fn looks(ui: &mut Ui, view: &mut View) {
     let parts: Vec<_> = Field::ALL
         .iter()
         .zip(shorts)
-        .map(|(field, text)| Segment { text, name: field.title(), about: about(*field), on: view.field == *field })
+        .map(|(field, text)| Segment {
+            text,
+            name: field.title(),
+            about: about(*field),
+            on: view.stage.field == *field,
+        })
         .collect();
     if let Some(field) = segmented(ui, "field", &parts, true).and_then(|clicked| Field::ALL.get(clicked)) {
-        view.field = *field;
+        view.stage.field = *field;
     }
     ui.horizontal(|ui| {
-        ui.checkbox(&mut view.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
-        ui.checkbox(&mut view.vertices, "Vertices").on_hover_text("A dot at every vertex");
+        ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
+        ui.checkbox(&mut view.stage.vertices, "Vertices").on_hover_text("A dot at every vertex");
     });
 }
 

@@ -6,7 +6,7 @@ use crate::{
     snapshot::{Energies, Snapshot},
 };
 use eframe::egui::{self, Align2, Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
+use egui_plot::{GridMark, Line, Plot, PlotPoint, PlotPoints, Text};
 use std::collections::VecDeque;
 
 /// How far back the plot looks [s of simulated time].
@@ -14,6 +14,9 @@ const WINDOW: f64 = 10.0;
 
 /// Least time between two kept samples [s].
 const APART: f64 = 1.0 / 120.0;
+
+/// Largest energy that is plotted [J].
+const FARTHEST: f64 = 1e60;
 
 /// Least and greatest height of the plot [points].
 const HEIGHTS: (f32, f32) = (150.0, 300.0);
@@ -46,11 +49,11 @@ impl History {
 
     /// The samples as text, one line each, for a spreadsheet.
     pub fn csv(&self) -> String {
-        let mut text = String::from("time [s],kinetic [J],elastic [J],potential [J],total [J]\n");
-        for (time, of) in &self.samples {
-            text += &format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total());
-        }
-        text
+        let head = "time [s],kinetic [J],elastic [J],potential [J],total [J]\n".to_owned();
+        let line = |(time, of): &(f64, Energies)| {
+            format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
+        };
+        std::iter::once(head).chain(self.samples.iter().map(line)).collect()
     }
 }
 
@@ -93,7 +96,7 @@ const CURVES: [Curve; 4] = [
 fn visible(curve: &Curve, of: &Energies) -> f64 {
     let value = (curve.value)(of);
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
-    if value.abs() > 1e-12 * largest.max(1e-3) { value } else { 0.0 }
+    if value.abs() <= 1e-12 * largest.max(1e-3) { 0.0 } else { value }
 }
 
 pub fn show(ui: &mut Ui, history: &History) {
@@ -121,8 +124,14 @@ pub fn show(ui: &mut Ui, history: &History) {
     plot(ui, history, end, theme);
 }
 
+/// A height in the plot: an explosion ends at numbers that a screen cannot place.
+fn plotted(curve: &Curve, of: &Energies) -> f64 {
+    let value = (curve.value)(of);
+    if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
+}
+
 fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
-    let values = history.samples.iter().flat_map(|(_, of)| CURVES.iter().map(|curve| (curve.value)(of)));
+    let values = history.samples.iter().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of)));
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
     let span = (end - begin).max(1.0);
@@ -139,6 +148,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
         .show_x(false)
         .show_y(false)
         .y_axis_min_width(52.0)
+        .x_grid_spacer(move |input| marks(input.bounds, span))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
         .show(ui, |plot| {
@@ -147,7 +157,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
             plot.set_plot_bounds_y(low..=high);
             for curve in &CURVES {
                 let points: PlotPoints<'_> =
-                    history.samples.iter().map(|(time, of)| [*time, (curve.value)(of)]).collect();
+                    history.samples.iter().map(|(time, of)| [*time, plotted(curve, of)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
@@ -161,9 +171,17 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     response.response.on_hover_text("Energies [J] over simulated time [s]");
 }
 
+/// Seconds to mark and to number: few enough that the numbers do not touch.
+fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
+    let step = [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|step| *step >= 0.32 * span).unwrap_or(10.0);
+    let first = (from / step).ceil() as i64;
+    let last = (to / step).floor() as i64;
+    (first..=last).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
+}
+
 /// Where to write the names of the curves: at their last values, but at least `apart` from each other, and up to `top`.
 fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
-    let mut heights = CURVES.each_ref().map(|curve| (curve.value)(now));
+    let mut heights = CURVES.each_ref().map(|curve| plotted(curve, now));
     let mut order = [0, 1, 2, 3];
     order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
     let mut floor = f64::NEG_INFINITY;
@@ -181,15 +199,17 @@ fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
 
 /// A range that holds all values and ends at round numbers, so that it stands still while they change a little.
 fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     let round = |value: f64| {
+        if value == 0.0 {
+            return 0.0;
+        }
         let power = 10f64.powf(value.abs().log10().floor());
         let lead = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0].into_iter().find(|lead| lead * power >= value.abs() * 0.999);
         lead.unwrap_or(10.0) * power * value.signum()
     };
-    let high = if high > 0.0 { round(high) } else { 0.0 };
+    // Nothing at all is shown as nothing of a joule.
+    let high = if high > 0.0 || low < 0.0 { round(high) } else { 1.0 };
     let low = if low < -0.02 * high { round(low) } else { 0.0 };
     let margin = (high - low).max(1e-9) * 0.06;
     (low - margin, high + margin)

@@ -2,6 +2,7 @@
 //! replay, a bug report and what undo works on.
 
 use crate::{
+    integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, RunMode, Substeps},
     materials::{MaterialParameters, Model},
     nets::NetKind,
@@ -71,6 +72,8 @@ pub enum Command {
     SetToy(ToyKind),
     /// Steps per 1/60 s.
     SetSubsteps(Substeps),
+    /// The time-stepping scheme, with its parameters; positions and velocities stay.
+    SetIntegrator(IntegratorKind),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
     /// Switches every damping effect on, or all off; adds one if the level has none.

@@ -44,6 +44,8 @@ pub enum Gesture {
     Effect(usize),
     /// The number of steps per frame.
     Substeps,
+    /// The parameters of the time-stepping scheme; choosing another scheme is a change of its own.
+    Integrator(&'static str),
 }
 
 /// Most changes that are remembered.

@@ -219,6 +219,17 @@ impl Substeps {
         }
     }
 
+    /// The allowed number next above a number of steps that need not be whole.
+    pub fn nearest(steps: f64) -> Self {
+        Self(libm::ceil(steps).clamp(1.0, f64::from(Self::MAX)) as u32)
+    }
+
+    /// Twice as many, as far as that is allowed.
+    #[must_use]
+    pub fn doubled(self) -> Self {
+        Self((2 * self.0).min(Self::MAX))
+    }
+
     /// The number of steps.
     pub const fn get(self) -> u32 {
         self.0

@@ -39,8 +39,9 @@
 //! | [`simulation`] | scene and state together: taking steps |
 //! | [`command`], [`document`], [`sandbox`] | what a person can do, what can be undone, and doing it |
 //! | [`snapshot`] | what a frame of the window is drawn from |
+//! | [`study`] | what accuracy costs in time: references, work-precision diagrams, mesh studies, drift |
 //! | [`levels`], [`files`] | the levels that come along; reading and saving |
-//! | `headless` | `gingerbread run` and `gingerbread check` (not in browsers) |
+//! | `headless` | `gingerbread run`, `check` and `study` (not in browsers) |
 //! | [`app`] | the window; the one room that says egui |
 
 pub mod quantity;
@@ -75,6 +76,8 @@ pub mod document;
 pub mod sandbox;
 
 pub mod snapshot;
+
+pub mod study;
 
 pub mod files;
 pub mod levels;

@@ -196,6 +196,12 @@ quantities! {
     DampingTime: "stiffness damping" ["s"] in Included(0.0), Included(1e3); slider 0.0 to 0.01, linear;
     /// k: force over distance.
     Spring: "spring stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
+    /// D: the share of its velocity that a vertex loses in a step, however long the step is.
+    VerletDamping: "velocity damping" [""] in Included(0.0), Included(1.0); slider 0.0 to 0.1, linear;
+    /// How large the error of an inner step may be, as a share of each position and velocity.
+    RelativeTolerance: "relative tolerance" [""] in Included(1e-14), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
+    /// How large the error of an inner step may be beside that, in metres and in metres per second.
+    AbsoluteTolerance: "absolute tolerance" [""] in Included(1e-15), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
     /// k of the springs along the sides of cells: force over distance.
     StructuralSpring: "structural stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
     /// k of the springs along the diagonals of cells: force over distance.
@@ -212,12 +218,6 @@ quantities! {
     Weight: "gravity" ["m/s²"] in Excluded(0.0), Included(1e6); slider 0.5 to 20.0, linear;
     /// How far from hanging straight down a pendulum starts, at rest.
     Swing: "start angle" ["°"] in Excluded(0.0), Included(179.9); slider 1.0 to 179.0, linear;
-    /// D: the share of its velocity that a vertex loses in a step, however long the step is.
-    VerletDamping: "velocity damping" [""] in Included(0.0), Included(1.0); slider 0.0 to 0.1, linear;
-    /// How large the error of an inner step may be, as a share of each position and velocity.
-    RelativeTolerance: "relative tolerance" [""] in Included(1e-14), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
-    /// How large the error of an inner step may be beside that, in metres and in metres per second.
-    AbsoluteTolerance: "absolute tolerance" [""] in Included(1e-15), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
     /// eps: how near a wall a vertex feels it.
     Reach: "contact reach" ["m"] in Included(0.0), Included(1e6); slider 0.0 to 0.05, linear;
     /// About how many triangles a mesh should have: more are more accurate, and cost more.

@@ -133,6 +133,10 @@ impl Sandbox {
                 document.level.substeps = substeps;
                 gesture = Some(Gesture::Substeps);
             }
+            Command::SetIntegrator(integrator) => {
+                gesture = Some(Gesture::Integrator(integrator.name()));
+                document.level.integrator = integrator;
+            }
             Command::SetEffect(number, effect) => {
                 *get(&mut document.level.effects, number)? = effect;
                 gesture = Some(Gesture::Effect(number));

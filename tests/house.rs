@@ -26,6 +26,7 @@ const ROOMS: [&[&str]; 24] = [
     &["document"],
     &["sandbox"],
     &["snapshot"],
+    &["study"],
     &["levels", "files"],
     &["headless"],
     &["app"],

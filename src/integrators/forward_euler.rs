@@ -20,6 +20,10 @@ impl Integrator for ForwardEuler {
         "X += h f(X). First order; every undamped vibration grows by √(1 + h²ω²) a step, however small h is."
     }
 
+    fn oscillation_limit(&self) -> f64 {
+        0.0
+    }
+
     fn order(&self) -> u32 {
         1
     }

@@ -73,6 +73,12 @@ pub trait Integrator: Send + Sync {
     /// What limits the step.
     fn class(&self) -> Class;
 
+    /// The largest h w at which an undamped vibration of angular frequency w does not grow: the scheme's reach along the
+    /// imaginary axis. Only explicit schemes have one.
+    fn oscillation_limit(&self) -> f64 {
+        2.0
+    }
+
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()

@@ -19,6 +19,7 @@ use crate::{
 use std::{ops::Range, sync::Arc};
 
 /// The constant side of a simulation.
+#[derive(Clone)]
 pub struct Scene {
     /// The bodies, in the order of the level.
     pub bodies: Vec<Body>,
@@ -49,6 +50,7 @@ pub struct Scene {
 }
 
 /// One body of a scene.
+#[derive(Clone)]
 pub struct Body {
     /// Name from the level.
     pub name: String,

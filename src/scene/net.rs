@@ -5,6 +5,7 @@ use crate::{elements::Springs, level::NetLevel};
 use std::{ops::Range, sync::Arc};
 
 /// One net of a scene.
+#[derive(Clone)]
 pub struct Net {
     /// Name from the level.
     pub name: String,

@@ -1,61 +1,22 @@
 //! Where the energy is, now and in the last seconds.
 
-use super::{fixed, heading_here, row};
+use super::{
+    fixed, heading_here,
+    history::{History, WINDOW},
+    row,
+};
 use crate::{
     app::{numbers, theme::Theme},
-    snapshot::{Energies, Snapshot},
+    snapshot::Energies,
 };
 use eframe::egui::{self, Align2, Color32, RichText, Ui};
 use egui_plot::{GridMark, Line, Plot, PlotPoint, PlotPoints, Text};
-use std::collections::VecDeque;
-
-/// How far back the plot looks [s of simulated time].
-const WINDOW: f64 = 10.0;
-
-/// Least time between two kept samples [s].
-const APART: f64 = 1.0 / 120.0;
 
 /// Largest energy that is plotted [J].
 const FARTHEST: f64 = 1e60;
 
 /// Least and greatest height of the plot [points].
 const HEIGHTS: (f32, f32) = (150.0, 300.0);
-
-/// Energies of the last seconds.
-#[derive(Default)]
-pub struct History {
-    samples: VecDeque<(f64, Energies)>,
-    generation: u64,
-}
-
-impl History {
-    /// Notes the energies of now; time that went backwards or another scene begins anew.
-    pub fn record(&mut self, now: &Snapshot) {
-        let back = self.samples.back().is_some_and(|(time, _)| now.time < *time);
-        if back || self.generation != now.generation {
-            self.samples.clear();
-            self.generation = now.generation;
-        }
-        let kept = self.samples.len();
-        // The newest sample moves along until it is far enough from the one before.
-        if kept >= 2 && now.time - self.samples[kept - 2].0 < APART || kept == 1 && now.time == self.samples[0].0 {
-            self.samples.pop_back();
-        }
-        self.samples.push_back((now.time, now.energies));
-        while self.samples.front().is_some_and(|(time, _)| now.time - time > WINDOW) {
-            self.samples.pop_front();
-        }
-    }
-
-    /// The samples as text, one line each, for a spreadsheet.
-    pub fn csv(&self) -> String {
-        let head = "time [s],kinetic [J],elastic [J],potential [J],total [J]\n".to_owned();
-        let line = |(time, of): &(f64, Energies)| {
-            format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
-        };
-        std::iter::once(head).chain(self.samples.iter().map(line)).collect()
-    }
-}
 
 /// One curve.
 struct Curve {
@@ -100,7 +61,7 @@ fn visible(curve: &Curve, of: &Energies) -> f64 {
 }
 
 pub fn show(ui: &mut Ui, history: &History) {
-    let Some(&(end, now)) = history.samples.back() else { return };
+    let Some(&(end, now)) = history.last() else { return };
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         heading_here(ui, "Energies");
@@ -131,7 +92,7 @@ fn plotted(curve: &Curve, of: &Energies) -> f64 {
 }
 
 fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
-    let values = history.samples.iter().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of)));
+    let values = history.samples().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of)));
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
     let span = (end - begin).max(1.0);
@@ -156,12 +117,11 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
             plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
             plot.set_plot_bounds_y(low..=high);
             for curve in &CURVES {
-                let points: PlotPoints<'_> =
-                    history.samples.iter().map(|(time, of)| [*time, plotted(curve, of)]).collect();
+                let points: PlotPoints<'_> = history.samples().map(|(time, of)| [*time, plotted(curve, of)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
-            let now = history.samples.back().map(|(_, now)| *now).unwrap_or_default();
+            let now = history.last().map(|(_, now)| *now).unwrap_or_default();
             for (curve, y) in CURVES.iter().zip(label_heights(&now, apart, high - apart)) {
                 let at = PlotPoint::new(end + 0.02 * span, y);
                 let text = RichText::new(curve.name).small().color((curve.color)(theme));
@@ -218,30 +178,6 @@ fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn at(time: f64) -> Snapshot {
-        Snapshot { time, ..Snapshot::default() }
-    }
-
-    #[test]
-    fn the_plot_forgets_what_is_too_old_and_starts_anew_when_time_does() {
-        let mut history = History::default();
-        for frame in 0..3000 {
-            history.record(&at(f64::from(frame) / 60.0));
-        }
-        assert!((590..=602).contains(&history.samples.len()), "{}", history.samples.len());
-        history.record(&at(0.0));
-        assert_eq!(history.samples.len(), 1);
-    }
-
-    #[test]
-    fn slow_motion_does_not_fill_the_memory() {
-        let mut history = History::default();
-        for frame in 0..10_000 {
-            history.record(&at(f64::from(frame) * 1e-4));
-        }
-        assert!(history.samples.len() <= 122, "{}", history.samples.len());
-    }
 
     #[test]
     fn labels_of_equal_energies_do_not_cover_each_other() {

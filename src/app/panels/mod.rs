@@ -4,12 +4,15 @@
 mod banner;
 mod body;
 mod cost;
+mod diagram;
 mod effects;
 mod energy;
 mod help;
+mod history;
 mod icons;
 mod net;
 mod prompt;
+mod scheme;
 mod segmented;
 mod slider;
 mod status;
@@ -17,7 +20,7 @@ mod strip;
 mod test_pose;
 mod toy;
 
-pub use energy::History;
+pub use history::History;
 pub use prompt::Prompt;
 
 use super::{
@@ -25,6 +28,7 @@ use super::{
     clock::Rates,
     gallery::Gallery,
     keys::{Act, Binding},
+    lab::{Lab, Wish},
     numbers,
     theme::Theme,
 };
@@ -56,6 +60,10 @@ pub struct View {
     pub pressed: Vec<&'static Binding>,
     /// What is wanted of the file system.
     pub file: Option<FileWish>,
+    /// What is wanted of the studies.
+    pub wishes: Vec<Wish>,
+    /// How the diagram is looked at.
+    pub diagram: diagram::Look,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
 }
@@ -112,6 +120,8 @@ pub struct Desk<'a> {
     pub gallery: &'a Gallery,
     /// Energies of the last seconds.
     pub history: &'a History,
+    /// What is measured beside the scene.
+    pub lab: &'a Lab,
 }
 
 /// Below this width the sides fold away [points].
@@ -137,6 +147,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
         drawer(ui, stage, side, desk, view, commands);
     }
     banner::show(ui.ctx(), stage, desk.now, view, commands);
+    diagram::show(ui.ctx(), desk, view, commands);
     help::show(ui.ctx(), desk.now, view);
     prompt::show(ui.ctx(), view);
 }
@@ -183,6 +194,8 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
             effects::show(ui, desk.now, view, commands);
         } else {
             cost::show(ui, desk, view, commands);
+            scheme::show(ui, desk, view, commands);
+            diagram::button(ui, view);
             energy::show(ui, desk.history);
         }
         ui.add_space(8.0);

@@ -109,8 +109,9 @@ fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<
         commands.extend_from_slice(mend);
     }
     let text = RichText::new(&warning.text).color(ui.visuals().warn_fg_color);
-    // The keys keep some room of their own.
-    let room = (ui.available_width() - KEYS).max(0.5 * ui.available_width());
+    // In a wide window the keys keep some room of their own; in a narrow one the warning has it all.
+    let width = ui.available_width();
+    let room = if width > 1.4 * KEYS { width - KEYS } else { width };
     ui.scope(|ui| {
         ui.set_max_width(room);
         ui.add(egui::Label::new(text).truncate()).on_hover_text(&warning.details);

@@ -217,9 +217,14 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
 /// How many triangles and springs there are, as far as there are any.
 fn elements(scene: &Scene) -> String {
     let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
-    let counts = [(scene.triangles.len(), "triangles"), (springs, "springs")];
-    let there = counts.into_iter().filter(|(count, _)| *count > 0);
-    there.map(|(count, name)| format!("{count} {name}, ")).collect()
+    let mut text = String::new();
+    for (count, name) in [(scene.triangles.len(), "triangles"), (springs, "springs")] {
+        if count > 0 {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{count} {name}, ");
+        }
+    }
+    text
 }
 
 fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {

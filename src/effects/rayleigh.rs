@@ -130,6 +130,9 @@ impl Effect for Damping {
         for body in &self.bodies {
             body.name_couples(add);
         }
+        for net in &self.nets {
+            net.couples(add);
+        }
     }
 
     /// The part for v is exact. The part for x is not symmetric; its symmetric part is taken.
@@ -143,6 +146,9 @@ impl Effect for Damping {
             body.add_tangent(motion.x, 1.0, matrix, |number, f| {
                 viscous_tangent(f, &body.gradient_of(motion.v, number), weights, [mu, lambda])
             });
+        }
+        for net in &self.nets {
+            net.add_damping_stiffness(motion.x, self.beta, weights.velocity, matrix);
         }
     }
 }

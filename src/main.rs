@@ -18,6 +18,8 @@ struct Arguments {
 enum Command {
     /// Steps a level without a window.
     Run(headless::Run),
+    /// Tells what accuracy costs: errors against times for many integrators and steps, or for many meshes.
+    Study(headless::Study),
     /// Reads level files and says what is wrong with them.
     Check {
         /// Level files, or names of built-in levels.
@@ -32,6 +34,13 @@ fn main() -> ExitCode {
         Some(Command::Run(run)) => match headless::run(&run) {
             Ok(report) => {
                 println!("{report}");
+                ExitCode::SUCCESS
+            }
+            Err(error) => fail(&error, error.exit_code()),
+        },
+        Some(Command::Study(study)) => match headless::study(&study) {
+            Ok(table) => {
+                println!("{table}");
                 ExitCode::SUCCESS
             }
             Err(error) => fail(&error, error.exit_code()),

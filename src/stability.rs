@@ -17,6 +17,11 @@ pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     Some(last)
 }
 
+/// The largest eigenvalue of M⁻¹ K at a state [1/s²], from below and to a few per cent; K is the stiffness of all effects.
+pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
+    StabilityProbe::default().largest_eigenvalue(scene, state, ROUNDS)
+}
+
 /// Lanczos rounds between two restarts of the converged answer.
 const ROUNDS: usize = 16;
 /// Most restarts of it; a few are enough for meshes of 100,000 triangles.

@@ -70,7 +70,7 @@ impl std::fmt::Display for Short {
 
 /// A value was outside the range of its quantity, or not a number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} must be in {range}, got {value}")]
+#[error("{name} must be in {range}, got {}", Short(*.value))]
 pub struct OutOfRange {
     name: &'static str,
     range: String,

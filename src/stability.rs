@@ -55,7 +55,10 @@ impl StabilityProbe {
     }
 
     fn largest_eigenvalue(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
-        let count = scene.rest.len();
+        let count = scene.inverse_mass.len();
+        if count == 0 {
+            return None;
+        }
         if self.vector.len() != count || !norm(&self.vector).is_normal() {
             self.vector = (0..count as u64).map(irregular).collect();
         }

@@ -1,10 +1,11 @@
-//! Lists the files of `levels/`, so that adding a level is adding a file.
+//! Lists the files of `levels/`, so that adding a level is adding a file; and names the commit, for the heads of tables.
 
-use std::{env, fmt::Write as _, fs, io, path::Path};
+use std::{env, fmt::Write as _, fs, io, path::Path, process::Command};
 
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=levels");
     let root = env::var("CARGO_MANIFEST_DIR").map_err(io::Error::other)?;
+    name_commit(Path::new(&root));
     let out = env::var("OUT_DIR").map_err(io::Error::other)?;
     let folder = Path::new(&root).join("levels");
     let mut names = Vec::new();
@@ -24,4 +25,24 @@ fn main() -> io::Result<()> {
     }
     list.push_str("];\n");
     fs::write(Path::new(&out).join("levels.rs"), list)
+}
+
+/// Sets `GINGERBREAD_COMMIT`, if this is a git checkout and there is a git to ask.
+fn name_commit(root: &Path) {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    // A package unpacked inside another repository must not take that one's commit for its own.
+    let Some(top) = git(&["rev-parse", "--show-toplevel"]) else { return };
+    if fs::canonicalize(top).ok() != fs::canonicalize(root).ok() {
+        return;
+    }
+    if let Some(commit) = git(&["rev-parse", "HEAD"]) {
+        println!("cargo::rustc-env=GINGERBREAD_COMMIT={commit}");
+    }
+    // The file that says where HEAD is changes with every commit and checkout.
+    if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
+        println!("cargo::rerun-if-changed={}", root.join(log).display());
+    }
 }

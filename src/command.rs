@@ -2,8 +2,12 @@
 //! replay, a bug report and what undo works on.
 
 use crate::{
+    integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, RunMode, Substeps},
     materials::{MaterialParameters, Model},
+    nets::NetKind,
+    quantity::ParticleMass,
+    toys::ToyKind,
 };
 
 /// What the sandbox is doing.
@@ -62,8 +66,14 @@ pub enum Command {
     SetMaterial(usize, MaterialParameters),
     /// How heavy a body (by number) is.
     SetMass(usize, MassLevel),
+    /// What a net (by number) is made of, and the mass of its particles. Its particles stay where they are.
+    SetNet(usize, NetKind, ParticleMass),
+    /// The numbers of the toy; it starts over.
+    SetToy(ToyKind),
     /// Steps per 1/60 s.
     SetSubsteps(Substeps),
+    /// The time-stepping scheme, with its parameters; positions and velocities stay.
+    SetIntegrator(IntegratorKind),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
     /// Switches every damping effect on, or all off; adds one if the level has none.

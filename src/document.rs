@@ -5,6 +5,7 @@ use crate::{
     level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, When},
     materials::Model,
     quantity::{Coordinate, Factor, Point},
+    scene::Owner,
     state::State,
 };
 
@@ -35,10 +36,16 @@ pub enum Gesture {
     Material(usize),
     /// The mass of a body.
     Mass(usize),
+    /// Mass and springs of a net.
+    Net(usize),
+    /// The numbers of the toy.
+    Toy,
     /// An effect of the list.
     Effect(usize),
     /// The number of steps per frame.
     Substeps,
+    /// The parameters of the time-stepping scheme; choosing another scheme is a change of its own.
+    Integrator(&'static str),
 }
 
 /// Most changes that are remembered.
@@ -124,22 +131,40 @@ impl Document {
         if self.side_by_side { 0 } else { body }
     }
 
-    /// Replaces the pinning rules of a body by vertices, with one of them changed over.
-    pub fn toggle_pin(&mut self, body: usize, vertex: u32, pinned: &[u32]) {
+    /// Replaces the pinning rules of a body or net by vertices, with one of them changed over.
+    pub fn toggle_pin(&mut self, owner: Owner, vertex: u32, pinned: &[u32]) {
         let mut pins = pinned.to_vec();
         match pins.binary_search(&vertex) {
             Ok(at) => drop(pins.remove(at)),
             Err(at) => pins.insert(at, vertex),
         }
-        self.level.bodies[body].pins = pins.into_iter().map(Pin::Vertex).collect();
+        let rules = match owner {
+            Owner::Body(number) => {
+                let source = self.source(number);
+                self.level.bodies.get_mut(source).map(|body| &mut body.pins)
+            }
+            Owner::Net(number) => self.level.nets.get_mut(number).map(|net| &mut net.pins),
+        };
+        if let Some(rules) = rules {
+            *rules = pins.into_iter().map(Pin::Vertex).collect();
+        }
     }
 
-    /// Switches all damping, adding one if there is none.
+    /// Frees all vertices.
+    pub fn clear_pins(&mut self) {
+        self.level.bodies.iter_mut().for_each(|body| body.pins.clear());
+        self.level.nets.iter_mut().for_each(|net| net.pins.clear());
+    }
+
+    /// Switches all damping, adding one if there is none and there is something to damp.
     pub fn set_damping(&mut self, on: bool) {
         let switch = if on { Switch::On } else { Switch::Off };
         let mut damping = self.level.effects.iter_mut().filter(|listed| listed.effect.kind().is_damping()).peekable();
         if damping.peek().is_none() && on {
             drop(damping);
+            if self.level.toy.is_some() {
+                return;
+            }
             let effect = crate::effects::EffectKind::Rayleigh(crate::effects::Rayleigh::default());
             self.level.effects.push(EffectLevel { effect, switch, when: When::Always });
         } else {
@@ -163,6 +188,8 @@ impl Default for Level {
             substeps: Substeps::default(),
             integrator: crate::integrators::IntegratorKind::default(),
             bodies: Vec::new(),
+            nets: Vec::new(),
+            toy: None,
             effects: Vec::new(),
             test: None,
             state: None,

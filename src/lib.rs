@@ -25,11 +25,13 @@
 //! | `registry` | the macro behind every list of kinds |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
+//! | [`nets`] | where particles and springs come from: chains, sheets, lists |
 //! | [`obstacles`] | what bodies bump into; the one room that says parry2d |
 //! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, Newton's method |
-//! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles themselves |
+//! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles and springs themselves |
 //! | [`state`] | positions and velocities: what moves |
 //! | [`integrators`] | how time passes, without any physics |
+//! | [`toys`] | small systems with an exact solution: the circle, the pendulum |
 //! | [`level`] | what a file may say |
 //! | [`scene`] | a level made ready for stepping |
 //! | [`stability`] | how long a step may be |
@@ -37,8 +39,9 @@
 //! | [`simulation`] | scene and state together: taking steps |
 //! | [`command`], [`document`], [`sandbox`] | what a person can do, what can be undone, and doing it |
 //! | [`snapshot`] | what a frame of the window is drawn from |
+//! | [`study`] | what accuracy costs in time: references, work-precision diagrams, mesh studies, drift |
 //! | [`levels`], [`files`] | the levels that come along; reading and saving |
-//! | `headless` | `gingerbread run` and `gingerbread check` (not in browsers) |
+//! | `headless` | `gingerbread run`, `check` and `study` (not in browsers) |
 //! | [`app`] | the window; the one room that says egui |
 
 pub mod quantity;
@@ -46,6 +49,7 @@ mod registry;
 
 pub mod materials;
 pub mod meshes;
+pub mod nets;
 pub mod obstacles;
 
 pub mod solvers;
@@ -56,6 +60,7 @@ pub mod elements;
 pub mod state;
 
 pub mod integrators;
+pub mod toys;
 
 pub mod level;
 pub mod scene;
@@ -71,6 +76,8 @@ pub mod document;
 pub mod sandbox;
 
 pub mod snapshot;
+
+pub mod study;
 
 pub mod files;
 pub mod levels;

@@ -6,7 +6,7 @@ use crate::{
     effects::Grab,
     level::{Level, RunMode, Switch},
     meshes::Files,
-    scene::{Scene, SceneError, extent},
+    scene::{Owner, Scene, SceneError, extent},
     simulation::Simulation,
     state::State,
 };
@@ -117,9 +117,25 @@ impl Sandbox {
                 get(&mut document.level.bodies, body)?.mass = mass;
                 gesture = Some(Gesture::Mass(body));
             }
+            Command::SetNet(number, net, mass) => {
+                let listed = get(&mut document.level.nets, number)?;
+                (listed.net, listed.mass) = (net, mass);
+                gesture = Some(Gesture::Net(number));
+            }
+            Command::SetToy(toy) => {
+                document.level.toy.as_ref().ok_or(Refused::NotHere("this level is not about a toy"))?;
+                document.level.state = None;
+                document.level.toy = Some(toy);
+                gesture = Some(Gesture::Toy);
+                then = Then::Restart;
+            }
             Command::SetSubsteps(substeps) => {
                 document.level.substeps = substeps;
                 gesture = Some(Gesture::Substeps);
+            }
+            Command::SetIntegrator(integrator) => {
+                gesture = Some(Gesture::Integrator(integrator.name()));
+                document.level.integrator = integrator;
             }
             Command::SetEffect(number, effect) => {
                 *get(&mut document.level.effects, number)? = effect;
@@ -128,10 +144,10 @@ impl Sandbox {
             Command::SetDamping(on) => document.set_damping(on),
             Command::TogglePin(vertex) => {
                 let scene = self.simulation.scene();
-                let (body, local) = scene.body_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
-                document.toggle_pin(document.source(body), local as u32, &self.pins_of(body));
+                let (owner, local) = scene.owner_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
+                document.toggle_pin(owner, local as u32, &self.pins_of(owner));
             }
-            Command::ClearPins => document.level.bodies.iter_mut().for_each(|body| body.pins.clear()),
+            Command::ClearPins => document.clear_pins(),
             Command::SetPose(pose) => {
                 let test = document.level.test.ok_or(NO_TEST)?;
                 document.set_pose(pose, test);
@@ -172,12 +188,14 @@ impl Sandbox {
         let shown = without_state(&document.shown(self.middle()));
         let same =
             self.shown.bodies.len() == shown.bodies.len()
+                && self.simulation.scene().rest == scene.rest
+                && self.shown.toy == shown.toy
                 && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
                     a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
                 });
         if then == Then::Restart || !same {
             let state = match state {
-                Some(state) if state.x.len() == scene.rest.len() => state,
+                Some(state) if state.x.len() == scene.start.x.len() => state,
                 _ => scene.first_state(document.level.state.as_ref())?,
             };
             self.simulation.replace_scene(scene);
@@ -197,7 +215,7 @@ impl Sandbox {
 
     /// The x of the middle of the document's first body at rest, were it not moved aside [m].
     fn middle(&self) -> f64 {
-        let body = &self.simulation.scene().bodies[0];
+        let Some(body) = self.simulation.scene().bodies.first() else { return 0.0 };
         let x = &self.simulation.scene().rest[2 * body.vertices.start..2 * body.vertices.end];
         let (left, right) = extent(x, 0);
         let moved = self.shown.bodies.first().map_or(0.0, |body| body.place.offset.get()[0]);
@@ -248,17 +266,20 @@ impl Sandbox {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
         }
-        if 2 * vertex >= self.simulation.state().x.len() || !target.iter().all(|coordinate| coordinate.is_finite()) {
+        if 2 * vertex >= self.simulation.state().v.len() || !target.iter().all(|coordinate| coordinate.is_finite()) {
             return Err(Refused::NotHere("there is no such vertex or point to pull"));
         }
         self.simulation.set_grab(Some(Grab { vertex, target }));
         Ok(())
     }
 
-    /// The pinned vertices of a shown body, by their number in it.
-    fn pins_of(&self, body: usize) -> Vec<u32> {
+    /// The pinned vertices of a shown body or net, by their number in it.
+    fn pins_of(&self, owner: Owner) -> Vec<u32> {
         let scene = self.simulation.scene();
-        let vertices = &scene.bodies[body].vertices;
+        let vertices = match owner {
+            Owner::Body(number) => &scene.bodies[number].vertices,
+            Owner::Net(number) => &scene.nets[number].vertices,
+        };
         let own = scene.pins.iter().filter(|pin| vertices.contains(&(**pin as usize)));
         own.map(|pin| pin - vertices.start as u32).collect()
     }

@@ -3,11 +3,12 @@
 use crate::{
     effects::{Effect, Grab, Motion},
     fault::Fault,
-    integrators::{Dynamics, Work},
+    integrators::{Dynamics, Ode, Scheme, StepCounts, Work},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
     state::State,
+    toys::Toy,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -131,8 +132,19 @@ impl Simulation {
     fn step(&mut self) {
         let h = self.scene.step;
         let mut work = std::mem::take(&mut self.scratch.work);
-        let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
-        let counts = self.scene.integrator.kind().step(&mut system, &mut self.state, &mut work, h);
+        let integrator = self.scene.integrator.kind();
+        let counts = match (&self.scene.toy, integrator.scheme()) {
+            (Some(toy), Scheme::First(scheme)) => {
+                let mut system = ToySystem { toy: toy.kind(), counts: &mut self.scratch.counts };
+                scheme.step(&mut system, &mut self.state, &mut work, h)
+            }
+            // A toy with another scheme is not built.
+            (Some(_), Scheme::Second(_)) => StepCounts::ONE,
+            (None, _) => {
+                let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
+                integrator.step(&mut system, &mut self.state, &mut work, h)
+            }
+        };
         self.scratch.work = work;
         self.scratch.counts.add(&counts);
         self.state.steps += 1;
@@ -152,15 +164,19 @@ impl Simulation {
 
     /// Energies now [J].
     pub fn energies(&self) -> Energies {
+        if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
+            let [kinetic, potential] = toy.kind().energies([a, b]);
+            return Energies { kinetic, elastic: 0.0, potential };
+        }
         let motion = self.scene.motion(&self.state, self.grab);
         let speeds = motion.v.iter().zip(motion.mass);
         let kinetic = 0.5 * speeds.map(|(v, mass)| mass * v * v).sum::<f64>();
-        let (elastic, other) = self.scene.effects.split_at(self.scene.bodies.len());
+        let (elastic, other) = self.scene.effects.split_at(self.scene.element_count());
         let stored = |effects: &[std::sync::Arc<dyn Effect>]| effects.iter().map(|effect| effect.energy(motion)).sum();
         Energies { kinetic, elastic: stored(elastic), potential: stored(other) }
     }
 
-    /// Least det F of all triangles, and how many have det F <= 0.
+    /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.
     pub fn inversion(&self) -> (f64, usize) {
         let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
         ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
@@ -268,6 +284,21 @@ impl Dynamics for System<'_> {
             let touched =
                 self.scratch.booked(number, None, |_| effect.constrain_position(x, v, &self.scene.inverse_mass));
             self.scratch.counts.constrained += touched as u64;
+        }
+    }
+}
+
+/// A toy as the integrator sees it; its rates count as forces.
+struct ToySystem<'a> {
+    toy: &'a dyn Toy,
+    counts: &'a mut Counts,
+}
+
+impl Ode for ToySystem<'_> {
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+        self.counts.force_evaluations += 1;
+        if let &[a, b] = x {
+            rate.copy_from_slice(&self.toy.rate([a, b]));
         }
     }
 }

@@ -6,9 +6,13 @@ mod common;
 use common::{MODES, level, sheet, simulation};
 use gingerbread::{
     files::{self, Disk, FileError},
-    level::Level,
+    level::{Level, RunMode, Switch},
     levels::BUILT_IN,
+    materials::Model,
     scene::{Scene, SceneError},
+    simulation::Simulation,
+    stability::critical_step,
+    state::State,
 };
 use std::{fmt::Write as _, fs, path::PathBuf};
 
@@ -32,6 +36,33 @@ fn every_level_runs_two_seconds_to_its_recorded_bits() {
         fs::write(&record, &lines).unwrap();
     }
     assert_eq!(fs::read_to_string(&record).unwrap(), lines, "left: recorded, right: now");
+}
+
+/// Whatever a person switches on in a level that ships, its step stays below the stability limit at rest, damping included.
+#[test]
+fn every_level_is_stable_at_its_step_with_and_without_damping() {
+    let mut near = Vec::new();
+    for (file, text) in BUILT_IN {
+        for switch in [Switch::On, Switch::Off] {
+            let mut level = files::parse(text, file).unwrap();
+            level.mode = RunMode::Collide;
+            level.effects.iter_mut().for_each(|listed| listed.switch = switch);
+            for &model in Model::ALL {
+                level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+                let simulation = simulation(&level);
+                let limit = critical_step(simulation.scene(), &rest(&simulation)).unwrap();
+                let share = simulation.scene().step / limit;
+                if share > 0.8 {
+                    near.push(format!("{file} {} {switch:?}: {share:.2}", model.name()));
+                }
+            }
+        }
+    }
+    assert!(near.is_empty(), "step over stability limit: {near:#?}");
+}
+
+fn rest(simulation: &Simulation) -> State {
+    State { x: simulation.scene().rest.clone(), ..simulation.state().clone() }
 }
 
 #[test]
@@ -103,7 +134,7 @@ fn refused(level: &Level) -> String {
 #[test]
 fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
     let empty = Level { bodies: Vec::new(), ..sheet("Corotated", "", "") };
-    assert_eq!(refused(&empty), SceneError::NoBodies.to_string());
+    assert_eq!(refused(&empty), SceneError::Nothing.to_string());
     let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));
     assert!(pinned.contains("sheet") && pinned.contains("from 0 to 24"), "{pinned}");
     let edges = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)))]";
@@ -147,8 +178,8 @@ fn saving_replaces_the_whole_file_and_paths_of_meshes_follow() {
     fs::remove_dir_all(&folder).unwrap();
 }
 
-fn simulation_of(level: &Level) -> gingerbread::simulation::Simulation {
+fn simulation_of(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &Disk, None).unwrap();
     let state = scene.start.clone();
-    gingerbread::simulation::Simulation::new(scene, state)
+    Simulation::new(scene, state)
 }

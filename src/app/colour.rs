@@ -13,8 +13,8 @@ const PATIENCE: f32 = 1.5;
 /// Time constant [s] with which the shown range goes to a new one.
 const EASE: f32 = 0.12;
 
-/// Share of the triangles that the range leaves out at its upper end, so that a single spike does not set it.
-const OUTLIERS: f64 = 0.01;
+/// Share of the triangles that the range leaves out at its upper end, so that a few spikes do not set it.
+const OUTLIERS: f64 = 0.03;
 
 static VIRIDIS: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::VIRIDIS, false));
 
@@ -86,8 +86,15 @@ impl Scale {
 
     /// The colour of a value.
     pub fn color(&self, value: f64) -> Color32 {
+        self.at(self.share(value))
+    }
+
+    /// Where a value lies on the map, from 0 to 1 within the range. Energy grows with the square of strain, so its root
+    /// spreads the colours evenly over what one sees.
+    pub fn share(&self, value: f64) -> f32 {
         let [low, high] = self.range();
-        self.at(((value - low) / (high - low)) as f32)
+        let share = (value - low) / (high - low);
+        (if self.field == Field::EnergyDensity { share.max(0.0).sqrt() } else { share }) as f32
     }
 
     /// The colour at a share of the map from 0 to 1.

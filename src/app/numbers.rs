@@ -19,6 +19,12 @@ pub fn si_fixed(value: f64, unit: &str) -> String {
     format!("{number:>6}{gap}{unit_now:<slot$}")
 }
 
+/// The unit with the prefix that suits a value, and what to divide by to count in it: for rows of numbers that share one.
+pub fn unit_for(value: f64, unit: &str) -> (f64, String) {
+    let (power, prefix) = prefix(three_digits(value.abs()).1, unit);
+    (10_f64.powi(power), format!("{prefix}{unit}"))
+}
+
 fn write(value: f64, unit: &str, trim: bool) -> String {
     if value.is_nan() {
         return "no number".to_owned();
@@ -28,7 +34,7 @@ fn write(value: f64, unit: &str, trim: bool) -> String {
     }
     let (digits, exponent) = three_digits(value.abs());
     let sign = if value < 0.0 && digits > 0 { "−" } else { "" };
-    let (power, prefix) = if takes_prefix(unit) { prefix(exponent, unit) } else { (0, "") };
+    let (power, prefix) = prefix(exponent, unit);
     let place = exponent - power;
     let number = if (-4..=5).contains(&place) {
         decimal(digits, place, trim)
@@ -64,8 +70,11 @@ fn takes_prefix(unit: &str) -> bool {
     matches!(first, "s" | "m" | "N" | "J" | "Pa" | "W" | "Hz")
 }
 
-/// The prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`.
+/// The power of ten and the prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`.
 fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
+    if !takes_prefix(unit) {
+        return (0, "");
+    }
     let early = i32::from(matches!(unit, "s" | "m"));
     let power = (exponent + early).div_euclid(3) * 3;
     let power = if unit == "s" { power.min(0) } else { power }.clamp(-12, 12);
@@ -74,7 +83,7 @@ fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{si, si_fixed};
+    use super::{si, si_fixed, unit_for};
 
     #[test]
     fn reads_like_prose() {
@@ -98,6 +107,12 @@ mod tests {
         ] {
             assert_eq!(si(value, unit), text, "{value:e} {unit}");
         }
+    }
+
+    #[test]
+    fn shares_a_unit() {
+        assert_eq!(unit_for(2000.0, "J/m²"), (1000.0, "kJ/m²".to_owned()));
+        assert_eq!(unit_for(2000.0, ""), (1.0, String::new()));
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct Theme {
     pub world_edge: Color32,
     /// The inside of the house, from top to bottom.
     pub inside: [Color32; 2],
+    /// What is seen through its windows, and their frames.
+    pub window: [Color32; 2],
     /// Gingerbread walls.
     pub wall: Color32,
     /// Their shaded parts.
@@ -87,6 +89,7 @@ static NIGHT: Theme = Theme {
     world: rgba(0xFF_FFFF, 10),
     world_edge: rgba(0xB9_CBE8, 46),
     inside: [rgb(0x2C_222B), rgb(0x45_302B)],
+    window: [rgb(0x1B_2A48), rgb(0x66_5552)],
     wall: rgb(0x7A_4420),
     wall_shade: rgb(0x5A_3016),
     dough: rgb(0xB5_713A),
@@ -122,6 +125,7 @@ static DAY: Theme = Theme {
     world: rgb(0xF3_E6CE),
     world_edge: rgb(0xDC_C7A1),
     inside: [rgb(0xF8_E5C3), rgb(0xEF_D2A3)],
+    window: [rgb(0xDF_EBF0), rgb(0xD2_AE7C)],
     wall: rgb(0x8A_4F26),
     wall_shade: rgb(0x6B_3A19),
     dough: rgb(0xB5_713A),
@@ -168,28 +172,17 @@ impl Theme {
         if presence >= 1.0 { color } else { self.sky[0].lerp_to_gamma(self.sky[1], 0.5).lerp_to_gamma(color, presence) }
     }
 
-    fn widget(&self, fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
-        style::WidgetVisuals {
-            bg_fill: fill,
-            weak_bg_fill: fill,
-            bg_stroke: edge,
-            corner_radius: CornerRadius::same(8),
-            fg_stroke: Stroke::new(1.5, text),
-            expansion: 0.0,
-        }
-    }
-
     fn widgets(&self) -> style::Widgets {
         let [rest, hover, press] = self.button;
         style::Widgets {
             noninteractive: style::WidgetVisuals {
                 fg_stroke: Stroke::new(1.0, self.text),
-                ..self.widget(self.panel, self.text, Stroke::new(1.0, self.line))
+                ..widget(self.panel, self.text, Stroke::new(1.0, self.line))
             },
-            inactive: self.widget(rest, self.text, Stroke::NONE),
-            hovered: self.widget(hover, self.text, Stroke::new(1.0, self.accent_line)),
-            active: self.widget(press, self.text, Stroke::new(1.5, self.accent_line)),
-            open: self.widget(press, self.text, Stroke::new(1.0, self.line)),
+            inactive: widget(rest, self.text, Stroke::NONE),
+            hovered: widget(hover, self.text, Stroke::new(1.0, self.accent_line)),
+            active: widget(press, self.text, Stroke::new(1.5, self.accent_line)),
+            open: widget(press, self.text, Stroke::new(1.0, self.line)),
         }
     }
 
@@ -217,6 +210,18 @@ impl Theme {
             indent_has_left_vline: false,
             ..base
         }
+    }
+}
+
+/// A widget in one of its states.
+fn widget(fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
+    style::WidgetVisuals {
+        bg_fill: fill,
+        weak_bg_fill: fill,
+        bg_stroke: edge,
+        corner_radius: CornerRadius::same(8),
+        fg_stroke: Stroke::new(1.5, text),
+        expansion: 0.0,
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
     command::{Command, Mode},
     snapshot::Snapshot,
 };
-use eframe::egui::{Event, Pos2, Response};
+use eframe::egui::{Event, PointerButton, Pos2, Response};
 
 /// How far a press may wander [points] and still pin the vertex that it began at.
 const STILL: f32 = 14.0;
@@ -76,7 +76,7 @@ impl Hold {
             Self::Nothing if pointer.down => begin(&pointer, snapshot, camera, points, commands),
             Self::Nothing => {
                 // A press that ended within one frame is only known as a click.
-                if response.clicked() && snapshot.mode == Mode::Edit {
+                if response.clicked_by(PointerButton::Primary) && snapshot.mode == Mode::Edit {
                     let vertex = pointer.at.and_then(|at| nearest(points, at));
                     commands.extend(vertex.map(Command::TogglePin));
                 }

@@ -2,6 +2,8 @@
 
 mod hold;
 mod scenery;
+#[cfg(test)]
+mod tests;
 
 use super::{
     camera::Camera,
@@ -11,10 +13,12 @@ use super::{
         body::Bodies,
         colour_bar,
         ink::Ink,
+        net,
         night::{self, Snow},
         picked::Picked,
         pins::Pins,
         strip_numbers,
+        toy::Trail,
     },
     theme::Theme,
 };
@@ -22,7 +26,7 @@ use crate::{
     command::{Command, Mode},
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{self, CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo};
+use eframe::egui::{CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo};
 use hold::Hold;
 use scenery::Scenery;
 
@@ -45,6 +49,7 @@ pub struct Options {
 pub struct Canvas {
     hold: Hold,
     bodies: Bodies,
+    trail: Trail,
     pins: Pins,
     picked: Picked,
     scale: Scale,
@@ -71,10 +76,10 @@ struct Frame<'a> {
 impl Canvas {
     /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot);
         let canvas = response.rect;
-        let camera = Camera::new(canvas, strip_numbers::height(snapshot, canvas));
+        let camera = camera(snapshot, canvas);
         let view = View { camera, theme: Theme::of(ui.ctx()) };
         let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
         let frame = Frame { snapshot, options, canvas, view, now, dt };
@@ -98,6 +103,7 @@ impl Canvas {
         self.pins.follow(snapshot, frame.now);
         self.scenery.follow(snapshot, dt);
         self.scale.follow(snapshot, dt);
+        self.trail.follow(snapshot);
         if live {
             self.snow.fall(dt);
         }
@@ -127,6 +133,8 @@ impl Canvas {
 
         self.middle.clear(pixels_per_point);
         self.bodies.draw(&mut self.middle, view, snapshot, options, &self.scale);
+        net::nets(&mut self.middle, view, snapshot, options, self.bodies.points());
+        self.trail.draw(&mut self.middle, view, snapshot);
         painter.add(self.middle.finish());
         strip_numbers::strip_numbers(painter, view, canvas, snapshot);
         self.draw_front(painter, frame, pointer);
@@ -144,7 +152,7 @@ impl Canvas {
             arrow::arrow(&mut self.front, view, from, pull);
             arrow::force(painter, view, canvas, from, pull);
         }
-        if options.field != Field::None && options.field == snapshot.field {
+        if options.field != Field::None && options.field == snapshot.field && !snapshot.triangles.is_empty() {
             colour_bar::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
             let under = free.and_then(|at| Some((at, self.bodies.value_at(snapshot, at)?)));
             if let Some((at, value)) = under {
@@ -159,14 +167,15 @@ impl Canvas {
 fn describe(response: &Response, snapshot: &Snapshot) {
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Stage"));
     response.ctx.accesskit_node_builder(response.id, |node| {
-        let bodies: Vec<&str> = snapshot.bodies.iter().map(|body| body.name.as_str()).collect();
+        let nets = snapshot.nets.iter().map(|net| net.name.as_str());
+        let toy = snapshot.level.toy.iter().map(|toy| toy.kind().title());
+        let bodies: Vec<&str> = snapshot.bodies.iter().map(|body| body.name.as_str()).chain(nets).chain(toy).collect();
         let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
         node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
     });
 }
 
-/// The place on the screen of a point of the world [m], for a stage that fills `canvas`, and the other way round.
-/// For whoever wants to point at the stage from outside, such as a test.
-pub fn camera(snapshot: &Snapshot, canvas: egui::Rect) -> Camera {
+/// How a stage that fills `canvas` shows the world, for whoever wants to point at it from outside, such as a test.
+pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
     Camera::new(canvas, strip_numbers::height(snapshot, canvas))
 }

@@ -14,7 +14,7 @@ use eframe::egui::{self, Rect};
 const FADE: f32 = 0.2;
 
 /// How much is seen in edit mode of what only acts in collide mode.
-const PALE: f32 = 0.6;
+const PALE: f32 = 0.72;
 
 /// The scenery and how much of it is there.
 #[derive(Default)]

@@ -41,7 +41,8 @@ fn stroke(ink: &mut Ink, from: Pos2, to: Pos2, size: &Size, color: Color32) {
 pub fn force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pull) {
     let to = view.camera.screen_from_world(pull.target);
     let right = to.x >= from.x;
-    let (aside, anchor) = if right { (16.0, Align2::LEFT_CENTER) } else { (-16.0, Align2::RIGHT_CENTER) };
+    let aside = view.size(0.035, 18.0, 90.0);
+    let (aside, anchor) = if right { (aside, Align2::LEFT_CENTER) } else { (-aside, Align2::RIGHT_CENTER) };
     let font = FontId::monospace(view.size(0.024, 14.0, 40.0));
     let text = si_fixed(pull.force, "N");
     let color = view.theme.pull.lerp_to_gamma(view.theme.ink, 0.35);

@@ -1,6 +1,10 @@
 //! Bodies: dough with a baked rim, or coloured by a field; icing on top; mesh lines for those who want to see them.
 
-use super::{View, icing, ink::Ink};
+use super::{
+    View,
+    icing::{self, Look},
+    ink::Ink,
+};
 use crate::{
     app::{canvas::Options, colour::Scale},
     meshes::Embedded,
@@ -11,6 +15,9 @@ use eframe::egui::{Color32, Pos2};
 /// Width of the baked rim [m].
 const RIM: f32 = 0.016;
 
+/// A body with one of so many triangles inside out has come apart.
+const CRUMBLED: usize = 10;
+
 /// What does not change while a body moves.
 struct Part {
     /// Its boundary, the body on the left.
@@ -19,6 +26,8 @@ struct Part {
     edges: Vec<[u32; 2]>,
     /// Sugar and spice.
     specks: Vec<Embedded>,
+    /// Its size in the world over its size in the mesh.
+    scale: f32,
 }
 
 /// All bodies of a scene.
@@ -36,7 +45,8 @@ impl Bodies {
     pub fn place(&mut self, snapshot: &Snapshot, view: View) {
         if self.generation != Some(snapshot.generation) || self.parts.len() != snapshot.bodies.len() {
             self.generation = Some(snapshot.generation);
-            self.parts = snapshot.bodies.iter().map(Part::new).collect();
+            let scale = |i: usize| snapshot.level.bodies.get(i).map_or(1.0, |body| body.place.scale.get() as f32);
+            self.parts = snapshot.bodies.iter().enumerate().map(|(i, body)| Part::new(body, scale(i))).collect();
         }
         self.points.clear();
         let positions = snapshot.positions.chunks_exact(2);
@@ -78,14 +88,15 @@ impl Bodies {
             if values.is_none() {
                 part.specks(ink, view, body, points);
             }
-            if snapshot.inverted > 0 {
-                inside_out(ink, view, body, points);
-            }
+            let inverted = if snapshot.inverted > 0 { inside_out(ink, view, body, points) } else { 0 };
             let opacity = if values.is_some() || options.wireframe { 0.55 } else { 1.0 };
-            if body.mesh.icing().is_empty() {
-                icing::edge(ink, view, &part.loops, points, &mut self.line, opacity);
+            let look = Look { opacity, scale: part.scale };
+            if inverted * CRUMBLED > body.triangles.len() {
+                // Icing would only hide what is left of the body.
+            } else if body.mesh.icing().is_empty() {
+                icing::edge(ink, view, &part.loops, points, &mut self.line, look);
             } else {
-                icing::strokes(ink, view, &body.mesh, points, &mut self.line, opacity);
+                icing::strokes(ink, view, &body.mesh, points, &mut self.line, look);
             }
             if options.vertices {
                 vertices(ink, view, points);
@@ -95,7 +106,7 @@ impl Bodies {
 }
 
 impl Part {
-    fn new(body: &BodySnapshot) -> Self {
+    fn new(body: &BodySnapshot, scale: f32) -> Self {
         let triangles = body.mesh.triangles();
         let mut edges: Vec<[u32; 2]> = triangles
             .iter()
@@ -103,11 +114,11 @@ impl Part {
             .collect();
         edges.sort_unstable();
         edges.dedup();
-        Self { loops: body.mesh.boundary_loops(), edges, specks: specks(body) }
+        Self { loops: body.mesh.boundary_loops(), edges, specks: specks(body), scale }
     }
 
     fn rim(&self, ink: &mut Ink, view: View, points: &[Pos2], line: &mut Vec<Pos2>, baked: bool) {
-        let (width, pixel) = (view.size(RIM, 2.5, 40.0), ink.pixel());
+        let (width, pixel) = (view.size(RIM * self.scale, 2.0, 40.0), ink.pixel());
         for vertices in &self.loops {
             gather(line, points, vertices);
             if baked {
@@ -132,7 +143,7 @@ impl Part {
         let size = view.size(0.0022, 0.7, 4.0);
         for (number, speck) in self.specks.iter().enumerate() {
             let color = if number % 3 == 0 { view.theme.icing.gamma_multiply(0.35) } else { view.theme.crust };
-            ink.disc(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
+            ink.dot(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
         }
     }
 }
@@ -178,8 +189,9 @@ fn colored(ink: &mut Ink, body: &BodySnapshot, points: &[Pos2], values: &[f64], 
     }
 }
 
-/// Triangles that are inside out, which run the other way round on the screen too.
-fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
+/// Triangles that are inside out, which run the other way round on the screen too. Returns how many there are.
+fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) -> usize {
+    let mut count = 0;
     for triangle in body.mesh.triangles() {
         let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
         let (u, v) = (b - a, c - a);
@@ -187,12 +199,15 @@ fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
         if u.x * v.y - u.y * v.x >= 0.0 {
             let [a, b, c] = [a, b, c].map(|corner| ink.vertex(corner, view.theme.pull));
             ink.triangle(a, b, c);
+            count += 1;
         }
     }
+    count
 }
 
 fn vertices(ink: &mut Ink, view: View, points: &[Pos2]) {
+    let size = view.size(0.0028, 1.7, 6.0);
     for &point in points {
-        ink.disc(point, 1.6, view.theme.ink);
+        ink.dot(point, size, view.theme.ink);
     }
 }

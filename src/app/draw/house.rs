@@ -95,6 +95,7 @@ pub fn house(ink: &mut Ink, view: View, canvas: Rect, room: &[[f64; 2]], presenc
     }
     roof::chimney(&mut baker, &sides);
     inside(&mut baker, room);
+    windows(&mut baker, room, &sides);
     for kind in [Kind::Floor, Kind::Wall] {
         sides.iter().filter(|side| side.kind == kind).for_each(|side| wall(&mut baker, side));
     }
@@ -173,6 +174,37 @@ fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     let [top, bottom] = baker.view.theme.inside.map(|color| baker.color(color));
     let bounds = Rect::from_points(&points);
     baker.ink.shaded(&points, |at| top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0)));
+}
+
+/// Two windows in the wall behind, quiet enough not to compete with a body in front of them.
+fn windows(baker: &mut Baker<'_>, room: &[[f64; 2]], sides: &[Side]) {
+    let theme = baker.view.theme;
+    let extent = |axis: usize| {
+        let all = || room.iter().map(|corner| corner[axis]);
+        [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let ([left, right], [bottom, top]) = (extent(0), extent(1));
+    let enclosed = sides.iter().all(|side| side.kind != Kind::Open);
+    if !enclosed || right - left < 0.6 || top - bottom < 0.6 {
+        return;
+    }
+    let [pane, frame] = theme.window;
+    let y = bottom + 0.42 * (top - bottom);
+    for x in [left + 0.12, right - 0.12] {
+        let (w, h) = (0.046, 0.065);
+        let corners = [[x - w, y - h], [x + w, y - h], [x + w, y + h], [x - w, y + h]];
+        baker.area(&corners, pane);
+        baker.disc([x - 0.4 * w, y + 0.45 * h], 0.0022, theme.snow);
+        baker.disc([x + 0.55 * w, y + 0.7 * h], 0.0016, theme.snow);
+        baker.disc([x + 0.4 * w, y - 0.4 * h], 0.0018, theme.snow);
+        for bar in [[[x, y - h], [x, y + h]], [[x - w, y], [x + w, y]]] {
+            baker.line(&bar, 0.006, frame);
+        }
+        for i in 0..4 {
+            baker.line(&[corners[i], corners[(i + 1) % 4]], 0.01, frame);
+        }
+        baker.line(&[[x - 1.35 * w, y - h], [x + 1.35 * w, y - h]], 0.014, frame);
+    }
 }
 
 /// A wall or the floor: dough with candy on it.

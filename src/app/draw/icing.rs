@@ -13,11 +13,20 @@ pub fn place(point: &Embedded, triangles: &[[u32; 3]], points: &[Pos2]) -> Pos2 
     sum.to_pos2()
 }
 
+/// How a body's icing is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// 1 hides what is below, 0 hides the icing.
+    pub opacity: f32,
+    /// The body's size in the world over its size in the mesh.
+    pub scale: f32,
+}
+
 /// The strokes that came with the mesh, each with a little shade below that lifts it off the dough.
-pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &mut Vec<Pos2>, opacity: f32) {
+pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &mut Vec<Pos2>, look: Look) {
     let theme = view.theme;
-    let lift = vec2(0.0, view.size(0.0025, 0.7, 6.0));
-    let shade = theme.crust.gamma_multiply(0.7 * opacity);
+    let lift = vec2(0.0, view.size(0.0025 * look.scale, 0.7, 6.0));
+    let shade = theme.crust.gamma_multiply(0.7 * look.opacity);
     for stroke in mesh.icing() {
         let color = match stroke.color {
             IcingColor::White => theme.icing,
@@ -26,9 +35,11 @@ pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &m
         };
         line.clear();
         line.extend(stroke.points.iter().map(|point| place(point, mesh.triangles(), points) + lift));
-        let width = view.camera.length(stroke.width as f32).max(1.5);
-        for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(opacity), -lift)] {
-            line.iter_mut().for_each(|point| *point += back);
+        let width = view.camera.length(stroke.width as f32 * look.scale).max(1.5);
+        for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(look.opacity), -lift)] {
+            for point in line.iter_mut() {
+                *point += back;
+            }
             if stroke.filled {
                 ink.area(line, color);
             } else {
@@ -39,12 +50,13 @@ pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &m
 }
 
 /// A plain line of icing along the boundary, for bodies that nobody has decorated.
-pub fn edge(ink: &mut Ink, view: View, loops: &[Vec<u32>], points: &[Pos2], line: &mut Vec<Pos2>, opacity: f32) {
-    let (inset, half, pixel) = (view.size(0.016, 3.0, 60.0), view.size(0.003, 0.9, 12.0), ink.pixel());
+pub fn edge(ink: &mut Ink, view: View, loops: &[Vec<u32>], points: &[Pos2], line: &mut Vec<Pos2>, look: Look) {
+    let (inset, half, pixel) =
+        (view.size(0.016 * look.scale, 3.0, 60.0), view.size(0.003 * look.scale, 0.9, 12.0), ink.pixel());
     for vertices in loops {
         gather(line, points, vertices);
         let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
-        let color = view.theme.icing.gamma_multiply(opacity);
+        let color = view.theme.icing.gamma_multiply(look.opacity);
         ink.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
     }
 }

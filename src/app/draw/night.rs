@@ -37,7 +37,7 @@ pub fn sky(ink: &mut Ink, canvas: Rect, view: View) {
 
 /// The world square, where no house stands in it.
 pub fn square(painter: &Painter, view: View, presence: f32) {
-    let (theme, corner) = (view.theme, CornerRadius::same(10));
+    let (theme, corner) = (view.theme, CornerRadius::same(2));
     let square = view.camera.square();
     painter.rect_filled(square, corner, theme.world.gamma_multiply(presence));
     let edge = Stroke::new(1.0, theme.world_edge.gamma_multiply(presence));

@@ -34,9 +34,16 @@ fn slopes(sides: &[Side]) -> impl Iterator<Item = Slope> {
 pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
     let ends: Vec<Slope> = slopes(sides).collect();
-    ends.iter().for_each(|slope| boards(baker, slope));
-    for (color, lower) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
-        ends.iter().for_each(|slope| blanket(baker, slope, color, lower));
+    for slope in &ends {
+        boards(baker, slope);
+    }
+    for (color, lower) in [(theme.icing_shade, 0.006), (theme.icing, 0.0)] {
+        for slope in &ends {
+            blanket(baker, slope, color, lower);
+        }
+    }
+    for slope in &ends {
+        gumdrops(baker, slope);
     }
     if let Some(ridge) = ends.iter().find(|slope| slope.ridge) {
         let top = [ridge.high[0], ridge.high[1] + THICKNESS + 0.006];
@@ -70,7 +77,7 @@ impl Slope {
     }
 }
 
-/// The dough, with candy on it.
+/// The dough.
 fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     let theme = baker.view.theme;
     baker.area(
@@ -78,11 +85,6 @@ fn boards(baker: &mut Baker<'_>, slope: &Slope) {
         theme.wall,
     );
     baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
-    let count = (slope.length() / SCALLOP / 2.0).floor().max(1.0);
-    for i in 0..count as usize {
-        let at = slope.at((i as f64 + 0.5) / count, 0.5);
-        baker.button(at, 0.0085, theme.candy[i % 2]);
-    }
 }
 
 /// Icing on top, hanging down in scallops of uneven length; `wider` all around for its rim [m].
@@ -94,8 +96,19 @@ fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
         let along = low + (1.0 - low) * i as f64 / count;
         let (radius, drop) = if i % 2 == 0 { (0.019, 0.82) } else { (0.0165, 0.92) };
         if along < 1.0 - 0.02 / slope.length() {
-            baker.disc(slope.at(along, drop), radius + wider, icing);
+            baker.disc(slope.at(along, drop), radius + 0.5 * wider, icing);
         }
+    }
+}
+
+/// Candy stuck into the icing.
+fn gumdrops(baker: &mut Baker<'_>, slope: &Slope) {
+    let candy = baker.view.theme.candy;
+    let low = slope.eaves();
+    let count = ((1.0 - low) * slope.length() / (2.0 * SCALLOP)).floor().max(1.0);
+    for i in 0..count as usize {
+        let along = low + (1.0 - low) * (i as f64 + 0.35) / count;
+        baker.button(slope.at(along, 1.12), 0.0095, candy[i % 2]);
     }
 }
 
@@ -110,8 +123,10 @@ pub fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
         &[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]],
         theme.wall_shade,
     );
-    baker.line(&[[x - half, top], [x + half, top]], 0.026, theme.icing);
-    for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
-        baker.disc([x + at * half, top - drop], 0.012, theme.icing);
+    for (color, wider) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
+        baker.line(&[[x - half, top], [x + half, top]], 0.026 + wider, color);
+        for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
+            baker.disc([x + at * half, top - drop], 0.012 + 0.5 * wider, color);
+        }
     }
 }

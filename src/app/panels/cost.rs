@@ -17,7 +17,12 @@ use eframe::egui::{Rect, Sense, Ui, vec2};
 const FRAME: f64 = 1.0 / 60.0;
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    looks(ui, view);
+    if !desk.now.triangles.is_empty() {
+        looks(ui, view);
+    } else if !desk.now.nets.is_empty() {
+        let help = "Flexion springs too, which lie over the others";
+        ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
+    }
     heading(ui, "What it costs");
     speed(ui, desk);
     substeps(ui, desk.now, view, commands);
@@ -31,14 +36,19 @@ fn looks(ui: &mut Ui, view: &mut View) {
     let parts: Vec<_> = Field::ALL
         .iter()
         .zip(shorts)
-        .map(|(field, text)| Segment { text, name: field.title(), about: about(*field), on: view.field == *field })
+        .map(|(field, text)| Segment {
+            text,
+            name: field.title(),
+            about: about(*field),
+            on: view.stage.field == *field,
+        })
         .collect();
     if let Some(field) = segmented(ui, "field", &parts, true).and_then(|clicked| Field::ALL.get(clicked)) {
-        view.field = *field;
+        view.stage.field = *field;
     }
     ui.horizontal(|ui| {
-        ui.checkbox(&mut view.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
-        ui.checkbox(&mut view.vertices, "Vertices").on_hover_text("A dot at every vertex");
+        ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
+        ui.checkbox(&mut view.stage.vertices, "Vertices").on_hover_text("A dot at every vertex");
     });
 }
 
@@ -105,8 +115,16 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
 }
 
 fn size(ui: &mut Ui, now: &Snapshot) {
-    row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
-    row(ui, "Vertices", &count(now.positions.len() / 2), "In all bodies");
-    row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
-    row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
+    let springs: usize = now.nets.iter().map(|net| net.springs.links().len()).sum();
+    if springs > 0 {
+        row(ui, "Springs", &count(springs), "In all nets");
+    }
+    if !now.positions.is_empty() {
+        row(ui, "Vertices", &count(now.positions.len() / 2), "Of all bodies, and particles of all nets");
+    }
+    if !now.triangles.is_empty() {
+        row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
+        row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
+        row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
+    }
 }

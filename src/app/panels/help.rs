@@ -23,7 +23,11 @@ pub fn show(ctx: &Context, now: &Snapshot, view: &mut View) {
             });
         });
         ui.separator();
-        ScrollArea::vertical().max_height(room.y).show(ui, |ui| table(ui, now, view));
+        ScrollArea::vertical()
+            .max_height(room.y)
+            .min_scrolled_height(room.y)
+            .auto_shrink([false, true])
+            .show(ui, |ui| table(ui, now, view));
     });
     if modal.backdrop_response.clicked() || ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
     {

@@ -1,6 +1,6 @@
 //! Small pictures for buttons, drawn with lines so that they are crisp at every scale and need no font.
 
-use eframe::egui::{self, Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
+use eframe::egui::{self, Color32, Mesh, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// What a button shows.
@@ -54,7 +54,7 @@ impl Icon {
             }
             Self::Undo | Self::Redo => turn_arrow(painter, at, self == Self::Undo, stroke),
             Self::Sun => sun(painter, at, stroke),
-            Self::Moon => moon(painter, at, color),
+            Self::Moon => moon(painter, at, stroke),
             Self::Help => {
                 arc(painter, p(0.0, -3.0), 3.3, -PI, 0.35 * PI, stroke);
                 painter.line_segment([p(1.5, -0.1), p(0.0, 2.6)], stroke);
@@ -110,12 +110,28 @@ fn sun(painter: &Painter, at: Pos2, stroke: Stroke) {
     }
 }
 
-/// A crescent: not convex, so drawn as a strip of quadrilaterals between its two arcs.
-fn moon(painter: &Painter, at: Pos2, color: Color32) {
-    let outer = |t: f32| at + 6.5 * Vec2::angled(egui::lerp(-0.30 * PI..=-1.70 * PI, t));
-    let inner = |t: f32| at + vec2(3.2, -1.6) + 5.0 * Vec2::angled(egui::lerp(-0.42 * PI..=-1.50 * PI, t));
-    for i in 0..24 {
-        let (a, b) = (i as f32 / 24.0, (i + 1) as f32 / 24.0);
-        fill(painter, vec![outer(a), outer(b), inner(b), inner(a)], color);
+/// A crescent: a disk less another one. It is not convex, so it is a strip of triangles between two arcs.
+fn moon(painter: &Painter, at: Pos2, stroke: Stroke) {
+    let (shift, outer, inner) = (vec2(3.0, -2.4), 6.4_f32, 5.4_f32);
+    let apart = shift.length();
+    // Angles at which the circles cross, seen from either middle, from the direction of the shift.
+    let crossing = (apart * apart + outer * outer - inner * inner) / (2.0 * apart);
+    let (from_outer, from_inner) = ((crossing / outer).acos(), ((crossing - apart) / inner).acos());
+    let along = |middle: Pos2, radius: f32, first: f32, t: f32| {
+        middle + radius * Vec2::angled(shift.angle() + egui::lerp(first..=TAU - first, t))
+    };
+    let mut mesh = Mesh::default();
+    for i in 0..=24 {
+        let t = i as f32 / 24.0;
+        mesh.colored_vertex(along(at, outer, from_outer, t), stroke.color);
+        mesh.colored_vertex(along(at + shift, inner, from_inner, t), stroke.color);
     }
+    for i in 0..48 {
+        mesh.add_triangle(i, i + 1, i + 2);
+    }
+    let rim = mesh.vertices.iter().step_by(2).chain(mesh.vertices.iter().skip(1).step_by(2).rev());
+    let rim = rim.map(|vertex| vertex.pos).collect();
+    painter.add(mesh);
+    // The rim makes the edge smooth, which triangles alone are not.
+    painter.add(Shape::closed_line(rim, Stroke::new(0.6, stroke.color)));
 }

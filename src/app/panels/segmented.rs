@@ -52,11 +52,33 @@ pub fn segmented(ui: &mut Ui, salt: &str, segments: &[Segment<'_>], fill: bool) 
     clicked
 }
 
-/// A button with a picture; `on` lights it up.
-pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, about: &str, on: bool) -> Response {
-    let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT + 2.0, HEIGHT), Sense::click());
-    response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, name));
-    let color = back(ui, &response, rect.shrink(1.0), on);
+/// How a button with a picture looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lit {
+    /// Ready to be pressed.
+    Off,
+    /// What it stands for is there.
+    On,
+    /// There is nothing to do.
+    Disabled,
+}
+
+impl From<bool> for Lit {
+    fn from(on: bool) -> Self {
+        if on { Self::On } else { Self::Off }
+    }
+}
+
+/// A button with a picture.
+pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, about: &str, lit: impl Into<Lit>) -> Response {
+    let lit = lit.into();
+    let sense = if lit == Lit::Disabled { Sense::hover() } else { Sense::click() };
+    let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT, HEIGHT), sense);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, lit != Lit::Disabled, lit == Lit::On, name));
+    let color = match lit {
+        Lit::Disabled => ui.visuals().weak_text_color().gamma_multiply(0.5),
+        _ => back(ui, &response, rect.shrink(1.0), lit == Lit::On),
+    };
     icon.paint(ui.painter(), rect.center(), color);
     tip(response, name, about)
 }
@@ -66,7 +88,7 @@ fn back(ui: &Ui, response: &Response, rect: Rect, on: bool) -> Color32 {
     let lit = ui.ctx().animate_bool_with_time(response.id, on, 0.12);
     let radius = CornerRadius::same(6);
     let visuals = ui.visuals();
-    if response.hovered() && ui.is_enabled() && !on {
+    if response.hovered() && !on {
         ui.painter().rect_filled(rect, radius, visuals.widgets.hovered.weak_bg_fill);
     }
     if lit > 0.0 {
@@ -76,16 +98,10 @@ fn back(ui: &Ui, response: &Response, rect: Rect, on: bool) -> Color32 {
         let stroke = Stroke::new(1.0, visuals.selection.stroke.color);
         ui.painter().rect_stroke(rect, radius, stroke, StrokeKind::Inside);
     }
-    if !ui.is_enabled() {
-        visuals.weak_text_color().gamma_multiply(0.6)
-    } else if on {
-        visuals.selection.stroke.color
-    } else {
-        visuals.text_color()
-    }
+    if on { visuals.selection.stroke.color } else { visuals.text_color() }
 }
 
 fn tip(response: Response, name: &str, about: &str) -> Response {
     let text = if about.is_empty() { name.to_owned() } else { format!("{name}\n{about}") };
-    response.on_hover_text(text.as_str()).on_disabled_hover_text(text)
+    response.on_hover_text(text)
 }

@@ -3,7 +3,7 @@
 use super::{
     Desk, FileWish, Side, View,
     icons::Icon,
-    segmented::{HEIGHT, Segment, icon_button, segmented},
+    segmented::{HEIGHT, Lit, Segment, icon_button, segmented},
 };
 use crate::{
     command::{Command, Mode},
@@ -11,15 +11,16 @@ use crate::{
     snapshot::Snapshot,
 };
 use eframe::egui::{
-    self, Atom, Button, Frame, IdSalt, Margin, Panel, Popup, PopupCloseBehavior, Rect, Shape, Stroke, Ui, Vec2, vec2,
+    self, Align, Atom, Button, Frame, IdSalt, Layout, Margin, Panel, Popup, PopupCloseBehavior, Rect, ScrollArea,
+    Shape, Stroke, Ui, Vec2, vec2,
 };
 
 /// Width of the four buttons on the right.
-const LOOKS: f32 = 4.0 * (HEIGHT + 2.0) + 3.0 * 2.0;
+const LOOKS: f32 = 4.0 * HEIGHT + 3.0 * 2.0;
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
-    Panel::top("strip").frame(frame).show(ui, |ui| {
+    let height = Panel::top("strip").frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(2.0, 5.0);
         ui.horizontal_wrapped(|ui| {
             ui.set_min_height(HEIGHT);
@@ -30,10 +31,12 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
             }
             apart(ui);
             time(ui, desk.now, commands);
-            if let Some(model) = models(ui, desk.now) {
-                commands.push(Command::SetModel(model));
+            if !desk.now.bodies.is_empty() {
+                if let Some(model) = models(ui, desk.now) {
+                    commands.push(Command::SetModel(model));
+                }
+                apart(ui);
             }
-            apart(ui);
             history(ui, desk.now, commands);
             if !narrow {
                 ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
@@ -41,11 +44,17 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
             looks(ui, view, narrow);
         });
     });
+    // A strip that has wrapped anew is drawn whole in the next frame only.
+    let height = height.response.rect.height();
+    if view.strip_height != height {
+        view.strip_height = height;
+        ui.ctx().request_repaint();
+    }
 }
 
-/// A gap between groups.
+/// A gap between groups; on a page as narrow as a phone there is no room for much.
 fn apart(ui: &mut Ui) {
-    ui.add_space(8.0);
+    ui.add_space(if ui.ctx().content_rect().width() < 440.0 { 2.0 } else { 8.0 });
 }
 
 /// The level picker with its files.
@@ -62,14 +71,18 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
     let about = if desk.now.level.about.is_empty() { "Which level to play" } else { &desk.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
-    Popup::menu(&response).width(280.0).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
-        egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
-            for (index, entry) in desk.gallery.entries().iter().enumerate() {
-                let button = Button::selectable(entry.name == *name, entry.name.as_str());
-                if ui.add_sized([ui.available_width(), 22.0], button).on_hover_text(&entry.about).clicked() {
-                    view.file = Some(FileWish::BuiltIn(index));
+    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
+        ui.set_min_width(180.0);
+        let list = ScrollArea::vertical().max_height(420.0).auto_shrink([false, true]);
+        list.show(ui, |ui| {
+            ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
+                for (index, entry) in desk.gallery.entries().iter().enumerate() {
+                    let button = Button::selectable(entry.name == *name, entry.name.as_str());
+                    if ui.add(button).on_hover_text(&entry.about).clicked() {
+                        view.file = Some(FileWish::BuiltIn(index));
+                    }
                 }
-            }
+            });
         });
         ui.separator();
         if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
@@ -128,7 +141,7 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
             text,
             name: model.title(),
             about,
-            on: !now.bodies.is_empty() && now.bodies.iter().all(|body| body.model == *model),
+            on: now.bodies.iter().all(|body| body.model == *model),
         })
         .collect();
     let clicked = segmented(ui, "model", &parts, false)?;
@@ -136,16 +149,14 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
 }
 
 fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
-    ui.add_enabled_ui(now.can_undo, |ui| {
-        if icon_button(ui, Icon::Undo, "Undo", "Pins, sliders, model, level. [Ctrl+Z]", false).clicked() {
-            commands.push(Command::Undo);
-        }
-    });
-    ui.add_enabled_ui(now.can_redo, |ui| {
-        if icon_button(ui, Icon::Redo, "Redo", "[Ctrl+Y or Ctrl+Shift+Z]", false).clicked() {
-            commands.push(Command::Redo);
-        }
-    });
+    let lit = |possible| if possible { Lit::Off } else { Lit::Disabled };
+    let about = "Pins, sliders, model, level. [Ctrl+Z]";
+    if icon_button(ui, Icon::Undo, "Undo", about, lit(now.can_undo)).clicked() {
+        commands.push(Command::Undo);
+    }
+    if icon_button(ui, Icon::Redo, "Redo", "[Ctrl+Y or Ctrl+Shift+Z]", lit(now.can_redo)).clicked() {
+        commands.push(Command::Redo);
+    }
     apart(ui);
 }
 
@@ -176,7 +187,7 @@ fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
 }
 
 impl View {
-    fn hidden(&mut self, side: Side) -> &mut bool {
-        if side == Side::Left { &mut self.left_hidden } else { &mut self.right_hidden }
+    const fn hidden(&mut self, side: Side) -> &mut bool {
+        &mut self.hidden[side as usize]
     }
 }

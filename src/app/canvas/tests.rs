@@ -1,0 +1,136 @@
+//! What a press on the stage asks for, frame by frame.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+use super::{Canvas, Options, camera};
+use crate::{
+    command::{Command, Mode},
+    files, levels,
+    meshes::NoFiles,
+    sandbox::Sandbox,
+    snapshot::{Field, Snapshot},
+};
+use eframe::egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
+use egui_kittest::{Harness, kittest::Queryable as _};
+
+/// A stage, what it shows, and what it has asked for.
+struct Bench {
+    canvas: Canvas,
+    snapshot: Snapshot,
+    options: Options,
+    commands: Vec<Command>,
+}
+
+fn bench(mode: Mode) -> Harness<'static, Bench> {
+    let level = files::parse(levels::built_in("jelly_disk").unwrap(), "jelly_disk").unwrap();
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(mode)).unwrap();
+    sandbox.apply(Command::SetRunning(false)).unwrap();
+    let mut snapshot = Snapshot::default();
+    sandbox.snapshot(Field::VonMises, &mut snapshot);
+    let options = Options { field: Field::VonMises, wireframe: true, vertices: true };
+    let bench = Bench { canvas: Canvas::default(), snapshot, options, commands: Vec::new() };
+    let mut harness = Harness::builder().with_size(vec2(600.0, 600.0)).build_ui_state(
+        |ui, bench: &mut Bench| bench.canvas.show(ui, &bench.snapshot, &bench.options, &mut bench.commands),
+        bench,
+    );
+    harness.run_steps(2);
+    harness
+}
+
+fn rect(harness: &Harness<'_, Bench>) -> Rect {
+    harness.get_by_label("Stage").rect()
+}
+
+/// A little beside a vertex.
+fn beside(harness: &Harness<'_, Bench>, vertex: usize) -> Pos2 {
+    let snapshot = &harness.state().snapshot;
+    let point = [snapshot.positions[2 * vertex], snapshot.positions[2 * vertex + 1]];
+    camera(snapshot, rect(harness)).screen_from_world(point) + vec2(0.5, 0.5)
+}
+
+fn world(harness: &Harness<'_, Bench>, at: Pos2) -> [f64; 2] {
+    camera(&harness.state().snapshot, rect(harness)).world_from_screen(at)
+}
+
+fn button(pos: Pos2, pressed: bool) -> Event {
+    Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+}
+
+/// Plays events, each in a frame of its own, and takes what was asked for.
+fn play(harness: &mut Harness<'_, Bench>, events: impl IntoIterator<Item = Event>) -> Vec<Command> {
+    for event in events {
+        harness.event(event);
+        harness.run_steps(1);
+    }
+    std::mem::take(&mut harness.state_mut().commands)
+}
+
+/// Plays events in a single frame.
+fn at_once(harness: &mut Harness<'_, Bench>, events: impl IntoIterator<Item = Event>) -> Vec<Command> {
+    harness.input_mut().events.extend(events);
+    harness.run_steps(1);
+    play(harness, [])
+}
+
+#[test]
+fn a_drag_grabs_at_once_where_it_began_and_ends_once() {
+    let mut harness = bench(Mode::Simulate);
+    let (from, to) = (beside(&harness, 40), pos2(20.0, 30.0));
+    let asked = play(&mut harness, [Event::PointerMoved(from), button(from, true)]);
+    assert_eq!(asked, [Command::Grab(40, world(&harness, from))]);
+    let asked = play(&mut harness, [Event::PointerMoved(to), Event::PointerMoved(to)]);
+    assert_eq!(asked, [Command::Pull(world(&harness, to))], "a pointer that holds still asks for nothing new");
+    assert_eq!(play(&mut harness, [button(to, false), Event::PointerMoved(from)]), [Command::Release]);
+}
+
+#[test]
+fn a_drag_that_starts_and_moves_within_one_frame_still_grabs_where_it_began() {
+    let mut harness = bench(Mode::Collide);
+    let (from, to) = (beside(&harness, 7), beside(&harness, 90));
+    play(&mut harness, [Event::PointerMoved(from)]);
+    let asked = at_once(&mut harness, [button(from, true), Event::PointerMoved(to)]);
+    assert_eq!(asked, [Command::Grab(7, world(&harness, to))]);
+}
+
+#[test]
+fn losing_the_window_lets_go_until_the_next_press() {
+    let mut harness = bench(Mode::Simulate);
+    let from = beside(&harness, 12);
+    play(&mut harness, [Event::PointerMoved(from), button(from, true)]);
+    assert_eq!(play(&mut harness, [Event::WindowFocused(false)]), [Command::Release]);
+    assert_eq!(play(&mut harness, [Event::PointerMoved(pos2(50.0, 50.0)), button(from, false)]), []);
+    assert_eq!(play(&mut harness, [button(from, true)]).len(), 1);
+}
+
+#[test]
+fn another_scene_or_edit_mode_ends_a_drag() {
+    let mut harness = bench(Mode::Simulate);
+    let from = beside(&harness, 12);
+    play(&mut harness, [Event::PointerMoved(from), button(from, true)]);
+    harness.state_mut().snapshot.generation += 1;
+    assert_eq!(play(&mut harness, [Event::PointerMoved(from + vec2(9.0, 0.0))]), [Command::Release]);
+    assert_eq!(play(&mut harness, [Event::PointerMoved(from)]), []);
+}
+
+#[test]
+fn a_click_pins_even_within_one_frame_but_a_drag_does_not() {
+    let mut harness = bench(Mode::Edit);
+    let from = beside(&harness, 33);
+    let click = [Event::PointerMoved(from), button(from, true), button(from, false)];
+    assert_eq!(play(&mut harness, click.clone()), [Command::TogglePin(33)]);
+    assert_eq!(at_once(&mut harness, click), [Command::TogglePin(33)]);
+    let away = from + vec2(80.0, 0.0);
+    assert_eq!(play(&mut harness, [button(from, true), Event::PointerMoved(away), button(away, false)]), []);
+}
+
+#[test]
+fn draws_a_scene_that_is_empty_or_has_exploded() {
+    let mut harness = bench(Mode::Simulate);
+    harness.state_mut().snapshot.positions.iter_mut().enumerate().for_each(|(i, x)| *x *= 1e200 * (i % 3) as f64);
+    harness.run_steps(2);
+    let old = &mut harness.state_mut().snapshot;
+    *old = Snapshot { generation: old.generation + 1, ..Snapshot::default() };
+    harness.run_steps(2);
+    let at = rect(&harness).center();
+    assert_eq!(play(&mut harness, [Event::PointerMoved(at), button(at, true), button(at, false)]), []);
+}

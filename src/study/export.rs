@@ -1,0 +1,146 @@
+//! Tables to take away: CSV with a head that says where the numbers come from.
+
+use super::{Drift, MeshStudy, Outcome, Reference, Trial, WorkPrecision};
+use std::fmt::Write as _;
+
+/// Where numbers come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Name and version of the package.
+    pub package: String,
+    /// Commit it was built from, or `unknown`.
+    pub commit: String,
+    /// The processor, or `unknown`.
+    pub processor: String,
+}
+
+impl Origin {
+    /// This program on this machine.
+    pub fn here() -> Self {
+        let unknown = || "unknown".to_owned();
+        Self {
+            package: format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
+            commit: option_env!("GINGERBREAD_COMMIT").map_or_else(unknown, str::to_owned),
+            processor: processor().unwrap_or_else(unknown),
+        }
+    }
+}
+
+/// The model name of the processor, where the system has a file that says it.
+#[cfg(not(target_arch = "wasm32"))]
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+#[cfg(target_arch = "wasm32")]
+fn processor() -> Option<String> {
+    None
+}
+
+/// Whether a column holds measured times, which differ from run to run; all others repeat on every machine.
+pub fn is_time_column(name: &str) -> bool {
+    name.starts_with("ms_")
+}
+
+/// The lines that begin with `#`.
+fn head(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
+    let Origin { package, commit, processor } = Origin::here();
+    let mut lines = vec![
+        ("level", trial.name.clone()),
+        ("start_hash", format!("{:016x}", trial.start.hash())),
+        ("vertices", (trial.start.x.len() / 2).to_string()),
+        ("triangles", trial.scene.triangles.len().to_string()),
+        ("simulated_seconds", trial.seconds().to_string()),
+        ("package", package),
+        ("commit", commit),
+        ("processor", processor),
+        ("threads", threads.to_string()),
+    ];
+    lines.extend(more.iter().cloned());
+    let clean = |text: &str| text.replace(['\n', '\r'], " ");
+    lines.iter().fold(String::new(), |text, (name, value)| text + "# " + name + ": " + &clean(value) + "\n")
+}
+
+impl WorkPrecision {
+    /// The diagram as far as it is, as CSV: one line a point.
+    pub fn csv(&self) -> String {
+        let reference = self.reference().map_or("none yet".to_owned(), |reference| reference.source.to_string());
+        let own = self.reference().map_or(f64::NAN, |reference| reference.own_error);
+        let more = [
+            ("reference", reference),
+            ("reference_error_at_most", format!("{own:e}")),
+            (
+                "error",
+                "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned(),
+            ),
+        ];
+        let mut text = head(self.trial(), self.plan().threads, &more);
+        text += "integrator,order,measured_order,substeps,step_s,tolerance,current,status,error,above_floor,steps,\
+                 inner_steps,rejected,force_evaluations,newton_iterations,factorisations,ms_per_simulated_s\n";
+        let floor = self.reference().map_or(0.0, Reference::floor);
+        for curve in self.curves() {
+            for point in &curve.points {
+                let Some(Outcome { error, status, counts, ms_per_second }) = &point.outcome else { continue };
+                let (setting, kind) = (&point.setting, curve.integrator.kind());
+                let optional = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.4e}"));
+                let step = setting.substeps.step();
+                // Writing to a string cannot fail.
+                let _ = write!(text, "{},{},", curve.integrator.name(), kind.order());
+                let _ = write!(text, "{},{},{step:e},", optional(curve.order), setting.substeps.get());
+                let _ = write!(text, "{},{},", optional(setting.tolerance()), point.current);
+                let _ = write!(text, "{},{error:e},{},", status.word(), *error > floor);
+                let _ = write!(text, "{},{},{},", counts.steps, counts.inner_steps, counts.rejected);
+                let _ = write!(text, "{},{},", counts.force_evaluations, counts.newton_iterations);
+                let _ = writeln!(text, "{},{ms_per_second:.4}", counts.factorisations);
+            }
+        }
+        text
+    }
+}
+
+impl MeshStudy {
+    /// The study as far as it is, as CSV: one line a mesh, the finest being the reference.
+    pub fn csv(&self) -> String {
+        let reference =
+            self.reference().map_or(String::from("none yet"), |(value, _)| format!("{value:e}, extrapolated"));
+        let own = self.reference().map_or(f64::NAN, |(_, own)| own);
+        let more = [
+            ("quantity", format!("{} [{}]", self.plan().measure.title(), self.plan().measure.unit())),
+            ("moment", self.plan().moment.to_string()),
+            ("reference", reference),
+            ("reference_error_at_most", format!("{own:e}")),
+            ("measured_order", self.order().map_or(String::new(), |order| format!("{order:.3}"))),
+        ];
+        let mut text = head(self.trial(), self.plan().threads, &more);
+        text += "triangles,vertices,size_m,status,value,error,ms_of_computing\n";
+        for point in self.points() {
+            let Some(value) = point.value else { continue };
+            let error = self.error_of(point).unwrap_or(f64::NAN);
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{},{},{:e},", point.triangles, point.vertices, point.size);
+            let _ = writeln!(text, "{},{value:e},{error:e},{:.4}", point.status.word(), point.ms);
+        }
+        text
+    }
+}
+
+impl Drift {
+    /// The courses as far as they are, as CSV: one line a moment of each.
+    pub fn csv(&self, trial: &Trial) -> String {
+        let mut text = head(trial, self.threads(), &[]);
+        text += "integrator,substeps,tolerance,time_s,energy_j,momentum_x,momentum_y,angular_momentum\n";
+        for run in self.runs() {
+            let tolerance = run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}"));
+            let start = format!("{},{},{tolerance}", run.setting.integrator.name(), run.setting.substeps.get());
+            for moment in &run.moments {
+                let [px, py] = moment.momentum;
+                // Writing to a string cannot fail.
+                let _ = write!(text, "{start},{:.6},{:e},", moment.time, moment.energy);
+                let _ = writeln!(text, "{px:e},{py:e},{:e}", moment.angular);
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,195 @@
+//! What errors are measured against: an exact solution, or a run so fine that its own error does not matter.
+
+use super::{
+    Progress, Setting, StudyError, exact,
+    march::{Deadline, March},
+    setting::limit,
+    trial::{Deviation, Trial},
+    workers::spread,
+};
+use crate::{
+    integrators::{Class, IntegratorKind},
+    level::Substeps,
+};
+use std::{ops::ControlFlow, time::Duration};
+
+/// The solution of a trial at the end of every frame.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Where it comes from.
+    pub source: Source,
+    /// How large its own relative RMS error is at most; zero if it is exact. A fine run is compared with one of twice its
+    /// step, and their difference is more than the error of the finer one for every scheme that converges at all.
+    pub own_error: f64,
+    frames: Vec<Vec<f64>>,
+}
+
+/// Where a reference comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A closed form, in words.
+    Exact(&'static str),
+    /// A fine run.
+    Fine(Setting),
+}
+
+impl std::fmt::Display for Source {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Exact(form) => write!(out, "exact: {form}"),
+            Self::Fine(setting) => write!(out, "{}, checked by halving its step", setting.label()),
+        }
+    }
+}
+
+impl Reference {
+    /// Errors below this are too near to the reference's own to be told apart from it: they are only known to be small.
+    pub fn floor(&self) -> f64 {
+        100.0 * self.own_error
+    }
+
+    /// Positions at the end of a frame, counted from 1.
+    pub(super) fn at(&self, frame: u32) -> &[f64] {
+        self.frames.get((frame as usize).saturating_sub(1)).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// A run that remembers every frame.
+struct Recorded {
+    march: March,
+    substeps: Substeps,
+    frames: Vec<Vec<f64>>,
+    over: bool,
+}
+
+impl Recorded {
+    fn new(trial: &Trial, integrator: &IntegratorKind, substeps: Substeps) -> Self {
+        let setting = Setting { integrator: integrator.clone(), substeps };
+        Self { march: trial.march(&setting), substeps, frames: Vec::new(), over: false }
+    }
+
+    fn until(&mut self, deadline: Deadline) {
+        let frames = &mut self.frames;
+        self.over = self.over
+            || self.march.advance(deadline, &mut |_, simulation| {
+                frames.push(simulation.state().x.clone());
+                ControlFlow::Continue(())
+            });
+    }
+
+    fn failed(&self) -> bool {
+        self.march.simulation.fault().is_some()
+    }
+}
+
+/// Finds a reference for a trial.
+///
+/// Without a closed form the explicit scheme of the highest order runs with a step and with half of it, again and again, until
+/// the two differ by less than a hundredth of the smallest error of interest, or until halving helps no more, or costs too
+/// much. Where bodies touch something no scheme keeps its order, and symplectic Euler, the cheapest, takes over.
+pub struct ReferenceJob {
+    integrator: IntegratorKind,
+    coarse: Recorded,
+    fine: Recorded,
+    /// What the runs before differed by.
+    before: f64,
+    wanted: f64,
+    touching: bool,
+    result: Option<Result<Reference, StudyError>>,
+}
+
+/// Most work for one run of a reference: evaluations of all forces times vertices, about 20 s.
+const MOST_WORK: f64 = 5e8;
+
+impl ReferenceJob {
+    /// Begins to look for a reference that is good for errors down to `smallest_error`.
+    pub fn new(trial: &Trial, smallest_error: f64) -> Self {
+        let exact = exact::solution(trial)
+            .map(|(form, frames)| Ok(Reference { source: Source::Exact(form), own_error: 0.0, frames }));
+        let integrator = finest();
+        let first = Substeps::nearest(2.0 * limit(&trial.scene, &trial.start));
+        let [coarse, fine] = [first, first.doubled()].map(|substeps| Recorded::new(trial, &integrator, substeps));
+        let (before, wanted) = (f64::INFINITY, 0.01 * smallest_error);
+        Self { integrator, coarse, fine, before, wanted, touching: false, result: exact }
+    }
+
+    /// Works for about `budget`.
+    pub fn advance(&mut self, trial: &Trial, threads: usize, budget: Duration) -> Progress {
+        self.until(trial, threads, Deadline::after(budget))
+    }
+
+    pub(super) fn until(&mut self, trial: &Trial, threads: usize, deadline: Deadline) -> Progress {
+        while self.result.is_none() {
+            // The longer one first, so that two threads end together sooner.
+            spread(threads, vec![&mut self.fine, &mut self.coarse], |run| {
+                run.until(deadline);
+                run.over
+            });
+            if !(self.fine.over && self.coarse.over) {
+                return Progress { done: 0.5 * (self.fine.march.done() + self.coarse.march.done()), finished: false };
+            }
+            self.judge(trial);
+        }
+        Progress::FINISHED
+    }
+
+    /// The reference, once it is found.
+    pub const fn result(&self) -> Option<&Result<Reference, StudyError>> {
+        self.result.as_ref()
+    }
+
+    /// Takes the fine run for a reference, or prepares the next pair.
+    fn judge(&mut self, trial: &Trial) {
+        let failed = self.fine.failed();
+        let counts = self.fine.march.simulation.counts();
+        if !failed && counts.constrained > 0 && !self.touching {
+            self.touching = true;
+            self.integrator = IntegratorKind::default();
+            let [first, second] = [self.fine.substeps, self.fine.substeps.doubled()];
+            self.coarse = Recorded::new(trial, &self.integrator, first);
+            self.fine = Recorded::new(trial, &self.integrator, second);
+            self.before = f64::INFINITY;
+            return;
+        }
+        let difference = if failed { f64::INFINITY } else { self.difference(trial) };
+        let per_step = counts.force_evaluations as f64 / counts.steps.max(1) as f64;
+        let steps = 2.0 * f64::from(self.fine.substeps.get()) * f64::from(trial.frames);
+        let affordable = steps * per_step * (trial.start.x.len() / 2) as f64 <= MOST_WORK
+            && self.fine.substeps.get() < Substeps::MAX;
+        let helps = difference < 0.7 * self.before || difference > 1e-2;
+        if difference > self.wanted && affordable && helps {
+            let next = Recorded::new(trial, &self.integrator, self.fine.substeps.doubled());
+            self.coarse = std::mem::replace(&mut self.fine, next);
+            self.before = difference;
+            return;
+        }
+        let substeps = self.fine.substeps;
+        self.result = Some(match self.fine.march.simulation.fault() {
+            Some(fault) => Err(StudyError::NoReference { substeps: substeps.get(), fault: Box::new(fault.clone()) }),
+            None => Ok(Reference {
+                source: Source::Fine(Setting { integrator: self.integrator.clone(), substeps }),
+                own_error: difference,
+                frames: std::mem::take(&mut self.fine.frames),
+            }),
+        });
+    }
+
+    /// How much the two runs differ, as a relative RMS error.
+    fn difference(&self, trial: &Trial) -> f64 {
+        if self.coarse.failed() {
+            return f64::INFINITY;
+        }
+        let mut deviation = Deviation::default();
+        for (coarse, fine) in self.coarse.frames.iter().zip(&self.fine.frames) {
+            deviation.add(coarse, fine, &trial.start.x);
+        }
+        deviation.relative()
+    }
+}
+
+/// The explicit scheme of the highest order.
+pub(super) fn finest() -> IntegratorKind {
+    let explicit = IntegratorKind::all().into_iter().filter(|kind| kind.kind().class() == Class::Explicit);
+    // The first of equals: `max_by_key` would take the last.
+    explicit.rev().max_by_key(|kind| kind.kind().order()).unwrap_or_default()
+}

@@ -1,0 +1,121 @@
+//! Where a scene comes to rest: the positions at which the forces on every free vertex vanish.
+
+use crate::{
+    effects::Motion,
+    scene::Scene,
+    solvers::{BlockMatrix, Equations, Newton, NewtonCounts, Weights},
+    stability::largest_eigenvalue,
+};
+use nalgebra::Matrix2;
+
+/// The positions of rest that Newton's method finds from the start, and what finding them took. Walls are not heeded.
+///
+/// It goes in rounds, `f(x) = w m (x - x_before)`, from a stiff w, which is a long implicit step, to none: each round starts where
+/// the one before ended, so that large deflections are reached without jumping to another equilibrium.
+pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
+    let mut x = scene.start.x.clone();
+    let scale = largest_eigenvalue(scene, &scene.start)?;
+    let mut newton = Newton::default();
+    let mut counts = NewtonCounts::NONE;
+    for holding in [1e-3, 1e-5, 1e-7, 1e-9, 0.0] {
+        let mut balance = Balance::new(scene, &x, holding * scale, 1e-6 * scale);
+        let mut z = vec![0.0; x.len()];
+        let round = newton.solve(&mut balance, &mut z);
+        counts.iterations += round.iterations;
+        counts.factorisations += round.factorisations;
+        counts.cuts += round.cuts;
+        counts.shifts += round.shifts;
+        // Only the last round must be exact.
+        counts.unconverged = round.unconverged;
+        if !z.iter().all(|z| z.is_finite()) {
+            return None;
+        }
+        x.iter_mut().zip(&z).for_each(|(x, z)| *x += z);
+    }
+    Some((x, counts))
+}
+
+/// `w m z - f(x + z) = 0`.
+struct Balance<'a> {
+    scene: &'a Scene,
+    from: Vec<f64>,
+    x: Vec<f64>,
+    still: Vec<f64>,
+    scratch: Vec<f64>,
+    /// w [1/s²].
+    holding: f64,
+    inverse_weight: Vec<f64>,
+}
+
+impl<'a> Balance<'a> {
+    fn new(scene: &'a Scene, from: &[f64], holding: f64, weight: f64) -> Self {
+        let scratch = scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0);
+        Self {
+            scene,
+            from: from.to_vec(),
+            x: from.to_vec(),
+            still: vec![0.0; from.len()],
+            scratch: vec![0.0; scratch],
+            holding,
+            inverse_weight: scene.inverse_mass.iter().map(|inverse_mass| inverse_mass / weight).collect(),
+        }
+    }
+
+    fn move_to(&mut self, z: &[f64]) {
+        for ((x, from), z) in self.x.iter_mut().zip(&self.from).zip(z) {
+            *x = from + z;
+        }
+    }
+
+    fn motion(&self) -> Motion<'_> {
+        let Scene { mass, inverse_mass, .. } = self.scene;
+        Motion { x: &self.x, v: &self.still, mass, inverse_mass, grab: None }
+    }
+}
+
+impl Equations for Balance<'_> {
+    fn residual(&mut self, z: &[f64], g: &mut [f64]) {
+        self.move_to(z);
+        g.fill(0.0);
+        let mut scratch = std::mem::take(&mut self.scratch);
+        for effect in &self.scene.effects {
+            effect.force(self.motion(), &mut scratch[..effect.scratch()], g);
+        }
+        self.scratch = scratch;
+        for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(&self.scene.mass).zip(&self.scene.inverse_mass) {
+            *g = if *inverse == 0.0 { 0.0 } else { self.holding * mass * z - *g };
+        }
+    }
+
+    fn derivative(&mut self, z: &[f64], matrix: &mut BlockMatrix) {
+        self.move_to(z);
+        let weights = Weights { position: 1.0, velocity: 0.0 };
+        for effect in &self.scene.effects {
+            effect.add_stiffness(self.motion(), weights, matrix);
+        }
+        for (vertex, mass) in self.scene.mass.chunks_exact(2).enumerate() {
+            let [a, b] = [self.holding * mass[0], self.holding * mass[1]];
+            matrix.diagonal(vertex, &Matrix2::new(a, 0.0, 0.0, b));
+        }
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        for effect in &self.scene.effects {
+            effect.couples(add);
+        }
+    }
+
+    fn inverse_weight(&self) -> &[f64] {
+        &self.inverse_weight
+    }
+
+    fn other_start(&self, z: &mut [f64]) {
+        z.fill(0.0);
+    }
+
+    /// A hundred-millionth of the way gone, and round-off of the coordinates.
+    fn tolerance(&self, z: &[f64]) -> f64 {
+        let greatest = |values: &[f64]| values.iter().fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
+        1e-9 * greatest(z) + 1e-13 * greatest(&self.x)
+    }
+}

@@ -1,0 +1,161 @@
+//! One run of a scene with one setting: what error it makes and what it costs.
+
+use super::{
+    Reference, Setting, StudyError,
+    march::{Deadline, March},
+};
+use crate::{effects::Grab, level::Level, meshes::Files, report::Counts, scene::Scene, state::State};
+use std::ops::ControlFlow;
+
+/// What is run: a scene from a start for a time. Positions are compared at the end of every frame of 1/60 s.
+#[derive(Clone)]
+pub struct Trial {
+    /// Title of the level.
+    pub name: String,
+    /// The scene; its own integrator and step do not matter.
+    pub scene: Scene,
+    /// Where it starts.
+    pub start: State,
+    /// What the mouse pulls all the while.
+    pub grab: Option<Grab>,
+    /// How many frames of 1/60 s it takes.
+    pub frames: u32,
+    /// The setting of the level, to compare with.
+    pub current: Setting,
+}
+
+impl Trial {
+    /// A level from its start, or from the state it was saved in, for a time [s], rounded to frames of 1/60 s.
+    ///
+    /// # Errors
+    /// If the level cannot be built.
+    pub fn new(level: &Level, files: &dyn Files, seconds: f64) -> Result<Self, StudyError> {
+        let scene = Scene::build(level, level.mode, files, None)?;
+        let start = scene.first_state(level.state.as_ref())?;
+        let frames = (seconds * 60.0).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+        Ok(Self { name: level.name.clone(), scene, start, grab: None, frames, current: Setting::of(level) })
+    }
+
+    /// Simulated time [s].
+    pub fn seconds(&self) -> f64 {
+        f64::from(self.frames) / 60.0
+    }
+
+    pub(super) fn march(&self, setting: &Setting) -> March {
+        let mut march = March::new(&self.scene, &self.start, setting, self.frames);
+        march.simulation.set_grab(self.grab);
+        march
+    }
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// To its end.
+    Ok,
+    /// It blew up: a fault, or an error far above 1.
+    Unstable,
+    /// To its end, but equations were left unsolved on the way.
+    Unconverged,
+}
+
+impl Status {
+    /// A word for tables.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Unstable => "unstable",
+            Self::Unconverged => "unconverged",
+        }
+    }
+}
+
+/// What came out of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Relative RMS error of positions, over all frames and vertices:
+    /// `sqrt(mean |x - x_ref|²) / sqrt(mean |x_ref - x_start|²)`. Infinite if it was stopped by a fault.
+    pub error: f64,
+    /// How it ended.
+    pub status: Status,
+    /// What it took, in numbers that are the same on every machine.
+    pub counts: Counts,
+    /// What it took in time, for one second of simulated time [ms].
+    pub ms_per_second: f64,
+}
+
+/// An error above this is no inaccuracy any more: the run is stopped and called unstable.
+const FAR: f64 = 10.0;
+
+/// Sums of squares, for a relative RMS error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Deviation {
+    error: f64,
+    size: f64,
+}
+
+impl Deviation {
+    /// Adds one moment: positions, what they should be, and where they started.
+    pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) {
+        self.error += x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
+        self.size += exact.iter().zip(start).map(|(exact, start)| (exact - start) * (exact - start)).sum::<f64>();
+    }
+
+    /// The error of this one moment over the RMS size of all moments so far.
+    pub fn relative_to(self, all: Self, moments: f64) -> f64 {
+        if self.error == 0.0 { 0.0 } else { (self.error * moments / all.size).sqrt() }
+    }
+
+    /// The relative RMS error; absolute [m²] would be `error` alone. Zero over zero is zero.
+    pub fn relative(self) -> f64 {
+        if self.error == 0.0 { 0.0 } else { (self.error / self.size).sqrt() }
+    }
+}
+
+/// A run on its way.
+pub struct Run {
+    march: March,
+    deviation: Deviation,
+    far: bool,
+}
+
+impl Run {
+    /// A run of a trial with a setting.
+    pub fn new(trial: &Trial, setting: &Setting) -> Self {
+        Self { march: trial.march(setting), deviation: Deviation::default(), far: false }
+    }
+
+    /// Goes on for about `budget`; gives the outcome when the run is over.
+    pub fn advance(&mut self, trial: &Trial, reference: &Reference, budget: std::time::Duration) -> Option<Outcome> {
+        self.until(trial, reference, Deadline::after(budget))
+    }
+
+    pub(super) fn until(&mut self, trial: &Trial, reference: &Reference, deadline: Deadline) -> Option<Outcome> {
+        let Self { march, deviation, far } = self;
+        let over = march.advance(deadline, &mut |frame, simulation| {
+            deviation.add(&simulation.state().x, reference.at(frame), &trial.start.x);
+            *far = deviation.relative() > FAR;
+            if *far { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        over.then(|| self.outcome())
+    }
+
+    /// Share of the run done.
+    pub fn done(&self) -> f64 {
+        self.march.done()
+    }
+
+    fn outcome(&self) -> Outcome {
+        let counts = self.march.simulation.counts();
+        let stopped = self.march.simulation.fault().is_some();
+        let status = if stopped || self.far {
+            Status::Unstable
+        } else if counts.unconverged > 0 {
+            Status::Unconverged
+        } else {
+            Status::Ok
+        };
+        let error = if stopped { f64::INFINITY } else { self.deviation.relative() };
+        Outcome { error, status, counts, ms_per_second: self.march.ms_per_second() }
+    }
+}

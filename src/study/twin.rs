@@ -1,0 +1,216 @@
+//! The error of a running simulation, now: a twin with a fine step runs beside it and is pulled along by the same mouse.
+
+use super::{march::Deadline, reference::finest, setting::limit, trial::Deviation};
+use crate::{effects::Grab, integrators::IntegratorKind, scene::Scene, simulation::Simulation, state::State};
+use std::{collections::VecDeque, sync::Arc, time::Duration};
+use web_time::Instant;
+
+/// A fine reference in lock step with a live simulation: for each of its steps it takes a whole number of shorter ones.
+///
+/// For the first half second it checks itself: a second twin with half the step runs beside it. If the two differ by more
+/// than a hundredth of the live simulation's error, the twin halves its step and begins anew from the live state.
+pub struct Twin {
+    fine: Simulation,
+    /// The twin's twin with half the step, as long as it checks.
+    finer: Option<Simulation>,
+    /// Its steps for one of the live simulation's.
+    per_step: u64,
+    /// Length of the live simulation's step when it was last seen [s].
+    step: f64,
+    /// Where it began.
+    start: State,
+    /// Steps of the live simulation that are known of.
+    seen: u64,
+    /// What the live simulation did that the twin has not done yet.
+    legs: VecDeque<Leg>,
+    live: Deviation,
+    own: Deviation,
+    /// How often it was compared.
+    moments: f64,
+    error: Option<f64>,
+    spent: Duration,
+    simulated: f64,
+}
+
+/// Some steps of the live simulation during which nothing was changed from outside.
+struct Leg {
+    steps: u64,
+    /// Steps of the twin taken.
+    taken: u64,
+    grab: Option<Grab>,
+    /// The scene, if it has changed.
+    scene: Option<Box<Scene>>,
+    /// Positions of the live simulation at its end.
+    x: Vec<f64>,
+}
+
+/// How long a twin checks itself [s].
+const CHECK: f64 = 0.5;
+/// A twin that is more legs than this behind gives up.
+const BEHIND: usize = 240;
+/// Most steps for one of the live simulation's.
+const MOST: u64 = 1 << 14;
+
+impl Twin {
+    /// Begins beside a live simulation, at its present state.
+    pub fn new(live: &Simulation) -> Self {
+        let share = 2.0 * limit(live.scene(), live.state()) * 60.0 * live.scene().step;
+        Self::seeded(live, libm::ceil(share.max(4.0)).min(MOST as f64) as u64)
+    }
+
+    /// Begins anew at the live simulation's present state: for when it was put somewhere else.
+    pub fn seed(&mut self, live: &Simulation) {
+        let (spent, simulated) = (self.spent, self.simulated);
+        *self = Self { spent, simulated, ..Self::seeded(live, self.per_step) };
+    }
+
+    fn seeded(live: &Simulation, per_step: u64) -> Self {
+        let start = State { memory: Vec::new(), ..live.state().clone() };
+        let run = |per_step: u64| Simulation::new(finer_scene(live.scene(), per_step), start.clone());
+        Self {
+            fine: run(per_step),
+            finer: Some(run(2 * per_step)),
+            per_step,
+            step: live.scene().step,
+            seen: start.steps,
+            start,
+            legs: VecDeque::new(),
+            live: Deviation::default(),
+            own: Deviation::default(),
+            moments: 0.0,
+            error: None,
+            spent: Duration::ZERO,
+            simulated: 0.0,
+        }
+    }
+
+    /// Takes note of what the live simulation did since the last call: call it after every frame, and before anything is
+    /// changed from outside. If the live simulation was put back, or is another one, the twin begins anew.
+    pub fn follow(&mut self, live: &Simulation) {
+        let (state, scene) = (live.state(), live.scene());
+        let known = self.legs.iter().rev().find_map(|leg| leg.scene.as_deref()).unwrap_or(self.fine.scene());
+        let changed = self.step != scene.step || !same(known, scene);
+        if state.steps < self.seen || state.x.len() != self.start.x.len() || self.legs.len() > BEHIND {
+            self.seed(live);
+            return;
+        }
+        if state.steps == self.seen && !changed {
+            return;
+        }
+        let scene = changed.then(|| Box::new(scene.clone()));
+        let steps = state.steps - self.seen;
+        self.legs.push_back(Leg { steps, taken: 0, grab: live.grab(), scene, x: state.x.clone() });
+        (self.seen, self.step) = (state.steps, live.scene().step);
+    }
+
+    /// Works for about `budget`; returns whether the twin has caught up.
+    pub fn advance(&mut self, live: &Simulation, budget: Duration) -> bool {
+        let (begin, deadline) = (Instant::now(), Deadline::after(budget));
+        while let Some(leg) = self.legs.front_mut() {
+            if let Some(scene) = leg.scene.take() {
+                self.fine.replace_scene(finer_scene(&scene, self.per_step));
+                if let Some(finer) = &mut self.finer {
+                    finer.replace_scene(finer_scene(&scene, 2 * self.per_step));
+                }
+            }
+            self.fine.set_grab(leg.grab);
+            let all = leg.steps * self.per_step;
+            while leg.taken < all && self.fine.fault().is_none() && !deadline.passed() {
+                let bunch = (all - leg.taken).min(16);
+                self.fine.advance(bunch, &mut || true);
+                if let Some(finer) = &mut self.finer {
+                    finer.set_grab(leg.grab);
+                    finer.advance(2 * bunch, &mut || true);
+                }
+                leg.taken += bunch;
+                self.simulated += bunch as f64 * self.fine.scene().step;
+            }
+            if self.fine.fault().is_some() {
+                self.refine(live);
+                break;
+            }
+            if leg.taken < all {
+                break;
+            }
+            if let Some(leg) = self.legs.pop_front() {
+                self.compare(&leg.x, live);
+            }
+        }
+        self.spent += begin.elapsed();
+        self.legs.is_empty()
+    }
+
+    /// Compares at the end of a leg.
+    fn compare(&mut self, x: &[f64], live: &Simulation) {
+        let exact = &self.fine.state().x;
+        let mut now = Deviation::default();
+        now.add(x, exact, &self.start.x);
+        self.live.add(x, exact, &self.start.x);
+        self.moments += 1.0;
+        self.error = Some(now.relative_to(self.live, self.moments));
+        let Some(finer) = &self.finer else { return };
+        if finer.fault().is_none() {
+            self.own.add(exact, &finer.state().x, &self.start.x);
+        }
+        let (own, error) = (self.own.relative(), self.live.relative());
+        if own > 0.01 * error && own > 1e-12 && self.per_step < MOST {
+            self.refine(live);
+        } else if self.fine.state().time - self.start.time >= CHECK {
+            self.finer = None;
+        }
+    }
+
+    /// Begins anew with half the step.
+    fn refine(&mut self, live: &Simulation) {
+        self.per_step = (2 * self.per_step).min(MOST);
+        self.seed(live);
+    }
+
+    /// Relative RMS error of the live simulation's positions where the twin is now:
+    /// `sqrt(mean |x - x_ref|²)` over the root mean square of
+    /// `x_ref - x_start` so far. `None` before the first comparison.
+    pub const fn error(&self) -> Option<f64> {
+        self.error
+    }
+
+    /// How large the twin's own error is, by the same measure, over the time it was checked.
+    pub fn own_error(&self) -> f64 {
+        self.own.relative()
+    }
+
+    /// Whether it still checks itself.
+    pub const fn is_checking(&self) -> bool {
+        self.finer.is_some()
+    }
+
+    /// How the twin is stepped: the scheme, and the length of its step [s].
+    pub const fn setting(&self) -> (&IntegratorKind, f64) {
+        (&self.fine.scene().integrator, self.fine.scene().step)
+    }
+
+    /// Time since it began that the error is about [s].
+    pub fn age(&self) -> f64 {
+        self.fine.state().time - self.start.time
+    }
+
+    /// Time the twin has taken altogether.
+    pub const fn spent(&self) -> Duration {
+        self.spent
+    }
+
+    /// Time the twin takes for a second of simulated time [ms].
+    pub fn ms_per_second(&self) -> f64 {
+        if self.simulated > 0.0 { self.spent.as_secs_f64() * 1e3 / self.simulated } else { 0.0 }
+    }
+}
+
+fn finer_scene(live: &Scene, per_step: u64) -> Scene {
+    Scene { integrator: finest(), step: live.step / per_step as f64, ..live.clone() }
+}
+
+/// Whether two scenes act alike: the same effects on the same masses. How they are stepped may differ.
+fn same(known: &Scene, live: &Scene) -> bool {
+    let effects = known.effects.len() == live.effects.len()
+        && known.effects.iter().zip(&live.effects).all(|(a, b)| Arc::ptr_eq(a, b));
+    effects && known.inverse_mass == live.inverse_mass
+}

@@ -1,0 +1,36 @@
+//! Independent tasks on several threads, where there are any.
+
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::{Mutex, PoisonError};
+
+/// How many threads this machine runs at once; 1 in a browser.
+pub fn threads() -> usize {
+    #[cfg(target_arch = "wasm32")]
+    return 1;
+    #[cfg(not(target_arch = "wasm32"))]
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// Hands out tasks in their order, each to the next thread that is free. `work` returns false to hand out no more.
+/// Tasks know nothing of each other, so what comes out does not depend on the number of threads.
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
+    if threads <= 1 || tasks.len() <= 1 {
+        tasks.into_iter().all(work);
+        return;
+    }
+    let helpers = threads.min(tasks.len());
+    let queue = Mutex::new(tasks.into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    std::thread::scope(|scope| {
+        for _ in 0..helpers {
+            scope.spawn(|| while next().is_some_and(&work) {});
+        }
+    });
+}
+
+/// Works through tasks in their order. `work` returns false to stop.
+#[cfg(target_arch = "wasm32")]
+pub(super) fn spread<T: Send>(_: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
+    tasks.into_iter().all(work);
+}

@@ -1,4 +1,9 @@
-//! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong.
+//! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong,
+//! `study` tells what accuracy costs.
+
+mod study;
+
+pub use study::{Study, study};
 
 use crate::{
     files::{self, FileError},
@@ -55,6 +60,14 @@ pub enum HeadlessError {
         /// What is wrong.
         why: Refused,
     },
+    /// A level cannot be studied.
+    #[error("{file}: {why}")]
+    Study {
+        /// Name of the file.
+        file: String,
+        /// What is wrong, and what to do.
+        why: crate::study::StudyError,
+    },
     /// The simulation stopped.
     #[error("{0}")]
     Fault(crate::fault::Fault),
@@ -64,7 +77,7 @@ impl HeadlessError {
     /// 2 for what the user can mend in files and arguments, 1 for a simulation that stopped.
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Fault(_) => 1,
+            Self::Fault(_) | Self::Study { why: crate::study::StudyError::NoReference { .. }, .. } => 1,
             _ => 2,
         }
     }
@@ -217,9 +230,14 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
 /// How many triangles and springs there are, as far as there are any.
 fn elements(scene: &Scene) -> String {
     let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
-    let counts = [(scene.triangles.len(), "triangles"), (springs, "springs")];
-    let there = counts.into_iter().filter(|(count, _)| *count > 0);
-    there.map(|(count, name)| format!("{count} {name}, ")).collect()
+    let mut text = String::new();
+    for (count, name) in [(scene.triangles.len(), "triangles"), (springs, "springs")] {
+        if count > 0 {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{count} {name}, ");
+        }
+    }
+    text
 }
 
 fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {

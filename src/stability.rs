@@ -46,8 +46,8 @@ pub struct StabilityProbe {
 impl StabilityProbe {
     /// The longest stable step at a state [s] after so many more rounds, each of one product with the stiffness; `None`
     /// if nothing is stiff or the stiffness is not a number.
-    pub fn refine(&mut self, scene: &Scene, state: &State, rounds: u32) -> Option<f64> {
-        longest_step(scene, state, self.largest_eigenvalue(scene, state, rounds.max(2) as usize)?)
+    pub fn refine(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
+        longest_step(scene, state, self.largest_eigenvalue(scene, state, rounds.max(2))?)
     }
 
     fn largest_eigenvalue(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {

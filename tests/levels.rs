@@ -50,7 +50,11 @@ fn every_level_is_stable_at_its_step_with_and_without_damping() {
             for &model in Model::ALL {
                 level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
                 let simulation = simulation(&level);
-                let limit = critical_step(simulation.scene(), &rest(&simulation)).unwrap();
+                // A toy has no stiffness that would limit the step.
+                let Some(limit) = critical_step(simulation.scene(), &rest(&simulation)) else {
+                    assert!(level.toy.is_some(), "{file}");
+                    continue;
+                };
                 let share = simulation.scene().step / limit;
                 if share > 0.8 {
                     near.push(format!("{file} {} {switch:?}: {share:.2}", model.name()));

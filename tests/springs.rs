@@ -9,8 +9,11 @@ use gingerbread::{
     effects::{Effect, Motion},
     elements::Springs,
     files,
+    integrators::{IntegratorKind, Scheme},
     level::Level,
+    meshes::NoFiles,
     nets::{Link, Net, NetKind, Role},
+    scene::Scene,
     toys::{ToyKind, period_ratio},
 };
 use std::f64::consts::PI;
@@ -159,7 +162,7 @@ fn drag_slows_a_free_particle_by_its_coefficient_over_its_mass() {
 fn refused(net: &str) -> String {
     let text = format!("(name: \"\", nets: [(name: \"web\", net: {net}, mass: 1)])");
     let level = level(&text);
-    let built = gingerbread::scene::Scene::build(&level, level.mode, &gingerbread::meshes::NoFiles, None);
+    let built = Scene::build(&level, level.mode, &NoFiles, None);
     built.err().map(|error| error.to_string()).unwrap_or_default()
 }
 
@@ -283,9 +286,69 @@ fn a_wide_swing_takes_longer() {
 }
 
 #[test]
+fn a_point_on_a_stiffer_and_stiffer_spring_approaches_the_pendulum() {
+    let gap = |stiffness: f64| {
+        let text = format!(
+            "(name: \"\", substeps: 500, nets: [(name: \"p\", net: Chain(from: (0.5, 0.5), to: (0.9, 0.5), springs: 1,
+             stiffness: {stiffness}), mass: 1, pins: [Left])], effects: [(effect: Gravity(down: 9.8))])"
+        );
+        let mut simulation = simulation(&level(&text));
+        let h = simulation.scene().step;
+        let mut crossings = Vec::new();
+        while crossings.len() < 2 {
+            let before = simulation.state().x[2] - 0.5;
+            assert_eq!(simulation.advance(1, &mut || true), 1);
+            let after = simulation.state().x[2] - 0.5;
+            if before > 0.0 && after <= 0.0 {
+                crossings.push(simulation.state().time - h * after / (after - before));
+            }
+        }
+        let exact = ToyKind::all().into_iter().find(|toy| toy.name() == "Pendulum").unwrap().kind().period();
+        ((crossings[1] - crossings[0]) / exact - 1.0).abs()
+    };
+    let gaps = [1e3, 1e4, 1e5].map(gap);
+    assert!(gaps[1] < 0.3 * gaps[0] && gaps[2] < 0.3 * gaps[1] && gaps[2] < 1e-3, "{gaps:?}");
+}
+
+/// A level about a toy, with an integrator.
+fn toy(kind: &ToyKind, integrator: &IntegratorKind) -> Level {
+    let empty = level("(name: \"toy\", toy: Circle(radius: 0.2))");
+    Level { toy: Some(kind.clone()), integrator: integrator.clone(), ..empty }
+}
+
+/// What treats positions and velocities differently is refused in a sentence; all else goes around once, nearly.
+#[test]
+fn every_integrator_that_needs_only_rates_advances_every_toy_and_the_others_are_refused() {
+    for integrator in IntegratorKind::all() {
+        for kind in ToyKind::all() {
+            let level = toy(&kind, &integrator);
+            let built = Scene::build(&level, level.mode, &NoFiles, None);
+            if matches!(integrator.kind().scheme(), Scheme::Second(_)) {
+                let told = built.err().unwrap().to_string();
+                assert!(told.contains(integrator.kind().title()) && told.contains("choose another"), "{told}");
+                continue;
+            }
+            let mut simulation = simulation(&level);
+            let steps = (kind.kind().period() / simulation.scene().step).round() as u64;
+            assert_eq!(simulation.advance(steps, &mut || true), steps);
+            let (state, exact) = (simulation.state(), kind.kind().exact(simulation.state().time));
+            let gap = [state.x[0] - exact[0], state.x[1] - exact[1]];
+            assert!(norm(&gap) < 0.02 * norm(&exact), "{} {}: {gap:?}", integrator.name(), kind.name());
+            assert!(state.v.is_empty() && simulation.counts().force_evaluations >= steps);
+            let saved = Level { state: document::saved(state), ..level.clone() };
+            let mut again = common::simulation(&files::parse(&files::write(&saved).unwrap(), "toy.ron").unwrap());
+            assert_eq!(again.state(), state);
+            again.advance(10, &mut || true);
+            simulation.advance(10, &mut || true);
+            assert_eq!(again.state(), simulation.state());
+        }
+    }
+}
+
+#[test]
 fn a_toy_stands_alone() {
     let with = "(name: \"\", toy: Circle(radius: 0.2), nets: [(name: \"\", net: Chain(from: (0, 0), to: (1, 0), springs: 1, stiffness: 1), mass: 1)])";
     let level = level(with);
-    let built = gingerbread::scene::Scene::build(&level, level.mode, &gingerbread::meshes::NoFiles, None);
+    let built = Scene::build(&level, level.mode, &NoFiles, None);
     assert!(built.err().unwrap().to_string().contains("stands alone"));
 }

@@ -9,6 +9,7 @@ use super::{
 use crate::{
     command::Command,
     level::Substeps,
+    nets::Role,
     snapshot::{Field, Snapshot},
 };
 use eframe::egui::{Rect, Sense, Ui, vec2};
@@ -19,7 +20,7 @@ const FRAME: f64 = 1.0 / 60.0;
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     if !desk.now.triangles.is_empty() {
         looks(ui, view);
-    } else if !desk.now.nets.is_empty() {
+    } else if has_hidden_springs(desk.now) {
         let help = "Flexion springs too, which lie over the others";
         ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
     }
@@ -27,6 +28,11 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     speed(ui, desk);
     substeps(ui, desk.now, view, commands);
     size(ui, desk.now);
+}
+
+/// Whether some springs are only drawn on request.
+fn has_hidden_springs(now: &Snapshot) -> bool {
+    now.nets.iter().any(|net| net.springs.links().iter().any(|link| link.role == Role::Flexion))
 }
 
 /// Colours, edges and vertices.

@@ -5,11 +5,16 @@ use crate::{scene::Scene, state::State};
 /// The longest stable step of symplectic Euler near a state [s], or `None` if nothing is stiff there or the stiffness is
 /// not a number. The same holds for both Verlet schemes without damping.
 pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
+    longest_step(scene, state, largest_eigenvalue(scene, state)?)
+}
+
+/// The largest eigenvalue of M⁻¹ K [1/s²], K the stiffness of all effects at the state; converged.
+pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
     let mut probe = StabilityProbe::default();
-    let mut last = probe.refine(scene, state, ROUNDS)?;
+    let mut last = 0.0;
     for _ in 0..RESTARTS {
-        let next = probe.refine(scene, state, ROUNDS)?;
-        if last - next <= CONVERGED * next {
+        let next = probe.largest_eigenvalue(scene, state, ROUNDS)?;
+        if next - last <= CONVERGED * next {
             return Some(next);
         }
         last = next;
@@ -17,16 +22,11 @@ pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     Some(last)
 }
 
-/// The largest eigenvalue of M⁻¹ K at a state [1/s²], from below and to a few per cent; K is the stiffness of all effects.
-pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
-    StabilityProbe::default().largest_eigenvalue(scene, state, ROUNDS)
-}
-
 /// Lanczos rounds between two restarts of the converged answer.
 const ROUNDS: usize = 16;
 /// Most restarts of it; a few are enough for meshes of 100,000 triangles.
 const RESTARTS: usize = 20;
-/// Change of the step between two restarts, as a share of it, at which it is converged.
+/// Change of the eigenvalue between two restarts, as a share of it, at which it is converged.
 const CONVERGED: f64 = 1e-4;
 
 /// A running estimate of the longest stable step, made better by every look.
@@ -47,11 +47,7 @@ impl StabilityProbe {
     /// The longest stable step at a state [s] after so many more rounds, each of one product with the stiffness; `None`
     /// if nothing is stiff or the stiffness is not a number.
     pub fn refine(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
-        let square = self.largest_eigenvalue(scene, state, rounds.max(2))?;
-        let motion = scene.motion(state, None);
-        let [alpha, beta] =
-            scene.effects.iter().map(|effect| effect.damping(motion)).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-        longest_step(square, alpha + beta * square)
+        longest_step(scene, state, self.largest_eigenvalue(scene, state, rounds.max(2))?)
     }
 
     fn largest_eigenvalue(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
@@ -122,10 +118,14 @@ impl StabilityProbe {
     }
 }
 
-/// The longest stable step for a vibration of squared angular frequency `square` and a damping rate `c` taken at the old
-/// velocity: the characteristic polynomial `z² - (2 - h c - h² w²) z + (1 - h c)` has both roots inside the unit circle
-/// while `h² w² + 2 h c < 4`. Without damping that is h < 2/w.
-fn longest_step(square: f64, rate: f64) -> Option<f64> {
+/// The longest stable step for a vibration of squared angular frequency w² and the scene's damping rate c = alpha + beta w²
+/// for it, taken at the old velocity: the characteristic polynomial `z² - (2 - h c - h² w²) z + (1 - h c)` has both roots
+/// inside the unit circle while `h² w² + 2 h c < 4`. Without damping that is h < 2/w.
+fn longest_step(scene: &Scene, state: &State, square: f64) -> Option<f64> {
+    let motion = scene.motion(state, None);
+    let dampings = scene.effects.iter().map(|effect| effect.damping(motion));
+    let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let rate = alpha + beta * square;
     let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
     step.is_finite().then_some(step)
 }

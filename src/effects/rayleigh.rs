@@ -135,7 +135,7 @@ impl Effect for Damping {
         }
     }
 
-    /// The part for v is exact. The part for x is not symmetric; its symmetric part is taken.
+    /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, for springs none.
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
         for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));

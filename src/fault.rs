@@ -62,8 +62,11 @@ impl Fault {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
             .unwrap_or((Culprit::Toy, None));
-        let limits = [&scene.start, before].map(|state| critical_step(scene, state));
-        let limit = limits.into_iter().flatten().reduce(f64::min);
+        // The limit h w = 2 scaled to the scheme's; schemes without one cannot fail by it.
+        let limit = scene.integrator.kind().stability_limit().and_then(|reach| {
+            let limits = [&scene.start, before].map(|state| critical_step(scene, state));
+            limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)
+        });
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),
@@ -72,7 +75,7 @@ impl Fault {
     }
 }
 
-/// The first triangle without a finite stress or, if all have one, the most deformed; and its model if it is inside out.
+/// The first triangle without a finite stress or, if all have one, the most deformed; and its model if that has no energy there.
 fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model>)> {
     let mut worst = None;
     let mut greatest = f64::NEG_INFINITY;
@@ -80,15 +83,16 @@ fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model
         let mut energies = Vec::new();
         body.elements.field(Field::EnergyDensity, &state.x, &mut energies);
         for (number, ((f, _), energy)) in body.elements.gradients(&state.x).zip(energies).enumerate() {
+            let undefined = !energy.is_finite() && f.norm_squared() < 1e12;
             let deformation = if energy.is_finite() { f.norm_squared() } else { f64::INFINITY };
             if deformation > greatest {
                 greatest = deformation;
-                worst = Some((body, number, f.determinant()));
+                worst = Some((body, number, f.determinant(), undefined));
             }
         }
     }
-    let (body, number, volume_ratio) = worst?;
-    let crushed = (volume_ratio <= 0.0).then(|| body.elements.model());
+    let (body, number, volume_ratio, undefined) = worst?;
+    let crushed = (undefined && volume_ratio <= 0.0).then(|| body.elements.model());
     Some((Culprit::Triangle { body: body.name.clone(), number, volume_ratio }, crushed))
 }
 
@@ -133,18 +137,18 @@ impl std::fmt::Display for Fault {
             Cause::Crushed(model) => {
                 write!(out, "It was crushed inside out, where {} has no energy.", model.title())
             }
-            Cause::Overflow => write!(out, "Its speed grew out of all bounds."),
+            Cause::Overflow => write!(out, "Positions or speeds grew beyond {:e}.", State::LIMIT),
         }
     }
 }
 
-/// A duration in milliseconds, three significant digits.
+/// A duration in milliseconds or microseconds, three significant digits.
 struct Millis(f64);
 
 impl std::fmt::Display for Millis {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let millis = self.0 * 1e3;
-        let digits = (2.0 - libm::floor(libm::log10(millis.max(1e-12)))).clamp(0.0, 12.0) as usize;
-        write!(out, "{millis:.digits$} ms")
+        let (value, unit) = if self.0 < 1e-4 { (self.0 * 1e6, "µs") } else { (self.0 * 1e3, "ms") };
+        let digits = (2.0 - libm::floor(libm::log10(value.max(1e-12)))).clamp(0.0, 12.0) as usize;
+        write!(out, "{value:.digits$} {unit}")
     }
 }

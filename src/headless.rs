@@ -1,4 +1,9 @@
-//! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong.
+//! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong,
+//! `study` tells what accuracy costs.
+
+mod study;
+
+pub use study::{Study, study};
 
 use crate::{
     files::{self, FileError},
@@ -55,6 +60,14 @@ pub enum HeadlessError {
         /// What is wrong.
         why: Refused,
     },
+    /// A level cannot be studied.
+    #[error("{file}: {why}")]
+    Study {
+        /// Name of the file.
+        file: String,
+        /// What is wrong, and what to do.
+        why: crate::study::StudyError,
+    },
     /// The simulation stopped.
     #[error("{0}")]
     Fault(crate::fault::Fault),
@@ -64,7 +77,7 @@ impl HeadlessError {
     /// 2 for what the user can mend in files and arguments, 1 for a simulation that stopped.
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Fault(_) => 1,
+            Self::Fault(_) | Self::Study { why: crate::study::StudyError::NoReference { .. }, .. } => 1,
             _ => 2,
         }
     }
@@ -93,6 +106,22 @@ pub struct RunReport {
     pub time: f64,
     /// Evaluations of all forces together.
     pub force_evaluations: u64,
+    /// Name of the integrator.
+    pub integrator: &'static str,
+    /// Steps inside the steps; more than `steps` if the integrator controls its error.
+    pub inner_steps: u64,
+    /// Steps inside the steps taken again, shorter, for their error.
+    pub rejected_steps: u64,
+    /// Iterations of Newton's method.
+    pub newton_iterations: u64,
+    /// Newton steps cut by the line search.
+    pub line_search_cuts: u64,
+    /// Sparse factorisations.
+    pub factorisations: u64,
+    /// Factorisations repeated with a heavier diagonal, as the matrix was not positive definite.
+    pub shifts: u64,
+    /// Steps whose equations were not solved to tolerance.
+    pub unconverged_steps: u64,
     /// Time spent stepping [s].
     pub wall_seconds: f64,
     /// Time per triangle and step [ns]; null if there are none.
@@ -254,6 +283,14 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         steps,
         time: state.time,
         force_evaluations: counts.force_evaluations,
+        integrator: scene.integrator.name(),
+        inner_steps: counts.inner_steps,
+        rejected_steps: counts.rejected,
+        newton_iterations: counts.newton_iterations,
+        line_search_cuts: counts.line_search_cuts,
+        factorisations: counts.factorisations,
+        shifts: counts.shifts,
+        unconverged_steps: counts.unconverged,
         wall_seconds,
         ns_per_triangle_step: (triangles > 0).then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),
         effects: effects.collect(),

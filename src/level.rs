@@ -9,7 +9,7 @@ use crate::{
     materials::MaterialParameters,
     meshes::MeshKind,
     nets::NetKind,
-    quantity::{Angle, Coordinate, Density, Factor, Mass, ParticleMass, Point, Spin, Velocity},
+    quantity::{Angle, Coordinate, Density, Factor, Mass, ParticleMass, Point, Spin, Time, Velocity},
     toys::ToyKind,
 };
 use serde::{Deserialize, Serialize};
@@ -265,9 +265,10 @@ impl From<Substeps> for u32 {
 #[serde(deny_unknown_fields)]
 pub struct SavedState {
     /// Steps taken since the start.
+    #[serde(deserialize_with = "step_count")]
     pub steps: u64,
     /// Simulated time [s].
-    pub time: Coordinate,
+    pub time: Time,
     /// Positions of all bodies' vertices and then all nets' particles, one after another [m]; of a toy, its state.
     pub positions: Vec<Point>,
     /// Velocities of the same [m/s]; a toy has none.
@@ -275,6 +276,17 @@ pub struct SavedState {
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
+}
+
+/// A number of steps that a double still counts exactly.
+fn step_count<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+    const MOST: u64 = 1 << 53;
+    let count = u64::deserialize(from)?;
+    if count <= MOST {
+        Ok(count)
+    } else {
+        Err(serde::de::Error::custom(format!("steps must be in [0, {MOST}], got {count}")))
+    }
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {

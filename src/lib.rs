@@ -65,9 +65,10 @@ pub mod toys;
 pub mod level;
 pub mod scene;
 
+pub mod stability;
+
 pub mod fault;
 pub mod report;
-pub mod stability;
 
 pub mod simulation;
 

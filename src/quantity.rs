@@ -165,7 +165,7 @@ macro_rules! quantities {
     (@linear) => { false };
 }
 
-use Bound::{Excluded, Included, Unbounded};
+use Bound::{Excluded, Included};
 
 quantities! {
     /// E: axial stress over axial strain of a thin bar, at small strain.
@@ -177,7 +177,9 @@ quantities! {
     /// Mass of the whole body, spread equally over its vertices.
     Mass: "total mass" ["kg"] in Excluded(0.0), Included(1e12); slider 0.1 to 1e3, logarithmic;
     /// A point's distance from the origin along one axis.
-    Coordinate: "coordinate" ["m"] in Unbounded, Unbounded; slider 0.0 to 1.0, linear;
+    Coordinate: "coordinate" ["m"] in Included(-1e15), Included(1e15); slider 0.0 to 1.0, linear;
+    /// Simulated time since the start.
+    Time: "time" ["s"] in Included(0.0), Included(1e12); slider 0.0 to 10.0, linear;
     /// A length, such as a side or a radius.
     Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// A factor that multiplies lengths.
@@ -232,7 +234,7 @@ quantities! {
     Rings: "number of rings" [""] in Included(1.0), Included(500.0); slider 1.0 to 50.0, linear;
 }
 
-/// A point or a vector of the plane, finite, written `(x, y)` in level files.
+/// A point or a vector of the plane, written `(x, y)` in level files.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Point(pub Coordinate, pub Coordinate);
 

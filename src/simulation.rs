@@ -19,6 +19,8 @@ pub struct Simulation {
     state: State,
     /// Where the current batch of steps began, to go back to when a step fails.
     checkpoint: State,
+    /// What had been counted and booked then.
+    booked: (Counts, Vec<EffectCost>),
     scratch: Scratch,
     grab: Option<Grab>,
     fault: Option<Fault>,
@@ -45,10 +47,19 @@ impl Simulation {
     pub fn new(scene: Scene, state: State) -> Self {
         let mut scratch = Scratch::default();
         scratch.fit(&scene);
-        Self { checkpoint: state.clone(), scene, state, scratch, grab: None, fault: None }
+        Self {
+            checkpoint: state.clone(),
+            booked: (Counts::default(), Vec::new()),
+            scene,
+            state,
+            scratch,
+            grab: None,
+            fault: None,
+        }
     }
 
-    /// Swaps the scene for one with the same vertices; the state stays, and newly pinned vertices stop.
+    /// Swaps the scene; the state stays, and newly pinned vertices stop. A scene with other vertices needs another state at
+    /// once (see [`Self::set_state`]). Counts go on.
     pub fn replace_scene(&mut self, scene: Scene) {
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
             *v = 0.0;
@@ -119,6 +130,8 @@ impl Simulation {
 
     fn batch(&mut self, steps: u64) -> u64 {
         self.checkpoint.clone_from(&self.state);
+        self.booked.0 = self.scratch.counts;
+        self.booked.1.clone_from(&self.scratch.costs);
         for taken in 0..steps {
             self.step();
             if !self.state.is_finite() {
@@ -153,12 +166,13 @@ impl Simulation {
 
     /// Goes back to the last finite state: the same steps from the checkpoint give the same bits again.
     fn fail(&mut self, good: u64) {
-        let counts = self.scratch.counts;
         self.state.clone_from(&self.checkpoint);
+        self.scratch.counts = self.booked.0;
+        self.scratch.costs.clone_from(&self.booked.1);
+        self.scratch.work.forget();
         for _ in 0..good {
             self.step();
         }
-        self.scratch.counts = counts;
         self.fault = Some(Fault::find(&self.scene, &self.state, &self.checkpoint));
     }
 
@@ -236,7 +250,7 @@ impl Dynamics for System<'_> {
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
-        for (number, effect) in scene.effects.iter().enumerate() {
+        for (number, effect) in scene.effects.iter().enumerate().filter(|(_, effect)| !effect.constrains()) {
             let size = effect.scratch();
             let elements = Some(effect.elements(motion));
             self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
@@ -281,8 +295,11 @@ impl Dynamics for System<'_> {
 
     fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
         for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
+            let scene = self.scene;
+            let elements =
+                effect.elements(Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab });
             let touched =
-                self.scratch.booked(number, None, |_| effect.constrain_position(x, v, &self.scene.inverse_mass));
+                self.scratch.booked(number, Some(elements), |_| effect.constrain_position(x, v, &scene.inverse_mass));
             self.scratch.counts.constrained += touched as u64;
         }
     }

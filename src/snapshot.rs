@@ -174,8 +174,8 @@ impl Sandbox {
         (snapshot.min_j, snapshot.inverted) = simulation.inversion();
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
-        (snapshot.mode, snapshot.running) = (self.mode, self.running);
-        (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side);
+        (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
+        (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.damping = self.damping();
         snapshot.fault = simulation.fault().cloned();
         snapshot.messages.clone_from(&scene.messages);
@@ -235,7 +235,7 @@ impl Sandbox {
 impl Body {
     /// Distance between the outermost crossings of the boundary with a height [m]; `own` are its flat positions.
     fn width_at(&self, own: &[f64], height: f64) -> f64 {
-        let crossings = self.mesh.boundary_edges().into_iter().filter_map(|[a, b]| {
+        let crossings = self.boundary.iter().filter_map(|&[a, b]| {
             let point = |i: u32| [own[2 * i as usize], own[2 * i as usize + 1]];
             let ([ax, ay], [bx, by]) = (point(a), point(b));
             ((ay <= height) != (by <= height)).then(|| ax + (height - ay) / (by - ay) * (bx - ax))

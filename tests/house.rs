@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 25] = [
+const ROOMS: &[&[&str]] = &[
     &["quantity"],
     &["registry"],
     &["materials"],

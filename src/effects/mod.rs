@@ -144,7 +144,7 @@ pub trait Effect: Send + Sync {
         0
     }
 
-    /// Whether it changes velocities or positions at all.
+    /// Whether it changes velocities or positions. Such an effect has no force.
     fn constrains(&self) -> bool {
         false
     }

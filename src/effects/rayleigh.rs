@@ -60,15 +60,25 @@ impl EffectParameters for Rayleigh {
     }
 }
 
-/// Derivative by dF/dt of the viscous stress `F (2 mu E' + lambda tr(E') I)`, `E' = sym(Fᵀ dF/dt)` (4 x 4) [Pa s]:
-/// a change G of dF/dt gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`.
-fn viscous_tangent(f: &Matrix2<f64>, mu: f64, lambda: f64) -> Matrix4<f64> {
-    let left = f * f.transpose();
+/// Derivative of the viscous stress `P = F S`, `S = 2 mu E' + lambda tr(E') I`, `E' = sym(Fᵀ V)` with V = dF/dt, by F and V
+/// with their weights (4 x 4) [Pa]. A change G of V gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`. A change G of F gives
+/// `G S`, which is symmetric, and `mu (F Vᵀ G + F Gᵀ V) + lambda (V : G) F`, of which the symmetric half is taken.
+fn viscous_tangent(f: &Matrix2<f64>, rate: &Matrix2<f64>, weights: Weights, [mu, lambda]: [f64; 2]) -> Matrix4<f64> {
+    let product = f.transpose() * rate;
+    let stress = (product + product.transpose()) * mu + Matrix2::identity() * (lambda * product.trace());
+    // Half of the change of F, to which its transpose is added, goes the way of V.
+    let moved = f * weights.velocity + rate * weights.position;
+    let left = f * moved.transpose();
+    let left = (left + left.transpose()) * (0.5 * mu);
+    let half = moved * 0.5;
     // Entries column by column: number 2 j + i is row i, column j.
     Matrix4::from_fn(|to, by| {
         let (i, j, k, l) = (to % 2, to / 2, by % 2, by / 2);
         let same = if j == l { left[(i, k)] } else { 0.0 };
-        mu * (same + f[(i, l)] * f[(k, j)]) + lambda * f[(i, j)] * f[(k, l)]
+        let turned = mu * (f[(i, l)] * half[(k, j)] + half[(i, l)] * f[(k, j)]);
+        let volume = lambda * (f[(i, j)] * half[(k, l)] + half[(i, j)] * f[(k, l)]);
+        let geometric = if i == k { weights.position * stress[(l, j)] } else { 0.0 };
+        same + turned + volume + geometric
     })
 }
 
@@ -125,8 +135,7 @@ impl Effect for Damping {
         }
     }
 
-    /// The part for v is exact. The one for x is left out: it is not symmetric, and smaller than the elastic stiffness
-    /// by `beta |dE/dt|`, the strain that builds up within beta.
+    /// The part for v is exact. The part for x is not symmetric; its symmetric part is taken.
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
         for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));
@@ -134,7 +143,9 @@ impl Effect for Damping {
         for body in &self.bodies {
             let lame = body.lame();
             let (mu, lambda) = (self.beta * lame.mu, self.beta * lame.lambda);
-            body.add_tangent(motion.x, weights.velocity, matrix, |f| viscous_tangent(f, mu, lambda));
+            body.add_tangent(motion.x, 1.0, matrix, |number, f| {
+                viscous_tangent(f, &body.gradient_of(motion.v, number), weights, [mu, lambda])
+            });
         }
         for net in &self.nets {
             net.add_damping_stiffness(motion.x, self.beta, weights.velocity, matrix);

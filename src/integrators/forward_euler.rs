@@ -20,16 +20,16 @@ impl Integrator for ForwardEuler {
         "X += h f(X). First order; every undamped vibration grows by √(1 + h²ω²) a step, however small h is."
     }
 
-    fn oscillation_limit(&self) -> f64 {
-        0.0
-    }
-
     fn order(&self) -> u32 {
         1
     }
 
     fn class(&self) -> Class {
         Class::Explicit
+    }
+
+    fn stability_limit(&self) -> Option<f64> {
+        Some(0.0)
     }
 
     fn scheme(&self) -> Scheme<'_> {

@@ -19,16 +19,16 @@ impl Integrator for Heun {
         "X* = X + h f(X), then X += h/2 (f(X) + f(X*)). Second order; vibrations grow by √(1 + h⁴ω⁴/4) a step."
     }
 
-    fn oscillation_limit(&self) -> f64 {
-        0.0
-    }
-
     fn order(&self) -> u32 {
         2
     }
 
     fn class(&self) -> Class {
         Class::Explicit
+    }
+
+    fn stability_limit(&self) -> Option<f64> {
+        Some(0.0)
     }
 
     fn scheme(&self) -> Scheme<'_> {

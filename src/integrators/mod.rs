@@ -73,10 +73,10 @@ pub trait Integrator: Send + Sync {
     /// What limits the step.
     fn class(&self) -> Class;
 
-    /// The largest h w at which an undamped vibration of angular frequency w does not grow: the scheme's reach along the
-    /// imaginary axis. Only explicit schemes have one.
-    fn oscillation_limit(&self) -> f64 {
-        2.0
+    /// The largest z = h w at which an undamped vibration of angular frequency w does not grow; `None` if there is no
+    /// such limit, or the scheme keeps to it by itself.
+    fn stability_limit(&self) -> Option<f64> {
+        None
     }
 
     /// The numbers a panel may change.

@@ -21,17 +21,16 @@ impl Integrator for RungeKutta4 {
         "Four rates a step, weighted 1 : 2 : 2 : 1. Fourth order; stable for h < 2.83/ω of the stiffest vibration."
     }
 
-    /// 2 sqrt(2).
-    fn oscillation_limit(&self) -> f64 {
-        2.0 * std::f64::consts::SQRT_2
-    }
-
     fn order(&self) -> u32 {
         4
     }
 
     fn class(&self) -> Class {
         Class::Explicit
+    }
+
+    fn stability_limit(&self) -> Option<f64> {
+        Some(2.0 * std::f64::consts::SQRT_2)
     }
 
     fn scheme(&self) -> Scheme<'_> {

@@ -11,7 +11,7 @@ use crate::{
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Switch, When},
     materials::Plane,
-    meshes::{Files, Mesh, MeshKind},
+    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     quantity::Point,
     state::State,
     toys::ToyKind,
@@ -62,6 +62,8 @@ pub struct Body {
     pub vertices: Range<usize>,
     /// Its elements.
     pub elements: Arc<Triangles>,
+    /// Edges of its boundary, by its own vertex numbers.
+    pub boundary: Vec<[u32; 2]>,
     /// Vertices at the greatest rest y.
     pub top: Vec<u32>,
     /// Height at rest [m].
@@ -217,7 +219,8 @@ impl Scene {
     }
 
     fn add_body(&mut self, level: &BodyLevel, files: &dyn Files, previous: Option<&Self>) -> Result<(), String> {
-        let known = previous.and_then(|scene| scene.bodies.iter().find(|body| body.recipe == level.mesh));
+        let before = previous.into_iter().flat_map(|scene| &scene.bodies);
+        let known = self.bodies.iter().chain(before).find(|body| body.recipe == level.mesh);
         let mesh = match known {
             Some(body) => Arc::clone(&body.mesh),
             None => Arc::new(level.mesh.kind().build(files).map_err(|error| error.to_string())?),
@@ -226,8 +229,13 @@ impl Scene {
         let vertices = first..first + mesh.points().len();
         self.rest.extend(placed(level, &mesh));
         let rest = &self.rest[2 * first..];
-        if !rest.iter().all(|coordinate| coordinate.is_finite()) {
-            return Err("its place puts it out of reach of numbers".to_owned());
+        if !rest.iter().all(|coordinate| coordinate.abs() <= State::LIMIT) {
+            return Err(format!("its place puts it beyond {:e} m", State::LIMIT));
+        }
+        let total =
+            mesh.triangles().len() + self.bodies.iter().map(|body| body.elements.corners().len()).sum::<usize>();
+        if total > MOST_TRIANGLES {
+            return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
         let corners: Vec<_> = mesh.triangles().iter().map(|triangle| triangle.map(|i| i + first as u32)).collect();
         let material = &level.material;
@@ -244,7 +252,8 @@ impl Scene {
         let top = on_edge(rest, 1, true).map(|i| i + first as u32).collect();
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe, rest_height) = (level.name.clone(), level.mesh.clone(), greatest - least);
-        self.bodies.push(Body { name, recipe, mesh, vertices, elements, top, rest_height });
+        let boundary = mesh.boundary_edges();
+        self.bodies.push(Body { name, recipe, mesh, vertices, elements, boundary, top, rest_height });
         Ok(())
     }
 

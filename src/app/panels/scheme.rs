@@ -60,7 +60,7 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
         (Class::ErrorControlled, _) => ("Chooses its own steps; the tolerance limits its error.".to_owned(), None),
         (Class::Explicit, None) => ("Nothing here is stiff enough to limit the step.".to_owned(), None),
         (Class::Explicit, Some(limit)) => {
-            let limit = 0.5 * integrator.oscillation_limit() * limit;
+            let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;
             (verdict(step, limit), Some(step / limit))
         }
     };

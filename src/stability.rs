@@ -56,6 +56,10 @@ impl StabilityProbe {
 
     fn largest_eigenvalue(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
         let count = scene.rest.len();
+        if count == 0 {
+            // A toy has no vertices.
+            return None;
+        }
         if self.vector.len() != count || !norm(&self.vector).is_normal() {
             self.vector = (0..count as u64).map(irregular).collect();
         }

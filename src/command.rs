@@ -5,6 +5,9 @@ use crate::{
     integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, RunMode, Substeps},
     materials::{MaterialParameters, Model},
+    nets::NetKind,
+    quantity::ParticleMass,
+    toys::ToyKind,
 };
 
 /// What the sandbox is doing.
@@ -63,6 +66,10 @@ pub enum Command {
     SetMaterial(usize, MaterialParameters),
     /// How heavy a body (by number) is.
     SetMass(usize, MassLevel),
+    /// What a net (by number) is made of, and the mass of its particles. Its particles stay where they are.
+    SetNet(usize, NetKind, ParticleMass),
+    /// The numbers of the toy; it starts over.
+    SetToy(ToyKind),
     /// Steps per 1/60 s.
     SetSubsteps(Substeps),
     /// The time-stepping scheme, with its parameters; positions and velocities stay.

@@ -4,7 +4,8 @@ use crate::{
     command::Pose,
     level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, When},
     materials::Model,
-    quantity::{Coordinate, Factor, Point},
+    quantity::{Coordinate, Factor, Point, Time},
+    scene::Owner,
     state::State,
 };
 
@@ -15,8 +16,8 @@ pub struct Document {
     pub level: Level,
     /// The pose a test level was last put into.
     pub pose: Option<Pose>,
-    /// Whether a test level shows one body for each model.
-    pub side_by_side: bool,
+    /// Where a test level shows one body for each model: the x of the middle of the first body at rest [m].
+    pub side_by_side: Option<f64>,
 }
 
 /// Past and future documents. An entry carries the state that its change replaced, if it did.
@@ -35,6 +36,10 @@ pub enum Gesture {
     Material(usize),
     /// The mass of a body.
     Mass(usize),
+    /// Mass and springs of a net.
+    Net(usize),
+    /// The numbers of the toy.
+    Toy,
     /// An effect of the list.
     Effect(usize),
     /// The number of steps per frame.
@@ -46,6 +51,9 @@ pub enum Gesture {
 /// Most changes that are remembered.
 const DEPTH: usize = 200;
 
+/// Most numbers that the remembered states may have: 128 MB.
+const STATES: usize = 1 << 24;
+
 impl History {
     /// Remembers a document that is about to change. `state` is what the change is about to replace.
     pub fn remember(&mut self, document: Document, state: Option<State>, gesture: Option<Gesture>) {
@@ -55,7 +63,13 @@ impl History {
         }
         self.gesture = gesture;
         self.past.push((document, state));
-        if self.past.len() > DEPTH {
+        let states = |past: &[(Document, Option<State>)]| {
+            past.iter()
+                .filter_map(|(_, state)| state.as_ref())
+                .map(|state| state.x.len() + state.v.len())
+                .sum::<usize>()
+        };
+        while self.past.len() > DEPTH || (self.past.len() > 1 && states(&self.past) > STATES) {
             self.past.remove(0);
         }
     }
@@ -65,13 +79,17 @@ impl History {
         self.gesture = None;
     }
 
-    /// The document to go back (or, if `forth`, forward) to, with its state; `now` is kept on the other side.
-    pub fn travel(&mut self, forth: bool, now: (Document, &State)) -> Option<(Document, Option<State>)> {
+    /// The document to go back (or, if `forth`, forward) to, with its state.
+    pub fn next(&self, forth: bool) -> Option<&(Document, Option<State>)> {
+        if forth { self.future.last() } else { self.past.last() }
+    }
+
+    /// Has gone there; what was there before is kept on the other side.
+    pub fn went(&mut self, forth: bool, before: Document, replaced: Option<State>) {
         let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
-        let (document, state) = from.pop()?;
-        to.push((now.0, state.is_some().then(|| now.1.clone())));
+        from.pop();
+        to.push((before, replaced));
         self.gesture = None;
-        Some((document, state))
     }
 
     /// Whether there is something to go back to.
@@ -88,7 +106,7 @@ impl History {
 impl Document {
     /// A document that shows a level as it is.
     pub const fn new(level: Level) -> Self {
-        Self { level, pose: None, side_by_side: false }
+        Self { level, pose: None, side_by_side: None }
     }
 
     /// Starts every body at a pose of the test.
@@ -105,10 +123,10 @@ impl Document {
     }
 
     /// The level as it is simulated: for a test shown side by side, the first body once for every model, spread evenly over the
-    /// unit square. `middle` is the x of the first body's middle at rest [m].
-    pub fn shown(&self, middle: f64) -> Level {
+    /// unit square.
+    pub fn shown(&self) -> Level {
         let mut level = self.level.clone();
-        if let (true, Some(body)) = (self.side_by_side, self.level.bodies.first()) {
+        if let (Some(middle), Some(body)) = (self.side_by_side, self.level.bodies.first()) {
             let count = Model::ALL.len() as f64;
             let place = |(number, &model): (usize, &Model)| BodyLevel {
                 name: model.title().to_owned(),
@@ -123,25 +141,43 @@ impl Document {
 
     /// Which body of the document a body of the shown level stands for.
     pub const fn source(&self, body: usize) -> usize {
-        if self.side_by_side { 0 } else { body }
+        if self.side_by_side.is_some() { 0 } else { body }
     }
 
-    /// Replaces the pinning rules of a body by vertices, with one of them changed over.
-    pub fn toggle_pin(&mut self, body: usize, vertex: u32, pinned: &[u32]) {
+    /// Replaces the pinning rules of a body or net by vertices, with one of them changed over.
+    pub fn toggle_pin(&mut self, owner: Owner, vertex: u32, pinned: &[u32]) {
         let mut pins = pinned.to_vec();
         match pins.binary_search(&vertex) {
             Ok(at) => drop(pins.remove(at)),
             Err(at) => pins.insert(at, vertex),
         }
-        self.level.bodies[body].pins = pins.into_iter().map(Pin::Vertex).collect();
+        let rules = match owner {
+            Owner::Body(number) => {
+                let source = self.source(number);
+                self.level.bodies.get_mut(source).map(|body| &mut body.pins)
+            }
+            Owner::Net(number) => self.level.nets.get_mut(number).map(|net| &mut net.pins),
+        };
+        if let Some(rules) = rules {
+            *rules = pins.into_iter().map(Pin::Vertex).collect();
+        }
     }
 
-    /// Switches all damping, adding one if there is none.
+    /// Frees all vertices.
+    pub fn clear_pins(&mut self) {
+        self.level.bodies.iter_mut().for_each(|body| body.pins.clear());
+        self.level.nets.iter_mut().for_each(|net| net.pins.clear());
+    }
+
+    /// Switches all damping, adding one if there is none and there is something to damp.
     pub fn set_damping(&mut self, on: bool) {
         let switch = if on { Switch::On } else { Switch::Off };
         let mut damping = self.level.effects.iter_mut().filter(|listed| listed.effect.kind().is_damping()).peekable();
         if damping.peek().is_none() && on {
             drop(damping);
+            if self.level.toy.is_some() {
+                return;
+            }
             let effect = crate::effects::EffectKind::Rayleigh(crate::effects::Rayleigh::default());
             self.level.effects.push(EffectLevel { effect, switch, when: When::Always });
         } else {
@@ -165,6 +201,8 @@ impl Default for Level {
             substeps: Substeps::default(),
             integrator: crate::integrators::IntegratorKind::default(),
             bodies: Vec::new(),
+            nets: Vec::new(),
+            toy: None,
             effects: Vec::new(),
             test: None,
             state: None,
@@ -177,7 +215,7 @@ pub fn saved(state: &State) -> Option<crate::level::SavedState> {
     let points = |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
     Some(crate::level::SavedState {
         steps: state.steps,
-        time: Coordinate::new(state.time).ok()?,
+        time: Time::new(state.time).ok()?,
         positions: points(&state.x)?,
         velocities: points(&state.v)?,
         memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,

@@ -9,14 +9,35 @@ pub struct Fault {
     pub step: u64,
     /// Simulated time before it [s].
     pub time: f64,
-    /// Name of the body with the worst triangle.
-    pub body: String,
-    /// Number of that triangle in its body.
-    pub triangle: usize,
-    /// det F of that triangle before the step.
-    pub volume_ratio: f64,
+    /// What went first.
+    pub culprit: Culprit,
     /// What most likely went wrong.
     pub cause: Cause,
+}
+
+/// Where a step went wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Culprit {
+    /// A triangle of a body.
+    Triangle {
+        /// Name of the body.
+        body: String,
+        /// Number of the triangle in it.
+        number: usize,
+        /// det F before the step.
+        volume_ratio: f64,
+    },
+    /// A spring of a net.
+    Spring {
+        /// Name of the net.
+        net: String,
+        /// Number of the spring in it.
+        number: usize,
+        /// Its length before the step [m].
+        length: f64,
+    },
+    /// The one point of a toy.
+    Toy,
 }
 
 /// What most likely went wrong.
@@ -38,44 +59,72 @@ pub enum Cause {
 impl Fault {
     /// Looks for the cause: `state` is the last finite state, `before` one a few steps earlier.
     pub fn find(scene: &Scene, state: &State, before: &State) -> Self {
-        let (number, triangle, volume_ratio) = worst_triangle(scene, state);
-        let body = &scene.bodies[number];
-        let limits = [&scene.start, before].map(|state| critical_step(scene, state));
-        let limit = limits.into_iter().flatten().reduce(f64::min);
+        let (culprit, crushed) = worst_triangle(scene, state)
+            .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
+            .unwrap_or((Culprit::Toy, None));
+        // The limit h w = 2 scaled to the scheme's; schemes without one cannot fail by it.
+        let limit = scene.integrator.kind().stability_limit().and_then(|reach| {
+            let limits = [&scene.start, before].map(|state| critical_step(scene, state));
+            limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)
+        });
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
-            _ if volume_ratio <= 0.0 => Cause::Crushed(body.elements.model()),
-            _ => Cause::Overflow,
+            _ => crushed.map_or(Cause::Overflow, Cause::Crushed),
         };
-        Self { step: state.steps + 1, time: state.time, body: body.name.clone(), triangle, volume_ratio, cause }
+        Self { step: state.steps + 1, time: state.time, culprit, cause }
     }
 }
 
-/// Body, triangle and det F of the first triangle without a finite stress; if all have one, of the most deformed.
-fn worst_triangle(scene: &Scene, state: &State) -> (usize, usize, f64) {
-    let mut worst = (0, 0, 1.0);
-    let mut deformation = -1.0;
-    for (number, body) in scene.bodies.iter().enumerate() {
+/// The first triangle without a finite stress or, if all have one, the most deformed; and its model if that has no energy there.
+fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model>)> {
+    let mut worst = None;
+    let mut greatest = f64::NEG_INFINITY;
+    for body in &scene.bodies {
         let mut energies = Vec::new();
         body.elements.field(Field::EnergyDensity, &state.x, &mut energies);
-        for (triangle, ((f, _), energy)) in body.elements.gradients(&state.x).zip(energies).enumerate() {
-            if !energy.is_finite() {
-                return (number, triangle, f.determinant());
-            }
-            if f.norm_squared() > deformation {
-                deformation = f.norm_squared();
-                worst = (number, triangle, f.determinant());
+        for (number, ((f, _), energy)) in body.elements.gradients(&state.x).zip(energies).enumerate() {
+            let undefined = !energy.is_finite() && f.norm_squared() < 1e12;
+            let deformation = if energy.is_finite() { f.norm_squared() } else { f64::INFINITY };
+            if deformation > greatest {
+                greatest = deformation;
+                worst = Some((body, number, f.determinant(), undefined));
             }
         }
     }
-    worst
+    let (body, number, volume_ratio, undefined) = worst?;
+    let crushed = (undefined && volume_ratio <= 0.0).then(|| body.elements.model());
+    Some((Culprit::Triangle { body: body.name.clone(), number, volume_ratio }, crushed))
+}
+
+/// The spring that is farthest from its rest length.
+fn worst_spring(scene: &Scene, state: &State) -> Option<Culprit> {
+    let springs = scene.nets.iter().flat_map(|net| net.springs.links().iter().enumerate().map(move |link| (net, link)));
+    let measured = springs.map(|(net, (number, link))| {
+        let length = link.length(&state.x);
+        ((length - link.rest).abs(), Culprit::Spring { net: net.name.clone(), number, length })
+    });
+    measured.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, culprit)| culprit)
+}
+
+impl std::fmt::Display for Culprit {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Triangle { body, number, volume_ratio } => {
+                write!(out, "Triangle {number} of {body} went first (J = {volume_ratio:.2e}). ")
+            }
+            Self::Spring { net, number, length } => {
+                write!(out, "Spring {number} of {net} went first ({length:.2e} m long). ")
+            }
+            Self::Toy => Ok(()),
+        }
+    }
 }
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { step, time, body, triangle, volume_ratio, cause } = self;
+        let Self { step, time, culprit, cause } = self;
         write!(out, "Paused before step {step} (at {time:.3} s): the step would throw vertices out of all bounds. ")?;
-        write!(out, "Triangle {triangle} of {body} went first (J = {volume_ratio:.2e}). ")?;
+        write!(out, "{culprit}")?;
         match cause {
             Cause::StepTooLong { step, limit } => {
                 write!(
@@ -88,18 +137,18 @@ impl std::fmt::Display for Fault {
             Cause::Crushed(model) => {
                 write!(out, "It was crushed inside out, where {} has no energy.", model.title())
             }
-            Cause::Overflow => write!(out, "Its speed grew out of all bounds."),
+            Cause::Overflow => write!(out, "Positions or speeds grew beyond {:e}.", State::LIMIT),
         }
     }
 }
 
-/// A duration in milliseconds, three significant digits.
+/// A duration in milliseconds or microseconds, three significant digits.
 struct Millis(f64);
 
 impl std::fmt::Display for Millis {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let millis = self.0 * 1e3;
-        let digits = (2.0 - libm::floor(libm::log10(millis.max(1e-12)))).clamp(0.0, 12.0) as usize;
-        write!(out, "{millis:.digits$} ms")
+        let (value, unit) = if self.0 < 1e-4 { (self.0 * 1e6, "µs") } else { (self.0 * 1e3, "ms") };
+        let digits = (2.0 - libm::floor(libm::log10(value.max(1e-12)))).clamp(0.0, 12.0) as usize;
+        write!(out, "{value:.digits$} {unit}")
     }
 }

@@ -2,7 +2,10 @@
 
 use crate::{level::Level, levels, meshes::Files};
 use ron::{extensions::Extensions, ser::PrettyConfig};
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read as _,
+    path::{Path, PathBuf},
+};
 
 /// A level that cannot be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -43,8 +46,8 @@ fn options() -> ron::Options {
 pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
     options().from_str(text).map_err(|error| FileError::Text {
         file: file.to_owned(),
-        line: error.span.end.line,
-        column: error.span.end.col,
+        line: error.span.start.line,
+        column: error.span.start.col,
         what: error.code.to_string(),
     })
 }
@@ -78,14 +81,19 @@ pub fn read(path: &Path) -> Result<Level, FileError> {
 }
 
 /// Saves a level so that at every moment either the old file or the whole new one is there. Paths of meshes below its
-/// folder are written relative to it.
+/// folder are written relative to it, others in full.
 ///
 /// # Errors
 /// [`FileError::Access`] if the system refuses; a file that was there stays.
 pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
     let mut level = level.clone();
-    let folder = path.parent().unwrap_or(Path::new(""));
-    each_mesh_path(&mut level, |mesh| mesh.strip_prefix(folder).unwrap_or(mesh).to_path_buf());
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let folder = absolute(folder);
+    each_mesh_path(&mut level, |mesh| {
+        let mesh = absolute(mesh);
+        mesh.strip_prefix(&folder).map(Path::to_path_buf).unwrap_or(mesh)
+    });
     write_text(path, &write(&level)?)
 }
 
@@ -95,7 +103,7 @@ pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
 /// [`FileError::Access`] if the system refuses; a file that was there stays.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     let mut temporary = path.as_os_str().to_owned();
-    temporary.push(".part");
+    temporary.push(format!(".{}.part", std::process::id()));
     let temporary = PathBuf::from(temporary);
     let written = std::fs::File::create(&temporary).and_then(|mut file| {
         std::io::Write::write_all(&mut file, text.as_bytes())?;
@@ -110,11 +118,16 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
 
 fn read_text(path: &Path) -> Result<String, FileError> {
     let fail = |why: String| FileError::Access { file: path.display().to_string(), why };
-    let size = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?.len();
-    if size > LARGEST {
-        return Err(fail(format!("{} MB is more than a level may have ({} MB)", size >> 20, LARGEST >> 20)));
+    let said = |error: std::io::Error| fail(error.to_string());
+    if !std::fs::metadata(path).map_err(said)?.is_file() {
+        return Err(fail("this is not a file with text".to_owned()));
     }
-    std::fs::read_to_string(path).map_err(|error| fail(error.to_string()))
+    let mut text = String::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    if read.map_err(said)? as u64 > LARGEST {
+        return Err(fail(format!("a file may have {} MB at most", LARGEST >> 20)));
+    }
+    Ok(text)
 }
 
 fn each_mesh_path(level: &mut Level, change: impl Fn(&Path) -> PathBuf) {
@@ -130,6 +143,9 @@ pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &str) -> Result<String, String> {
-        read_text(Path::new(path)).map_err(|error| error.to_string())
+        read_text(Path::new(path)).map_err(|error| match error {
+            FileError::Access { why, .. } => why,
+            FileError::Text { .. } => error.to_string(),
+        })
     }
 }

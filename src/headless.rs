@@ -27,7 +27,7 @@ pub struct Run {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
     /// Simulated time to run [s].
-    #[arg(long, conflicts_with = "steps", value_parser = seconds)]
+    #[arg(long, conflicts_with = "steps", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Number of steps to take.
     #[arg(long)]
@@ -90,8 +90,8 @@ pub struct RunReport {
     pub level: String,
     /// Energies at the end [J].
     pub energy: EnergyReport,
-    /// Least det F of all triangles at the end.
-    pub min_j: f64,
+    /// Least det F of all triangles at the end; null if there are none.
+    pub min_j: Option<f64>,
     /// Number of triangles with det F <= 0 at the end.
     pub inverted: usize,
     /// Number of triangles.
@@ -106,10 +106,26 @@ pub struct RunReport {
     pub time: f64,
     /// Evaluations of all forces together.
     pub force_evaluations: u64,
+    /// Name of the integrator.
+    pub integrator: &'static str,
+    /// Steps inside the steps; more than `steps` if the integrator controls its error.
+    pub inner_steps: u64,
+    /// Steps inside the steps taken again, shorter, for their error.
+    pub rejected_steps: u64,
+    /// Iterations of Newton's method.
+    pub newton_iterations: u64,
+    /// Newton steps cut by the line search.
+    pub line_search_cuts: u64,
+    /// Sparse factorisations.
+    pub factorisations: u64,
+    /// Factorisations repeated with a heavier diagonal, as the matrix was not positive definite.
+    pub shifts: u64,
+    /// Steps whose equations were not solved to tolerance.
+    pub unconverged_steps: u64,
     /// Time spent stepping [s].
     pub wall_seconds: f64,
-    /// Time per triangle and step [ns].
-    pub ns_per_triangle_step: f64,
+    /// Time per triangle and step [ns]; null if there are none.
+    pub ns_per_triangle_step: Option<f64>,
     /// What each effect cost.
     pub effects: Vec<EffectReport>,
     /// Fingerprint of the last positions and velocities, equal on every machine.
@@ -120,10 +136,16 @@ pub struct RunReport {
 
 impl std::fmt::Display for RunReport {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { level, steps, time, wall_seconds, ns_per_triangle_step, energy, min_j, state_hash, .. } = self;
-        write!(out, "{level}: {steps} steps to {time:.4} s in {wall_seconds:.3} s ")?;
-        write!(out, "({ns_per_triangle_step:.1} ns per triangle and step); ")?;
-        write!(out, "energy {:.6} J, least J {min_j:.4}, state {state_hash}", energy.total)
+        let Self { level, steps, time, wall_seconds, energy, .. } = self;
+        write!(out, "{level}: {steps} steps to {time:.4} s in {wall_seconds:.3} s")?;
+        if let Some(each) = self.ns_per_triangle_step {
+            write!(out, " ({each:.1} ns per triangle and step)")?;
+        }
+        write!(out, "; energy {:.6} J", energy.total)?;
+        if let Some(min_j) = self.min_j {
+            write!(out, ", least J {min_j:.4}")?;
+        }
+        write!(out, ", state {}", self.state_hash)
     }
 }
 
@@ -192,9 +214,9 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
     let simulation = start(&level, path)?;
     let scene = simulation.scene();
     let mut line = format!(
-        "{}: ok, {} triangles, {} vertices, {} pinned",
+        "{}: ok, {}{} vertices, {} pinned",
         path.display(),
-        scene.triangles.len(),
+        elements(scene),
         scene.rest.len() / 2,
         scene.pins.len()
     );
@@ -203,6 +225,19 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
         let _ = write!(line, "\n  {message}");
     }
     Ok(line)
+}
+
+/// How many triangles and springs there are, as far as there are any.
+fn elements(scene: &Scene) -> String {
+    let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
+    let mut text = String::new();
+    for (count, name) in [(scene.triangles.len(), "triangles"), (springs, "springs")] {
+        if count > 0 {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{count} {name}, ");
+        }
+    }
+    text
 }
 
 fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
@@ -240,7 +275,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
     RunReport {
         level: level.name.clone(),
         energy: simulation.energies().into(),
-        min_j,
+        min_j: (triangles > 0).then_some(min_j),
         inverted,
         triangles,
         vertices: scene.rest.len() / 2,
@@ -248,8 +283,16 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         steps,
         time: state.time,
         force_evaluations: counts.force_evaluations,
+        integrator: scene.integrator.name(),
+        inner_steps: counts.inner_steps,
+        rejected_steps: counts.rejected,
+        newton_iterations: counts.newton_iterations,
+        line_search_cuts: counts.line_search_cuts,
+        factorisations: counts.factorisations,
+        shifts: counts.shifts,
+        unconverged_steps: counts.unconverged,
         wall_seconds,
-        ns_per_triangle_step: wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64),
+        ns_per_triangle_step: (triangles > 0).then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),
         effects: effects.collect(),
         state_hash: format!("{:016x}", state.hash()),
         fault: simulation.fault().map(ToString::to_string),

@@ -8,7 +8,9 @@ use crate::{
     integrators::IntegratorKind,
     materials::MaterialParameters,
     meshes::MeshKind,
-    quantity::{Angle, Coordinate, Density, Factor, Mass, Point, Spin, Velocity},
+    nets::NetKind,
+    quantity::{Angle, Coordinate, Density, Factor, Mass, ParticleMass, Point, Spin, Time, Velocity},
+    toys::ToyKind,
 };
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +33,14 @@ pub struct Level {
     #[serde(default)]
     pub integrator: IntegratorKind,
     /// The deformable bodies.
+    #[serde(default)]
     pub bodies: Vec<BodyLevel>,
+    /// Particles held together by springs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nets: Vec<NetLevel>,
+    /// A small system with an exact solution, in place of bodies, nets and effects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub toy: Option<ToyKind>,
     /// What acts on them, in this order.
     #[serde(default)]
     pub effects: Vec<EffectLevel>,
@@ -72,6 +81,24 @@ pub struct BodyLevel {
     pub pins: Vec<Pin>,
 }
 
+/// Particles held together by springs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetLevel {
+    /// Name in the panels and reports.
+    pub name: String,
+    /// Its particles and springs.
+    pub net: NetKind,
+    /// Mass of each particle.
+    pub mass: ParticleMass,
+    /// Velocity at the start [m/s].
+    #[serde(default = "no_velocity", skip_serializing_if = "is_at_rest")]
+    pub velocity: (Velocity, Velocity),
+    /// Particles that do not move.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<Pin>,
+}
+
 /// A similarity transform of the rest shape: scaled and turned about the origin, then moved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -103,7 +130,7 @@ pub enum MassLevel {
 /// A rule for pinning vertices, judged on the rest shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Pin {
-    /// One vertex, by its number in the body.
+    /// One vertex, by its number in the body or net.
     Vertex(u32),
     /// The vertex nearest to a point.
     Nearest(Point),
@@ -238,16 +265,28 @@ impl From<Substeps> for u32 {
 #[serde(deny_unknown_fields)]
 pub struct SavedState {
     /// Steps taken since the start.
+    #[serde(deserialize_with = "step_count")]
     pub steps: u64,
     /// Simulated time [s].
-    pub time: Coordinate,
-    /// Positions of all bodies' vertices, one after another [m].
+    pub time: Time,
+    /// Positions of all bodies' vertices and then all nets' particles, one after another [m]; of a toy, its state.
     pub positions: Vec<Point>,
-    /// Velocities of the same [m/s].
+    /// Velocities of the same [m/s]; a toy has none.
     pub velocities: Vec<Point>,
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
+}
+
+/// A number of steps that a double still counts exactly.
+fn step_count<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+    const MOST: u64 = 1 << 53;
+    let count = u64::deserialize(from)?;
+    if count <= MOST {
+        Ok(count)
+    } else {
+        Err(serde::de::Error::custom(format!("steps must be in [0, {MOST}], got {count}")))
+    }
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {

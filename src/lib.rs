@@ -25,11 +25,13 @@
 //! | `registry` | the macro behind every list of kinds |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
+//! | [`nets`] | where particles and springs come from: chains, sheets, lists |
 //! | [`obstacles`] | what bodies bump into; the one room that says parry2d |
 //! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, Newton's method |
-//! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles themselves |
+//! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles and springs themselves |
 //! | [`state`] | positions and velocities: what moves |
 //! | [`integrators`] | how time passes, without any physics |
+//! | [`toys`] | small systems with an exact solution: the circle, the pendulum |
 //! | [`level`] | what a file may say |
 //! | [`scene`] | a level made ready for stepping |
 //! | [`stability`] | how long a step may be |
@@ -47,6 +49,7 @@ mod registry;
 
 pub mod materials;
 pub mod meshes;
+pub mod nets;
 pub mod obstacles;
 
 pub mod solvers;
@@ -57,13 +60,15 @@ pub mod elements;
 pub mod state;
 
 pub mod integrators;
+pub mod toys;
 
 pub mod level;
 pub mod scene;
 
+pub mod stability;
+
 pub mod fault;
 pub mod report;
-pub mod stability;
 
 pub mod simulation;
 

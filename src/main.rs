@@ -52,21 +52,22 @@ fn main() -> ExitCode {
 
 /// Opens the window; where that cannot be, says so and what to do instead.
 fn window(level: Option<&std::path::Path>) -> ExitCode {
+    // Built once before the window, so that a mistake in a level is told as such.
+    if let Some(Err(error)) = level.map(headless::check) {
+        return fail(&error, error.exit_code());
+    }
     let level = match level.map(files::read).transpose() {
         Ok(level) => level,
         Err(error) => return fail(&error, 2),
     };
-    match app::run(level) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let reason = error.to_string();
-            let reason = reason.lines().next().unwrap_or_default();
-            eprintln!(
-                "gingerbread: no window can be opened here ({reason}); `gingerbread run LEVEL` works without one."
-            );
-            ExitCode::from(2)
-        }
+    if app::run(level).is_ok() {
+        return ExitCode::SUCCESS;
     }
+    eprintln!(
+        "gingerbread: no window can be opened here, as there is no display or no OpenGL on it; \
+         `gingerbread run LEVEL` works without one."
+    );
+    ExitCode::from(2)
 }
 
 /// Checks every file, also after a bad one.

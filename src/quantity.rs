@@ -70,7 +70,7 @@ impl std::fmt::Display for Short {
 
 /// A value was outside the range of its quantity, or not a number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} must be in {range}, got {value}")]
+#[error("{name} must be in {range}, got {}", Short(*.value))]
 pub struct OutOfRange {
     name: &'static str,
     range: String,
@@ -165,7 +165,7 @@ macro_rules! quantities {
     (@linear) => { false };
 }
 
-use Bound::{Excluded, Included, Unbounded};
+use Bound::{Excluded, Included};
 
 quantities! {
     /// E: axial stress over axial strain of a thin bar, at small strain.
@@ -177,7 +177,9 @@ quantities! {
     /// Mass of the whole body, spread equally over its vertices.
     Mass: "total mass" ["kg"] in Excluded(0.0), Included(1e12); slider 0.1 to 1e3, logarithmic;
     /// A point's distance from the origin along one axis.
-    Coordinate: "coordinate" ["m"] in Unbounded, Unbounded; slider 0.0 to 1.0, linear;
+    Coordinate: "coordinate" ["m"] in Included(-1e15), Included(1e15); slider 0.0 to 1.0, linear;
+    /// Simulated time since the start.
+    Time: "time" ["s"] in Included(0.0), Included(1e12); slider 0.0 to 10.0, linear;
     /// A length, such as a side or a radius.
     Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// A factor that multiplies lengths.
@@ -202,17 +204,37 @@ quantities! {
     RelativeTolerance: "relative tolerance" [""] in Included(1e-14), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
     /// How large the error of an inner step may be beside that, in metres and in metres per second.
     AbsoluteTolerance: "absolute tolerance" [""] in Included(1e-15), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
+    /// k of the springs along the sides of cells: force over distance.
+    StructuralSpring: "structural stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
+    /// k of the springs along the diagonals of cells: force over distance.
+    ShearSpring: "shear stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
+    /// k of the springs between every other particle of a row: force over distance.
+    FlexionSpring: "flexion stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
+    /// r: the length at which a spring neither pulls nor pushes.
+    RestLength: "rest length" ["m"] in Included(0.0), Included(1e9); slider 0.01 to 1.0, linear;
+    /// Mass of each particle of a net.
+    ParticleMass: "particle mass" ["kg"] in Excluded(0.0), Included(1e12); slider 0.001 to 10.0, logarithmic;
+    /// k: the force -k v on every vertex, whatever its mass.
+    DragCoefficient: "drag" ["N s/m"] in Included(0.0), Included(1e9); slider 0.0 to 1.0, linear;
+    /// Distance from a centre.
+    Radius: "radius" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 0.5, linear;
+    /// g of a pendulum: downwards.
+    Weight: "gravity" ["m/s²"] in Excluded(0.0), Included(1e6); slider 0.5 to 20.0, linear;
+    /// How far from hanging straight down a pendulum starts, at rest.
+    Swing: "start angle" ["°"] in Excluded(0.0), Included(179.9); slider 1.0 to 179.0, linear;
     /// eps: how near a wall a vertex feels it.
     Reach: "contact reach" ["m"] in Included(0.0), Included(1e6); slider 0.0 to 0.05, linear;
     /// About how many triangles a mesh should have: more are more accurate, and cost more.
     Triangles: "number of triangles" [""] in Included(100.0), Included(2e5); slider 200.0 to 20000.0, logarithmic;
     /// Equal cells along a side of a rectangle.
     Cells: "number of cells" [""] in Included(1.0), Included(1e6); slider 1.0 to 100.0, linear;
+    /// Springs in a row.
+    Springs: "number of springs" [""] in Included(1.0), Included(1e5); slider 1.0 to 50.0, linear;
     /// Rings of vertices about the centre of a disk.
     Rings: "number of rings" [""] in Included(1.0), Included(500.0); slider 1.0 to 50.0, linear;
 }
 
-/// A point or a vector of the plane, finite, written `(x, y)` in level files.
+/// A point or a vector of the plane, written `(x, y)` in level files.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Point(pub Coordinate, pub Coordinate);
 

@@ -3,7 +3,7 @@
 use crate::integrators::StepCounts;
 use std::time::Duration;
 
-/// Counts of the steps taken since the scene was built.
+/// Counts of the steps taken since the simulation began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Steps taken.

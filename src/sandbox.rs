@@ -6,7 +6,7 @@ use crate::{
     effects::Grab,
     level::{Level, RunMode, Switch},
     meshes::Files,
-    scene::{Scene, SceneError, extent},
+    scene::{Owner, Scene, SceneError, extent},
     simulation::Simulation,
     state::State,
 };
@@ -43,6 +43,8 @@ enum Then {
     Keep,
     /// They go to the state the level was saved in, or to the start.
     Restart,
+    /// The same, and files are read anew.
+    Reload,
 }
 
 impl Sandbox {
@@ -70,8 +72,9 @@ impl Sandbox {
             Command::SetRunning(running) => self.set_running(running)?,
             Command::StepOnce => self.step_once()?,
             Command::Reset => {
-                let start = self.simulation.scene().start.clone();
+                let (start, grab) = (self.simulation.scene().start.clone(), self.simulation.grab());
                 self.simulation.set_state(start);
+                self.simulation.set_grab(grab);
             }
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
             Command::Pull(target) => {
@@ -84,7 +87,7 @@ impl Sandbox {
             Command::Redo => self.travel(true)?,
             Command::EndGesture => self.history.end_gesture(),
             Command::Open(level) => {
-                self.change(Document::new(*level), Then::Restart, None)?;
+                self.change(Document::new(*level), Then::Reload, None)?;
                 (self.mode, self.running) = (Mode::Edit, false);
             }
             edit => self.edit(edit)?,
@@ -100,15 +103,18 @@ impl Sandbox {
         let mut gesture = None;
         match command {
             Command::SetModel(model) => {
-                document.side_by_side = false;
+                document.side_by_side = None;
                 document.level.state = None;
                 document.level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
                 then = Then::Restart;
             }
             Command::SetMaterial(body, material) => {
                 let body = document.source(body);
-                let model =
-                    if document.side_by_side { document.level.bodies[0].material.model() } else { material.model() };
+                let model = if document.side_by_side.is_some() {
+                    document.level.bodies[0].material.model()
+                } else {
+                    material.model()
+                };
                 get(&mut document.level.bodies, body)?.material = material.with_model(model);
                 gesture = Some(Gesture::Material(body));
             }
@@ -116,6 +122,18 @@ impl Sandbox {
                 let body = document.source(body);
                 get(&mut document.level.bodies, body)?.mass = mass;
                 gesture = Some(Gesture::Mass(body));
+            }
+            Command::SetNet(number, net, mass) => {
+                let listed = get(&mut document.level.nets, number)?;
+                (listed.net, listed.mass) = (net, mass);
+                gesture = Some(Gesture::Net(number));
+            }
+            Command::SetToy(toy) => {
+                document.level.toy.as_ref().ok_or(Refused::NotHere("this level is not about a toy"))?;
+                document.level.state = None;
+                document.level.toy = Some(toy);
+                gesture = Some(Gesture::Toy);
+                then = Then::Restart;
             }
             Command::SetSubsteps(substeps) => {
                 document.level.substeps = substeps;
@@ -132,10 +150,10 @@ impl Sandbox {
             Command::SetDamping(on) => document.set_damping(on),
             Command::TogglePin(vertex) => {
                 let scene = self.simulation.scene();
-                let (body, local) = scene.body_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
-                document.toggle_pin(document.source(body), local as u32, &self.pins_of(body));
+                let (owner, local) = scene.owner_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
+                document.toggle_pin(owner, local as u32, &self.pins_of(owner));
             }
-            Command::ClearPins => document.level.bodies.iter_mut().for_each(|body| body.pins.clear()),
+            Command::ClearPins => document.clear_pins(),
             Command::SetPose(pose) => {
                 let test = document.level.test.ok_or(NO_TEST)?;
                 document.set_pose(pose, test);
@@ -144,7 +162,7 @@ impl Sandbox {
             Command::SetSideBySide(on) => {
                 document.level.test.ok_or(NO_TEST)?;
                 document.level.state = None;
-                document.side_by_side = on;
+                document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.middle()));
                 then = Then::Restart;
             }
             _ => {}
@@ -157,31 +175,36 @@ impl Sandbox {
 
     fn change(&mut self, document: Document, then: Then, gesture: Option<Gesture>) -> Result<(), Refused> {
         let before = self.document.clone();
-        let replaced = (then == Then::Restart).then(|| self.simulation.state().clone());
+        let replaced = (then != Then::Keep).then(|| self.simulation.state().clone());
         self.show(document, then, None)?;
         self.history.remember(before, replaced, gesture);
         Ok(())
     }
 
     fn travel(&mut self, forth: bool) -> Result<(), Refused> {
-        let now = (self.document.clone(), self.simulation.state());
-        let Some((document, state)) = self.history.travel(forth, now) else { return Ok(()) };
+        let Some((document, state)) = self.history.next(forth).cloned() else { return Ok(()) };
         let then = if state.is_some() { Then::Restart } else { Then::Keep };
-        self.show(document, then, state)
+        let (before, replaced) = (self.document.clone(), state.is_some().then(|| self.simulation.state().clone()));
+        self.show(document, then, state)?;
+        self.history.went(forth, before, replaced);
+        Ok(())
     }
 
     /// Makes a document the one that is shown. If it cannot be built nothing changes.
     fn show(&mut self, document: Document, then: Then, state: Option<State>) -> Result<(), Refused> {
-        let scene = self.build(&document, self.effect_mode(&document))?;
-        let shown = without_state(&document.shown(self.middle()));
+        let known = (then != Then::Reload).then(|| self.simulation.scene());
+        let shown = without_state(&document.shown());
+        let scene = Scene::build(&shown, self.effect_mode(&document), self.files.as_ref(), known)?;
         let same =
             self.shown.bodies.len() == shown.bodies.len()
+                && self.simulation.scene().rest == scene.rest
+                && self.shown.toy == shown.toy
                 && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
                     a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
                 });
-        if then == Then::Restart || !same {
+        if then != Then::Keep || !same {
             let state = match state {
-                Some(state) if state.x.len() == scene.rest.len() => state,
+                Some(state) if state.x.len() == scene.start.x.len() => state,
                 _ => scene.first_state(document.level.state.as_ref())?,
             };
             self.simulation.replace_scene(scene);
@@ -195,18 +218,13 @@ impl Sandbox {
         Ok(())
     }
 
-    fn build(&self, document: &Document, mode: RunMode) -> Result<Scene, SceneError> {
-        Scene::build(&document.shown(self.middle()), mode, self.files.as_ref(), Some(self.simulation.scene()))
-    }
-
-    /// The x of the middle of the document's first body at rest, were it not moved aside [m].
+    /// The x of the middle of the first body at rest [m].
     fn middle(&self) -> f64 {
-        let body = &self.simulation.scene().bodies[0];
-        let x = &self.simulation.scene().rest[2 * body.vertices.start..2 * body.vertices.end];
-        let (left, right) = extent(x, 0);
-        let moved = self.shown.bodies.first().map_or(0.0, |body| body.place.offset.get()[0]);
-        let own = self.document.level.bodies.first().map_or(0.0, |body| body.place.offset.get()[0]);
-        0.5 * (left + right) - moved + own
+        let scene = self.simulation.scene();
+        scene.bodies.first().map_or(0.0, |body| {
+            let (left, right) = extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], 0);
+            0.5 * (left + right)
+        })
     }
 
     fn effect_mode(&self, document: &Document) -> RunMode {
@@ -219,10 +237,13 @@ impl Sandbox {
 
     fn set_mode(&mut self, mode: Mode) -> Result<(), Refused> {
         let before = std::mem::replace(&mut self.mode, mode);
-        match self.build(&self.document, self.effect_mode(&self.document)) {
+        let effect_mode = self.effect_mode(&self.document);
+        match Scene::build(&self.shown, effect_mode, self.files.as_ref(), Some(self.simulation.scene())) {
             Ok(scene) => {
                 self.simulation.replace_scene(scene);
-                self.simulation.set_grab(None);
+                if mode == Mode::Edit {
+                    self.simulation.set_grab(None);
+                }
                 self.running = mode != Mode::Edit && (self.running || before == Mode::Edit);
                 Ok(())
             }
@@ -252,17 +273,20 @@ impl Sandbox {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
         }
-        if 2 * vertex >= self.simulation.state().x.len() || !target.iter().all(|coordinate| coordinate.is_finite()) {
+        if 2 * vertex >= self.simulation.state().v.len() || !target.iter().all(|coordinate| coordinate.is_finite()) {
             return Err(Refused::NotHere("there is no such vertex or point to pull"));
         }
         self.simulation.set_grab(Some(Grab { vertex, target }));
         Ok(())
     }
 
-    /// The pinned vertices of a shown body, by their number in it.
-    fn pins_of(&self, body: usize) -> Vec<u32> {
+    /// The pinned vertices of a shown body or net, by their number in it.
+    fn pins_of(&self, owner: Owner) -> Vec<u32> {
         let scene = self.simulation.scene();
-        let vertices = &scene.bodies[body].vertices;
+        let vertices = match owner {
+            Owner::Body(number) => &scene.bodies[number].vertices,
+            Owner::Net(number) => &scene.nets[number].vertices,
+        };
         let own = scene.pins.iter().filter(|pin| vertices.contains(&(**pin as usize)));
         own.map(|pin| pin - vertices.start as u32).collect()
     }
@@ -296,11 +320,7 @@ impl Sandbox {
 
     /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.
     pub fn saved(&self) -> Level {
-        let mode = match self.mode {
-            Mode::Edit => self.document.level.mode,
-            Mode::Simulate => RunMode::Simulate,
-            Mode::Collide => RunMode::Collide,
-        };
+        let mode = self.effect_mode(&self.document);
         Level { state: saved(self.simulation.state()), mode, ..Level::clone(&self.shown) }
     }
 }

@@ -3,11 +3,12 @@
 use crate::{
     effects::{Effect, Grab, Motion},
     fault::Fault,
-    integrators::{Dynamics, Work},
+    integrators::{Dynamics, Ode, Scheme, StepCounts, Work},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
     state::State,
+    toys::Toy,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -18,6 +19,8 @@ pub struct Simulation {
     state: State,
     /// Where the current batch of steps began, to go back to when a step fails.
     checkpoint: State,
+    /// What had been counted and booked then.
+    booked: (Counts, Vec<EffectCost>),
     scratch: Scratch,
     grab: Option<Grab>,
     fault: Option<Fault>,
@@ -44,10 +47,19 @@ impl Simulation {
     pub fn new(scene: Scene, state: State) -> Self {
         let mut scratch = Scratch::default();
         scratch.fit(&scene);
-        Self { checkpoint: state.clone(), scene, state, scratch, grab: None, fault: None }
+        Self {
+            checkpoint: state.clone(),
+            booked: (Counts::default(), Vec::new()),
+            scene,
+            state,
+            scratch,
+            grab: None,
+            fault: None,
+        }
     }
 
-    /// Swaps the scene for one with the same vertices; the state stays, and newly pinned vertices stop.
+    /// Swaps the scene; the state stays, and newly pinned vertices stop. A scene with other vertices needs another state at
+    /// once (see [`Self::set_state`]). Counts go on.
     pub fn replace_scene(&mut self, scene: Scene) {
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
             *v = 0.0;
@@ -118,6 +130,8 @@ impl Simulation {
 
     fn batch(&mut self, steps: u64) -> u64 {
         self.checkpoint.clone_from(&self.state);
+        self.booked.0 = self.scratch.counts;
+        self.booked.1.clone_from(&self.scratch.costs);
         for taken in 0..steps {
             self.step();
             if !self.state.is_finite() {
@@ -131,8 +145,19 @@ impl Simulation {
     fn step(&mut self) {
         let h = self.scene.step;
         let mut work = std::mem::take(&mut self.scratch.work);
-        let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
-        let counts = self.scene.integrator.kind().step(&mut system, &mut self.state, &mut work, h);
+        let integrator = self.scene.integrator.kind();
+        let counts = match (&self.scene.toy, integrator.scheme()) {
+            (Some(toy), Scheme::First(scheme)) => {
+                let mut system = ToySystem { toy: toy.kind(), counts: &mut self.scratch.counts };
+                scheme.step(&mut system, &mut self.state, &mut work, h)
+            }
+            // A toy with another scheme is not built.
+            (Some(_), Scheme::Second(_)) => StepCounts::ONE,
+            (None, _) => {
+                let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
+                integrator.step(&mut system, &mut self.state, &mut work, h)
+            }
+        };
         self.scratch.work = work;
         self.scratch.counts.add(&counts);
         self.state.steps += 1;
@@ -141,26 +166,31 @@ impl Simulation {
 
     /// Goes back to the last finite state: the same steps from the checkpoint give the same bits again.
     fn fail(&mut self, good: u64) {
-        let counts = self.scratch.counts;
         self.state.clone_from(&self.checkpoint);
+        self.scratch.counts = self.booked.0;
+        self.scratch.costs.clone_from(&self.booked.1);
+        self.scratch.work.forget();
         for _ in 0..good {
             self.step();
         }
-        self.scratch.counts = counts;
         self.fault = Some(Fault::find(&self.scene, &self.state, &self.checkpoint));
     }
 
     /// Energies now [J].
     pub fn energies(&self) -> Energies {
+        if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
+            let [kinetic, potential] = toy.kind().energies([a, b]);
+            return Energies { kinetic, elastic: 0.0, potential };
+        }
         let motion = self.scene.motion(&self.state, self.grab);
         let speeds = motion.v.iter().zip(motion.mass);
         let kinetic = 0.5 * speeds.map(|(v, mass)| mass * v * v).sum::<f64>();
-        let (elastic, other) = self.scene.effects.split_at(self.scene.bodies.len());
+        let (elastic, other) = self.scene.effects.split_at(self.scene.element_count());
         let stored = |effects: &[std::sync::Arc<dyn Effect>]| effects.iter().map(|effect| effect.energy(motion)).sum();
         Energies { kinetic, elastic: stored(elastic), potential: stored(other) }
     }
 
-    /// Least det F of all triangles, and how many have det F <= 0.
+    /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.
     pub fn inversion(&self) -> (f64, usize) {
         let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
         ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
@@ -220,7 +250,7 @@ impl Dynamics for System<'_> {
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
-        for (number, effect) in scene.effects.iter().enumerate() {
+        for (number, effect) in scene.effects.iter().enumerate().filter(|(_, effect)| !effect.constrains()) {
             let size = effect.scratch();
             let elements = Some(effect.elements(motion));
             self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
@@ -265,9 +295,27 @@ impl Dynamics for System<'_> {
 
     fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
         for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
+            let scene = self.scene;
+            let elements =
+                effect.elements(Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab });
             let touched =
-                self.scratch.booked(number, None, |_| effect.constrain_position(x, v, &self.scene.inverse_mass));
+                self.scratch.booked(number, Some(elements), |_| effect.constrain_position(x, v, &scene.inverse_mass));
             self.scratch.counts.constrained += touched as u64;
+        }
+    }
+}
+
+/// A toy as the integrator sees it; its rates count as forces.
+struct ToySystem<'a> {
+    toy: &'a dyn Toy,
+    counts: &'a mut Counts,
+}
+
+impl Ode for ToySystem<'_> {
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+        self.counts.force_evaluations += 1;
+        if let &[a, b] = x {
+            rate.copy_from_slice(&self.toy.rate([a, b]));
         }
     }
 }

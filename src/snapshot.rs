@@ -3,6 +3,7 @@
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
+    elements::Springs,
     fault::Fault,
     level::{Level, Switch},
     materials::Model,
@@ -12,7 +13,7 @@ use crate::{
 };
 use std::{ops::Range, sync::Arc};
 
-pub use crate::{elements::Field, report::Energies};
+pub use crate::{elements::Field, report::Energies, toys::Reading};
 
 /// What a frame of the window is drawn from. Buffers are reused from frame to frame.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +24,10 @@ pub struct Snapshot {
     pub generation: u64,
     /// The bodies, in the order of the level.
     pub bodies: Vec<BodySnapshot>,
+    /// The nets, in the order of the level.
+    pub nets: Vec<NetSnapshot>,
+    /// The toy, if the level is about one.
+    pub toy: Option<ToySnapshot>,
     /// Triangles of all bodies (scene vertex numbers), in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Current positions, x and y of each vertex [m].
@@ -39,7 +44,7 @@ pub struct Snapshot {
     pub values: Vec<f64>,
     /// Energies now.
     pub energies: Energies,
-    /// Least det F of all triangles.
+    /// Least det F of all triangles; infinite if there are none.
     pub min_j: f64,
     /// Number of triangles that are inside out (det F <= 0).
     pub inverted: usize,
@@ -94,6 +99,34 @@ pub struct BodySnapshot {
     pub caution: Option<String>,
 }
 
+/// One net of a snapshot.
+#[derive(Clone, Debug)]
+pub struct NetSnapshot {
+    /// Name from the level.
+    pub name: String,
+    /// Its particles in the scene.
+    pub vertices: Range<usize>,
+    /// Its springs; their ends are scene vertex numbers.
+    pub springs: Arc<Springs>,
+    /// Elastic energy [J].
+    pub energy: f64,
+}
+
+/// The toy of a snapshot; all points in world coordinates [m].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToySnapshot {
+    /// Where it is.
+    pub at: [f64; 2],
+    /// Where it would be exactly.
+    pub exact: [f64; 2],
+    /// What it hangs on, if it hangs on anything.
+    pub pivot: Option<[f64; 2]>,
+    /// The exact path, and whether it closes.
+    pub path: (Vec<[f64; 2]>, bool),
+    /// What is worth reading.
+    pub readings: Vec<Reading>,
+}
+
 /// The mouse spring while it pulls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
@@ -113,12 +146,16 @@ impl Sandbox {
         let x = &state.x;
         if snapshot.generation != self.generation {
             snapshot.generation = self.generation;
-            snapshot.start = Arc::new(scene.start.x.clone());
+            snapshot.start = Arc::new(if scene.toy.is_none() { scene.start.x.clone() } else { Vec::new() });
         }
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
         snapshot.pins = Arc::clone(&scene.pins);
-        snapshot.positions.clone_from(x);
+        snapshot.toy = self.toy();
+        snapshot.positions.clear();
+        if snapshot.toy.is_none() {
+            snapshot.positions.extend_from_slice(x);
+        }
         snapshot.field = field;
         snapshot.values.clear();
         for body in &scene.bodies {
@@ -126,12 +163,19 @@ impl Sandbox {
         }
         snapshot.bodies.clear();
         snapshot.bodies.extend(self.bodies());
+        snapshot.nets.clear();
+        snapshot.nets.extend(scene.nets.iter().map(|net| NetSnapshot {
+            name: net.name.clone(),
+            vertices: net.vertices.clone(),
+            springs: Arc::clone(&net.springs),
+            energy: net.springs.elastic_energy(x),
+        }));
         snapshot.energies = simulation.energies();
         (snapshot.min_j, snapshot.inverted) = simulation.inversion();
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
-        (snapshot.mode, snapshot.running) = (self.mode, self.running);
-        (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side);
+        (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
+        (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.damping = self.damping();
         snapshot.fault = simulation.fault().cloned();
         snapshot.messages.clone_from(&scene.messages);
@@ -164,6 +208,19 @@ impl Sandbox {
         })
     }
 
+    fn toy(&self) -> Option<ToySnapshot> {
+        let (state, scene) = (self.simulation.state(), self.simulation.scene());
+        let (Some(toy), &[a, b]) = (&scene.toy, state.x.as_slice()) else { return None };
+        let toy = toy.kind();
+        Some(ToySnapshot {
+            at: toy.place([a, b]),
+            exact: toy.place(toy.exact(state.time)),
+            pivot: toy.pivot(),
+            path: toy.path(),
+            readings: toy.readings(state.time, [a, b]),
+        })
+    }
+
     fn pull(&self, Grab { vertex, target }: Grab) -> Pull {
         let x = &self.simulation.state().x;
         let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
@@ -178,7 +235,7 @@ impl Sandbox {
 impl Body {
     /// Distance between the outermost crossings of the boundary with a height [m]; `own` are its flat positions.
     fn width_at(&self, own: &[f64], height: f64) -> f64 {
-        let crossings = self.mesh.boundary_edges().into_iter().filter_map(|[a, b]| {
+        let crossings = self.boundary.iter().filter_map(|&[a, b]| {
             let point = |i: u32| [own[2 * i as usize], own[2 * i as usize + 1]];
             let ([ax, ay], [bx, by]) = (point(a), point(b));
             ((ay <= height) != (by <= height)).then(|| ax + (height - ay) / (by - ay) * (bx - ax))

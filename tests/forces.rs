@@ -6,7 +6,7 @@ mod common;
 use common::{Random, level, models, rotation, sheet, simulation};
 use gingerbread::{
     effects::{Effect, EffectKind, Motion},
-    elements::Triangles,
+    elements::{Elements, Triangles},
     scene::Scene,
     simulation::Simulation,
 };
@@ -20,6 +20,10 @@ fn shaken(x: &[f64], by: f64, seed: u64) -> Vec<f64> {
 
 fn elements(simulation: &Simulation) -> &Triangles {
     &simulation.scene().bodies[0].elements
+}
+
+fn of(scene: &Scene) -> Elements {
+    Elements { triangles: vec![std::sync::Arc::clone(&scene.bodies[0].elements)], springs: Vec::new() }
 }
 
 fn forces(body: &Triangles, x: &[f64]) -> Vec<f64> {
@@ -158,7 +162,7 @@ fn a_turned_scene_moves_as_the_scene_turned() {
 fn the_force_of_every_effect_with_energy_is_minus_its_derivative() {
     let simulation = simulation(&sheet("Corotated", "", ""));
     let scene: &Scene = simulation.scene();
-    let bodies = [std::sync::Arc::clone(&scene.bodies[0].elements)];
+    let bodies = of(scene);
     let grab = Some(gingerbread::effects::Grab { vertex: 3, target: [0.9, 0.2] });
     for kind in EffectKind::all().into_iter().filter(|kind| !kind.kind().is_damping()) {
         let effect = kind.kind().build(&bodies).unwrap();
@@ -183,7 +187,7 @@ fn damping_force(mass: f64, stiffness: f64, x: &[f64], v: &[f64], simulation: &S
     let text = format!("(name: \"\", bodies: [], effects: [(effect: Rayleigh(mass: {mass}, stiffness: {stiffness}))])");
     let listed = &level(&text).effects[0];
     let scene = simulation.scene();
-    let effect = listed.effect.kind().build(&[std::sync::Arc::clone(&scene.bodies[0].elements)]).unwrap();
+    let effect = listed.effect.kind().build(&of(scene)).unwrap();
     let mut force = vec![0.0; x.len()];
     let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None };
     effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);

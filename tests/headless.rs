@@ -69,6 +69,18 @@ fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
 }
 
 #[test]
+fn a_report_of_a_level_without_triangles_holds_no_made_up_numbers() {
+    let folder = Folder::new("net");
+    let report = folder.file("report.json");
+    let output = gingerbread(&["run", "chain", "--steps", "50", "--report", &report]);
+    assert!(output.status.success() && !said(&output.stdout).contains("least J"), "{}", said(&output.stderr));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    assert!(report["min_j"].is_null() && report["ns_per_triangle_step"].is_null());
+    assert_eq!((&report["triangles"], &report["vertices"]), (&0.into(), &4.into()));
+    assert!(said(&gingerbread(&["check", "chain"]).stdout).contains("3 springs, 4 vertices, 1 pinned"));
+}
+
+#[test]
 fn a_run_that_is_saved_and_continued_equals_one_that_was_not() {
     let folder = Folder::new("continue");
     let (saved, ends) = (folder.file("half.ron"), [folder.file("one.csv"), folder.file("two.csv")]);

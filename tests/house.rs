@@ -4,16 +4,18 @@
 use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
-const ROOMS: [&[&str]; 23] = [
+const ROOMS: &[&[&str]] = &[
     &["quantity"],
     &["registry"],
     &["materials"],
     &["meshes"],
+    &["nets"],
     &["obstacles"],
     &["solvers"],
     &["effects", "elements"],
     &["state"],
     &["integrators"],
+    &["toys"],
     &["level"],
     &["scene"],
     &["stability"],
@@ -122,5 +124,20 @@ fn files_stay_small_and_speak_of_nothing_outside() {
             !text.contains("/home/") && !text.contains("/root/") && !text.contains("/tmp/"),
             "{file} names a machine"
         );
+    }
+}
+
+#[test]
+fn the_readme_names_every_level_and_every_key() {
+    let readme = fs::read_to_string("README.md").unwrap();
+    for (file, _) in gingerbread::levels::BUILT_IN {
+        assert!(readme.contains(&format!("`{}`", file.trim_end_matches(".ron"))), "the README lacks {file}");
+    }
+    for binding in gingerbread::app::keys::TABLE {
+        let named = readme.lines().filter(|line| line.starts_with("| ")).any(|line| {
+            let cell = line.trim_start_matches("| ").split(" |").next().unwrap_or_default();
+            cell.split(", ").any(|key| key == binding.label)
+        });
+        assert!(named, "the README lacks {}", binding.label);
     }
 }

@@ -4,7 +4,12 @@
 mod common;
 
 use common::{Random, level, models, sheet, simulation};
-use gingerbread::{document, files, level::Level, simulation::Simulation, stability::critical_step};
+use gingerbread::{
+    document, files,
+    level::Level,
+    simulation::Simulation,
+    stability::{StabilityProbe, critical_step},
+};
 
 /// The body deformed at random and moving at random.
 fn shake(simulation: &mut Simulation, seed: u64) {
@@ -126,7 +131,7 @@ fn saving_reading_back_and_going_on_equals_never_having_stopped() {
 fn a_step_just_below_the_stability_limit_holds_and_one_just_above_blows_up() {
     for model in models() {
         for effects in ["", "effects: [(effect: Rayleigh(mass: 2, stiffness: 0.01))]"] {
-            let growth = |share: f64| {
+            let growth = |share: f64, steps: u64| {
                 let mut simulation = simulation(&sheet(model, "", effects));
                 let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
                 let mut level = sheet(model, "", effects);
@@ -137,12 +142,28 @@ fn a_step_just_below_the_stability_limit_holds_and_one_just_above_blows_up() {
                 state.v.iter_mut().for_each(|v| *v = random.between(-1e-7, 1e-7));
                 simulation.set_state(state);
                 let before = simulation.energies().total();
-                simulation.advance(2000, &mut || true);
+                simulation.advance(steps, &mut || true);
                 if simulation.fault().is_some() { f64::INFINITY } else { simulation.energies().total() / before }
             };
-            assert!(growth(0.97) < 100.0, "{model} {effects}: {:e}", growth(0.97));
-            assert!(growth(1.05) > 1e6, "{model} {effects}: {:e}", growth(1.05));
+            assert!(growth(0.97, 4000) < 100.0, "{model} {effects}: {:e}", growth(0.97, 4000));
+            assert!(growth(1.05, 200) > 1e6, "{model} {effects}: {:e}", growth(1.05, 200));
         }
+    }
+}
+
+/// A probe that looks a few rounds at a time ends where the converged answer is, from above.
+#[test]
+fn a_probe_amortised_over_frames_finds_the_stability_limit() {
+    for model in models() {
+        let mut simulation = simulation(&sheet(model, "stretch: (1.05, 1)", ""));
+        let mut probe = StabilityProbe::default();
+        for _ in 0..40 {
+            run(&mut simulation, 10);
+            probe.refine(simulation.scene(), simulation.state(), 3).unwrap();
+        }
+        let seen = probe.refine(simulation.scene(), simulation.state(), 3).unwrap();
+        let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
+        assert!((seen / limit - 1.0).abs() < 0.02, "{model}: {seen} against {limit}");
     }
 }
 

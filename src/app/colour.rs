@@ -86,8 +86,15 @@ impl Scale {
 
     /// The colour of a value.
     pub fn color(&self, value: f64) -> Color32 {
+        self.at(self.share(value))
+    }
+
+    /// Where a value lies on the map, from 0 to 1 within the range. Energy grows with the square of strain, so its root
+    /// spreads the colours evenly over what one sees.
+    pub fn share(&self, value: f64) -> f32 {
         let [low, high] = self.range();
-        self.at(((value - low) / (high - low)) as f32)
+        let share = (value - low) / (high - low);
+        (if self.field == Field::EnergyDensity { share.max(0.0).sqrt() } else { share }) as f32
     }
 
     /// The colour at a share of the map from 0 to 1.

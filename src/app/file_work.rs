@@ -3,9 +3,9 @@
 use super::{
     App,
     dialogs::{Answer, file_name},
-    panels::{FileWish, Prompt, View},
+    panels::{FileWish, Notice, Prompt, View},
 };
-use crate::{command::Command, files};
+use crate::{command::Command, files, level::Level};
 use eframe::egui::Context;
 use std::path::Path;
 
@@ -14,8 +14,8 @@ impl App {
     pub(super) fn file_work(&mut self, ctx: &Context) {
         match self.view.file.take() {
             Some(FileWish::BuiltIn(index)) => match self.gallery.level(index) {
-                Ok(level) => self.apply(Command::Open(Box::new(level))),
-                Err(message) => self.view.notice = Some(message),
+                Ok(level) => self.start(level),
+                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
             Some(FileWish::Open) => self.dialogs.ask_open(),
             Some(FileWish::Save) => self.dialogs.ask_save(&file_name(&self.snapshot.level.name)),
@@ -32,27 +32,34 @@ impl App {
         }
     }
 
+    /// Starts a level that could be read; what was wrong with another one is forgotten.
+    fn start(&mut self, level: Level) {
+        self.view.notice = None;
+        self.apply(Command::Open(Box::new(level)));
+    }
+
     /// Opens a level file. If it cannot be read or built, its message is shown and the old scene goes on.
     pub fn open(&mut self, path: &Path) {
         match files::read(path) {
-            Ok(level) => self.apply(Command::Open(Box::new(level))),
-            Err(error) => self.view.notice = Some(error.to_string()),
+            Ok(level) => self.start(level),
+            Err(error) => self.view.notice = Some(Notice::trouble(&error)),
         }
     }
 
     /// Opens a level from its text; `name` stands for the file in messages.
     pub fn open_text(&mut self, text: &str, name: &str) {
         match files::parse(text, name) {
-            Ok(level) => self.apply(Command::Open(Box::new(level))),
-            Err(error) => self.view.notice = Some(error.to_string()),
+            Ok(level) => self.start(level),
+            Err(error) => self.view.notice = Some(Notice::trouble(&error)),
         }
     }
 
     /// Saves the level with everything as it is now. If it fails, a file that was there stays.
     pub fn save(&mut self, path: &Path) {
-        if let Err(error) = files::save(path, &self.sandbox.saved()) {
-            self.view.notice = Some(error.to_string());
-        }
+        self.view.notice = Some(match files::save(path, &self.sandbox.saved()) {
+            Ok(()) => Notice::Done(format!("Saved as {}", path.display())),
+            Err(error) => Notice::trouble(&error),
+        });
     }
 
     /// Opens what is dropped on the window.
@@ -66,10 +73,13 @@ impl App {
     /// Without dialogs: a path to type, or in a browser the text of a level itself.
     fn ask_for_text(&mut self, ctx: &Context, saving: bool) {
         if cfg!(target_arch = "wasm32") && saving {
-            match files::write(&self.sandbox.saved()) {
-                Ok(text) => ctx.copy_text(text),
-                Err(error) => self.view.notice = Some(error.to_string()),
-            }
+            self.view.notice = Some(match files::write(&self.sandbox.saved()) {
+                Ok(text) => {
+                    ctx.copy_text(text);
+                    Notice::Done("The level is in the clipboard: paste it into a file.".to_owned())
+                }
+                Err(error) => Notice::trouble(&error),
+            });
             return;
         }
         let text = if saving { file_name(&self.snapshot.level.name) } else { String::new() };

@@ -33,6 +33,8 @@ pub enum When {
     Edit,
     /// In simulate and collide mode.
     Moving,
+    /// In levels with bodies of triangles.
+    Bodies,
     /// In a test level.
     Test,
 }
@@ -55,6 +57,7 @@ impl When {
             Self::Always => true,
             Self::Edit => now.mode == Mode::Edit,
             Self::Moving => now.mode != Mode::Edit,
+            Self::Bodies => !now.bodies.is_empty(),
             Self::Test => now.level.test.is_some(),
         }
     }
@@ -65,12 +68,13 @@ impl When {
             Self::Always => "Always",
             Self::Edit => "Edit mode",
             Self::Moving => "Simulate and collide mode",
+            Self::Bodies => "Bodies of triangles",
             Self::Test => "Test levels",
         }
     }
 
     /// The groups, in the order of the overlay.
-    pub const ALL: [Self; 4] = [Self::Edit, Self::Moving, Self::Always, Self::Test];
+    pub const ALL: [Self; 5] = [Self::Edit, Self::Moving, Self::Always, Self::Bodies, Self::Test];
 }
 
 const fn key(key: Key) -> KeyboardShortcut {
@@ -103,11 +107,11 @@ pub static TABLE: &[Binding] = &[
     binding("M", "edit / simulate", When::Always, &[key(Key::M)], |now| toggle(now, Mode::Simulate)),
     binding("T", "edit / collide", When::Always, &[key(Key::T)], |now| toggle(now, Mode::Collide)),
     binding("D", "damping on or off", When::Always, &[key(Key::D)], |now| Act::Do(Command::SetDamping(!now.damping))),
-    binding("C", "corotated model, and start over", When::Always, &[key(Key::C)], |_| model(Model::Corotated)),
-    binding("V", "St. Venant-Kirchhoff model, and start over", When::Always, &[key(Key::V)], |_| {
+    binding("C", "corotated model, and start over", When::Bodies, &[key(Key::C)], |_| model(Model::Corotated)),
+    binding("V", "St. Venant-Kirchhoff model, and start over", When::Bodies, &[key(Key::V)], |_| {
         model(Model::StVenantKirchhoff)
     }),
-    binding("N", "neo-Hookean model, and start over", When::Always, &[key(Key::N)], |_| model(Model::NeoHookean)),
+    binding("N", "neo-Hookean model, and start over", When::Bodies, &[key(Key::N)], |_| model(Model::NeoHookean)),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
     Binding {

@@ -10,6 +10,7 @@ mod draw;
 mod file_work;
 mod gallery;
 pub mod keys;
+mod lab;
 mod numbers;
 mod panels;
 mod theme;
@@ -28,7 +29,8 @@ use dialogs::Dialogs;
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use gallery::Gallery;
-use panels::{Desk, History, View};
+use lab::Lab;
+use panels::{Desk, History, Notice, View};
 use web_time::Instant;
 
 /// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
@@ -47,6 +49,7 @@ pub struct App {
     gallery: Gallery,
     history: History,
     dialogs: Dialogs,
+    lab: Lab,
     commands: Vec<Command>,
     /// When the last frame was drawn, while time runs [s].
     last: Option<f64>,
@@ -85,6 +88,7 @@ impl App {
             gallery: Gallery::default(),
             history: History::default(),
             dialogs: Dialogs::default(),
+            lab: Lab::default(),
             commands: Vec::new(),
             last: None,
             budget: BUDGET,
@@ -114,13 +118,13 @@ impl App {
 
     /// The message that waits to be read, if there is one.
     pub fn notice(&self) -> Option<&str> {
-        self.view.notice.as_deref()
+        self.view.notice.as_ref().map(Notice::text)
     }
 
     /// Applies a command; one that is refused is shown, and nothing changes.
     fn apply(&mut self, command: Command) {
         if let Err(refused) = self.sandbox.apply(command) {
-            self.view.notice = Some(refused.to_string());
+            self.view.notice = Some(Notice::trouble(&refused));
         }
     }
 
@@ -160,10 +164,17 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
+        self.lab.follow(&self.sandbox);
         self.file_work(ctx);
         self.apply_wishes();
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.advance(ctx.input(|input| input.time), time_of_frame);
+        for wish in std::mem::take(&mut self.view.wishes) {
+            self.lab.grant(wish, &self.sandbox);
+        }
+        if self.lab.work(&self.sandbox) {
+            ctx.request_repaint();
+        }
         self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
         self.history.record(&self.snapshot);
     }
@@ -172,10 +183,18 @@ impl eframe::App for App {
         self.view.pressed.extend(keys::pressed(ui.ctx(), &self.snapshot));
         #[cfg(not(target_arch = "wasm32"))]
         self.take_dropped_files(ui.ctx());
-        let desk =
-            Desk { now: &self.snapshot, rates: self.clock.rates(), gallery: &self.gallery, history: &self.history };
+        let desk = Desk {
+            now: &self.snapshot,
+            rates: self.clock.rates(),
+            gallery: &self.gallery,
+            history: &self.history,
+            lab: &self.lab,
+        };
         panels::show(ui, &desk, &mut self.view, &mut self.canvas, &mut self.commands);
-        let asked = !self.commands.is_empty() || !self.view.pressed.is_empty() || self.view.wants_files();
+        let asked = !self.commands.is_empty()
+            || !self.view.wishes.is_empty()
+            || !self.view.pressed.is_empty()
+            || self.view.wants_files();
         if asked || self.view.stage.field != self.snapshot.field || self.sandbox.is_live() {
             ui.ctx().request_repaint();
         }

@@ -1,10 +1,9 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
-    elements::Triangles,
+    elements::Elements,
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// The four edges of the world: a vertex beyond one is put back on it and loses its velocity outwards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +39,7 @@ impl EffectParameters for Boundary {
         vec![Shape::Edges(self.least.get(), self.greatest.get())]
     }
 
-    fn build(&self, _: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
+    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         let (least, greatest) = (self.least.get(), self.greatest.get());
         if least[0] < greatest[0] && least[1] < greatest[1] {
             Ok(Box::new(Edges { least, greatest }))

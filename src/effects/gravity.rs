@@ -1,10 +1,9 @@
 use super::{Effect, EffectParameters, Motion};
 use crate::{
-    elements::Triangles,
+    elements::Elements,
     quantity::{self, Quantity},
 };
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Uniform gravity: `f = m g` on every vertex, stored energy `-m g . x`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,7 +43,7 @@ impl EffectParameters for Gravity {
         vec![&mut self.down]
     }
 
-    fn build(&self, _: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
+    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         Ok(Box::new(Field([self.right.get(), -self.down.get()])))
     }
 }

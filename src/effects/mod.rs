@@ -2,30 +2,32 @@
 //! which a level lists, and what is built from them to take part in a step. [`EffectKind`] lists them all.
 
 mod boundary;
+mod drag;
 mod gravity;
 mod mouse_spring;
 mod rayleigh;
 mod walls;
 
 pub use boundary::Boundary;
+pub use drag::Drag;
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
 pub use rayleigh::Rayleigh;
 pub use walls::Walls;
 
 use crate::{
-    elements::Triangles,
+    elements::Elements,
     quantity::Quantity,
     registry::registry,
     solvers::{BlockMatrix, Weights},
 };
-use std::sync::Arc;
 
 registry! {
     /// What can act on bodies.
     pub enum EffectKind: dyn EffectParameters {
         Gravity(Gravity),
         Rayleigh(Rayleigh),
+        Drag(Drag),
         MouseSpring(MouseSpring),
         Boundary(Boundary),
         Walls(Walls),
@@ -57,7 +59,7 @@ pub trait EffectParameters {
     ///
     /// # Errors
     /// A sentence, if the parameters do not fit together.
-    fn build(&self, bodies: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String>;
+    fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String>;
 }
 
 /// Something with a place that a window can draw; all points in world coordinates [m].
@@ -127,8 +129,8 @@ pub trait Effect: Send + Sync {
     /// order of [`Self::couples`]. The matrix is symmetric; what is not, is left out and only slows Newton's method down.
     fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut BlockMatrix) {}
 
-    /// Rayleigh's alpha [1/s] and beta [s], if this is damping.
-    fn damping(&self) -> [f64; 2] {
+    /// Rayleigh's alpha [1/s] and beta [s], if this is damping; where it differs from vertex to vertex, the largest.
+    fn damping(&self, _motion: Motion<'_>) -> [f64; 2] {
         [0.0; 2]
     }
 
@@ -142,7 +144,7 @@ pub trait Effect: Send + Sync {
         0
     }
 
-    /// Whether it changes velocities or positions at all.
+    /// Whether it changes velocities or positions. Such an effect has no force.
     fn constrains(&self) -> bool {
         false
     }

@@ -1,12 +1,11 @@
 use super::{Effect, EffectParameters, Grab, Motion};
 use crate::{
-    elements::Triangles,
+    elements::Elements,
     quantity::{Quantity, Spring},
     solvers::{BlockMatrix, Weights},
 };
 use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// The spring between the cursor and the vertex it took hold of: `f = k (cursor - vertex)`, energy `k/2 |cursor - vertex|²`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +34,7 @@ impl EffectParameters for MouseSpring {
         vec![&mut self.stiffness]
     }
 
-    fn build(&self, _: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
+    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         Ok(Box::new(Pulling(self.stiffness.get())))
     }
 }

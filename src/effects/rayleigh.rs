@@ -1,6 +1,6 @@
 use super::{Effect, EffectParameters, Motion};
 use crate::{
-    elements::Triangles,
+    elements::{Elements, Springs, Triangles},
     quantity::{DampingRate, DampingTime, Quantity},
     solvers::{BlockMatrix, Weights},
 };
@@ -14,6 +14,7 @@ use std::sync::Arc;
 /// `S = beta (2 mu dE/dt + lambda tr(dE/dt) I)` with the Green strain rate `dE/dt = sym(Fᵀ dF/dt)`, so `P = F S`
 /// (a Kelvin-Voigt solid). At rest this is exactly Rayleigh's `-beta K v`; unlike that, it is objective: a rigid
 /// motion has dE/dt = 0 and is not damped however stressed the body is, and the power `-A S : dE/dt` is never positive.
+/// A spring of stiffness k gets a damper `beta k` beside it, with the same properties.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rayleigh {
@@ -40,7 +41,7 @@ impl EffectParameters for Rayleigh {
     }
 
     fn about(&self) -> &'static str {
-        "f = −α m v, and a viscous stress β C : dE/dt that a rigid spin does not feel."
+        "f = −α m v, and a viscous stress β C : dE/dt (in springs a damper β k) that a rigid spin does not feel."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -51,21 +52,33 @@ impl EffectParameters for Rayleigh {
         true
     }
 
-    fn build(&self, bodies: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
-        let bodies = if self.stiffness.get() > 0.0 { bodies.to_vec() } else { Vec::new() };
-        Ok(Box::new(Damping { alpha: self.mass.get(), beta: self.stiffness.get(), bodies }))
+    fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
+        let (alpha, beta) = (self.mass.get(), self.stiffness.get());
+        let Elements { triangles: bodies, springs: nets } =
+            if beta > 0.0 { elements.clone() } else { Elements::default() };
+        Ok(Box::new(Damping { alpha, beta, bodies, nets }))
     }
 }
 
-/// Derivative by dF/dt of the viscous stress `F (2 mu E' + lambda tr(E') I)`, `E' = sym(Fᵀ dF/dt)` (4 x 4) [Pa s]:
-/// a change G of dF/dt gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`.
-fn viscous_tangent(f: &Matrix2<f64>, mu: f64, lambda: f64) -> Matrix4<f64> {
-    let left = f * f.transpose();
+/// Derivative of the viscous stress `P = F S`, `S = 2 mu E' + lambda tr(E') I`, `E' = sym(Fᵀ V)` with V = dF/dt, by F and V
+/// with their weights (4 x 4) [Pa]. A change G of V gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`. A change G of F gives
+/// `G S`, which is symmetric, and `mu (F Vᵀ G + F Gᵀ V) + lambda (V : G) F`, of which the symmetric half is taken.
+fn viscous_tangent(f: &Matrix2<f64>, rate: &Matrix2<f64>, weights: Weights, [mu, lambda]: [f64; 2]) -> Matrix4<f64> {
+    let product = f.transpose() * rate;
+    let stress = (product + product.transpose()) * mu + Matrix2::identity() * (lambda * product.trace());
+    // Half of the change of F, to which its transpose is added, goes the way of V.
+    let moved = f * weights.velocity + rate * weights.position;
+    let left = f * moved.transpose();
+    let left = (left + left.transpose()) * (0.5 * mu);
+    let half = moved * 0.5;
     // Entries column by column: number 2 j + i is row i, column j.
     Matrix4::from_fn(|to, by| {
         let (i, j, k, l) = (to % 2, to / 2, by % 2, by / 2);
         let same = if j == l { left[(i, k)] } else { 0.0 };
-        mu * (same + f[(i, l)] * f[(k, j)]) + lambda * f[(i, j)] * f[(k, l)]
+        let turned = mu * (f[(i, l)] * half[(k, j)] + half[(i, l)] * f[(k, j)]);
+        let volume = lambda * (f[(i, j)] * half[(k, l)] + half[(i, j)] * f[(k, l)]);
+        let geometric = if i == k { weights.position * stress[(l, j)] } else { 0.0 };
+        same + turned + volume + geometric
     })
 }
 
@@ -73,6 +86,7 @@ struct Damping {
     alpha: f64,
     beta: f64,
     bodies: Vec<Arc<Triangles>>,
+    nets: Vec<Arc<Springs>>,
 }
 
 impl Effect for Damping {
@@ -81,14 +95,16 @@ impl Effect for Damping {
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {
-        motion.x.len() / 2 + self.bodies.iter().map(|body| body.corners().len()).sum::<usize>()
+        let triangles: usize = self.bodies.iter().map(|body| body.corners().len()).sum();
+        let springs: usize = self.nets.iter().map(|net| net.links().len()).sum();
+        motion.x.len() / 2 + triangles + springs
     }
 
     fn scratch(&self) -> usize {
         self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
     }
 
-    fn damping(&self) -> [f64; 2] {
+    fn damping(&self, _: Motion<'_>) -> [f64; 2] {
         [self.alpha, self.beta]
     }
 
@@ -105,16 +121,21 @@ impl Effect for Damping {
                 f * (rate * two_mu + Matrix2::identity() * (lambda * rate.trace()))
             });
         }
+        for net in &self.nets {
+            net.add_damping(motion.x, motion.v, self.beta, force);
+        }
     }
 
     fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
         for body in &self.bodies {
             body.name_couples(add);
         }
+        for net in &self.nets {
+            net.couples(add);
+        }
     }
 
-    /// The part for v is exact. The one for x is left out: it is not symmetric, and smaller than the elastic stiffness
-    /// by `beta |dE/dt|`, the strain that builds up within beta.
+    /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, for springs none.
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
         for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));
@@ -122,7 +143,12 @@ impl Effect for Damping {
         for body in &self.bodies {
             let lame = body.lame();
             let (mu, lambda) = (self.beta * lame.mu, self.beta * lame.lambda);
-            body.add_tangent(motion.x, weights.velocity, matrix, |f| viscous_tangent(f, mu, lambda));
+            body.add_tangent(motion.x, 1.0, matrix, |number, f| {
+                viscous_tangent(f, &body.gradient_of(motion.v, number), weights, [mu, lambda])
+            });
+        }
+        for net in &self.nets {
+            net.add_damping_stiffness(motion.x, self.beta, weights.velocity, matrix);
         }
     }
 }

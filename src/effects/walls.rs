@@ -1,11 +1,10 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
-    elements::Triangles,
+    elements::Elements,
     obstacles::{Obstacle, ObstacleKind, room},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Obstacles that vertices bump into: planes that make a room, and solids inside it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,7 +42,7 @@ impl EffectParameters for Walls {
         room.into_iter().chain(solids.map(Shape::Solid)).collect()
     }
 
-    fn build(&self, _: &[Arc<Triangles>]) -> Result<Box<dyn Effect>, String> {
+    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         let build = |(number, kind): (usize, &ObstacleKind)| {
             kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))
         };

@@ -1,8 +1,21 @@
 //! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
 
 mod fields;
+mod spring;
 mod tangent;
 mod triangle;
 
 pub use fields::Field;
+pub use spring::Springs;
 pub use triangle::Triangles;
+
+use std::sync::Arc;
+
+/// All elements of a scene, for effects that act on them.
+#[derive(Clone, Debug, Default)]
+pub struct Elements {
+    /// The triangles of each body.
+    pub triangles: Vec<Arc<Triangles>>,
+    /// The springs of each net.
+    pub springs: Vec<Arc<Springs>>,
+}

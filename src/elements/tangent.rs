@@ -30,10 +30,10 @@ impl Triangles {
         x: &[f64],
         weight: f64,
         matrix: &mut BlockMatrix,
-        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+        tangent: impl Fn(usize, &Matrix2<f64>) -> Matrix4<f64>,
     ) {
-        for (&triangle, (rest, (f, _))) in self.corners().iter().zip(self.rest().iter().zip(self.gradients(x))) {
-            let [one, two, across] = rest.corner_blocks(&tangent(&f), weight);
+        for (number, (&triangle, (f, _))) in self.corners().iter().zip(self.gradients(x)).enumerate() {
+            let [one, two, across] = self.rest()[number].corner_blocks(&tangent(number, &f), weight);
             let turned = across.transpose();
             let (to_one, to_two) = (-one - turned, -across - two);
             // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
@@ -50,7 +50,7 @@ impl Triangles {
 
 impl Rest {
     /// Blocks of the second corner with itself, of the third with itself, and of the second with the third:
-    /// `K_ab[i, k] = weight A sum over J, L of g_a[J] C[iJ, kL] g_b[L]`, with g_a the gradient of a corner's shape
+    /// `K_ab[i, k] = weight A sum over J, L of g_a[J] C[iJ, kL] g_b[L]`, with `g_a` the gradient of a corner's shape
     /// function, a row of D0⁻¹ (Bonet and Wood, *Nonlinear Continuum Mechanics for Finite Element Analysis*, section 9.4).
     #[inline]
     fn corner_blocks(&self, tangent: &Matrix4<f64>, weight: f64) -> [Matrix2<f64>; 3] {
@@ -77,6 +77,6 @@ struct Elastic<'a> {
 impl Visitor for Elastic<'_> {
     type Output = ();
     fn visit<M: Material>(self, material: &M) {
-        self.of.add_tangent(self.x, self.weight, self.matrix, |f| material.stiffness(f));
+        self.of.add_tangent(self.x, self.weight, self.matrix, |_, f| material.stiffness(f));
     }
 }

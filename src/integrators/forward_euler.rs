@@ -28,6 +28,10 @@ impl Integrator for ForwardEuler {
         Class::Explicit
     }
 
+    fn stability_limit(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn scheme(&self) -> Scheme<'_> {
         Scheme::First(self)
     }

@@ -73,6 +73,12 @@ pub trait Integrator: Send + Sync {
     /// What limits the step.
     fn class(&self) -> Class;
 
+    /// The largest z = h w at which an undamped vibration of angular frequency w does not grow; `None` if there is no
+    /// such limit, or the scheme keeps to it by itself.
+    fn stability_limit(&self) -> Option<f64> {
+        None
+    }
+
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()

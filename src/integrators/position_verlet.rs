@@ -52,6 +52,10 @@ impl Integrator for PositionVerlet {
         Class::Explicit
     }
 
+    fn stability_limit(&self) -> Option<f64> {
+        Some(2.0)
+    }
+
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.damping]
     }

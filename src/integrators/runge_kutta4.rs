@@ -29,6 +29,10 @@ impl Integrator for RungeKutta4 {
         Class::Explicit
     }
 
+    fn stability_limit(&self) -> Option<f64> {
+        Some(2.0 * std::f64::consts::SQRT_2)
+    }
+
     fn scheme(&self) -> Scheme<'_> {
         Scheme::First(self)
     }

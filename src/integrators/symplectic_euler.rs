@@ -28,6 +28,10 @@ impl Integrator for SymplecticEuler {
         Class::Explicit
     }
 
+    fn stability_limit(&self) -> Option<f64> {
+        Some(2.0)
+    }
+
     fn scheme(&self) -> Scheme<'_> {
         Scheme::Second(self)
     }

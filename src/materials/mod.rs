@@ -53,7 +53,10 @@ pub trait Material: Copy + Send + Sync {
     /// What a user should know before trusting a strip of this stretch: where the model has no honest answer.
     fn caution(&self, stretch: f64) -> Option<String> {
         self.free_width(stretch).is_none().then(|| {
-            format!("{} has no answer here: with free sides, no positive width balances at {stretch} x.", Self::TITLE)
+            format!(
+                "{} has no answer here: with free sides, no positive width balances at {stretch:.2} x.",
+                Self::TITLE
+            )
         })
     }
 }

@@ -64,7 +64,7 @@ impl Material for NeoHookean {
         self.lame.lambda * libm::log(f.determinant())
     }
 
-    /// mu (w² - 1) + lambda ln(s w) = 0, monotone in w: Newton's method on u = ln w from u = 0.
+    /// mu (w² - 1) + lambda ln(s w) = 0, by Newton's method on u = ln w from u = 0.
     fn free_width(&self, stretch: f64) -> Option<f64> {
         let Lame { mu, lambda } = self.lame;
         let log_stretch = libm::log(stretch);
@@ -74,10 +74,11 @@ impl Material for NeoHookean {
             let residual = mu * (square - 1.0) + lambda * (log_stretch + u);
             let change = residual / (2.0 * mu * square + lambda);
             u -= change;
-            if change.abs() < 1e-15 {
-                break;
+            if change.abs() < 1e-14 {
+                return Some(libm::exp(u));
             }
         }
-        Some(libm::exp(u))
+        // With a negative Poisson's ratio there need not be any.
+        None
     }
 }

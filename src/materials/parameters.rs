@@ -37,19 +37,19 @@ pub enum BadMaterial {
     /// A value is outside its own range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// The area cannot stay the same in plane strain: lambda would be infinite.
-    #[error("Poisson's ratio must be in (-1, 0.5) for plane strain, got {0}; plane stress allows 0.5")]
-    Incompressible(f64),
+    /// In plane strain the area cannot stay the same: lambda would be infinite.
+    #[error("Poisson's ratio must be in (-1, 0.5) for plane strain and in (-1, 0.5] for plane stress, got {0}")]
+    Poisson(f64),
 }
 
 impl MaterialParameters {
     /// Checked parameters.
     ///
     /// # Errors
-    /// [`BadMaterial::Incompressible`] for nu = 0.5 in plane strain.
+    /// [`BadMaterial::Poisson`] for nu = 0.5 in plane strain.
     pub fn new(model: Model, young: Young, poisson: Poisson, plane: Plane) -> Result<Self, BadMaterial> {
         if plane == Plane::Strain && poisson.get() >= 0.5 {
-            return Err(BadMaterial::Incompressible(poisson.get()));
+            return Err(BadMaterial::Poisson(poisson.get()));
         }
         Ok(Self { model, young, poisson, plane })
     }
@@ -96,7 +96,7 @@ impl MaterialParameters {
 struct Raw {
     model: Model,
     young: Young,
-    poisson: Poisson,
+    poisson: f64,
     #[serde(default)]
     plane: Plane,
 }
@@ -104,12 +104,13 @@ struct Raw {
 impl TryFrom<Raw> for MaterialParameters {
     type Error = BadMaterial;
     fn try_from(raw: Raw) -> Result<Self, BadMaterial> {
-        Self::new(raw.model, raw.young, raw.poisson, raw.plane)
+        let poisson = Poisson::new(raw.poisson).map_err(|_| BadMaterial::Poisson(raw.poisson))?;
+        Self::new(raw.model, raw.young, poisson, raw.plane)
     }
 }
 
 impl From<MaterialParameters> for Raw {
     fn from(of: MaterialParameters) -> Self {
-        Self { model: of.model, young: of.young, poisson: of.poisson, plane: of.plane }
+        Self { model: of.model, young: of.young, poisson: of.poisson.get(), plane: of.plane }
     }
 }

@@ -26,7 +26,7 @@ pub enum CountError {
 
 impl<Q: Quantity> Whole<Q> {
     /// A quantity known when the program is compiled to be whole.
-    pub(super) const fn literal(quantity: Q) -> Self {
+    pub(crate) const fn literal(quantity: Q) -> Self {
         Self(quantity)
     }
 

@@ -16,6 +16,9 @@ pub struct Polygon {
     pub eps: Reach,
 }
 
+/// Most corners: whether sides cross is found by looking at all pairs.
+const MOST_CORNERS: usize = 1000;
+
 impl Default for Polygon {
     fn default() -> Self {
         let point = |x, y| Point(Coordinate::literal(x), Coordinate::literal(y));
@@ -36,11 +39,15 @@ impl Polygon {
 
 impl ObstacleParameters for Polygon {
     fn build(&self) -> Result<Box<dyn Obstacle>, String> {
+        if self.points.len() > MOST_CORNERS {
+            return Err(format!("a polygon may have {MOST_CORNERS} corners, got {}", self.points.len()));
+        }
         let corners = self.corners();
         if corners.len() < 3 || signed_area(&corners) <= 0.0 {
             return Err(format!("a polygon needs three corners or more that enclose an area, got {}", corners.len()));
         }
-        if let Some((i, j)) = crossing(&corners) {
+        let given: Vec<_> = self.points.iter().map(|point| point.get()).collect();
+        if let Some((i, j)) = crossing(&given) {
             return Err(format!("a polygon's sides must not cross: sides {i} and {j} do"));
         }
         let count = corners.len() as u32;
@@ -72,10 +79,11 @@ impl ObstacleParameters for Polygon {
     }
 }
 
-/// Twice the area, positive when counter-clockwise [m²].
+/// Twice the area, positive when counter-clockwise [m²]; seen from a corner, so that it is exact also far from the origin.
 fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    let Some(&[x, y]) = corners.first() else { return 0.0 };
     let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+    corners.iter().zip(next).map(|(a, b)| (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x)).sum()
 }
 
 /// The first two sides that cross, counted from 0.

@@ -23,20 +23,35 @@ impl<S: Shape> Solid<S> {
     }
 }
 
+impl<S: Shape> Solid<S> {
+    /// The nearest point of the surface, seen from a point, and the distance to it [m]; negative inside.
+    fn nearest(&self, point: Vector) -> (Vector, f64) {
+        let projection = PointQuery::project_point(&self.shape, &self.pose, point, false);
+        let away = if projection.is_inside { projection.point - point } else { point - projection.point };
+        (away, if projection.is_inside { -away.length() } else { away.length() })
+    }
+
+    /// The direction in which the distance grows, by differences: for points so near to the surface that the way to it is
+    /// round-off.
+    fn slope(&self, point: Vector) -> Option<Vector> {
+        let step = 1e-5 * self.near.half_extents().length();
+        let along = |axis: Vector| self.nearest(point + axis * step).1 - self.nearest(point - axis * step).1;
+        Vector::new(along(Vector::X), along(Vector::Y)).try_normalize()
+    }
+}
+
 impl<S: Shape> Obstacle for Solid<S> {
     fn contact(&self, point: [f64; 2]) -> Option<Contact> {
         let point = Vector::new(point[0], point[1]);
         if !self.near.contains_local_point(point) {
             return None;
         }
-        let projection = PointQuery::project_point(&self.shape, &self.pose, point, false);
-        let away = if projection.is_inside { projection.point - point } else { point - projection.point };
-        let distance = if projection.is_inside { -away.length() } else { away.length() };
+        let (away, distance) = self.nearest(point);
         if distance >= self.eps {
             return None;
         }
-        // Exactly on the surface there is no direction to measure: away from the middle is outwards enough for one step.
-        let normal = away.try_normalize().or_else(|| (point - self.near.center()).try_normalize())?;
+        let near = distance.abs() < 1e-7 * self.near.half_extents().length();
+        let normal = if near { self.slope(point) } else { away.try_normalize() }?;
         Some(Contact { distance, normal: [normal.x, normal.y] })
     }
 }

@@ -105,7 +105,7 @@ impl Newton {
             }
             let Some(whole) = self.search(equations, z, &mut counts) else { break };
             let ratio = size / last;
-            if whole && ratio < 1.0 && size * ratio / (1.0 - ratio) <= tolerance {
+            if whole && last.is_finite() && ratio < 1.0 && size * ratio / (1.0 - ratio) <= tolerance {
                 return counts;
             }
             last = if whole { size } else { f64::INFINITY };

@@ -13,10 +13,12 @@ use super::{
         body::Bodies,
         colour_bar,
         ink::Ink,
+        net,
         night::{self, Snow},
         picked::Picked,
         pins::Pins,
         strip_numbers,
+        toy::Trail,
     },
     theme::Theme,
 };
@@ -47,6 +49,7 @@ pub struct Options {
 pub struct Canvas {
     hold: Hold,
     bodies: Bodies,
+    trail: Trail,
     pins: Pins,
     picked: Picked,
     scale: Scale,
@@ -100,6 +103,7 @@ impl Canvas {
         self.pins.follow(snapshot, frame.now);
         self.scenery.follow(snapshot, dt);
         self.scale.follow(snapshot, dt);
+        self.trail.follow(snapshot);
         if live {
             self.snow.fall(dt);
         }
@@ -129,6 +133,8 @@ impl Canvas {
 
         self.middle.clear(pixels_per_point);
         self.bodies.draw(&mut self.middle, view, snapshot, options, &self.scale);
+        net::nets(&mut self.middle, view, snapshot, options, self.bodies.points());
+        self.trail.draw(&mut self.middle, view, snapshot);
         painter.add(self.middle.finish());
         strip_numbers::strip_numbers(painter, view, canvas, snapshot);
         self.draw_front(painter, frame, pointer);
@@ -146,7 +152,7 @@ impl Canvas {
             arrow::arrow(&mut self.front, view, from, pull);
             arrow::force(painter, view, canvas, from, pull);
         }
-        if options.field != Field::None && options.field == snapshot.field {
+        if options.field != Field::None && options.field == snapshot.field && !snapshot.triangles.is_empty() {
             colour_bar::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
             let under = free.and_then(|at| Some((at, self.bodies.value_at(snapshot, at)?)));
             if let Some((at, value)) = under {
@@ -161,7 +167,9 @@ impl Canvas {
 fn describe(response: &Response, snapshot: &Snapshot) {
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Stage"));
     response.ctx.accesskit_node_builder(response.id, |node| {
-        let bodies: Vec<&str> = snapshot.bodies.iter().map(|body| body.name.as_str()).collect();
+        let nets = snapshot.nets.iter().map(|net| net.name.as_str());
+        let toy = snapshot.level.toy.iter().map(|toy| toy.kind().title());
+        let bodies: Vec<&str> = snapshot.bodies.iter().map(|body| body.name.as_str()).chain(nets).chain(toy).collect();
         let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
         node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
     });

@@ -143,7 +143,7 @@ impl Part {
         let size = view.size(0.0022, 0.7, 4.0);
         for (number, speck) in self.specks.iter().enumerate() {
             let color = if number % 3 == 0 { view.theme.icing.gamma_multiply(0.35) } else { view.theme.crust };
-            ink.disc(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
+            ink.dot(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
         }
     }
 }
@@ -206,7 +206,8 @@ fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) -
 }
 
 fn vertices(ink: &mut Ink, view: View, points: &[Pos2]) {
+    let size = view.size(0.0028, 1.7, 6.0);
     for &point in points {
-        ink.disc(point, 1.6, view.theme.ink);
+        ink.dot(point, size, view.theme.ink);
     }
 }

@@ -29,10 +29,6 @@ impl Layout {
         let bar = Rect::from_min_size(card.min + vec2(0.8 * size, 4.1 * size), vec2(1.1 * size, height));
         Self { card, bar, font: FontId::monospace(size) }
     }
-
-    fn height_of(&self, [low, high]: [f64; 2], value: f64) -> f32 {
-        self.bar.bottom() - self.bar.height() * ((value - low) / (high - low)) as f32
-    }
 }
 
 /// Draws the bar for a field and its scale.
@@ -48,7 +44,8 @@ pub fn colour_bar(painter: &Painter, ink: &mut Ink, view: View, canvas: Rect, fi
     painter.text(below, Align2::CENTER_TOP, unit, FontId::proportional(size), theme.faint_ink);
     for value in ticks(range) {
         let rest = field == Field::Volume && (value - 1.0).abs() < 1e-9;
-        tick(painter, view, &layout, layout.height_of(range, value), &si(value / count, ""), rest);
+        let y = layout.bar.bottom() - layout.bar.height() * scale.share(value);
+        tick(painter, view, &layout, y, &si(value / count, ""), rest);
     }
 }
 

@@ -101,6 +101,17 @@ impl Ink {
         }
     }
 
+    /// A small disc with a rough edge, for things that come in thousands.
+    pub fn dot(&mut self, center: Pos2, radius: f32, color: Color32) {
+        let first = self.mesh.vertices.len() as u32;
+        for (x, y) in [(1.0, 0.0), (0.5, 0.87), (-0.5, 0.87), (-1.0, 0.0), (-0.5, -0.87), (0.5, -0.87)] {
+            self.vertex(center + vec2(x, y) * radius, color);
+        }
+        for i in 1..5 {
+            self.triangle(first, first + i, first + i + 1);
+        }
+    }
+
     /// A disc that fades from its middle to its edge.
     pub fn halo(&mut self, center: Pos2, radius: f32, color: Color32) {
         let count = 32;

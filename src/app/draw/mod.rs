@@ -8,11 +8,13 @@ mod ears;
 pub mod house;
 mod icing;
 pub mod ink;
+pub mod net;
 pub mod night;
 pub mod picked;
 pub mod pins;
 mod roof;
 pub mod strip_numbers;
+pub mod toy;
 
 use super::{camera::Camera, theme::Theme};
 use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};

@@ -37,7 +37,7 @@ pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
     for slope in &ends {
         boards(baker, slope);
     }
-    for (color, lower) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
+    for (color, lower) in [(theme.icing_shade, 0.006), (theme.icing, 0.0)] {
         for slope in &ends {
             blanket(baker, slope, color, lower);
         }
@@ -96,7 +96,7 @@ fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
         let along = low + (1.0 - low) * i as f64 / count;
         let (radius, drop) = if i % 2 == 0 { (0.019, 0.82) } else { (0.0165, 0.92) };
         if along < 1.0 - 0.02 / slope.length() {
-            baker.disc(slope.at(along, drop), radius + wider, icing);
+            baker.disc(slope.at(along, drop), radius + 0.5 * wider, icing);
         }
     }
 }
@@ -123,8 +123,10 @@ pub fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
         &[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]],
         theme.wall_shade,
     );
-    baker.line(&[[x - half, top], [x + half, top]], 0.026, theme.icing);
-    for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
-        baker.disc([x + at * half, top - drop], 0.012, theme.icing);
+    for (color, wider) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
+        baker.line(&[[x - half, top], [x + half, top]], 0.026 + wider, color);
+        for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
+            baker.disc([x + at * half, top - drop], 0.012 + 0.5 * wider, color);
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! What went wrong, over the stage, with buttons that mend it.
 
-use super::View;
-use crate::{command::Command, level::Substeps, snapshot::Snapshot};
-use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Stroke, Ui, vec2};
+use super::{Notice, View};
+use crate::{app::theme::Theme, command::Command, fault::Cause, level::Substeps, snapshot::Snapshot};
+use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Key, Order, Rect, RichText, Stroke, Ui, vec2};
 
 pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if now.fault.is_none() && view.notice.is_none() {
@@ -14,16 +14,21 @@ pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, command
         let width = (stage.width() - 56.0).clamp(160.0, 520.0);
         ui.set_max_width(width);
         if let Some(fault) = &now.fault {
-            card(ui, width, Color32::from_rgb(0xE5, 0x48, 0x4D), "Time stopped", &fault.to_string(), |ui| {
+            card(ui, width, Theme::of(ctx).bad, "Time stopped", &fault.to_string(), |ui| {
                 remedies(ui, now, commands);
             });
         }
         let mut read = false;
         if let Some(notice) = &view.notice {
-            let color = ui.visuals().warn_fg_color;
-            card(ui, width, color, "This did not work", notice, |ui| read = ui.button("Got it").clicked());
+            let (title, color) = match notice {
+                Notice::Trouble(_) => ("This did not work", Theme::of(ctx).caution),
+                Notice::Done(_) => ("Done", Theme::of(ctx).good),
+            };
+            card(ui, width, color, title, notice.text(), |ui| {
+                read = ui.button("Got it").on_hover_text("[Esc]").clicked();
+            });
         }
-        if read {
+        if read || (view.notice.is_some() && ui.input(|input| input.key_pressed(Key::Escape))) {
             view.notice = None;
         }
     });
@@ -55,4 +60,17 @@ fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
             commands.extend([Command::SetSubsteps(finer), Command::EndGesture, Command::Reset]);
         }
     }
+    if let Some(enough) = now.fault.as_ref().and_then(|fault| enough(fault.cause)) {
+        let help = "As many steps in 1/60 s as the stability limit asks for, and starts over.";
+        if ui.button(format!("Use {} substeps", enough.get())).on_hover_text(help).clicked() {
+            commands.extend([Command::SetSubsteps(enough), Command::EndGesture, Command::Reset]);
+        }
+    }
+}
+
+/// As many steps as a stability limit asks for, with a fifth to spare, if that is a number of steps at all.
+fn enough(cause: Cause) -> Option<Substeps> {
+    let Cause::StepTooLong { limit, .. } = cause else { return None };
+    let count = (1.2 / (60.0 * limit)).ceil();
+    (count <= f64::from(Substeps::MAX)).then(|| Substeps::new(count as u32).ok()).flatten()
 }

@@ -1,7 +1,7 @@
 //! What a body is made of.
 
 use super::{
-    View, heading,
+    Notice, View, heading, net,
     segmented::{Segment, segmented},
     settle,
     slider::{self, Outcome},
@@ -16,22 +16,30 @@ use crate::{
 use eframe::egui::{ComboBox, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
-    view.body = view.body.min(now.level.bodies.len().saturating_sub(1));
-    let Some(body) = now.level.bodies.get(view.body) else { return };
-    heading(ui, "Body");
-    if now.level.bodies.len() > 1 {
-        let pick = ComboBox::from_id_salt("body").width(ui.available_width()).selected_text(body.name.as_str());
+    let level = &now.level;
+    let names = level.bodies.iter().map(|body| &body.name).chain(level.nets.iter().map(|net| &net.name));
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    view.body = view.body.min(names.len().saturating_sub(1));
+    let Some(name) = names.get(view.body) else { return };
+    let number = view.body.checked_sub(level.bodies.len());
+    heading(ui, if number.is_some() { "Net" } else { "Body" });
+    if names.len() > 1 {
+        let pick = ComboBox::from_id_salt("body").width(ui.available_width()).selected_text(*name);
         let response = pick.show_ui(ui, |ui| {
-            for (index, body) in now.level.bodies.iter().enumerate() {
-                ui.selectable_value(&mut view.body, index, body.name.as_str());
+            for (index, name) in names.iter().enumerate() {
+                ui.selectable_value(&mut view.body, index, *name);
             }
         });
         response.response.on_hover_text("Which body the sliders below belong to").accessible_name("Body");
     }
     ui.push_id(("body", view.body), |ui| {
-        material(ui, body.material, view, commands);
-        let area = now.bodies.get(view.body).map_or(0.0, |shown| rest_area(shown) * body.place.scale.get().powi(2));
-        mass(ui, body.mass, area, view, commands);
+        if let Some(body) = level.bodies.get(view.body) {
+            material(ui, body.material, view, commands);
+            let area = now.bodies.get(view.body).map_or(0.0, |shown| rest_area(shown) * body.place.scale.get().powi(2));
+            mass(ui, body.mass, area, view, commands);
+        } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
+            net::show(ui, number, listed, view, commands);
+        }
     });
 }
 
@@ -53,7 +61,7 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     let command = match MaterialParameters::new(material.model(), young, poisson, plane) {
         Ok(new) => Some(Command::SetMaterial(view.body, new)),
         Err(error) => {
-            view.notice = Some(error.to_string());
+            view.notice = Some(Notice::trouble(&error));
             None
         }
     };
@@ -75,7 +83,7 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: f64, view: &mut View, commands: &mut
     if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| (*clicked == 0) != by_density) {
         match converted(mass, area, clicked == 0) {
             Ok(new) => commands.extend([Command::SetMass(view.body, new), Command::EndGesture]),
-            Err(error) => view.notice = Some(error.to_string()),
+            Err(error) => view.notice = Some(Notice::trouble(&error)),
         }
     }
     let (outcome, new) = match mass {

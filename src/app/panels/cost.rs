@@ -9,6 +9,7 @@ use super::{
 use crate::{
     command::Command,
     level::Substeps,
+    nets::Role,
     snapshot::{Field, Snapshot},
 };
 use eframe::egui::{Rect, Sense, Ui, vec2};
@@ -17,11 +18,21 @@ use eframe::egui::{Rect, Sense, Ui, vec2};
 const FRAME: f64 = 1.0 / 60.0;
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    looks(ui, view);
+    if !desk.now.triangles.is_empty() {
+        looks(ui, view);
+    } else if has_hidden_springs(desk.now) {
+        let help = "Flexion springs too, which lie over the others";
+        ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
+    }
     heading(ui, "What it costs");
     speed(ui, desk);
     substeps(ui, desk.now, view, commands);
     size(ui, desk.now);
+}
+
+/// Whether some springs are only drawn on request.
+fn has_hidden_springs(now: &Snapshot) -> bool {
+    now.nets.iter().any(|net| net.springs.links().iter().any(|link| link.role == Role::Flexion))
 }
 
 /// Colours, edges and vertices.
@@ -110,8 +121,16 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
 }
 
 fn size(ui: &mut Ui, now: &Snapshot) {
-    row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
-    row(ui, "Vertices", &count(now.positions.len() / 2), "In all bodies");
-    row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
-    row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
+    let springs: usize = now.nets.iter().map(|net| net.springs.links().len()).sum();
+    if springs > 0 {
+        row(ui, "Springs", &count(springs), "In all nets");
+    }
+    if !now.positions.is_empty() {
+        row(ui, "Vertices", &count(now.positions.len() / 2), "Of all bodies, and particles of all nets");
+    }
+    if !now.triangles.is_empty() {
+        row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
+        row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
+        row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
+    }
 }

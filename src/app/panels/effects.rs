@@ -1,6 +1,6 @@
 //! What acts on the bodies: a switch and sliders for every effect of the level, whatever effects there are.
 
-use super::{View, heading, settle, slider};
+use super::{View, heading, settle, sliders};
 use crate::{
     command::Command,
     level::{EffectLevel, Switch, When},
@@ -33,18 +33,10 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
         }
     });
     let mut changed = effect.clone();
-    let mut parameters = changed.effect.kind_mut().parameters();
+    let parameters = changed.effect.kind_mut().parameters();
     if !on || parameters.is_empty() {
         return;
     }
-    let mut sum = slider::Outcome::default();
-    ui.indent("parameters", |ui| {
-        for (number, parameter) in parameters.iter_mut().enumerate() {
-            let outcome = ui.push_id(number, |ui| slider::quantity(ui, *parameter)).inner;
-            sum.changed |= outcome.changed;
-            sum.ended |= outcome.ended;
-            sum.refused = outcome.refused.or(sum.refused.take());
-        }
-    });
+    let sum = ui.indent("parameters", |ui| sliders(ui, parameters)).inner;
     settle(sum, Some(Command::SetEffect(index, changed)), view, commands);
 }

@@ -1,58 +1,22 @@
 //! Where the energy is, now and in the last seconds.
 
-use super::{fixed, heading_here, row};
+use super::{
+    fixed, heading_here,
+    history::{History, WINDOW},
+    row,
+};
 use crate::{
     app::{numbers, theme::Theme},
-    snapshot::{Energies, Snapshot},
+    snapshot::Energies,
 };
 use eframe::egui::{self, Align2, Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Text};
-use std::collections::VecDeque;
+use egui_plot::{GridMark, Line, Plot, PlotPoint, PlotPoints, Text};
 
-/// How far back the plot looks [s of simulated time].
-const WINDOW: f64 = 10.0;
-
-/// Least time between two kept samples [s].
-const APART: f64 = 1.0 / 120.0;
+/// Largest energy that is plotted [J].
+const FARTHEST: f64 = 1e60;
 
 /// Least and greatest height of the plot [points].
 const HEIGHTS: (f32, f32) = (150.0, 300.0);
-
-/// Energies of the last seconds.
-#[derive(Default)]
-pub struct History {
-    samples: VecDeque<(f64, Energies)>,
-    generation: u64,
-}
-
-impl History {
-    /// Notes the energies of now; time that went backwards or another scene begins anew.
-    pub fn record(&mut self, now: &Snapshot) {
-        let back = self.samples.back().is_some_and(|(time, _)| now.time < *time);
-        if back || self.generation != now.generation {
-            self.samples.clear();
-            self.generation = now.generation;
-        }
-        let kept = self.samples.len();
-        // The newest sample moves along until it is far enough from the one before.
-        if kept >= 2 && now.time - self.samples[kept - 2].0 < APART || kept == 1 && now.time == self.samples[0].0 {
-            self.samples.pop_back();
-        }
-        self.samples.push_back((now.time, now.energies));
-        while self.samples.front().is_some_and(|(time, _)| now.time - time > WINDOW) {
-            self.samples.pop_front();
-        }
-    }
-
-    /// The samples as text, one line each, for a spreadsheet.
-    pub fn csv(&self) -> String {
-        let head = "time [s],kinetic [J],elastic [J],potential [J],total [J]\n".to_owned();
-        let line = |(time, of): &(f64, Energies)| {
-            format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
-        };
-        std::iter::once(head).chain(self.samples.iter().map(line)).collect()
-    }
-}
 
 /// One curve.
 struct Curve {
@@ -93,11 +57,11 @@ const CURVES: [Curve; 4] = [
 fn visible(curve: &Curve, of: &Energies) -> f64 {
     let value = (curve.value)(of);
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
-    if value.abs() > 1e-12 * largest.max(1e-3) { value } else { 0.0 }
+    if value.abs() <= 1e-12 * largest.max(1e-3) { 0.0 } else { value }
 }
 
 pub fn show(ui: &mut Ui, history: &History) {
-    let Some(&(end, now)) = history.samples.back() else { return };
+    let Some(&(end, now)) = history.last() else { return };
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         heading_here(ui, "Energies");
@@ -121,8 +85,14 @@ pub fn show(ui: &mut Ui, history: &History) {
     plot(ui, history, end, theme);
 }
 
+/// A height in the plot: an explosion ends at numbers that a screen cannot place.
+fn plotted(curve: &Curve, of: &Energies) -> f64 {
+    let value = (curve.value)(of);
+    if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
+}
+
 fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
-    let values = history.samples.iter().flat_map(|(_, of)| CURVES.iter().map(|curve| (curve.value)(of)));
+    let values = history.samples().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of)));
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
     let span = (end - begin).max(1.0);
@@ -139,6 +109,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
         .show_x(false)
         .show_y(false)
         .y_axis_min_width(52.0)
+        .x_grid_spacer(move |input| marks(input.bounds, span))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
         .show(ui, |plot| {
@@ -146,12 +117,11 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
             plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
             plot.set_plot_bounds_y(low..=high);
             for curve in &CURVES {
-                let points: PlotPoints<'_> =
-                    history.samples.iter().map(|(time, of)| [*time, (curve.value)(of)]).collect();
+                let points: PlotPoints<'_> = history.samples().map(|(time, of)| [*time, plotted(curve, of)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
-            let now = history.samples.back().map(|(_, now)| *now).unwrap_or_default();
+            let now = history.last().map(|(_, now)| *now).unwrap_or_default();
             for (curve, y) in CURVES.iter().zip(label_heights(&now, apart, high - apart)) {
                 let at = PlotPoint::new(end + 0.02 * span, y);
                 let text = RichText::new(curve.name).small().color((curve.color)(theme));
@@ -161,9 +131,17 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     response.response.on_hover_text("Energies [J] over simulated time [s]");
 }
 
+/// Seconds to mark and to number: few enough that the numbers do not touch.
+fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
+    let step = [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|step| *step >= 0.32 * span).unwrap_or(10.0);
+    let first = (from / step).ceil() as i64;
+    let last = (to / step).floor() as i64;
+    (first..=last).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
+}
+
 /// Where to write the names of the curves: at their last values, but at least `apart` from each other, and up to `top`.
 fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
-    let mut heights = CURVES.each_ref().map(|curve| (curve.value)(now));
+    let mut heights = CURVES.each_ref().map(|curve| plotted(curve, now));
     let mut order = [0, 1, 2, 3];
     order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
     let mut floor = f64::NEG_INFINITY;
@@ -181,15 +159,17 @@ fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
 
 /// A range that holds all values and ends at round numbers, so that it stands still while they change a little.
 fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     let round = |value: f64| {
+        if value == 0.0 {
+            return 0.0;
+        }
         let power = 10f64.powf(value.abs().log10().floor());
         let lead = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0].into_iter().find(|lead| lead * power >= value.abs() * 0.999);
         lead.unwrap_or(10.0) * power * value.signum()
     };
-    let high = if high > 0.0 { round(high) } else { 0.0 };
+    // Nothing at all is shown as nothing of a joule.
+    let high = if high > 0.0 || low < 0.0 { round(high) } else { 1.0 };
     let low = if low < -0.02 * high { round(low) } else { 0.0 };
     let margin = (high - low).max(1e-9) * 0.06;
     (low - margin, high + margin)
@@ -198,30 +178,6 @@ fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn at(time: f64) -> Snapshot {
-        Snapshot { time, ..Snapshot::default() }
-    }
-
-    #[test]
-    fn the_plot_forgets_what_is_too_old_and_starts_anew_when_time_does() {
-        let mut history = History::default();
-        for frame in 0..3000 {
-            history.record(&at(f64::from(frame) / 60.0));
-        }
-        assert!((590..=602).contains(&history.samples.len()), "{}", history.samples.len());
-        history.record(&at(0.0));
-        assert_eq!(history.samples.len(), 1);
-    }
-
-    #[test]
-    fn slow_motion_does_not_fill_the_memory() {
-        let mut history = History::default();
-        for frame in 0..10_000 {
-            history.record(&at(f64::from(frame) * 1e-4));
-        }
-        assert!(history.samples.len() <= 122, "{}", history.samples.len());
-    }
 
     #[test]
     fn labels_of_equal_energies_do_not_cover_each_other() {

@@ -4,18 +4,23 @@
 mod banner;
 mod body;
 mod cost;
+mod diagram;
 mod effects;
 mod energy;
 mod help;
+mod history;
 mod icons;
+mod net;
 mod prompt;
+mod scheme;
 mod segmented;
 mod slider;
 mod status;
 mod strip;
 mod test_pose;
+mod toy;
 
-pub use energy::History;
+pub use history::History;
 pub use prompt::Prompt;
 
 use super::{
@@ -23,10 +28,11 @@ use super::{
     clock::Rates,
     gallery::Gallery,
     keys::{Act, Binding},
+    lab::{Lab, Wish},
     numbers,
     theme::Theme,
 };
-use crate::{command::Command, snapshot::Snapshot};
+use crate::{command::Command, quantity::Quantity, snapshot::Snapshot};
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 
 /// How things are looked at: nothing in here changes the simulation.
@@ -34,26 +40,54 @@ use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, 
 pub struct View {
     /// Colours, edges and vertices.
     pub stage: canvas::Options,
-    /// The body whose material the sliders show.
+    /// The body, or after the bodies the net, whose numbers the sliders show.
     pub body: usize,
     /// Whether the panels on the left and on the right are hidden, in a wide window.
     pub hidden: [bool; 2],
     /// The panel that lies over the stage, in a narrow window.
     pub drawer: Option<Side>,
+    /// Height of the strip at the top in the last frame [points].
+    pub strip_height: f32,
     /// Whether the list of keys is shown.
     pub help: bool,
-    /// A message that waits to be read: a refused value, a file that cannot be read.
-    pub notice: Option<String>,
-    /// Warnings that were read and put away.
-    pub dismissed: Vec<String>,
+    /// A message that waits to be read.
+    pub notice: Option<Notice>,
+    /// Kinds of warnings that were read and put away.
+    pub dismissed: Vec<&'static str>,
     /// Whether time was too slow of late; keeps the warning from flickering.
     pub slow: bool,
     /// Keys that were pressed, or clicked in the line at the bottom.
     pub pressed: Vec<&'static Binding>,
     /// What is wanted of the file system.
     pub file: Option<FileWish>,
+    /// What is wanted of the studies.
+    pub wishes: Vec<Wish>,
+    /// How the diagram is looked at.
+    pub diagram: diagram::Look,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
+}
+
+/// A message that waits to be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// A refused value, a file that cannot be read: nothing has changed.
+    Trouble(String),
+    /// Something that cannot be seen was done.
+    Done(String),
+}
+
+impl Notice {
+    /// What is wrong.
+    pub fn trouble(why: &dyn std::fmt::Display) -> Self {
+        Self::Trouble(why.to_string())
+    }
+
+    /// What it says.
+    pub fn text(&self) -> &str {
+        let (Self::Trouble(text) | Self::Done(text)) = self;
+        text
+    }
 }
 
 /// A side of the window.
@@ -86,6 +120,8 @@ pub struct Desk<'a> {
     pub gallery: &'a Gallery,
     /// Energies of the last seconds.
     pub history: &'a History,
+    /// What is measured beside the scene.
+    pub lab: &'a Lab,
 }
 
 /// Below this width the sides fold away [points].
@@ -111,6 +147,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
         drawer(ui, stage, side, desk, view, commands);
     }
     banner::show(ui.ctx(), stage, desk.now, view, commands);
+    diagram::show(ui.ctx(), desk, view, commands);
     help::show(ui.ctx(), desk.now, view);
     prompt::show(ui.ctx(), view);
 }
@@ -148,11 +185,17 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
         if side == Side::Left {
+            if !desk.now.level.about.is_empty() {
+                ui.label(RichText::new(&desk.now.level.about).small().weak());
+            }
             test_pose::show(ui, desk.now, commands);
             body::show(ui, desk.now, view, commands);
+            toy::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
         } else {
             cost::show(ui, desk, view, commands);
+            scheme::show(ui, desk, view, commands);
+            diagram::button(ui, view);
             energy::show(ui, desk.history);
         }
         ui.add_space(8.0);
@@ -197,8 +240,8 @@ fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
 
 /// Takes what a slider did into the view: a refusal is shown, the end of a gesture is passed on.
 fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, commands: &mut Vec<Command>) {
-    if outcome.refused.is_some() {
-        view.notice = outcome.refused;
+    if outcome.refused.is_some() || outcome.changed {
+        view.notice = outcome.refused.map(Notice::Trouble);
     }
     if outcome.changed {
         commands.extend(command);
@@ -206,6 +249,18 @@ fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, c
     if outcome.ended {
         commands.push(Command::EndGesture);
     }
+}
+
+/// Sliders for numbers that describe themselves; what they did, all together.
+fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::Outcome {
+    let mut sum = slider::Outcome::default();
+    for (index, number) in numbers.into_iter().enumerate() {
+        let outcome = ui.push_id(index, |ui| slider::quantity(ui, number)).inner;
+        sum.changed |= outcome.changed;
+        sum.ended |= outcome.ended;
+        sum.refused = outcome.refused.or(sum.refused.take());
+    }
+    sum
 }
 
 /// A count with thousands apart: `12 480`.

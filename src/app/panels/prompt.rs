@@ -37,7 +37,8 @@ pub fn show(ctx: &Context, view: &mut View) {
         ui.horizontal(|ui| {
             let ready = !prompt.text.trim().is_empty();
             let button = egui::Button::new(verb).min_size(vec2(72.0, 26.0));
-            prompt.answered |= ready && (ui.add_enabled(ready, button).clicked() || entered);
+            let pressed = ui.add_enabled(ready, button).clicked();
+            prompt.answered |= ready && (pressed || entered);
             closed |= ui.button("Cancel").clicked();
         });
     });

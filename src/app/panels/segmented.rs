@@ -73,7 +73,7 @@ impl From<bool> for Lit {
 pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, about: &str, lit: impl Into<Lit>) -> Response {
     let lit = lit.into();
     let sense = if lit == Lit::Disabled { Sense::hover() } else { Sense::click() };
-    let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT + 2.0, HEIGHT), sense);
+    let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT, HEIGHT), sense);
     response.widget_info(|| WidgetInfo::selected(Role::Button, lit != Lit::Disabled, lit == Lit::On, name));
     let color = match lit {
         Lit::Disabled => ui.visuals().weak_text_color().gamma_multiply(0.5),

@@ -2,7 +2,10 @@
 
 use super::{Desk, View};
 use crate::{
-    app::keys::{Binding, TABLE, When},
+    app::{
+        keys::{Binding, TABLE, When},
+        numbers,
+    },
     command::{Command, Mode},
     level::Substeps,
     materials::Model,
@@ -12,13 +15,19 @@ use eframe::egui::{self, Align, Button, Frame, Layout, Margin, Panel, RichText, 
 
 /// Something worth knowing, and what to do about it.
 struct Warning {
+    /// Warnings of one kind are put away together: their numbers change.
+    kind: &'static str,
     text: String,
+    details: String,
     /// Words on the button, what it does, and a tooltip.
-    mend: Option<(&'static str, Command, &'static str)>,
+    mend: Option<(&'static str, Vec<Command>, &'static str)>,
 }
 
 /// Time slower than this is worth a warning; faster than the other it is forgotten.
 const SLOW: (f64, f64) = (0.85, 0.95);
+
+/// Room that the keys keep beside a warning [points].
+const KEYS: f32 = 440.0;
 
 /// Stepping that takes this long in a frame is what slows time down [s].
 const MUCH: f64 = 0.009;
@@ -43,8 +52,12 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
 /// Keys that matter in this mode, as far as there is room; each can be clicked instead.
 fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
-    let special = TABLE.iter().filter(|binding| binding.when != When::Always && binding.when.holds(now));
+    let places = [When::Edit, When::Moving, When::Test];
+    let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.holds(now));
     let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "?"].contains(&binding.label));
+    // A toy has no vertices to pin or pull, and nothing that could be damped.
+    let special = special.filter(|binding| now.toy.is_none() || !["Click", "Drag"].contains(&binding.label));
+    let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
     for binding in special.chain(general) {
         let words = brief(binding, now);
         let font = TextStyle::Small.resolve(ui.style());
@@ -87,40 +100,42 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
 
 /// Writes the warning; what does not fit can be read in its tooltip.
 fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<Command>) {
-    let put_away = ui.button("Hide").on_hover_text("Puts this warning away.");
-    if put_away.clicked() {
-        view.dismissed.push(warning.text.clone());
+    if ui.button("Hide").on_hover_text("Puts this warning away.").clicked() {
+        view.dismissed.push(warning.kind);
     }
-    if let Some((words, command, help)) = &warning.mend
+    if let Some((words, mend, help)) = &warning.mend
         && ui.button(*words).on_hover_text(*help).clicked()
     {
-        commands.push(command.clone());
+        commands.extend_from_slice(mend);
     }
-    let color = ui.visuals().warn_fg_color;
-    let room = (ui.available_width() * 0.75).max(120.0).min(ui.available_width());
+    let text = RichText::new(&warning.text).color(ui.visuals().warn_fg_color);
+    // In a wide window the keys keep some room of their own; in a narrow one the warning has it all.
+    let width = ui.available_width();
+    let room = if width > 1.4 * KEYS { width - KEYS } else { width };
     ui.scope(|ui| {
         ui.set_max_width(room);
-        ui.add(egui::Label::new(RichText::new(&warning.text).color(color)).truncate());
+        ui.add(egui::Label::new(text).truncate()).on_hover_text(&warning.details);
     });
 }
 
-/// The one that matters most.
+/// The one that matters most and was not put away. What is over can be warned of again.
 fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     let now = desk.now;
-    if let Some(factor) = desk.rates.map(|rates| rates.factor) {
-        view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
-    } else {
-        view.slow = false;
+    if now.fault.is_some() {
+        return None;
     }
+    let factor = desk.rates.map_or(1.0, |rates| rates.factor);
+    view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let mut all = Vec::new();
     all.extend(inside_out(now));
-    all.extend(now.bodies.iter().filter_map(|body| body.caution.clone().map(|text| caution(text, body.model))));
+    all.extend(caution(now));
     if view.slow {
         all.extend(desk.rates.and_then(|rates| slow(now, rates.physics)));
     }
-    all.extend(now.messages.iter().map(|text| Warning { text: text.clone(), mend: None }));
-    view.dismissed.retain(|text| all.iter().any(|warning| warning.text == *text));
-    all.into_iter().find(|warning| !view.dismissed.contains(&warning.text))
+    let message = |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), mend: None };
+    all.extend(now.messages.first().map(message));
+    view.dismissed.retain(|kind| all.iter().any(|warning| warning.kind == *kind));
+    all.into_iter().find(|warning| !view.dismissed.contains(&warning.kind))
 }
 
 fn inside_out(now: &Snapshot) -> Option<Warning> {
@@ -129,23 +144,40 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
         1 => "1 triangle is inside out".to_owned(),
         many => format!("{many} triangles are inside out"),
     };
-    Some(Warning { text, mend: Some(("Start over", Command::Reset, "Positions and velocities go back to the start.")) })
+    let details = format!("Least J = det F is {}: below 0 a triangle is turned over.", numbers::si(now.min_j, ""));
+    let finer = Substeps::new(now.level.substeps.get().saturating_mul(2)).ok();
+    let mend = match finer.filter(|_| now.inverted > now.triangles.len() / 20) {
+        // Not a fold here and there but a burst: the step is too long.
+        Some(finer) => (
+            "Halve the step",
+            vec![Command::SetSubsteps(finer), Command::EndGesture, Command::Reset],
+            "Twice as many steps, half as long, and starts over: dearer, and stable for stiffer bodies.",
+        ),
+        None => ("Start over", vec![Command::Reset], "Positions and velocities go back to the start."),
+    };
+    Some(Warning { kind: "inside out", text, details, mend: Some(mend) })
 }
 
-fn caution(text: String, model: Model) -> Warning {
+/// A model that has no honest answer at this stretch; the stage writes it out.
+fn caution(now: &Snapshot) -> Option<Warning> {
+    let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.caution.clone()?)))?;
+    let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
+    let text = if text.len() < 12 { details.clone() } else { text };
     let help = "Its energy grows without bound as a triangle is squeezed flat; all bodies start over.";
-    let mend = (model != Model::NeoHookean).then_some(("Use neo-Hookean", Command::SetModel(Model::NeoHookean), help));
-    Warning { text, mend }
+    let mend = ("Use neo-Hookean", vec![Command::SetModel(Model::NeoHookean)], help);
+    let possible = body.model != Model::NeoHookean && !now.side_by_side;
+    Some(Warning { kind: "caution", text, details, mend: possible.then_some(mend) })
 }
 
 fn slow(now: &Snapshot, physics: f64) -> Option<Warning> {
+    let details = "Simulated time runs slower than real time: no step is skipped or lengthened.".to_owned();
     if physics < MUCH {
-        let text = "Frames come too seldom: time runs slower than real time".to_owned();
-        return Some(Warning { text, mend: None });
+        return Some(Warning { kind: "slow", text: "Frames come too seldom".to_owned(), details, mend: None });
     }
     let steps = now.level.substeps.get();
-    let text = format!("This machine cannot afford {steps} steps a frame: time runs slower than real time");
+    let text = format!("This machine cannot afford {steps} steps a frame");
     let fewer = Substeps::new(steps / 2).ok()?;
-    let help = "Longer steps: cheaper, and less stable.";
-    Some(Warning { text, mend: Some(("Halve the steps", Command::SetSubsteps(fewer), help)) })
+    let fewer = vec![Command::SetSubsteps(fewer), Command::EndGesture];
+    let mend = ("Halve the steps", fewer, "Longer steps: cheaper, and less stable.");
+    Some(Warning { kind: "slow", text, details, mend: Some(mend) })
 }

@@ -16,11 +16,11 @@ use eframe::egui::{
 };
 
 /// Width of the four buttons on the right.
-const LOOKS: f32 = 4.0 * (HEIGHT + 2.0) + 3.0 * 2.0;
+const LOOKS: f32 = 4.0 * HEIGHT + 3.0 * 2.0;
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
-    Panel::top("strip").frame(frame).show(ui, |ui| {
+    let height = Panel::top("strip").frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(2.0, 5.0);
         ui.horizontal_wrapped(|ui| {
             ui.set_min_height(HEIGHT);
@@ -31,10 +31,12 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
             }
             apart(ui);
             time(ui, desk.now, commands);
-            if let Some(model) = models(ui, desk.now) {
-                commands.push(Command::SetModel(model));
+            if !desk.now.bodies.is_empty() {
+                if let Some(model) = models(ui, desk.now) {
+                    commands.push(Command::SetModel(model));
+                }
+                apart(ui);
             }
-            apart(ui);
             history(ui, desk.now, commands);
             if !narrow {
                 ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
@@ -42,11 +44,17 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
             looks(ui, view, narrow);
         });
     });
+    // A strip that has wrapped anew is drawn whole in the next frame only.
+    let height = height.response.rect.height();
+    if view.strip_height != height {
+        view.strip_height = height;
+        ui.ctx().request_repaint();
+    }
 }
 
-/// A gap between groups.
+/// A gap between groups; on a page as narrow as a phone there is no room for much.
 fn apart(ui: &mut Ui) {
-    ui.add_space(8.0);
+    ui.add_space(if ui.ctx().content_rect().width() < 440.0 { 2.0 } else { 8.0 });
 }
 
 /// The level picker with its files.
@@ -133,7 +141,7 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
             text,
             name: model.title(),
             about,
-            on: !now.bodies.is_empty() && now.bodies.iter().all(|body| body.model == *model),
+            on: now.bodies.iter().all(|body| body.model == *model),
         })
         .collect();
     let clicked = segmented(ui, "model", &parts, false)?;

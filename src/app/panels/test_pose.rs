@@ -15,8 +15,15 @@ pub fn show(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     heading(ui, "Stretch test");
     let about = |key: &str, factor: f64| format!("Starts at {factor} x the rest height. [{key}]");
     let (up, down) = (about("Up", test.stretched.get()), about("Down", test.compressed.get()));
-    let part = |pose, text, about| Segment { text, name: text, about, on: now.pose == Some(pose) };
-    let parts = [part(Pose::Stretched, "Stretched", &up), part(Pose::Compressed, "Compressed", &down)];
+    let is_at = |pose, factor| match now.pose {
+        Some(now) => now == pose,
+        None => now.level.bodies.first().is_some_and(|body| body.stretch.1 == factor),
+    };
+    let part = |pose, factor, text, about| Segment { text, name: text, about, on: is_at(pose, factor) };
+    let parts = [
+        part(Pose::Stretched, test.stretched, "Stretched", &up),
+        part(Pose::Compressed, test.compressed, "Compressed", &down),
+    ];
     if let Some(clicked) = segmented(ui, "pose", &parts, true) {
         commands.push(Command::SetPose(if clicked == 0 { Pose::Stretched } else { Pose::Compressed }));
     }

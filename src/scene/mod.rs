@@ -1,15 +1,20 @@
 //! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
+mod net;
+
+pub use net::Net;
+
 use crate::{
     effects::{Effect, Motion},
-    elements::Triangles,
-    integrators::IntegratorKind,
+    elements::{Elements, Triangles},
+    integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Switch, When},
     materials::Plane,
-    meshes::{Files, Mesh, MeshKind},
+    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     quantity::Point,
     state::State,
+    toys::ToyKind,
 };
 use std::{ops::Range, sync::Arc};
 
@@ -18,6 +23,10 @@ use std::{ops::Range, sync::Arc};
 pub struct Scene {
     /// The bodies, in the order of the level.
     pub bodies: Vec<Body>,
+    /// The nets, in the order of the level; their particles come after the bodies' vertices.
+    pub nets: Vec<Net>,
+    /// The system that takes the place of bodies and nets, if the level is about one: its state is `x`, and there is no `v`.
+    pub toy: Option<ToyKind>,
     /// Positions at rest, two numbers a vertex [m].
     pub rest: Vec<f64>,
     /// Positions and velocities at the start.
@@ -53,22 +62,54 @@ pub struct Body {
     pub vertices: Range<usize>,
     /// Its elements.
     pub elements: Arc<Triangles>,
+    /// Edges of its boundary, by its own vertex numbers.
+    pub boundary: Vec<[u32; 2]>,
     /// Vertices at the greatest rest y.
     pub top: Vec<u32>,
     /// Height at rest [m].
     pub rest_height: f64,
 }
 
+/// Whose vertex it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// A body's, by number.
+    Body(usize),
+    /// A net's, by number.
+    Net(usize),
+}
+
 /// A level that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
     /// A level needs something to move.
-    #[error("a level needs at least one body")]
-    NoBodies,
+    #[error("a level needs at least one body or net, or a toy")]
+    Nothing,
+    /// A toy beside other things.
+    #[error("a toy stands alone: take the bodies, nets and effects out of the level, or the toy")]
+    ToyWithOthers,
+    /// A toy has no positions and velocities that could be treated differently.
+    #[error(
+        "{integrator} tells positions from velocities, which a toy has not; choose another integrator, such as {instead}"
+    )]
+    ToyIntegrator {
+        /// The integrator of the level.
+        integrator: &'static str,
+        /// One that would do.
+        instead: &'static str,
+    },
     /// A body's mesh, pins or place.
     #[error("body {name:?}: {why}")]
     Body {
         /// Name of the body.
+        name: String,
+        /// What is wrong, and what to do.
+        why: String,
+    },
+    /// A net's particles, springs or pins.
+    #[error("net {name:?}: {why}")]
+    Net {
+        /// Name of the net.
         name: String,
         /// What is wrong, and what to do.
         why: String,
@@ -83,7 +124,7 @@ pub enum SceneError {
     },
     /// The saved state belongs to other meshes.
     #[error(
-        "the saved state has {positions} positions and {velocities} velocities, but the bodies have {vertices} vertices"
+        "the saved state has {positions} positions and {velocities} velocities, but the level has {vertices} vertices"
     )]
     State {
         /// Number of saved positions.
@@ -101,11 +142,11 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] names the body or effect and what is wrong.
     pub fn build(level: &Level, mode: RunMode, files: &dyn Files, previous: Option<&Self>) -> Result<Self, SceneError> {
-        if level.bodies.is_empty() {
-            return Err(SceneError::NoBodies);
-        }
+        check_kind(level)?;
         let mut scene = Self {
             bodies: Vec::new(),
+            nets: Vec::new(),
+            toy: level.toy.clone(),
             rest: Vec::new(),
             start: State::default(),
             mass: Vec::new(),
@@ -120,6 +161,12 @@ impl Scene {
         for body in &level.bodies {
             scene.add_body(body, files, previous).map_err(|why| SceneError::Body { name: body.name.clone(), why })?;
         }
+        for net in &level.nets {
+            scene.add_net(net).map_err(|why| SceneError::Net { name: net.name.clone(), why })?;
+        }
+        if let Some(toy) = &level.toy {
+            scene.start.x.extend(toy.kind().exact(0.0));
+        }
         scene.finish_masses();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
@@ -132,8 +179,8 @@ impl Scene {
     /// [`SceneError::State`] if it belongs to other meshes.
     pub fn first_state(&self, saved: Option<&SavedState>) -> Result<State, SceneError> {
         let Some(saved) = saved else { return Ok(self.start.clone()) };
-        let vertices = self.rest.len() / 2;
-        if saved.positions.len() != vertices || saved.velocities.len() != vertices {
+        let vertices = self.start.x.len() / 2;
+        if saved.positions.len() != vertices || saved.velocities.len() != self.start.v.len() / 2 {
             let (positions, velocities) = (saved.positions.len(), saved.velocities.len());
             return Err(SceneError::State { positions, velocities, vertices });
         }
@@ -156,14 +203,24 @@ impl Scene {
         Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
     }
 
-    /// The body that a vertex belongs to, and the vertex's number in it.
-    pub fn body_of(&self, vertex: usize) -> Option<(usize, usize)> {
-        let body = self.bodies.iter().position(|body| body.vertices.contains(&vertex))?;
-        Some((body, vertex - self.bodies[body].vertices.start))
+    /// The body or net that a vertex belongs to, and the vertex's number in it.
+    pub fn owner_of(&self, vertex: usize) -> Option<(Owner, usize)> {
+        let (bodies, nets) = (&self.bodies, &self.nets);
+        if let Some(number) = bodies.iter().position(|body| body.vertices.contains(&vertex)) {
+            return Some((Owner::Body(number), vertex - bodies[number].vertices.start));
+        }
+        let number = nets.iter().position(|net| net.vertices.contains(&vertex))?;
+        Some((Owner::Net(number), vertex - nets[number].vertices.start))
+    }
+
+    /// How many of the effects, from the first, are elements: what they store is elastic energy.
+    pub fn element_count(&self) -> usize {
+        self.bodies.len() + self.nets.len()
     }
 
     fn add_body(&mut self, level: &BodyLevel, files: &dyn Files, previous: Option<&Self>) -> Result<(), String> {
-        let known = previous.and_then(|scene| scene.bodies.iter().find(|body| body.recipe == level.mesh));
+        let before = previous.into_iter().flat_map(|scene| &scene.bodies);
+        let known = self.bodies.iter().chain(before).find(|body| body.recipe == level.mesh);
         let mesh = match known {
             Some(body) => Arc::clone(&body.mesh),
             None => Arc::new(level.mesh.kind().build(files).map_err(|error| error.to_string())?),
@@ -172,8 +229,13 @@ impl Scene {
         let vertices = first..first + mesh.points().len();
         self.rest.extend(placed(level, &mesh));
         let rest = &self.rest[2 * first..];
-        if !rest.iter().all(|coordinate| coordinate.is_finite()) {
-            return Err("its place puts it out of reach of numbers".to_owned());
+        if !rest.iter().all(|coordinate| coordinate.abs() <= State::LIMIT) {
+            return Err(format!("its place puts it beyond {:e} m", State::LIMIT));
+        }
+        let total =
+            mesh.triangles().len() + self.bodies.iter().map(|body| body.elements.corners().len()).sum::<usize>();
+        if total > MOST_TRIANGLES {
+            return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
         let corners: Vec<_> = mesh.triangles().iter().map(|triangle| triangle.map(|i| i + first as u32)).collect();
         let material = &level.material;
@@ -190,7 +252,8 @@ impl Scene {
         let top = on_edge(rest, 1, true).map(|i| i + first as u32).collect();
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe, rest_height) = (level.name.clone(), level.mesh.clone(), greatest - least);
-        self.bodies.push(Body { name, recipe, mesh, vertices, elements, top, rest_height });
+        let boundary = mesh.boundary_edges();
+        self.bodies.push(Body { name, recipe, mesh, vertices, elements, boundary, top, rest_height });
         Ok(())
     }
 
@@ -205,8 +268,12 @@ impl Scene {
     }
 
     fn add_effects(&mut self, level: &Level, mode: RunMode) -> Result<(), SceneError> {
-        let elements: Vec<_> = self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect();
-        self.effects.extend(elements.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
+        let elements = Elements {
+            triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
+            springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
+        };
+        self.effects.extend(elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
+        self.effects.extend(elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn Effect>));
         for listed in &level.effects {
             let name = listed.effect.name();
             // Built even when it is off, so that a level with a mistake in it is never half accepted.
@@ -217,6 +284,24 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Bodies and nets, or a toy with an integrator that can advance it.
+fn check_kind(level: &Level) -> Result<(), SceneError> {
+    let still = level.bodies.is_empty() && level.nets.is_empty();
+    if level.toy.is_none() {
+        return if still { Err(SceneError::Nothing) } else { Ok(()) };
+    }
+    if !still || !level.effects.is_empty() {
+        return Err(SceneError::ToyWithOthers);
+    }
+    let suits = |kind: &IntegratorKind| matches!(kind.kind().scheme(), Scheme::First(_));
+    if suits(&level.integrator) {
+        return Ok(());
+    }
+    let known = IntegratorKind::all();
+    let instead = known.iter().find(|kind| suits(kind)).map_or("another", |kind| kind.kind().title());
+    Err(SceneError::ToyIntegrator { integrator: level.integrator.kind().title(), instead })
 }
 
 /// Least and greatest of one coordinate (0 or 1) of flat points.

@@ -1,0 +1,94 @@
+//! Nets: springs as candy strings, coiled where there are few, and particles as small candies.
+
+use super::{View, ink::Ink, scatter};
+use crate::{
+    app::canvas::Options,
+    nets::{Link, Role},
+    snapshot::{NetSnapshot, Snapshot},
+};
+use eframe::egui::{Color32, Pos2, Vec2, vec2};
+use std::f32::consts::TAU;
+
+/// Up to this many springs are drawn as coils.
+const FEW: usize = 24;
+
+/// Relative change of length at which a spring's colour has changed fully.
+const STRAIN: f64 = 0.25;
+
+/// Draws all nets on the vertices' places.
+pub fn nets(ink: &mut Ink, view: View, snapshot: &Snapshot, options: &Options, points: &[Pos2]) {
+    for net in &snapshot.nets {
+        let coiled = net.springs.links().len() <= FEW;
+        // Flexion springs lie over the structural ones and would only thicken them.
+        for role in [Role::Flexion, Role::Shear, Role::Structural] {
+            let seen = role != Role::Flexion || options.wireframe;
+            for link in net.springs.links().iter().filter(|link| seen && link.role == role) {
+                let [Some(&from), Some(&to)] = link.ends.map(|end| points.get(end as usize)) else { continue };
+                let color = color(view, link, &snapshot.positions);
+                match role {
+                    Role::Structural if coiled => coil(ink, view, [from, to], link, color),
+                    Role::Structural => string(ink, [from, to], view.size(0.0042, 1.6, 9.0), color),
+                    Role::Shear => string(ink, [from, to], view.size(0.0022, 1.0, 5.0), color.gamma_multiply(0.4)),
+                    Role::Flexion => string(ink, [from, to], 1.0, color.gamma_multiply(0.3)),
+                }
+            }
+        }
+        candies(ink, view, net, points);
+    }
+}
+
+/// Icing at rest, redder the more a spring is stretched, bluer the more it is squeezed.
+fn color(view: View, link: &Link, positions: &[f64]) -> Color32 {
+    let length = link.length(positions);
+    let strain = if link.rest > 0.0 { (length - link.rest) / link.rest } else { 0.0 };
+    let share = (strain / STRAIN).clamp(-1.0, 1.0) as f32;
+    let towards = if share > 0.0 { view.theme.candy[0] } else { view.theme.series[1] };
+    view.theme.icing.lerp_to_gamma(towards, 0.85 * share.abs())
+}
+
+/// A straight string.
+fn string(ink: &mut Ink, ends: [Pos2; 2], width: f32, color: Color32) {
+    let (half, soft) = (0.5 * width, 0.5 * ink.pixel());
+    let distances = [half + soft, (half - soft).max(0.0), -(half - soft).max(0.0), -half - soft];
+    ink.bands(&ends, false, &distances, &[0.0, 1.0, 1.0, 0.0], color);
+}
+
+/// A coil that opens as the spring gets longer, with straight ends.
+fn coil(ink: &mut Ink, view: View, [from, to]: [Pos2; 2], link: &Link, color: Color32) {
+    const SMOOTH: u16 = 10;
+    let (along, aside) = (to - from, (to - from).normalized().rot90());
+    let turns = (link.rest / 0.028).clamp(4.0, 30.0) as u16;
+    let (height, lead) = (view.size(0.011, 4.0, 26.0), 0.1);
+    let mut line = vec![from];
+    line.extend((0..=turns * SMOOTH).map(|i| {
+        let share = f32::from(i) / f32::from(turns * SMOOTH);
+        let wave = (TAU * f32::from(turns) * share).sin();
+        from + along * (lead + (1.0 - 2.0 * lead) * share) + aside * (height * wave)
+    }));
+    line.push(to);
+    let width = view.size(0.0046, 2.0, 11.0);
+    ink.line(&line, false, width + 2.0, view.theme.crust);
+    ink.line(&line, false, width, color);
+}
+
+/// A candy for each particle, as large as the springs leave room for.
+fn candies(ink: &mut Ink, view: View, net: &NetSnapshot, points: &[Pos2]) {
+    let lengths = net.springs.links().iter().map(|link| link.rest).filter(|rest| *rest > 0.0);
+    let room = lengths.fold(f64::INFINITY, f64::min).min(0.1) as f32;
+    let radius = view.size((0.13 * room).clamp(0.004, 0.022), 2.0, 46.0);
+    let colors = [view.theme.candy[0], view.theme.candy[1], view.theme.icing];
+    for (number, &at) in points.get(net.vertices.clone()).unwrap_or_default().iter().enumerate() {
+        candy(ink, at, radius, colors[(scatter(number, 21) * 2.999) as usize]);
+    }
+}
+
+/// A round sweet, lit from above.
+pub(super) fn candy(ink: &mut Ink, at: Pos2, radius: f32, color: Color32) {
+    ink.disc(at + vec2(0.0, 0.14 * radius), 1.12 * radius, Color32::from_black_alpha(100));
+    ink.disc(at, radius, color.lerp_to_gamma(Color32::BLACK, 0.25));
+    ink.disc(at - vec2(0.0, 0.1 * radius), 0.84 * radius, color);
+    if radius > 3.5 {
+        let light = Color32::WHITE.gamma_multiply(0.75);
+        ink.disc(at - Vec2::splat(0.34 * radius), 0.2 * radius, light);
+    }
+}

@@ -1,0 +1,85 @@
+//! Energies of the last seconds, for the plot.
+
+use crate::snapshot::{Energies, Snapshot};
+use std::collections::VecDeque;
+
+/// How far back the plot looks [s of simulated time].
+pub const WINDOW: f64 = 10.0;
+
+/// Least time between two kept samples [s].
+const APART: f64 = 1.0 / 120.0;
+
+/// Energies of the last seconds.
+#[derive(Default)]
+pub struct History {
+    samples: VecDeque<(f64, Energies)>,
+    generation: u64,
+}
+
+impl History {
+    /// Notes the energies of now; time that went backwards or another scene begins anew.
+    pub fn record(&mut self, now: &Snapshot) {
+        let back = self.samples.back().is_some_and(|(time, _)| now.time < *time);
+        if back || self.generation != now.generation {
+            self.samples.clear();
+            self.generation = now.generation;
+        }
+        let kept = self.samples.len();
+        // The newest sample moves along until it is far enough from the one before.
+        if kept >= 2 && now.time - self.samples[kept - 2].0 < APART || kept == 1 && now.time == self.samples[0].0 {
+            self.samples.pop_back();
+        }
+        self.samples.push_back((now.time, now.energies));
+        while self.samples.front().is_some_and(|(time, _)| now.time - time > WINDOW) {
+            self.samples.pop_front();
+        }
+    }
+
+    /// The samples as text, one line each, for a spreadsheet.
+    pub fn csv(&self) -> String {
+        let head = "time [s],kinetic [J],elastic [J],potential [J],total [J]\n".to_owned();
+        let line = |(time, of): &(f64, Energies)| {
+            format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
+        };
+        std::iter::once(head).chain(self.samples.iter().map(line)).collect()
+    }
+
+    /// What was kept, oldest first.
+    pub fn samples(&self) -> impl Iterator<Item = &(f64, Energies)> {
+        self.samples.iter()
+    }
+
+    /// The newest sample.
+    pub fn last(&self) -> Option<&(f64, Energies)> {
+        self.samples.back()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(time: f64) -> Snapshot {
+        Snapshot { time, ..Snapshot::default() }
+    }
+
+    #[test]
+    fn the_plot_forgets_what_is_too_old_and_starts_anew_when_time_does() {
+        let mut history = History::default();
+        for frame in 0..3000 {
+            history.record(&at(f64::from(frame) / 60.0));
+        }
+        assert!((590..=602).contains(&history.samples.len()), "{}", history.samples.len());
+        history.record(&at(0.0));
+        assert_eq!(history.samples.len(), 1);
+    }
+
+    #[test]
+    fn slow_motion_does_not_fill_the_memory() {
+        let mut history = History::default();
+        for frame in 0..10_000 {
+            history.record(&at(f64::from(frame) * 1e-4));
+        }
+        assert!(history.samples.len() <= 122, "{}", history.samples.len());
+    }
+}

@@ -1,0 +1,13 @@
+//! What a net is made of.
+
+use super::{View, settle, sliders};
+use crate::{command::Command, level::NetLevel, quantity::Quantity};
+use eframe::egui::Ui;
+
+/// Mass of the particles and whatever numbers the net has.
+pub fn show(ui: &mut Ui, number: usize, listed: &NetLevel, view: &mut View, commands: &mut Vec<Command>) {
+    let (mut net, mut mass) = (listed.net.clone(), listed.mass);
+    let springs = net.kind_mut().parameters();
+    let outcome = sliders(ui, std::iter::once(&mut mass as &mut dyn Quantity).chain(springs));
+    settle(outcome, Some(Command::SetNet(number, net, mass)), view, commands);
+}

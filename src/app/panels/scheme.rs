@@ -1,0 +1,131 @@
+//! How time is stepped: the scheme, and how far its step is from what it can bear.
+
+use super::{Desk, View, fixed, heading, row, settle, slider};
+use crate::{
+    app::{lab::Wish, numbers, theme::Theme},
+    command::Command,
+    integrators::{Class, IntegratorKind, Scheme},
+};
+use eframe::egui::{Color32, ComboBox, Rect, RichText, Sense, Ui, vec2};
+
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    heading(ui, "Time stepping");
+    choose(ui, desk, commands);
+    parameters(ui, desk, view, commands);
+    gauge(ui, desk);
+    error_now(ui, desk, view);
+}
+
+fn choose(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
+    let now = &desk.now.level.integrator;
+    let toy = desk.now.level.toy.is_some();
+    let title = now.kind().title();
+    let width = ui.available_width();
+    let combo = ComboBox::from_id_salt("integrator").selected_text(title).width(width).show_ui(ui, |ui| {
+        for kind in IntegratorKind::all() {
+            let fits = !toy || matches!(kind.kind().scheme(), Scheme::First(_));
+            let chosen = kind.name() == now.name();
+            let response = ui.add_enabled_ui(fits, |ui| ui.selectable_label(chosen, kind.kind().title())).inner;
+            if response.on_hover_text(kind.kind().about()).clicked() && !chosen {
+                commands.extend([Command::SetIntegrator(kind), Command::EndGesture]);
+            }
+        }
+    });
+    combo.response.on_hover_text(now.kind().about());
+}
+
+fn parameters(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let mut changed = desk.now.level.integrator.clone();
+    let mut sum = slider::Outcome::default();
+    for (number, parameter) in changed.kind_mut().parameters().into_iter().enumerate() {
+        let outcome = ui.push_id(("scheme", number), |ui| slider::quantity(ui, parameter)).inner;
+        sum.changed |= outcome.changed;
+        sum.ended |= outcome.ended;
+        sum.refused = outcome.refused.or(sum.refused.take());
+    }
+    settle(sum, Some(Command::SetIntegrator(changed)), view, commands);
+}
+
+/// The step over the longest stable one, as a bar and in a sentence.
+fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
+    let integrator = desk.now.level.integrator.kind();
+    let step = desk.now.level.substeps.step();
+    let theme = Theme::of(ui.ctx());
+    let (words, share) = match (integrator.class(), desk.lab.limit()) {
+        (Class::Implicit, _) => {
+            // A vibration of h w = 0.5 loses a tenth of its swing in every step of implicit Euler.
+            let blurred = numbers::si(0.5 / (std::f64::consts::TAU * step), "Hz");
+            (format!("Stable at every step; what vibrates faster than {blurred} is blurred."), None)
+        }
+        (Class::ErrorControlled, _) => ("Chooses its own steps; the tolerance limits its error.".to_owned(), None),
+        (Class::Explicit, None) => ("Nothing here is stiff enough to limit the step.".to_owned(), None),
+        (Class::Explicit, Some(limit)) => {
+            let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;
+            (verdict(step, limit), Some(step / limit))
+        }
+    };
+    if let Some(share) = share {
+        let color = if share > 1.0 {
+            theme.bad
+        } else if share > 0.8 {
+            theme.caution
+        } else {
+            theme.good
+        };
+        bar(ui, share, color);
+    }
+    let help = "h over 2/ω, ω the fastest vibration of M⁻¹K at the present state; the limit moves as the body deforms.";
+    ui.label(RichText::new(words).small()).on_hover_text(help);
+}
+
+fn verdict(step: f64, limit: f64) -> String {
+    if limit <= 0.0 {
+        "Vibrations grow at every step, however short; damping or a short run hides it.".to_owned()
+    } else if step > limit {
+        format!("Stable up to {}; at this step it will blow up.", numbers::si(limit, "s"))
+    } else {
+        format!("Stable up to {}.", numbers::si(limit, "s"))
+    }
+}
+
+fn bar(ui: &mut Ui, share: f64, color: Color32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 10.0), Sense::hover());
+    response.on_hover_text(format!("{:.0} % of the longest stable step", 100.0 * share));
+    ui.painter().rect_filled(rect, 5.0, ui.visuals().extreme_bg_color);
+    // The limit stands at two thirds, so that one sees how far beyond it the step is.
+    let filled = rect.width() * (share / 1.5).clamp(0.02, 1.0) as f32;
+    ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(filled, rect.height())), 5.0, color);
+    let mark = rect.left() + rect.width() / 1.5;
+    ui.painter().vline(mark, rect.y_range(), (1.5, ui.visuals().strong_text_color()));
+}
+
+/// A twin with a fine step, and how far the scene is from it.
+fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    let mut on = desk.lab.twin().is_some();
+    let help = "Runs the same scene once more with a far finer step, pulled by the same mouse, and compares positions: \
+                sqrt(mean |x − x_ref|²) over the root mean square of what moved.";
+    if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
+        view.wishes.push(Wish::Twin(on));
+    }
+    let Some(twin) = desk.lab.twin() else { return };
+    let error = twin.error().map_or_else(|| "–".to_owned(), percent);
+    row(ui, "Error now", &error, help);
+    let own = if twin.is_checking() { "checking".to_owned() } else { percent(twin.own_error()) };
+    row(ui, "Its own error", &own, "How far the twin is from a twin with half its step");
+    let cost = "Time the twin takes for a second of simulated time [ms]";
+    row(ui, "Price of the twin", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
+}
+
+/// A share in per cent, three digits.
+pub fn percent(share: f64) -> String {
+    if share == 0.0 || share >= 1e-5 {
+        format!("{} %", three(100.0 * share))
+    } else {
+        format!("{:.1e} %", 100.0 * share)
+    }
+}
+
+fn three(value: f64) -> String {
+    let digits = (2.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.digits$}")
+}

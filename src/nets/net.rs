@@ -1,0 +1,129 @@
+//! Particles and springs, and what can be wrong with them.
+
+/// Particles at their start, and the springs between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Net {
+    points: Vec<[f64; 2]>,
+    links: Vec<Link>,
+}
+
+/// A spring between two particles: it pulls with `k (length - rest)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The particles, counted from 0.
+    pub ends: [u32; 2],
+    /// k [N/m].
+    pub stiffness: f64,
+    /// The length without a force [m].
+    pub rest: f64,
+    /// What it is there for.
+    pub role: Role,
+}
+
+impl Link {
+    /// Its length at flat positions that its ends count [m].
+    pub fn length(&self, x: &[f64]) -> f64 {
+        let [a, b] = self.ends.map(|end| 2 * end as usize);
+        let (dx, dy) = (x[b] - x[a], x[b + 1] - x[a + 1]);
+        (dx * dx + dy * dy).sqrt()
+    }
+}
+
+/// What a spring of a net is there for. The force does not depend on it; a drawing may.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Role {
+    /// Holds neighbours together.
+    #[default]
+    Structural,
+    /// Holds a cell's diagonal.
+    Shear,
+    /// Holds every other particle of a row apart, so that the row does not fold.
+    Flexion,
+}
+
+/// Most springs a net may have.
+pub const MOST_SPRINGS: usize = 2_000_000;
+
+/// Why there is no net. Particles and springs are counted from 0.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NetError {
+    /// No spring at all.
+    #[error("the net has no springs; give it at least one")]
+    Empty,
+    /// More than [`MOST_SPRINGS`].
+    #[error("the net would have {0} springs; ask for at most {MOST_SPRINGS}")]
+    TooMany(usize),
+    /// A coordinate is infinite or not a number.
+    #[error("particle {0} has a coordinate that is not a finite number; correct it")]
+    NotFinite(usize),
+    /// A spring names a particle that is not there.
+    #[error("spring {spring} names particle {particle}, but the last particle is {last}; correct the number")]
+    NoSuchParticle {
+        /// The spring.
+        spring: usize,
+        /// The number it names.
+        particle: u32,
+        /// The largest number it may name.
+        last: usize,
+    },
+    /// A spring from a particle to itself.
+    #[error("spring {spring} goes from particle {particle} to itself; name two different particles")]
+    SelfLink {
+        /// The spring.
+        spring: usize,
+        /// The particle.
+        particle: u32,
+    },
+    /// Particles that no spring holds.
+    #[error("no spring holds particle {particle} ({count} such in all); remove unused particles or connect them")]
+    Unused {
+        /// The first of them.
+        particle: usize,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+impl Net {
+    /// A net of particles at these points [m].
+    ///
+    /// # Errors
+    /// [`NetError`] names the particle or spring that is wrong.
+    pub fn new(points: Vec<[f64; 2]>, links: Vec<Link>) -> Result<Self, NetError> {
+        if links.is_empty() || points.is_empty() {
+            return Err(NetError::Empty);
+        }
+        if links.len() > MOST_SPRINGS {
+            return Err(NetError::TooMany(links.len()));
+        }
+        if let Some(particle) = points.iter().position(|point| !point.iter().all(|value| value.is_finite())) {
+            return Err(NetError::NotFinite(particle));
+        }
+        let mut held = vec![false; points.len()];
+        for (spring, &Link { ends, .. }) in links.iter().enumerate() {
+            for particle in ends {
+                let last = points.len() - 1;
+                let no_such = NetError::NoSuchParticle { spring, particle, last };
+                *held.get_mut(particle as usize).ok_or(no_such)? = true;
+            }
+            if ends[0] == ends[1] {
+                return Err(NetError::SelfLink { spring, particle: ends[0] });
+            }
+        }
+        match held.iter().position(|held| !held) {
+            Some(particle) => Err(NetError::Unused { particle, count: held.iter().filter(|held| !**held).count() }),
+            None => Ok(Self { points, links }),
+        }
+    }
+
+    /// Where the particles start [m].
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.points
+    }
+
+    /// The springs.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+}

@@ -1,0 +1,126 @@
+//! The window under test, and the hands that use it.
+
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::{Harness, Node};
+use gingerbread::app::App;
+use gingerbread::command::Mode;
+use gingerbread::files::Disk;
+use gingerbread::level::Level;
+use gingerbread::materials::Lame;
+use gingerbread::{files, levels};
+
+pub type Window = Harness<'static, App>;
+
+pub fn level(name: &str) -> Level {
+    files::parse(levels::built_in(name).unwrap(), name).unwrap()
+}
+
+pub fn open_level(level: Level, width: f32, height: f32) -> Window {
+    let mut window = Harness::builder()
+        .with_size([width, height])
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(move |cc| App::with_level(&cc.egui_ctx, level, Box::new(Disk)).unwrap().unhurried());
+    window.run_steps(3);
+    window
+}
+
+pub fn open(name: &str) -> Window {
+    open_level(level(name), 1280.0, 800.0)
+}
+
+pub fn press(window: &mut Window, key: Key) {
+    press_with(window, Modifiers::NONE, key);
+}
+
+pub fn press_with(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.run_steps(3);
+}
+
+pub fn click(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    window.run_steps(3);
+}
+
+pub fn stage(window: &Window) -> Rect {
+    window.get_by_label("Stage").rect()
+}
+
+pub fn vertex(window: &Window, number: usize) -> [f64; 2] {
+    let positions = &window.state().snapshot().positions;
+    [positions[2 * number], positions[2 * number + 1]]
+}
+
+pub fn on_screen(window: &Window, point: [f64; 2]) -> Pos2 {
+    window.state().on_screen(stage(window), point)
+}
+
+pub fn button(window: &Window, pos: Pos2, pressed: bool) {
+    window.event(Event::PointerMoved(pos));
+    window.event(Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE });
+}
+
+pub fn click_at(window: &mut Window, pos: Pos2) {
+    window.hover_at(pos);
+    window.run_steps(1);
+    button(window, pos, true);
+    window.run_steps(1);
+    button(window, pos, false);
+    window.run_steps(3);
+}
+
+pub fn lame(window: &Window) -> Lame {
+    window.state().sandbox().simulation().scene().bodies[0].elements.lame()
+}
+
+/// Makes the triangles that would be painted, which the harness does not: numbers that are none would end it here.
+pub fn draw(window: &Window) {
+    window.ctx.tessellate(window.output().shapes.clone(), 1.0);
+}
+
+pub fn mode(window: &Window) -> Mode {
+    window.state().snapshot().mode
+}
+
+/// The largest distance of a coordinate from the start.
+pub fn moved(window: &Window) -> f64 {
+    let now = window.state().snapshot();
+    now.positions.iter().zip(now.start.iter()).map(|(now, start)| (now - start).abs()).fold(0.0, f64::max)
+}
+
+/// The widget of a kind with a name; a name may stand on a label, a number field and a slider.
+pub fn widget<'a>(window: &'a Window, role: Role, name: &'a str) -> Node<'a> {
+    let mut found = window.get_all_by_label(name).filter(|node| node.accesskit_node().role() == role);
+    found.next().unwrap_or_else(|| panic!("there is no {role:?} {name:?}"))
+}
+
+pub fn click_number(window: &mut Window, name: &str) {
+    widget(window, Role::SpinButton, name).click();
+    window.run_steps(3);
+}
+
+/// Types into the number field of a parameter.
+pub fn type_number(window: &mut Window, name: &str, text: &str) {
+    click_number(window, name);
+    window.event(Event::Text(text.to_owned()));
+    window.run_steps(2);
+    press(window, Key::Enter);
+}
+
+pub fn slide(window: &mut Window, name: &str, value: f64) {
+    widget(window, Role::Slider, name).set_value_accesskit(value);
+    window.run_steps(3);
+}
+
+/// Brings a new window of a level into a mode, running, with everything a little out of place.
+pub fn in_mode(name: &str, mode: Mode) -> Window {
+    let mut window = open(name);
+    match mode {
+        Mode::Edit => {}
+        Mode::Simulate => press(&mut window, Key::M),
+        Mode::Collide => press(&mut window, Key::T),
+    }
+    window.run_steps(5);
+    window
+}

@@ -1,0 +1,9 @@
+//! What the window promises, kept without a display: real clicks, drags and keys against the real simulation. Time is the
+//! test's own (1/60 s a frame) and every step that is owed is taken, so nothing depends on the machine.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a failing test should panic")]
+
+mod harness;
+mod keys;
+mod panels;
+mod stage;
+mod trouble;

@@ -1,0 +1,157 @@
+//! Sliders, effects, levels, undo.
+
+use crate::harness::*;
+use eframe::egui::{Event, Key, Modifiers, Role, pos2, vec2};
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::command::Mode;
+use gingerbread::{files, levels};
+
+#[test]
+fn a_slider_changes_the_lame_parameters_of_the_running_scene_at_once() {
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    let (before, time) = (lame(&window), window.state().snapshot().time);
+    let young = window.state().snapshot().level.bodies[0].material.young().get();
+    slide(&mut window, "Young's modulus", 2.0 * young);
+    let now = lame(&window);
+    assert!((now.mu / before.mu - 2.0).abs() < 1e-12 && (now.lambda / before.lambda - 2.0).abs() < 1e-12);
+    assert!(window.state().snapshot().time > time, "time goes on");
+}
+
+#[test]
+fn a_typed_number_with_a_prefix_is_taken() {
+    let mut window = open("gingerbread");
+    type_number(&mut window, "Young's modulus", "60k");
+    assert_eq!(window.state().snapshot().level.bodies[0].material.young().get(), 60e3);
+}
+
+#[test]
+fn leaving_a_number_field_unchanged_does_not_round_the_number() {
+    let mut odd = level("gingerbread");
+    let material = &mut odd.bodies[0].material;
+    let young = gingerbread::quantity::Young::new(31_234.567).unwrap();
+    *material =
+        gingerbread::materials::MaterialParameters::new(material.model(), young, material.poisson(), material.plane())
+            .unwrap();
+    let mut window = open_level(odd, 1280.0, 800.0);
+    click_number(&mut window, "Young's modulus");
+    press(&mut window, Key::Enter);
+    assert_eq!(window.state().snapshot().level.bodies[0].material.young(), young);
+    assert!(!window.state().snapshot().can_undo);
+}
+
+#[test]
+fn a_refused_number_shows_why_and_changes_nothing() {
+    for (name, text, why) in [
+        ("Young's modulus", "-5", "Young's modulus must be in (0, 1e15] Pa, got -5"),
+        ("Poisson's ratio", "0.7", "Poisson's ratio must be in (-1, 0.5], got 0.7"),
+        ("Young's modulus", "soft", "'soft' is not a number"),
+        ("Substeps", "0", "substeps must be in [1, 100000], got 0"),
+    ] {
+        let mut window = open("gingerbread");
+        let before = window.state().snapshot().level.clone();
+        type_number(&mut window, name, text);
+        assert!(window.state().notice().is_some_and(|notice| notice.contains(why)), "{:?}", window.state().notice());
+        assert!(window.query_by_label_contains(why).is_some(), "the message is on the screen");
+        assert_eq!(window.state().snapshot().level, before);
+        click(&mut window, "Got it");
+        assert_eq!(window.state().notice(), None);
+    }
+}
+
+#[test]
+fn undo_and_redo_take_back_and_make_again_pins_sliders_model_and_level() {
+    let undo = |window: &mut Window| press_with(window, Modifiers::COMMAND, Key::Z);
+    let redo = |window: &mut Window| press_with(window, Modifiers::COMMAND, Key::Y);
+    let mut window = open("gingerbread");
+    let first = window.state().snapshot().level.clone();
+
+    let at = on_screen(&window, vertex(&window, 100));
+    click_at(&mut window, at);
+    let pinned = window.state().snapshot().level.clone();
+    slide(&mut window, "Poisson's ratio", 0.4);
+    let slid = window.state().snapshot().level.clone();
+    press(&mut window, Key::N);
+    let modelled = window.state().snapshot().level.clone();
+    click(&mut window, "Level");
+    click(&mut window, "Hammock");
+    let opened = window.state().snapshot().level.clone();
+    let all = [first, pinned, slid, modelled, opened];
+    assert!(all.windows(2).all(|pair| pair[0] != pair[1]));
+
+    for level in all.iter().rev().skip(1) {
+        undo(&mut window);
+        assert_eq!(window.state().snapshot().level, *level);
+    }
+    assert!(!window.state().snapshot().can_undo);
+    for level in all.iter().skip(1) {
+        redo(&mut window);
+        assert_eq!(window.state().snapshot().level, *level);
+    }
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(window.state().snapshot().level, all[4], "Ctrl+Shift+Z makes again, too");
+}
+
+#[test]
+fn one_drag_of_a_slider_is_undone_as_one_step() {
+    let mut window = open("gingerbread");
+    let before = window.state().snapshot().level.clone();
+    let rail = widget(&window, Role::Slider, "Young's modulus").rect();
+    for (from, to) in [(0.3, 0.7), (0.7, 0.6)] {
+        let at = |share: f32| pos2(rail.left() + share * rail.width(), rail.center().y);
+        window.hover_at(at(from));
+        window.run_steps(1);
+        button(&window, at(from), true);
+        window.run_steps(1);
+        for step in 1..=8 {
+            window.event(Event::PointerMoved(at(from + (to - from) * step as f32 / 8.0)));
+            window.run_steps(1);
+        }
+        button(&window, at(to), false);
+        window.run_steps(3);
+    }
+    assert_ne!(window.state().snapshot().level, before);
+    click(&mut window, "Undo");
+    assert_ne!(window.state().snapshot().level, before, "two drags are two steps");
+    click(&mut window, "Undo");
+    assert_eq!(window.state().snapshot().level, before);
+    assert!(!window.state().snapshot().can_undo);
+}
+
+#[test]
+fn the_effects_panel_shows_every_effect_of_a_level_with_a_switch_and_its_numbers() {
+    let mut window = open("gingerbread_house");
+    let effects = window.state().snapshot().level.effects.clone();
+    for (number, listed) in effects.iter().enumerate() {
+        let title = listed.effect.kind().title();
+        widget(&window, Role::CheckBox, title).click();
+        window.run_steps(3);
+        let now = window.state().snapshot().level.effects[number].clone();
+        assert_ne!(now.switch, listed.switch, "{title}");
+        assert_eq!(now.effect, listed.effect, "{title}");
+    }
+}
+
+#[test]
+fn every_level_opens_from_the_picker_and_every_widget_has_a_name() {
+    let mut window = open("gingerbread");
+    for (file, text) in levels::BUILT_IN {
+        let level = files::parse(text, file).unwrap();
+        click(&mut window, "Level");
+        let entry = window.get_all_by_label(&level.name).last().unwrap();
+        entry.click();
+        window.run_steps(3);
+        assert_eq!(window.state().snapshot().level.name, level.name);
+        window.check_accessibility();
+    }
+    for size in [vec2(400.0, 400.0), vec2(600.0, 600.0), vec2(3840.0, 2160.0)] {
+        window.set_size(size);
+        window.run_steps(5);
+        window.check_accessibility();
+        for panel in ["Body panel", "Cost panel", "Keys"] {
+            click(&mut window, panel);
+            window.check_accessibility();
+        }
+        press(&mut window, Key::Escape);
+    }
+}

@@ -1,0 +1,81 @@
+//! The stage: pins, pulling, and room for both in small windows.
+
+use crate::harness::*;
+use eframe::egui::{Event, Key, vec2};
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::command::Mode;
+
+#[test]
+fn a_click_on_the_stage_pins_the_nearest_vertex_and_another_click_frees_it() {
+    let mut window = open("gingerbread");
+    let before = window.state().snapshot().pins.len();
+    let at = on_screen(&window, vertex(&window, 100)) + vec2(1.0, -1.0);
+    click_at(&mut window, at);
+    assert!(window.state().snapshot().pins.contains(&100), "{:?}", window.state().snapshot().pins);
+    click_at(&mut window, at);
+    assert_eq!(window.state().snapshot().pins.len(), before);
+}
+
+#[test]
+fn dragging_pulls_the_picked_vertex_towards_the_cursor_and_letting_go_ends_it() {
+    for (key, mode) in [(Key::M, Mode::Simulate), (Key::T, Mode::Collide)] {
+        let mut window = open("gingerbread");
+        press(&mut window, key);
+        assert_eq!(window.state().snapshot().mode, mode);
+        press(&mut window, Key::Space);
+        let start = vertex(&window, 100);
+        let from = on_screen(&window, start);
+        window.hover_at(from);
+        window.run_steps(1);
+        button(&window, from, true);
+        window.run_steps(1);
+        let to = from + vec2(60.0, -40.0);
+        window.event(Event::PointerMoved(to));
+        window.run_steps(2);
+        press(&mut window, Key::Space);
+        window.run_steps(20);
+        let pull = window.state().snapshot().pull.expect("a pull");
+        assert!(pull.vertex == 100 && pull.force >= 0.0, "{pull:?}");
+        assert!(vertex(&window, 100)[0] > start[0] + 0.005, "{mode:?}: the vertex must follow");
+        button(&window, to, false);
+        window.run_steps(2);
+        assert_eq!(window.state().snapshot().pull, None);
+    }
+}
+
+#[test]
+fn a_paused_window_sleeps() {
+    let mut window = open("gingerbread");
+    window.run_steps(60);
+    assert!(window.try_run().is_ok(), "nothing moves, so nothing asks to be drawn again");
+}
+
+#[test]
+fn at_600_by_600_the_sides_fold_away_and_the_stage_stays_usable() {
+    let mut window = open_level(level("gingerbread"), 600.0, 600.0);
+    let stage_size = stage(&window).size();
+    assert!(stage_size.x >= 590.0 && stage_size.y >= 440.0, "{stage_size:?}");
+    let at = on_screen(&window, vertex(&window, 100));
+    click_at(&mut window, at);
+    assert!(window.state().snapshot().pins.contains(&100));
+
+    assert!(window.query_by_label("Plane strain").is_none());
+    click(&mut window, "Body panel");
+    slide(&mut window, "Poisson's ratio", 0.25);
+    assert_eq!(window.state().snapshot().level.bodies[0].material.poisson().get(), 0.25);
+    assert_eq!(stage(&window).size(), stage_size, "the panel lies over the stage");
+    click(&mut window, "Cost panel");
+    assert!(window.query_by_label("Plane strain").is_none() && window.query_by_label("Wireframe").is_some());
+    click(&mut window, "Cost panel");
+    assert!(window.query_by_label("Wireframe").is_none());
+    for side in [600.0, 500.0, 400.0] {
+        window.set_size(vec2(side, side));
+        window.run_steps(4);
+        let roof = stage(&window).top();
+        for label in ["Level", "Edit", "Simulate", "Collide", "Run", "Single step", "Undo", "Redo", "Keys"] {
+            let rect = window.get_by_label(label).rect();
+            let inside = rect.left() >= 0.0 && rect.right() <= side && rect.top() >= 0.0 && rect.bottom() <= roof;
+            assert!(inside, "{label} is cut off at {side}: {rect:?}");
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Files that are broken and bodies that fly apart.
+
+use crate::harness::*;
+use eframe::egui::Key;
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::command::Mode;
+use gingerbread::level::Substeps;
+use gingerbread::materials::Model;
+
+#[test]
+fn a_broken_level_file_shows_file_line_and_column_and_the_old_scene_goes_on() {
+    let folder = std::env::temp_dir().join(format!("gingerbread-window-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("broken.ron");
+    std::fs::write(&path, "(\n    name: \"broken\",\n    bodies: 7,\n)\n").unwrap();
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    let time = window.state().snapshot().time;
+    window.state_mut().open(&path);
+    window.run_steps(10);
+    assert!(window.query_by_label_contains("broken.ron:3:").is_some(), "{:?}", window.state().notice());
+    let now = window.state().snapshot();
+    assert!(now.time > time && now.level.name == level("gingerbread").name);
+    window.state_mut().open(&folder.join("missing.ron"));
+    window.run_steps(3);
+    assert!(window.query_by_label_contains("missing.ron").is_some());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn what_is_saved_opens_again_as_it_was() {
+    let folder = std::env::temp_dir().join(format!("gingerbread-save-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("saved.ron");
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    press(&mut window, Key::Space);
+    let positions = window.state().snapshot().positions.clone();
+    window.state_mut().save(&path);
+    assert!(window.state().notice().is_some_and(|notice| notice.starts_with("Saved as")));
+    press(&mut window, Key::N);
+    window.state_mut().open(&path);
+    window.run_steps(3);
+    assert_eq!(window.state().snapshot().positions, positions);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn when_time_stops_the_banner_says_why_and_its_buttons_mend_it() {
+    let mut wild = level("gingerbread_house");
+    wild.substeps = Substeps::new(2).unwrap();
+    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::NeoHookean);
+    for (label, substeps) in [("Reset", 2), ("Halve the step", 4), ("Damp", 2)] {
+        let mut window = open_level(wild.clone(), 1280.0, 800.0);
+        press(&mut window, Key::T);
+        for _ in 0..300 {
+            if window.state().snapshot().fault.is_some() {
+                break;
+            }
+            window.run_steps(1);
+        }
+        window.run_steps(2);
+        assert!(window.query_by_label("Time stopped").is_some(), "it must fail, and say so");
+        draw(&window);
+        assert!(window.state().snapshot().positions.iter().all(|x| x.is_finite()));
+        press(&mut window, Key::Space);
+        click(&mut window, label);
+        let now = window.state().snapshot();
+        assert_eq!((now.fault.clone(), now.level.substeps.get()), (None, substeps), "{label}");
+        assert_eq!(now.damping, label == "Damp");
+    }
+}
+
+#[test]
+fn a_body_that_flies_apart_does_not_bring_the_window_down() {
+    for (model, young) in [(Key::C, "1e15"), (Key::V, "1e15"), (Key::N, "1e15"), (Key::V, "1e9")] {
+        let mut window = open("gingerbread_house");
+        press(&mut window, model);
+        type_number(&mut window, "Young's modulus", young);
+        press(&mut window, Key::T);
+        for frame in 0..40 {
+            for label in ["Energy density", "Von Mises stress", "Area ratio J"] {
+                if frame % 10 == 0 {
+                    click(&mut window, label);
+                }
+            }
+            window.run_steps(1);
+            draw(&window);
+        }
+        assert!(window.state().snapshot().positions.iter().all(|x| x.is_finite()));
+    }
+}

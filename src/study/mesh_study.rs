@@ -229,7 +229,7 @@ impl MeshStudy {
     }
 
     /// Measured order: how steeply the error falls with the size of the triangles, from the finest but one on, as far as it is
-    /// steady to 0.3.
+    /// steady to 0.15.
     pub fn order(&self) -> Option<f64> {
         let measured = |point: &MeshPoint| Some([libm::log(point.size), libm::log(self.error_of(point)?)]);
         let mut points: Vec<_> = self.points().filter_map(measured).collect();

@@ -51,7 +51,7 @@ pub struct Curve {
     ///
     /// Least squares of log error over log steps (of an error-controlled scheme: taken and rejected inner steps), in the
     /// asymptotic regime: points with an error of at most 10 % and above the floor of the reference, beginning
-    /// with the two finest and going on to coarser ones while the local slope stays within 0.3 of theirs.
+    /// with the two finest and going on to coarser ones while the local slope stays within 0.15 of theirs.
     pub order: Option<f64>,
 }
 

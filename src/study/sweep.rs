@@ -25,7 +25,7 @@ pub struct Plan {
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { integrators: IntegratorKind::all(), substeps: Vec::new(), smallest_error: 1e-6, threads: threads() }
+        Self { integrators: IntegratorKind::all(), substeps: Vec::new(), smallest_error: 5e-6, threads: threads() }
     }
 }
 

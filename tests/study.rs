@@ -129,6 +129,26 @@ fn a_free_fall_is_measured_against_its_closed_form() {
 }
 
 #[test]
+fn toys_and_a_bouncing_spring_are_measured_against_their_closed_forms() {
+    let spring = "(name: \"bounce\", nets: [(name: \"s\", net: Chain(from: (0.5, 0.9), to: (0.5, 0.4), springs: 1, stiffness: 100, rest: 0.4),
+        mass: 1, pins: [Vertex(0)])], effects: [(effect: Gravity(down: 9.8)), (effect: MouseSpring(stiffness: 100))])";
+    let circle = "(name: \"circle\", integrator: Heun(), toy: Circle(radius: 0.3))";
+    let pendulum = "(name: \"pendulum\", integrator: Heun(), toy: Pendulum(length: 0.4, gravity: 9.8, start: 90))";
+    for (text, least) in [(spring, 10), (circle, 4), (pendulum, 4)] {
+        let plan = Plan { substeps: substeps(&[2, 4, 8, 16]), ..Plan::default() };
+        let diagram = diagram(&level(text), 0.5, plan);
+        assert!(matches!(diagram.reference().unwrap().source, Source::Exact(_)), "{text}");
+        let curves = diagram.curves();
+        assert!(curves.len() >= least, "{text}");
+        for curve in curves.iter().filter(|curve| curve.integrator.kind().class() != Class::ErrorControlled) {
+            let declared = f64::from(curve.integrator.kind().order());
+            let measured = curve.order.unwrap_or(f64::NAN);
+            assert!((measured - declared).abs() < 0.2, "{text} {}: {measured}", curve.integrator.name());
+        }
+    }
+}
+
+#[test]
 fn walls_that_are_touched_leave_a_reference_that_says_how_good_it_is() {
     let effects = "effects: [(effect: Gravity(down: 20)), (effect: Boundary(least: (0, 0.28), greatest: (1, 1)))]";
     let reference = reference_of(&trial(&released(effects), 0.2), 1e-2);

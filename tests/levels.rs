@@ -173,7 +173,7 @@ fn what_would_never_end_is_refused_at_once() {
     let text = format!("(name: \"\", bodies: [], {state})");
     assert!(files::parse(&text, "steps.ron").unwrap_err().to_string().contains("steps must be in"));
     let body = "(name: \"big\", mesh: Disk(radius: 1, rings: 500), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))";
-    let many = level(&format!("(name: \"\", bodies: [{}])", vec![body; 3].join(",")));
+    let many = level(&format!("(name: \"\", bodies: [{}])", [body; 3].join(",")));
     assert!(refused(&many).contains("more than 2000000"), "{}", refused(&many));
     let corners: Vec<_> = (0..2000).map(|i| format!("({i}, {})", i * i)).collect();
     let effect =

@@ -70,7 +70,7 @@ impl std::fmt::Display for Short {
 
 /// A value was outside the range of its quantity, or not a number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} must be in {range}, got {value}")]
+#[error("{name} must be in {range}, got {}", Short(*.value))]
 pub struct OutOfRange {
     name: &'static str,
     range: String,
@@ -216,6 +216,8 @@ quantities! {
     ParticleMass: "particle mass" ["kg"] in Excluded(0.0), Included(1e12); slider 0.001 to 10.0, logarithmic;
     /// k: the force -k v on every vertex, whatever its mass.
     DragCoefficient: "drag" ["N s/m"] in Included(0.0), Included(1e9); slider 0.0 to 1.0, linear;
+    /// Distance from a centre.
+    Radius: "radius" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 0.5, linear;
     /// g of a pendulum: downwards.
     Weight: "gravity" ["m/s²"] in Excluded(0.0), Included(1e6); slider 0.5 to 20.0, linear;
     /// How far from hanging straight down a pendulum starts, at rest.

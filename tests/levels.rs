@@ -62,7 +62,7 @@ fn every_level_is_stable_at_its_step_with_and_without_damping() {
             }
         }
     }
-    assert!(near.is_empty(), "step over stability limit: {near:#?}");
+    assert!(near.is_empty(), "over 0.8 of the stability limit: {near:#?}");
 }
 
 fn rest(simulation: &Simulation) -> State {
@@ -95,26 +95,31 @@ fn told(part: &str, mistake: &str) -> (usize, usize, String) {
 #[test]
 fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
     let cases = [
-        ("name: \"a\"", "nme: \"a\"", 2, "nme"),
-        ("mass: Total(25)", "mass: Total(25), colour: 3", 6, "colour"),
-        ("mass: Total(25)", "mass: Total(\"heavy\")", 6, "float"),
-        ("mass: Total(25)", "mass: Heavy(25)", 6, "Density"),
-        ("mass: Total(25)", "mass: Total(-25)", 6, "total mass must be in (0, 1e12] kg, got -25"),
-        ("mass: Total(25)", "mass: Total(NaN)", 6, "got NaN"),
-        ("mass: Total(25)", "mass: Total(1e999)", 6, "got inf"),
-        ("young: 10", "young: 0", 7, "Young's modulus must be in (0, 1e15] Pa, got 0"),
-        ("poisson: 0.3", "poisson: 0.7", 7, "Poisson's ratio must be in (-1, 0.5], got 0.7"),
-        ("poisson: 0.3", "poisson: 0.5", 7, "(-1, 0.5) for plane strain"),
-        ("model: Corotated", "model: Jelly", 7, "Corotated"),
-        ("rings: 5", "rings: 0", 5, "rings"),
-        ("mesh: Disk(radius: 0.2, rings: 5)", "mesh: Disk(radius: 0.2", 5, ""),
-        ("name: \"b\"", "name: 5", 4, "string"),
-        ("bodies: [(", "substeps: 0, bodies: [(", 3, "[1, 100000]"),
+        ("name: \"a\"", "nme: \"a\"", (2, 3), "nme"),
+        ("mass: Total(25)", "mass: Total(25), colour: 3", (6, 22), "colour"),
+        ("mass: Total(25)", "mass: Total(\"heavy\")", (6, 17), "float"),
+        ("mass: Total(25)", "mass: Heavy(25)", (6, 11), "Density"),
+        ("mass: Total(25)", "mass: Total(-25)", (6, 17), "total mass must be in (0, 1e12] kg, got -25"),
+        ("mass: Total(25)", "mass: Total(NaN)", (6, 17), "got NaN"),
+        ("mass: Total(25)", "mass: Total(1e999)", (6, 17), "got inf"),
+        ("young: 10", "young: 0", (7, 41), "Young's modulus must be in (0, 1e15] Pa, got 0"),
+        (
+            "poisson: 0.3",
+            "poisson: 0.7",
+            (7, 72),
+            "(-1, 0.5) for plane strain and in (-1, 0.5] for plane stress, got 0.7",
+        ),
+        ("poisson: 0.3", "poisson: 0.5", (7, 72), "(-1, 0.5) for plane strain"),
+        ("model: Corotated", "model: Jelly", (7, 23), "Corotated"),
+        ("rings: 5", "rings: 0", (5, 36), "rings"),
+        ("mesh: Disk(radius: 0.2, rings: 5)", "mesh: Disk(radius: 0.2", (6, 5), ""),
+        ("name: \"b\"", "name: 5", (4, 10), "string"),
+        ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "[1, 100000]"),
     ];
-    for (part, mistake, expected_line, expected) in cases {
+    for (part, mistake, place, expected) in cases {
         let (line, column, what) = told(part, mistake);
-        assert!(line.abs_diff(expected_line) <= 1, "{mistake}: line {line} instead of {expected_line}: {what}");
-        assert!(column > 0 && what.contains(expected), "{mistake}: {what}");
+        assert_eq!((line, column), place, "{mistake}: {what}");
+        assert!(what.contains(expected), "{mistake}: {what}");
     }
     let message = files::parse("(name: 5)", "five.ron").unwrap_err().to_string();
     assert!(message.starts_with("five.ron:1:"), "{message}");
@@ -145,8 +150,8 @@ fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
     assert!(refused(&sheet("Corotated", "", edges)).contains("least corner"));
     let off = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)), switch: Off)]";
     assert!(refused(&sheet("Corotated", "", off)).contains("least corner"), "a mistake counts also when switched off");
-    let far = refused(&sheet("Corotated", "place: (offset: (1e308, 0), scale: 1e9)", ""));
-    assert!(far.is_empty() || far.contains("reach"), "{far}");
+    let far = refused(&sheet("Corotated", "place: (offset: (1e15, 0), scale: 1e9)", ""));
+    assert!(far.contains("beyond 1e15 m"), "{far}");
     let lost = level(
         "(name: \"\", bodies: [(name: \"man\", mesh: Obj(path: \"nowhere.obj\"), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))])",
     );
@@ -160,6 +165,21 @@ fn a_saved_state_of_another_mesh_is_refused() {
     saved.positions.pop();
     let error = simulation.scene().first_state(Some(&saved)).unwrap_err().to_string();
     assert!(error.contains("24 positions") && error.contains("25 vertices"), "{error}");
+}
+
+#[test]
+fn what_would_never_end_is_refused_at_once() {
+    let state = "state: (steps: 18446744073709551615, time: 0, positions: [], velocities: [])";
+    let text = format!("(name: \"\", bodies: [], {state})");
+    assert!(files::parse(&text, "steps.ron").unwrap_err().to_string().contains("steps must be in"));
+    let body = "(name: \"big\", mesh: Disk(radius: 1, rings: 500), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))";
+    let many = level(&format!("(name: \"\", bodies: [{}])", [body; 3].join(",")));
+    assert!(refused(&many).contains("more than 2000000"), "{}", refused(&many));
+    let corners: Vec<_> = (0..2000).map(|i| format!("({i}, {})", i * i)).collect();
+    let effect =
+        format!("effects: [(effect: Walls(obstacles: [Polygon(points: [{}], eps: 0.01)]))]", corners.join(","));
+    assert!(refused(&sheet("Corotated", "", &effect)).contains("1000 corners"));
+    assert!(files::read(std::path::Path::new("/dev/zero")).is_err() || cfg!(not(unix)));
 }
 
 #[test]
@@ -177,6 +197,10 @@ fn saving_replaces_the_whole_file_and_paths_of_meshes_follow() {
     assert_eq!(files::read(&path).unwrap(), read);
     let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(names.into_iter().all(|name| !name.contains("part")), "nothing half-written is left");
+    fs::create_dir_all(folder.join("elsewhere")).unwrap();
+    let elsewhere = folder.join("elsewhere/level.ron");
+    files::save(&elsewhere, &read).unwrap();
+    assert_eq!(simulation_of(&files::read(&elsewhere).unwrap()).scene().triangles.len(), 2, "from anywhere");
     let error = files::save(&folder.join("no/such/folder.ron"), &read).unwrap_err().to_string();
     assert!(error.contains("folder.ron"), "{error}");
     fs::remove_dir_all(&folder).unwrap();

@@ -198,7 +198,6 @@ fn what_cannot_be_a_body_is_refused_with_the_number_to_mend() {
         ("[], triangles: [(0, 0, 0)]", "triangle 0 names vertex 0"),
         ("[(0, 0), (1, 0), (0, 1)], triangles: [(0, 1, 2), (0, 1, 1)]", "triangle 1 (0, 1, 1) has no area"),
         ("[(0, 0), (1, 0), (2, 0)], triangles: [(0, 1, 2)]", "triangle 0 (0, 1, 2) has no area"),
-        ("[(0, 0), (1e300, 0), (0, 1e300)], triangles: [(0, 1, 2)]", "triangle 0 (0, 1, 2) has no area"),
         ("[(0, 0), (1, 0), (0, 1), (5, 5)], triangles: [(0, 1, 2)]", "no triangle uses vertex 3 (1 such in all)"),
         (
             "[(0, 0), (1, 0), (0, 1)], triangles: [(0, 1, 2), (0, 1, 2)]",

@@ -10,7 +10,7 @@ use gingerbread::{
     level::{Level, Pin},
     meshes::NoFiles,
     nets::NetKind,
-    quantity::{Length, ParticleMass, Spring},
+    quantity::{ParticleMass, Radius, Spring},
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
     toys::{Circle, ToyKind},
@@ -125,7 +125,7 @@ fn a_toy_has_nothing_to_pin_pull_or_damp_and_its_numbers_start_it_over() {
     let now = seen(&sandbox);
     let shown = now.toy.unwrap();
     assert!(now.positions.is_empty() && now.energies.total() > 0.0 && shown.path.1 && shown.at != [0.7, 0.5]);
-    sandbox.apply(Command::SetToy(ToyKind::Circle(Circle { radius: Length::new(0.3).unwrap() }))).unwrap();
+    sandbox.apply(Command::SetToy(ToyKind::Circle(Circle { radius: Radius::new(0.3).unwrap() }))).unwrap();
     let wider = seen(&sandbox);
     assert_eq!((wider.time, wider.toy.unwrap().at), (0.0, [0.8, 0.5]));
     sandbox.apply(Command::Undo).unwrap();

@@ -179,14 +179,13 @@ fn a_net_that_cannot_be_is_refused_with_a_sentence() {
         ),
         ("Links(points: [(0, 0), (1, 0), (2, 0)], springs: [(0, 1, 1, 1)])", "no spring holds particle 2"),
         ("Links(points: [(0, 0)], springs: [])", "no springs"),
-        ("Chain(from: (0, 0), to: (1e308, 0), springs: 3, stiffness: 1)", ""),
         (
             "Sheet(width: 1, height: 1, columns: 1000000, rows: 1000000, structural: 1, shear: 1, flexion: 1, corner: (0, 0))",
             "at most",
         ),
     ] {
         let told = refused(net);
-        assert!(told.contains(expected) && (expected.is_empty() || told.contains("\"web\"")), "{net}: {told}");
+        assert!(told.contains(expected) && told.contains("\"web\""), "{net}: {told}");
     }
     for (mistake, expected) in [
         ("mass: 0", "particle mass must be in (0, 1e12] kg, got 0"),

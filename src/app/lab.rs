@@ -45,8 +45,6 @@ pub struct Lab {
 /// What is known of a diagram.
 #[derive(Clone, Default)]
 pub struct Diagram {
-    /// Title of the level it was measured on.
-    pub level: String,
     /// A line for every scheme.
     pub curves: Vec<Curve>,
     /// How far it is.
@@ -125,7 +123,7 @@ impl Lab {
     fn measure(&mut self, sandbox: &Sandbox) {
         self.cancel();
         let level = sandbox.saved();
-        let mut diagram = Diagram { level: level.name.clone(), ..Diagram::default() };
+        let mut diagram = Diagram::default();
         match Trial::new(&level, &Disk, SECONDS) {
             Ok(trial) => self.job = Some(Job::start(WorkPrecision::new(trial, Plan::default()), &diagram)),
             Err(error) => diagram.trouble = Some(error.to_string()),

@@ -63,14 +63,17 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// Prepares the courses of a trial with these settings.
+    /// Prepares the courses of a trial with those of these settings that suit it.
     pub fn new(trial: &Trial, settings: Vec<Setting>, threads: usize) -> Self {
         let run = |setting: Setting| {
             let march = trial.march(&setting);
             let moments = vec![Moment::of(&march.simulation, 0.0)];
             DriftRun { setting, moments, march, over: false }
         };
-        Self { runs: settings.into_iter().map(run).collect(), threads }
+        Self {
+            runs: settings.into_iter().filter(|setting| trial.suits(&setting.integrator)).map(run).collect(),
+            threads,
+        }
     }
 
     /// Works for about `budget`.

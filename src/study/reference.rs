@@ -91,6 +91,8 @@ pub struct ReferenceJob {
     integrator: IntegratorKind,
     coarse: Recorded,
     fine: Recorded,
+    /// How often the step was halved.
+    rounds: i32,
     /// What the runs before differed by.
     before: f64,
     wanted: f64,
@@ -110,7 +112,7 @@ impl ReferenceJob {
         let first = Substeps::nearest(2.0 * limit(&trial.scene, &trial.start));
         let [coarse, fine] = [first, first.doubled()].map(|substeps| Recorded::new(trial, &integrator, substeps));
         let (before, wanted) = (f64::INFINITY, 0.01 * smallest_error);
-        Self { integrator, coarse, fine, before, wanted, touching: false, result: exact }
+        Self { integrator, coarse, fine, rounds: 0, before, wanted, touching: false, result: exact }
     }
 
     /// Works for about `budget`.
@@ -126,8 +128,11 @@ impl ReferenceJob {
                 run.over
             });
             if !(self.fine.over && self.coarse.over) {
-                return Progress { done: 0.5 * (self.fine.march.done() + self.coarse.march.done()), finished: false };
+                // Nobody knows how many more rounds there will be: each closes half of what is left.
+                let pair = 0.25 * (self.fine.march.done() + self.coarse.march.done());
+                return Progress { done: 1.0 - libm::pow(0.5, f64::from(self.rounds)) * (1.0 - pair), finished: false };
             }
+            self.rounds += 1;
             self.judge(trial);
         }
         Progress::FINISHED

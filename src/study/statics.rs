@@ -17,7 +17,8 @@ pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
     let scale = largest_eigenvalue(scene, &scene.start)?;
     let mut newton = Newton::default();
     let mut counts = NewtonCounts::NONE;
-    for holding in [1e-3, 1e-5, 1e-7, 1e-9, 0.0] {
+    let softer = |holding: &f64| if *holding > 1e-10 { Some(0.2 * holding) } else { None };
+    for holding in std::iter::successors(Some(1e-4), softer).chain([0.0]) {
         let mut balance = Balance::new(scene, &x, holding * scale, 1e-6 * scale);
         let mut z = vec![0.0; x.len()];
         let round = newton.solve(&mut balance, &mut z);

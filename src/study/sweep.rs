@@ -25,7 +25,7 @@ pub struct Plan {
 
 impl Default for Plan {
     fn default() -> Self {
-        Self { integrators: IntegratorKind::all(), substeps: Vec::new(), smallest_error: 1e-6, threads: threads() }
+        Self { integrators: IntegratorKind::all(), substeps: Vec::new(), smallest_error: 5e-6, threads: threads() }
     }
 }
 
@@ -74,8 +74,9 @@ pub struct WorkPrecision {
 }
 
 impl WorkPrecision {
-    /// Prepares a diagram of a trial. The trial's current setting is one of the points if its scheme is in the plan.
-    pub fn new(trial: Trial, plan: Plan) -> Self {
+    /// Prepares a diagram of a trial, of those schemes of the plan that suit it. The trial's current setting is one of the points if its scheme is in the plan.
+    pub fn new(trial: Trial, mut plan: Plan) -> Self {
+        plan.integrators.retain(|integrator| trial.suits(integrator));
         let reference = ReferenceJob::new(&trial, plan.smallest_error);
         let limit = limit(&trial.scene, &trial.start);
         let mut slots = Vec::new();

@@ -4,7 +4,15 @@ use super::{
     Reference, Setting, StudyError,
     march::{Deadline, March},
 };
-use crate::{effects::Grab, level::Level, meshes::Files, report::Counts, scene::Scene, state::State};
+use crate::{
+    effects::Grab,
+    integrators::{IntegratorKind, Scheme},
+    level::Level,
+    meshes::Files,
+    report::Counts,
+    scene::Scene,
+    state::State,
+};
 use std::ops::ControlFlow;
 
 /// What is run: a scene from a start for a time. Positions are compared at the end of every frame of 1/60 s.
@@ -39,6 +47,11 @@ impl Trial {
     /// Simulated time [s].
     pub fn seconds(&self) -> f64 {
         f64::from(self.frames) / 60.0
+    }
+
+    /// Whether a scheme can step this: a toy has no velocities for a scheme that needs them.
+    pub fn suits(&self, integrator: &IntegratorKind) -> bool {
+        self.scene.toy.is_none() || matches!(integrator.kind().scheme(), Scheme::First(_))
     }
 
     pub(super) fn march(&self, setting: &Setting) -> March {

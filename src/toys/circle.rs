@@ -1,5 +1,5 @@
 use super::{Reading, Toy, relative_error};
-use crate::quantity::{Length, Quantity};
+use crate::quantity::{Quantity, Radius};
 use std::f64::consts::TAU;
 
 /// The circle: `dx/dt = -y`, `dy/dt = x`. The exact point goes around at one radian a second and keeps its distance.
@@ -9,12 +9,12 @@ use std::f64::consts::TAU;
 #[serde(deny_unknown_fields)]
 pub struct Circle {
     /// Distance from the centre of the world at the start [m].
-    pub radius: Length,
+    pub radius: Radius,
 }
 
 impl Default for Circle {
     fn default() -> Self {
-        Self { radius: Length::literal(0.3) }
+        Self { radius: Radius::literal(0.3) }
     }
 }
 

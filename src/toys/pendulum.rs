@@ -80,7 +80,7 @@ impl Toy for Pendulum {
     }
 
     fn about(&self) -> &'static str {
-        "θ″ = −(g/L) sin θ, let go at rest: a wide swing takes longer than a small one, T/T₀ = 2 K(sin(θ₀/2))/π."
+        "d²θ/dt² = −(g/L) sin θ, let go at rest: a wide swing takes longer than a small one, T/T₀ = 2 K(sin(θ₀/2))/π."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

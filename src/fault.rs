@@ -1,6 +1,8 @@
 //! Why stepping stopped, found out and said in a sentence.
 
-use crate::{elements::Field, materials::Model, scene::Scene, stability::critical_step, state::State};
+use crate::{
+    elements::Field, integrators::Class, materials::Model, scene::Scene, stability::critical_step, state::State,
+};
 
 /// A step that could not be taken. The simulation rests on the last finite state.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +56,8 @@ pub enum Cause {
     Crushed(Model),
     /// Positions or speeds grew out of all bounds.
     Overflow,
+    /// The equations of an implicit step were not solved.
+    Unsolved,
 }
 
 impl Fault {
@@ -69,6 +73,7 @@ impl Fault {
         });
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
+            _ if crushed.is_none() && scene.integrator.kind().class() == Class::Implicit => Cause::Unsolved,
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),
         };
         Self { step: state.steps + 1, time: state.time, culprit, cause }
@@ -136,6 +141,9 @@ impl std::fmt::Display for Fault {
             }
             Cause::Crushed(model) => {
                 write!(out, "It was crushed inside out, where {} has no energy.", model.title())
+            }
+            Cause::Unsolved => {
+                write!(out, "No solution was found for a step of this length; a shorter one may have one.")
             }
             Cause::Overflow => write!(out, "Positions or speeds grew beyond {:e}.", State::LIMIT),
         }

@@ -137,3 +137,52 @@ fn nobody_leaves_the_house_and_bodies_rest_outside_obstacles() {
         }
     }
 }
+
+/// The way out of a flat side is known exactly: what slides along it must go on sliding, also right after being pushed out,
+/// when the way to the surface is no longer than round-off.
+#[test]
+fn a_vertex_pushed_out_of_a_flat_side_goes_on_sliding() {
+    let side = [
+        ("Cuboid(centre: (0.5, 0.2), width: 0.8, height: 0.2, eps: 0.01)", [0.0, 1.0]),
+        ("Polygon(points: [(0.1, 0.1), (0.9, 0.1), (0.9, 0.3), (0.1, 0.3)], eps: 0.01)", [0.0, 1.0]),
+        ("Cuboid(centre: (0.2, 0.5), width: 0.2, height: 0.8, eps: 0.01)", [1.0, 0.0]),
+    ];
+    for (kind, [nx, ny]) in side {
+        let wall = &obstacles(kind)[0];
+        for depth in [2.4e-3, 1e-3, 1e-9, 1e-16, 0.0, -1e-17, -5e-3] {
+            let along = 0.37;
+            let mut x = [along * ny + (0.3 - depth) * nx, along * nx + (0.3 - depth) * ny];
+            let mut v = [0.3 * ny - 0.1 * nx, 0.3 * nx - 0.1 * ny];
+            for _ in 0..3 {
+                wall.constrain_position(&mut x, &mut v, &[1.0, 1.0]);
+                wall.constrain_velocity(&x, &mut v, &[1.0, 1.0]);
+            }
+            assert!((v[0] - 0.3 * ny).abs() < 1e-8 && (v[1] - 0.3 * nx).abs() < 1e-8, "{kind} at {depth:e}: {v:?}");
+        }
+    }
+}
+
+#[test]
+fn the_distance_and_direction_of_a_ball_and_a_box_are_those_of_geometry() {
+    let mut random = Random(3);
+    let ball = &obstacles("Ball(centre: (0.5, 0.5), radius: 0.2, eps: 0.05)")[0];
+    let plane = &obstacles("Plane(point: (0, 0.4), normal: (0, 3), eps: 0.05)")[0];
+    for _ in 0..2000 {
+        let [x, y] = [random.between(0.0, 1.0), random.between(0.0, 1.0)];
+        let (dx, dy) = (x - 0.5, y - 0.5);
+        let length = dx.hypot(dy);
+        match ball.contact([x, y]) {
+            Some(contact) => {
+                let [nx, ny] = contact.normal;
+                assert!((contact.distance - (length - 0.2)).abs() < 1e-12 && length < 0.25);
+                assert!((nx - dx / length).abs() < 1e-9 && (ny - dy / length).abs() < 1e-9);
+            }
+            None => assert!(length >= 0.25, "a point {length} m from the middle is near"),
+        }
+        let near = plane.contact([x, y]);
+        assert_eq!(near.is_some(), y < 0.45);
+        assert!(
+            near.is_none_or(|contact| contact.normal == [0.0, 1.0] && (contact.distance - (y - 0.4)).abs() < 1e-15)
+        );
+    }
+}

@@ -284,3 +284,49 @@ fn what_is_saved_goes_on_exactly() {
     run(&mut sandbox, 100);
     assert_eq!(again.simulation().state(), sandbox.simulation().state());
 }
+
+#[test]
+fn strips_side_by_side_come_back_to_their_places_when_another_level_is_undone() {
+    let mut sandbox = sandbox("stretch_test");
+    sandbox.apply(Command::SetSideBySide(true)).unwrap();
+    let before = seen(&sandbox);
+    let other = files::parse(built_in("jelly_disk").unwrap(), "jelly_disk").unwrap();
+    sandbox.apply(Command::Open(Box::new(other))).unwrap();
+    sandbox.apply(Command::Undo).unwrap();
+    let after = seen(&sandbox);
+    assert_eq!((after.positions, after.start), (before.positions, before.start));
+}
+
+#[test]
+fn a_hand_that_pulls_goes_on_pulling_through_a_reset_and_a_change_of_mode() {
+    let mut sandbox = small();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    sandbox.apply(Command::Grab(0, [0.0, 0.0])).unwrap();
+    for command in [Command::Reset, Command::SetMode(Mode::Collide)] {
+        sandbox.apply(command).unwrap();
+        assert!(seen(&sandbox).pull.is_some());
+    }
+    sandbox.apply(Command::SetMode(Mode::Edit)).unwrap();
+    assert!(seen(&sandbox).pull.is_none());
+}
+
+#[test]
+fn a_mesh_file_that_changed_is_read_again_when_its_level_is_opened_again() {
+    struct Changing(std::sync::atomic::AtomicBool);
+    impl gingerbread::meshes::Files for Changing {
+        fn read(&self, _: &str) -> Result<String, String> {
+            let more = self.0.fetch_xor(true, std::sync::atomic::Ordering::Relaxed);
+            Ok(format!(
+                "v 0 0\nv 1 0\nv 1 1\nv 0 1\nf 1 2 3\n{}",
+                if more { "f 1 3 4\n" } else { "v -1 2\nf 1 3 5\nf 1 5 4\n" }
+            ))
+        }
+    }
+    let text = "(name: \"\", bodies: [(name: \"\", mesh: Obj(path: \"a.obj\"), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))])";
+    let mut sandbox = Sandbox::new(level(text), Box::new(Changing(true.into()))).unwrap();
+    assert_eq!(seen(&sandbox).triangles.len(), 2);
+    sandbox.apply(Command::SetModel(Model::NeoHookean)).unwrap();
+    assert_eq!(seen(&sandbox).triangles.len(), 2, "while a level is open its mesh stays");
+    sandbox.apply(Command::Open(Box::new(level(text)))).unwrap();
+    assert_eq!(seen(&sandbox).triangles.len(), 3);
+}

@@ -1,6 +1,6 @@
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
-    implicit::{Affine, solve},
+    implicit::{self, Affine},
     memory,
     system::touched,
 };
@@ -47,25 +47,21 @@ impl SecondOrder for Bdf2 {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let count = state.x.len();
         let goes_on = memory::recall(state, TAG, h, 2 * count);
-        let past = memory::open(state, TAG, h, 2 * count);
-        if !goes_on {
-            past.fill(0.0);
-        }
         let share = if goes_on { 2.0 / 3.0 * h } else { h };
-        let affine = Affine { ax: share * share, av: share };
-        let (x, v, past) = (&state.x, &state.v, memory::read(state));
-        let solved = solve(system, state, work, affine, |number| {
-            let (mut free_x, mut free_v) = (x[number], v[number]);
+        let affine = Affine { ax: share * share, av: share, end: 1.0 };
+        let Work { past, .. } = work;
+        past.clear();
+        past.extend(state.x.iter().chain(&state.v));
+        let counts = implicit::step(system, state, work, (affine, h), |state, number| {
+            let (mut x, mut v) = (state.x[number], state.v[number]);
             if goes_on {
-                free_x = (4.0 * free_x - past[number]) / 3.0;
-                free_v = (4.0 * free_v - past[count + number]) / 3.0;
+                let past = memory::read(state);
+                x = (4.0 * x - past[number]) / 3.0;
+                v = (4.0 * v - past[count + number]) / 3.0;
             }
-            [free_x + share * free_v, free_v]
+            [x + share * v, v]
         });
-        let past = &mut state.memory;
-        memory::own(past)[..count].copy_from_slice(&state.x);
-        memory::own(past)[count..].copy_from_slice(&state.v);
-        let counts = solved.finish(system, state, h);
+        memory::open(state, TAG, h, 2 * count).copy_from_slice(&work.past);
         for number in 0..count {
             // Where a wall acted there is no smooth past: the formula then goes on from what the wall left.
             if touched(&state.x, &state.v, &work.spare, number) {

@@ -1,9 +1,12 @@
 //! What every implicit scheme shares: in each of them positions and velocities at the time where forces are taken are
 //! affine in the unknown accelerations z, `x = x^ + ax z` and `v = v^ + av z`, and z solves `M z = f(x, v)`.
 
-use super::{Dynamics, StepCounts, Work, system::settle};
+use super::{
+    Dynamics, StepCounts, Work, parts,
+    system::{settle, touched},
+};
 use crate::{
-    solvers::{BlockMatrix, Equations, Weights},
+    solvers::{BlockMatrix, Equations, NewtonCounts, Weights},
     state::State,
 };
 use nalgebra::Matrix2;
@@ -14,52 +17,95 @@ const RELATIVE: f64 = 1e-8;
 /// The same as a share of the largest coordinate: what round-off leaves of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
-/// Factors of z in positions and velocities [s², s].
+/// How often a step is solved again, at most, with more numbers held by walls.
+const PASSES: usize = 8;
+
+/// Factors of z in positions and velocities [s², s], and where the step ends: at `end` times the way to the stage.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
     pub ax: f64,
     pub av: f64,
+    pub end: f64,
 }
 
-/// Positions, velocities and accelerations that solve `M z = f(x, v)`.
-pub(super) struct Solved<'a> {
-    pub x: &'a mut [f64],
-    pub v: &'a mut [f64],
-    pub z: &'a [f64],
-    pub spare: &'a mut Vec<f64>,
-    pub counts: StepCounts,
-}
-
-impl Solved<'_> {
-    /// Makes x and v the state, and applies the constraints.
-    pub fn finish(self, system: &mut dyn Dynamics, state: &mut State, h: f64) -> StepCounts {
-        state.x.swap_with_slice(self.x);
-        state.v.copy_from_slice(self.v);
-        settle(system, self.x, (&mut state.x, &mut state.v), self.spare, h);
-        self.counts
-    }
-}
-
-/// Solves `M z = f(x^ + ax z, v^ + av z)`, where `free` gives x^ and v^ for each number. What is pinned stays.
-pub(super) fn solve<'a>(
+/// Solves `M z = f(x^ + ax z, v^ + av z)`, where `free` gives x^ and v^ for each number, and makes the end of the step of
+/// length h the state. What is pinned stays.
+///
+/// Walls are part of the equations: where constraints change the end of the step, those numbers are held at what the
+/// constraints say and the rest is solved again, so that a body that meets a wall is pressed flat by its own elasticity
+/// and not by moving vertices through their neighbours. If the scheme does not end at its stage, such a step is one of
+/// implicit Euler. [`touched`] afterwards tells the numbers that were held.
+pub(super) fn step(
     system: &mut dyn Dynamics,
-    state: &State,
-    work: &'a mut Work,
-    affine: Affine,
-    free: impl Fn(usize) -> [f64; 2],
-) -> Solved<'a> {
-    let Work { numbers, spare, newton } = work;
-    let [free_x, free_v, x, v, z] = super::parts(numbers, state.x.len());
+    state: &mut State,
+    work: &mut Work,
+    (mut affine, h): (Affine, f64),
+    free: impl Fn(&State, usize) -> [f64; 2],
+) -> StepCounts {
+    let Work { numbers, spare, newton, .. } = work;
+    let [free_x, free_v, x, v, z, inverse, end_x, end_v] = parts(numbers, state.x.len());
+    inverse.copy_from_slice(system.inverse_mass());
     for number in 0..state.x.len() {
-        let pinned = system.inverse_mass()[number] == 0.0;
-        [free_x[number], free_v[number]] = if pinned { [state.x[number], 0.0] } else { free(number) };
+        let pinned = inverse[number] == 0.0;
+        [free_x[number], free_v[number]] = if pinned { [state.x[number], 0.0] } else { free(state, number) };
     }
     z.fill(0.0);
-    let mut stage = Stage { system, origin: &state.x, free_x, free_v, x, v, affine };
-    let newton = newton.solve(&mut stage, z);
-    stage.evaluate(z);
-    let Stage { x, v, .. } = stage;
-    Solved { x, v, z, spare, counts: StepCounts { newton, ..StepCounts::ONE } }
+    let mut counts = NewtonCounts::NONE;
+    for _ in 0..PASSES {
+        let origin = &state.x;
+        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, x, v, affine };
+        counts.add(&newton.solve(&mut stage, z));
+        stage.evaluate(z);
+        for number in 0..origin.len() {
+            let held = inverse[number] == 0.0 && system.inverse_mass()[number] != 0.0;
+            if !held {
+                end_x[number] = along(origin[number], x[number], affine.end);
+                end_v[number] = along(state.v[number], v[number], affine.end);
+            }
+        }
+        settle(system, origin, (end_x, end_v), spare, h);
+        let mut more = false;
+        for number in 0..origin.len() {
+            if inverse[number] != 0.0 && touched(end_x, end_v, spare, number) && end_x[number].is_finite() {
+                inverse[number] = 0.0;
+                more = true;
+            }
+        }
+        if !more {
+            break;
+        }
+        if affine.end != 1.0 {
+            // An impact is not smooth; a scheme that damps nothing would turn it into noise.
+            affine = Affine { ax: h * h, av: h, end: 1.0 };
+            for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
+                free_v[number] = state.v[number];
+                free_x[number] = origin[number] + h * state.v[number];
+                z[number] *= 0.5;
+            }
+        }
+        for number in 0..origin.len() {
+            if inverse[number] == 0.0 && system.inverse_mass()[number] != 0.0 {
+                z[number] = (end_x[number] - free_x[number]) / affine.ax;
+            }
+        }
+        if !more {
+            break;
+        }
+    }
+    for (number, inverse) in inverse.iter().enumerate() {
+        if *inverse == 0.0 && system.inverse_mass()[number] != 0.0 {
+            // Equal to nothing, so that the number counts as touched.
+            spare[number] = f64::NAN;
+        }
+    }
+    state.x.copy_from_slice(end_x);
+    state.v.copy_from_slice(end_v);
+    StepCounts { newton: counts, ..StepCounts::ONE }
+}
+
+/// From `origin`, so many times the way to `stage`.
+fn along(origin: f64, stage: f64, times: f64) -> f64 {
+    if times == 1.0 { stage } else { origin + times * (stage - origin) }
 }
 
 /// The equations of one stage, `M z - f(x^ + ax z, v^ + av z) = 0`.
@@ -69,6 +115,8 @@ pub(super) struct Stage<'s, 'a> {
     pub origin: &'s [f64],
     pub free_x: &'s [f64],
     pub free_v: &'s [f64],
+    /// 1/mass, zero also where a wall holds.
+    pub inverse: &'s [f64],
     pub x: &'a mut [f64],
     pub v: &'a mut [f64],
     pub affine: Affine,
@@ -89,7 +137,7 @@ impl Equations for Stage<'_, '_> {
     fn residual(&mut self, z: &[f64], g: &mut [f64]) {
         self.evaluate(z);
         self.system.force(self.x, self.v, g);
-        for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(self.system.mass()).zip(self.system.inverse_mass()) {
+        for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(self.system.mass()).zip(self.inverse) {
             *g = if *inverse == 0.0 { 0.0 } else { mass * z - *g };
         }
     }
@@ -108,14 +156,15 @@ impl Equations for Stage<'_, '_> {
     }
 
     fn inverse_weight(&self) -> &[f64] {
-        self.system.inverse_mass()
+        self.inverse
     }
 
     /// Staying where the step began, which has a force if any place has.
     fn other_start(&self, z: &mut [f64]) {
-        for (((z, origin), free), inverse) in z.iter_mut().zip(self.origin).zip(self.free_x).zip(self.inverse_weight())
-        {
-            *z = if *inverse == 0.0 { 0.0 } else { (origin - free) / self.affine.ax };
+        for (((z, origin), free), inverse) in z.iter_mut().zip(self.origin).zip(self.free_x).zip(self.inverse) {
+            if *inverse != 0.0 {
+                *z = (origin - free) / self.affine.ax;
+            }
         }
     }
 

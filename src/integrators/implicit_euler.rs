@@ -1,6 +1,6 @@
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
-    implicit::{Affine, solve},
+    implicit::{self, Affine},
 };
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -37,9 +37,9 @@ impl Integrator for ImplicitEuler {
 
 impl SecondOrder for ImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let affine = Affine { ax: h * h, av: h };
-        let solved =
-            solve(system, state, work, affine, |number| [state.x[number] + h * state.v[number], state.v[number]]);
-        solved.finish(system, state, h)
+        let affine = Affine { ax: h * h, av: h, end: 1.0 };
+        implicit::step(system, state, work, (affine, h), |state, number| {
+            [state.x[number] + h * state.v[number], state.v[number]]
+        })
     }
 }

@@ -1,7 +1,8 @@
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
-    implicit::{Affine, Solved, Stage},
+    implicit::{Affine, Stage},
     parts,
+    system::settle,
 };
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -40,8 +41,8 @@ impl Integrator for LinearlyImplicitEuler {
 
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, newton } = work;
-        let [x, v, free_v, none, g, force, z] = parts(numbers, state.x.len());
+        let Work { numbers, spare, newton, .. } = work;
+        let [x, v, free_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
         // Linearised at z = 0 with nothing moved: there x and v are those of the state.
         free_v.copy_from_slice(&state.v);
         none.fill(0.0);
@@ -52,14 +53,17 @@ impl SecondOrder for LinearlyImplicitEuler {
         for ((g, force), inverse_mass) in g.iter_mut().zip(&*force).zip(system.inverse_mass()) {
             *g = if *inverse_mass == 0.0 { 0.0 } else { h * *g - force };
         }
-        let affine = Affine { ax: h * h, av: h };
-        let mut stage = Stage { system: &mut *system, origin: &state.x, free_x: &state.x, free_v, x, v, affine };
+        let affine = Affine { ax: h * h, av: h, end: 1.0 };
+        inverse.copy_from_slice(system.inverse_mass());
+        before.copy_from_slice(&state.x);
+        let (origin, free_x): (&[f64], &[f64]) = (before, before);
+        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, x, v, affine };
         let newton = newton.linear(&mut stage, none, g, z);
-        let Stage { x, v, .. } = stage;
         for (number, z) in z.iter().enumerate() {
-            v[number] = state.v[number] + h * z;
-            x[number] = state.x[number] + h * v[number];
+            state.v[number] += h * z;
+            state.x[number] += h * state.v[number];
         }
-        Solved { x, v, z, spare, counts: StepCounts { newton, ..StepCounts::ONE } }.finish(system, state, h)
+        settle(system, before, (&mut state.x, &mut state.v), spare, h);
+        StepCounts { newton, ..StepCounts::ONE }
     }
 }

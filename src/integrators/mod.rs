@@ -135,6 +135,7 @@ impl dyn Integrator + '_ {
 pub struct Work {
     numbers: Vec<f64>,
     spare: Vec<f64>,
+    past: Vec<f64>,
     newton: Newton,
 }
 

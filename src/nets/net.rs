@@ -51,7 +51,7 @@ pub enum NetError {
     /// No spring at all.
     #[error("the net has no springs; give it at least one")]
     Empty,
-    /// More than [`MOST_SPRINGS`].
+    /// More than `MOST_SPRINGS`.
     #[error("the net would have {0} springs; ask for at most {MOST_SPRINGS}")]
     TooMany(usize),
     /// A coordinate is infinite or not a number.

@@ -14,7 +14,7 @@ pub trait Equations {
     /// 1/weight of each number, zero where z must stay: residuals are measured by `sum g²/weight`.
     fn inverse_weight(&self) -> &[f64];
 
-    /// Another start, should it have the smaller residual.
+    /// Changes z to another start, which is taken if its residual is smaller. What is fixed must stay.
     fn other_start(&self, z: &mut [f64]);
 
     /// How far any number of z may be from the solution.
@@ -39,6 +39,15 @@ pub struct NewtonCounts {
 impl NewtonCounts {
     /// Nothing to solve.
     pub const NONE: Self = Self { iterations: 0, cuts: 0, factorisations: 0, shifts: 0, unconverged: 0 };
+
+    /// Adds what another solve took.
+    pub fn add(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.cuts += other.cuts;
+        self.factorisations += other.factorisations;
+        self.shifts += other.shifts;
+        self.unconverged += other.unconverged;
+    }
 }
 
 /// Newton's method with a line search, and everything it keeps between solves.
@@ -139,6 +148,7 @@ impl Newton {
     /// Chooses between the two starts.
     fn start(&mut self, equations: &mut dyn Equations, z: &mut [f64]) {
         equations.residual(z, &mut self.g);
+        self.trial.copy_from_slice(z);
         equations.other_start(&mut self.trial);
         equations.residual(&self.trial, &mut self.trial_g);
         let size = |g: &[f64]| g.iter().zip(equations.inverse_weight()).map(|(g, w)| g * g * w).sum::<f64>();

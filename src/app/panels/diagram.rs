@@ -42,6 +42,7 @@ pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<
     Window::new("Accuracy against time")
         .id(Id::unique("diagram"))
         .open(&mut open)
+        .default_pos(ctx.content_rect().left_top() + Vec2::new(((size.x - 900.0) / 2.0).max(12.0), 72.0))
         .default_size(Vec2::new((size.x - 60.0).min(760.0), (size.y - 140.0).min(560.0)))
         .constrain(true)
         .show(ctx, |ui| {

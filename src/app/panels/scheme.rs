@@ -58,6 +58,9 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
             (format!("Stable at every step; what vibrates faster than {blurred} is blurred."), None)
         }
         (Class::ErrorControlled, _) => ("Chooses its own steps; the tolerance limits its error.".to_owned(), None),
+        (Class::Explicit, None) if desk.now.level.toy.is_some() => {
+            ("A toy has nothing stiff; the step limits its accuracy alone.".to_owned(), None)
+        }
         (Class::Explicit, None) => ("Nothing here is stiff enough to limit the step.".to_owned(), None),
         (Class::Explicit, Some(limit)) => {
             let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;

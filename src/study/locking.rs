@@ -1,6 +1,6 @@
 //! How much too stiff linear triangles are when the area can hardly change.
 
-use super::{Progress, StudyError, mesh_study::Measure, refine::with_triangles, statics};
+use super::{Measure, Progress, StudyError, refine::with_triangles, statics};
 use crate::{
     level::Level,
     materials::{MaterialParameters, Plane},

@@ -318,7 +318,7 @@ fn a_mesh_file_that_changed_is_read_again_when_its_level_is_opened_again() {
             let more = self.0.fetch_xor(true, std::sync::atomic::Ordering::Relaxed);
             Ok(format!(
                 "v 0 0\nv 1 0\nv 1 1\nv 0 1\nf 1 2 3\n{}",
-                if more { "f 1 3 4\n" } else { "v -1 2\nf 1 3 5\nf 1 5 4\n" }
+                if more { "f 1 3 4\n" } else { "v -1 1\nf 1 3 4\nf 1 4 5\n" }
             ))
         }
     }

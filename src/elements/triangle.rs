@@ -1,9 +1,9 @@
 use crate::{
     effects::{Effect, Motion},
-    materials::{Lame, Material, Model, Visitor},
+    materials::{Lame, Material, Model, Visitor, times},
     solvers::{BlockMatrix, Weights},
 };
-use nalgebra::{Matrix2, Vector2, Vector4};
+use nalgebra::{Matrix2, Vector4};
 use std::ops::Range;
 
 /// The linear triangles of one body, all of one material and unit thickness.
@@ -91,7 +91,10 @@ impl Triangles {
 
     /// The deformation gradient of each triangle, with its rest area [m²].
     pub fn gradients(&self, x: &[f64]) -> impl Iterator<Item = (Matrix2<f64>, f64)> {
-        self.corners.iter().zip(&self.rest).map(|(&triangle, rest)| (edges(x, triangle) * rest.inverse, rest.area))
+        self.corners
+            .iter()
+            .zip(&self.rest)
+            .map(|(&triangle, rest)| (times(&edges(x, triangle), &rest.inverse), rest.area))
     }
 
     /// Elastic forces alone on this body's vertices, added to `force` [N].
@@ -143,19 +146,20 @@ impl Triangles {
 
 impl Rest {
     /// Forces on the three corners, x and y each [N], from a first Piola-Kirchhoff stress.
-    #[inline]
+    #[inline(always)]
     fn corner_forces(&self, stress: &Matrix2<f64>, out: &mut [f64]) {
-        let h = stress * self.inverse.transpose() * -self.area;
-        out.copy_from_slice(&[-h.m11 - h.m12, -h.m21 - h.m22, h.m11, h.m21, h.m12, h.m22]);
+        let h = times(stress, &self.inverse.transpose());
+        let [h11, h21, h12, h22] = [h.m11, h.m21, h.m12, h.m22].map(|h| -self.area * h);
+        out.copy_from_slice(&[-h11 - h12, -h21 - h22, h11, h21, h12, h22]);
     }
 }
 
 /// D = [x1 - x0, x2 - x0] of a triangle.
-#[inline]
+#[inline(always)]
 fn edges(x: &[f64], [a, b, c]: [u32; 3]) -> Matrix2<f64> {
-    let point = |i: u32| Vector2::new(x[2 * i as usize], x[2 * i as usize + 1]);
-    let origin = point(a);
-    Matrix2::from_columns(&[point(b) - origin, point(c) - origin])
+    let point = |i: u32| [x[2 * i as usize], x[2 * i as usize + 1]];
+    let ([ax, ay], [bx, by], [cx, cy]) = (point(a), point(b), point(c));
+    Matrix2::new(bx - ax, cx - ax, by - ay, cy - ay)
 }
 
 /// For each vertex the corners that meet there, in ascending order, as one list with the ends of its parts.
@@ -190,7 +194,7 @@ impl Visitor for CornerForces<'_> {
     fn visit<M: Material>(self, material: &M) {
         let of = self.of;
         for ((out, &triangle), rest) in self.out.chunks_exact_mut(6).zip(&of.corners).zip(&of.rest) {
-            let stress = material.stress(&(edges(self.x, triangle) * rest.inverse));
+            let stress = material.stress(&times(&edges(self.x, triangle), &rest.inverse));
             rest.corner_forces(&stress, out);
         }
     }

@@ -79,6 +79,9 @@ const BETA: f64 = 0.04;
 const ALPHA: f64 = 0.2 - 0.75 * BETA;
 /// An inner step is not made shorter than this share of h: there, something is wrong that no step length mends.
 const LEAST: f64 = 1e-9;
+/// Most inner steps, taken or rejected, of one step. A body that tangled in a step too long for its tolerance could keep the
+/// controller busy for ever; what is given up is not a number, and stops the simulation with a reason.
+const MOST: u64 = 10_000;
 
 impl FirstOrder for DormandPrince {
     fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
@@ -93,6 +96,11 @@ impl FirstOrder for DormandPrince {
         let (mut done, mut retry) = (0.0, false);
         system.rate(x, rates[0]);
         while done < h {
+            if counts.inner_steps + counts.rejected >= MOST {
+                counts.newton.unconverged += 1;
+                x.fill(f64::NAN);
+                break;
+            }
             // What would be left over by a hair is taken along.
             let last = done + 1.0001 * length >= h;
             let inner = if last { h - done } else { length };

@@ -28,6 +28,7 @@ impl Corotated {
 /// With a = F11 + F22 and b = F21 - F12, `R = [[a, -b], [b, a]] / sqrt(a² + b²)`: the conformal part of F, normalised.
 /// Where a = b = 0 (F is a reflection times a scale) every rotation is equally near and the identity is taken.
 /// Also returns sqrt(a² + b²) = tr(RᵀF).
+#[inline(always)]
 pub fn nearest_rotation(f: &Matrix2<f64>) -> (Matrix2<f64>, f64) {
     let a = f.m11 + f.m22;
     let b = f.m21 - f.m12;
@@ -44,13 +45,13 @@ impl Material for Corotated {
     const TITLE: &'static str = "Corotated";
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 tr(RᵀF − I)²";
 
-    #[inline]
+    #[inline(always)]
     fn energy(&self, f: &Matrix2<f64>) -> f64 {
         let (r, trace) = nearest_rotation(f);
         self.lame.mu * (f - r).norm_squared() + 0.5 * self.lame.lambda * (trace - 2.0) * (trace - 2.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
         let (r, trace) = nearest_rotation(f);
         (f - r) * (2.0 * self.lame.mu) + r * (self.lame.lambda * (trace - 2.0))

@@ -107,6 +107,17 @@ impl Model {
     }
 }
 
+/// The product of two 2 x 2 matrices, written out: in the innermost loop the general product costs as much as all the rest.
+#[inline(always)]
+pub(crate) fn times(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix2<f64> {
+    Matrix2::new(
+        a.m11 * b.m11 + a.m12 * b.m21,
+        a.m11 * b.m12 + a.m12 * b.m22,
+        a.m21 * b.m11 + a.m22 * b.m21,
+        a.m21 * b.m12 + a.m22 * b.m22,
+    )
+}
+
 /// The outer product of two 2 x 2 matrices, each read column by column: (4 x 4).
 fn outer(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix4<f64> {
     Matrix4::from_fn(|i, j| a.as_slice()[i] * b.as_slice()[j])

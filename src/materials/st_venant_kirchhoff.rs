@@ -1,4 +1,4 @@
-use super::{Lame, Material, outer};
+use super::{Lame, Material, outer, times};
 use nalgebra::{Matrix2, Matrix4};
 
 /// St. Venant-Kirchhoff: Hooke's law between the Green strain E and the second Piola-Kirchhoff stress.
@@ -22,11 +22,15 @@ impl StVenantKirchhoff {
     }
 
     /// Green strain and second Piola-Kirchhoff stress, both symmetric (2 x 2).
-    #[inline]
+    #[inline(always)]
     fn strain_and_stress(&self, f: &Matrix2<f64>) -> (Matrix2<f64>, Matrix2<f64>) {
-        let strain = (f.transpose() * f - Matrix2::identity()) * 0.5;
-        let pressure = self.lame.lambda * strain.trace();
-        (strain, strain * (2.0 * self.lame.mu) + Matrix2::identity() * pressure)
+        let e11 = 0.5 * (f.m11 * f.m11 + f.m21 * f.m21 - 1.0);
+        let e12 = 0.5 * (f.m11 * f.m12 + f.m21 * f.m22);
+        let e22 = 0.5 * (f.m12 * f.m12 + f.m22 * f.m22 - 1.0);
+        let (two_mu, pressure) = (2.0 * self.lame.mu, self.lame.lambda * (e11 + e22));
+        let shear = two_mu * e12;
+        let stress = Matrix2::new(two_mu * e11 + pressure, shear, shear, two_mu * e22 + pressure);
+        (Matrix2::new(e11, e12, e12, e22), stress)
     }
 }
 
@@ -34,15 +38,15 @@ impl Material for StVenantKirchhoff {
     const TITLE: &'static str = "St. Venant-Kirchhoff";
     const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (FᵀF − I)/2";
 
-    #[inline]
+    #[inline(always)]
     fn energy(&self, f: &Matrix2<f64>) -> f64 {
         let (strain, stress) = self.strain_and_stress(f);
         0.5 * strain.dot(&stress)
     }
 
-    #[inline]
+    #[inline(always)]
     fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
-        f * self.strain_and_stress(f).1
+        times(f, &self.strain_and_stress(f).1)
     }
 
     /// dP = dF S + mu (F dFᵀ F + F Fᵀ dF) + lambda (F : dF) F.

@@ -56,7 +56,7 @@ pub enum Cause {
     Crushed(Model),
     /// Positions or speeds grew out of all bounds.
     Overflow,
-    /// The equations of an implicit step were not solved.
+    /// The equations of an implicit step were not solved, or an error-controlled one was given up.
     Unsolved,
 }
 
@@ -73,7 +73,7 @@ impl Fault {
         });
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
-            _ if crushed.is_none() && scene.integrator.kind().class() == Class::Implicit => Cause::Unsolved,
+            _ if crushed.is_none() && scene.integrator.kind().class() != Class::Explicit => Cause::Unsolved,
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),
         };
         Self { step: state.steps + 1, time: state.time, culprit, cause }
@@ -143,7 +143,10 @@ impl std::fmt::Display for Fault {
                 write!(out, "It was crushed inside out, where {} has no energy.", model.title())
             }
             Cause::Unsolved => {
-                write!(out, "No solution was found for a step of this length; a shorter one may have one.")
+                write!(
+                    out,
+                    "No solution was found for a step of this length; a shorter one, or a smaller tolerance, may have one."
+                )
             }
             Cause::Overflow => write!(out, "Positions or speeds grew beyond {:e}.", State::LIMIT),
         }

@@ -53,6 +53,20 @@ impl EffectParameters for Walls {
 
 struct Contacts(Vec<Box<dyn Obstacle>>);
 
+impl Contacts {
+    /// The obstacles that are near enough to the box around all vertices to be worth a look at each of them.
+    fn near<'a>(&'a self, x: &[f64]) -> impl Iterator<Item = &'a dyn Obstacle> + use<'a> {
+        let (mut least, mut greatest) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in x.chunks_exact(2) {
+            for axis in 0..2 {
+                least[axis] = if point[axis] < least[axis] { point[axis] } else { least[axis] };
+                greatest[axis] = if point[axis] > greatest[axis] { point[axis] } else { greatest[axis] };
+            }
+        }
+        self.0.iter().map(AsRef::as_ref).filter(move |obstacle| obstacle.is_near(least, greatest))
+    }
+}
+
 impl Effect for Contacts {
     fn name(&self) -> &'static str {
         "Walls"
@@ -67,10 +81,10 @@ impl Effect for Contacts {
     }
 
     fn constrain_velocity(&self, x: &[f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
-        self.0.iter().map(|obstacle| obstacle.constrain_velocity(x, v, inverse_mass)).sum()
+        self.near(x).map(|obstacle| obstacle.constrain_velocity(x, v, inverse_mass)).sum()
     }
 
     fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
-        self.0.iter().map(|obstacle| obstacle.constrain_position(x, v, inverse_mass)).sum()
+        self.near(x).map(|obstacle| obstacle.constrain_position(x, v, inverse_mass)).sum()
     }
 }

@@ -56,6 +56,9 @@ pub trait Obstacle: Send + Sync {
     /// The nearest surface, if the point is within eps of it or inside.
     fn contact(&self, point: [f64; 2]) -> Option<Contact>;
 
+    /// Whether any point between two corners could be within eps; false only if none is.
+    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
+
     /// Velocities of vertices within eps that move inwards lose that part: `v <- v - min(0, v . n) n`. Tangential motion
     /// stays, and so does motion outwards, so that nothing sticks. Returns the number of vertices touched.
     fn constrain_velocity(&self, x: &[f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {

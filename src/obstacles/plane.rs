@@ -60,6 +60,14 @@ impl Obstacle for Wall {
         let distance = (Vector::new(point[0], point[1]) - self.origin).dot(normal);
         (distance < self.eps).then_some(Contact { distance, normal: [normal.x, normal.y] })
     }
+
+    /// The corner that lies farthest against the normal decides.
+    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        let normal = self.shape.normal;
+        let x = if normal.x > 0.0 { least[0] } else { greatest[0] };
+        let y = if normal.y > 0.0 { least[1] } else { greatest[1] };
+        self.contact([x, y]).is_some()
+    }
 }
 
 /// The part of a rectangle that the planes leave free, eps kept clear: a convex polygon, counter-clockwise.

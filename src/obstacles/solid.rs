@@ -54,4 +54,8 @@ impl<S: Shape> Obstacle for Solid<S> {
         let normal = if near { self.slope(point) } else { away.try_normalize() }?;
         Some(Contact { distance, normal: [normal.x, normal.y] })
     }
+
+    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        self.near.intersects(&Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1])))
+    }
 }

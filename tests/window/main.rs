@@ -2,6 +2,7 @@
 //! test's own (1/60 s a frame) and every step that is owed is taken, so nothing depends on the machine.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a failing test should panic")]
 
+mod accuracy;
 mod harness;
 mod keys;
 mod panels;

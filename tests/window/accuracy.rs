@@ -1,0 +1,51 @@
+//! What the window says about accuracy and its price.
+
+use crate::harness::*;
+use eframe::egui::{Key, Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use gingerbread::command::Mode;
+use gingerbread::integrators::IntegratorKind;
+use gingerbread::level::Substeps;
+
+#[test]
+fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
+    let mut long = level("gingerbread");
+    assert!(open_level(long.clone(), 1280.0, 800.0).query_by_label_contains("Stable up to").is_some());
+    long.substeps = Substeps::new(1).unwrap();
+    let window = open_level(long.clone(), 1280.0, 800.0);
+    assert!(window.query_by_label_contains("at this step it will blow up").is_some());
+    long.integrator = IntegratorKind::all().into_iter().find(|kind| kind.name() == "ImplicitEuler").unwrap();
+    let window = open_level(long, 1280.0, 800.0);
+    assert!(window.query_by_label_contains("Stable at every step").is_some());
+}
+
+#[test]
+fn another_scheme_can_be_chosen_while_time_runs_and_the_state_is_kept() {
+    let mut window = in_mode("cantilever", Mode::Simulate);
+    press(&mut window, Key::Space);
+    let before = window.state().snapshot().positions.clone();
+    let schemes = window.get_all_by_role(Role::ComboBox).filter(|node| {
+        node.accesskit_node().value().is_some_and(|value| value.contains("Symplectic"))
+            || node.accesskit_node().label().is_some_and(|label| label.contains("Symplectic"))
+    });
+    schemes.last().expect("a menu of schemes").click();
+    window.run_steps(3);
+    click(&mut window, "Runge-Kutta 4");
+    let now = window.state().snapshot();
+    assert_eq!((now.level.integrator.name(), &now.positions), ("RungeKutta4", &before));
+    press(&mut window, Key::Space);
+    window.run_steps(5);
+    assert_ne!(window.state().snapshot().positions, before, "time goes on with the new scheme");
+}
+
+#[test]
+fn the_diagram_waits_for_a_click_and_says_what_it_will_do() {
+    let mut window = open("gingerbread_pulled");
+    assert!(window.query_by_label("Measure").is_none());
+    click(&mut window, "Work-precision diagram");
+    assert!(window.query_by_label_contains("each run is a point").is_some());
+    assert!(window.query_by_label("Measure").is_some());
+    click(&mut window, "Work-precision diagram");
+    window.run_steps(30);
+    assert!(window.query_by_label("Measure").is_none(), "the same button closes it");
+}

@@ -2,6 +2,7 @@
 //! replay, a bug report and what undo works on.
 
 use crate::{
+    effects::EffectKind,
     integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, RunMode, Substeps},
     materials::{MaterialParameters, Model},
@@ -76,6 +77,8 @@ pub enum Command {
     SetIntegrator(IntegratorKind),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
+    /// Adds an effect to the level's list.
+    AddEffect(EffectKind),
     /// Switches every damping effect on, or all off; adds one if the level has none.
     SetDamping(bool),
     /// Pins a vertex (by its number in the scene), or frees it.

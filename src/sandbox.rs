@@ -4,7 +4,7 @@ use crate::{
     command::{Command, Mode},
     document::{Document, Gesture, History, saved},
     effects::Grab,
-    level::{Level, RunMode, Switch},
+    level::{EffectLevel, Level, RunMode, Switch, When},
     meshes::Files,
     scene::{Owner, Scene, SceneError, extent},
     simulation::Simulation,
@@ -146,6 +146,13 @@ impl Sandbox {
             Command::SetEffect(number, effect) => {
                 *get(&mut document.level.effects, number)? = effect;
                 gesture = Some(Gesture::Effect(number));
+            }
+            Command::AddEffect(effect) => {
+                if document.level.toy.is_some() {
+                    return Err(Refused::NotHere("nothing acts on a toy but its own law"));
+                }
+                let listed = EffectLevel { effect, switch: Switch::On, when: When::Always };
+                document.level.effects.push(listed);
             }
             Command::SetDamping(on) => document.set_damping(on),
             Command::TogglePin(vertex) => {

@@ -180,6 +180,21 @@ fn effects_are_switched_and_damping_is_found_or_added() {
 }
 
 #[test]
+fn every_effect_can_be_added_acts_at_once_and_is_taken_back() {
+    for kind in gingerbread::effects::EffectKind::all() {
+        let mut sandbox = small();
+        let count = seen(&sandbox).level.effects.len();
+        let acting = sandbox.simulation().scene().effects.len();
+        sandbox.apply(Command::AddEffect(kind.clone())).unwrap();
+        assert_eq!(seen(&sandbox).level.effects.last().map(|listed| &listed.effect), Some(&kind));
+        assert_eq!(sandbox.simulation().scene().effects.len(), acting + 1, "{}", kind.name());
+        sandbox.apply(Command::Undo).unwrap();
+        assert_eq!(seen(&sandbox).level.effects.len(), count);
+    }
+    assert!(sandbox("circle").apply(Command::AddEffect(gingerbread::effects::EffectKind::all().remove(0))).is_err());
+}
+
+#[test]
 fn opening_a_level_can_be_undone_and_a_bad_one_changes_nothing() {
     let mut sandbox = small();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();

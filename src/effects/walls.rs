@@ -1,17 +1,23 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Obstacle, ObstacleKind, room},
+    obstacles::{Ball, Obstacle, ObstacleKind, room},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
 
 /// Obstacles that vertices bump into: planes that make a room, and solids inside it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Walls {
     /// The obstacles.
     pub obstacles: Vec<ObstacleKind>,
+}
+
+impl Default for Walls {
+    fn default() -> Self {
+        Self { obstacles: vec![ObstacleKind::Ball(Ball::default())] }
+    }
 }
 
 impl EffectParameters for Walls {

@@ -43,6 +43,7 @@ pub fn nearest_rotation(f: &Matrix2<f64>) -> (Matrix2<f64>, f64) {
 
 impl Material for Corotated {
     const TITLE: &'static str = "Corotated";
+    const LETTER: &'static str = "C";
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 tr(RᵀF − I)²";
 
     #[inline(always)]

@@ -31,6 +31,8 @@ registry! {
 pub trait Material: Copy + Send + Sync {
     /// Name as it is said, such as `St. Venant-Kirchhoff`.
     const TITLE: &'static str;
+    /// The letter on its button.
+    const LETTER: &'static str;
     /// The energy density in plain characters, for tooltips.
     const FORMULA: &'static str;
 
@@ -72,26 +74,28 @@ pub trait Visitor {
 impl Model {
     /// Name as it is said, such as `St. Venant-Kirchhoff`.
     pub fn title(self) -> &'static str {
-        struct Title;
-        impl Visitor for Title {
-            type Output = &'static str;
-            fn visit<M: Material>(self, _: &M) -> &'static str {
-                M::TITLE
-            }
-        }
-        self.visit(Lame { mu: 1.0, lambda: 0.0 }, Title)
+        self.words()[0]
+    }
+
+    /// The letter on its button.
+    pub fn letter(self) -> &'static str {
+        self.words()[1]
     }
 
     /// The energy density in plain characters.
     pub fn formula(self) -> &'static str {
-        struct Formula;
-        impl Visitor for Formula {
-            type Output = &'static str;
-            fn visit<M: Material>(self, _: &M) -> &'static str {
-                M::FORMULA
+        self.words()[2]
+    }
+
+    fn words(self) -> [&'static str; 3] {
+        struct Words;
+        impl Visitor for Words {
+            type Output = [&'static str; 3];
+            fn visit<M: Material>(self, _: &M) -> Self::Output {
+                [M::TITLE, M::LETTER, M::FORMULA]
             }
         }
-        self.visit(Lame { mu: 1.0, lambda: 0.0 }, Formula)
+        self.visit(Lame { mu: 1.0, lambda: 0.0 }, Words)
     }
 
     /// See [`Material::caution`].

@@ -29,6 +29,7 @@ fn cofactor(f: &Matrix2<f64>) -> Matrix2<f64> {
 
 impl Material for NeoHookean {
     const TITLE: &'static str = "Neo-Hookean";
+    const LETTER: &'static str = "N";
     const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F";
 
     #[inline(always)]

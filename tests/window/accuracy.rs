@@ -24,11 +24,12 @@ fn another_scheme_can_be_chosen_while_time_runs_and_the_state_is_kept() {
     let mut window = in_mode("cantilever", Mode::Simulate);
     press(&mut window, Key::Space);
     let before = window.state().snapshot().positions.clone();
-    let schemes = window.get_all_by_role(Role::ComboBox).filter(|node| {
+    let mut schemes = window.get_all_by_role(Role::ComboBox).filter(|node| {
         node.accesskit_node().value().is_some_and(|value| value.contains("Symplectic"))
             || node.accesskit_node().label().is_some_and(|label| label.contains("Symplectic"))
     });
-    schemes.last().expect("a menu of schemes").click();
+    schemes.next_back().expect("a menu of schemes").click();
+    drop(schemes);
     window.run_steps(3);
     click(&mut window, "Runge-Kutta 4");
     let now = window.state().snapshot();

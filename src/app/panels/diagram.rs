@@ -14,7 +14,7 @@ use crate::{
     study::{Curve, Outcome, Point, Price, Status},
 };
 use eframe::egui::{self, Color32, ComboBox, Context, Id, ProgressBar, RichText, Ui, Vec2, Window};
-use egui_plot::{GridMark, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
+use egui_plot::{Corner, GridMark, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
 
 /// How the diagram is looked at.
 #[derive(Default)]
@@ -128,7 +128,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
     let unit = if price == Price::Time { "ms per simulated second" } else { "force evaluations" };
     let spacer = |input: egui_plot::GridInput| decades(input.bounds);
     Plot::new("work and precision")
-        .legend(Legend::default().text_style(egui::TextStyle::Small))
+        .legend(Legend::default().position(Corner::LeftBottom).text_style(egui::TextStyle::Small))
         .x_axis_label(unit)
         .y_axis_label("relative RMS position error")
         .x_grid_spacer(spacer)
@@ -188,7 +188,7 @@ fn color(number: usize, theme: &Theme) -> Color32 {
 /// A line for every power of ten.
 fn decades((from, to): (f64, f64)) -> Vec<GridMark> {
     let every = ((to - from) / 10.0).ceil().max(1.0);
-    let (first, last) = ((from / every).floor() as i64, (to / every).ceil() as i64);
+    let (first, last) = ((from / every).ceil() as i64, (to / every).floor() as i64);
     (first..=last).map(|mark| GridMark { value: mark as f64 * every, step_size: every }).collect()
 }
 

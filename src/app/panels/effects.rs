@@ -3,19 +3,38 @@
 use super::{View, heading, settle, sliders};
 use crate::{
     command::Command,
+    effects::EffectKind,
     level::{EffectLevel, Switch, When},
     snapshot::Snapshot,
 };
 use eframe::egui::{RichText, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
-    if now.level.effects.is_empty() {
+    if now.level.toy.is_some() {
         return;
     }
     heading(ui, "Effects");
     for (index, effect) in now.level.effects.iter().enumerate() {
         ui.push_id(("effect", index), |ui| one(ui, index, effect, view, commands));
     }
+    add(ui, now, commands);
+}
+
+/// A menu of the effects that the level does not have.
+fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    let listed = |kind: &EffectKind| now.level.effects.iter().any(|listed| listed.effect.name() == kind.name());
+    let missing: Vec<_> = EffectKind::all().into_iter().filter(|kind| !listed(kind)).collect();
+    if missing.is_empty() {
+        return;
+    }
+    ui.menu_button("Add an effect", |ui| {
+        for kind in missing {
+            let entry = ui.button(kind.kind().title()).on_hover_text(kind.kind().about());
+            if entry.clicked() {
+                commands.extend([Command::AddEffect(kind), Command::EndGesture]);
+            }
+        }
+    });
 }
 
 fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, commands: &mut Vec<Command>) {

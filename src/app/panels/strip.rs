@@ -127,18 +127,14 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
 }
 
 fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
-    let keys = ["C", "V", "N"];
-    let abouts: Vec<_> = Model::ALL
-        .iter()
-        .zip(keys)
-        .map(|(model, key)| format!("{}\nAll bodies follow it and start over. [{key}]", model.formula()))
-        .collect();
+    let about =
+        |model: &Model| format!("{}\nAll bodies follow it and start over. [{}]", model.formula(), model.letter());
+    let abouts: Vec<_> = Model::ALL.iter().map(about).collect();
     let parts: Vec<_> = Model::ALL
         .iter()
-        .zip(keys)
         .zip(&abouts)
-        .map(|((model, text), about)| Segment {
-            text,
+        .map(|(model, about)| Segment {
+            text: model.letter(),
             name: model.title(),
             about,
             on: now.bodies.iter().all(|body| body.model == *model),

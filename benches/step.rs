@@ -30,21 +30,24 @@ fn sheet(n: u32, model: Model) -> Simulation {
     Simulation::new(scene, state)
 }
 
-/// Time of `steps` steps divided by the number of triangles. Starts over now and then, so that what is measured is always the
-/// same motion.
+/// Time of `steps` steps divided by the number of triangles.
 fn per_triangle(simulation: &mut Simulation, steps: u64) -> Duration {
-    const LAP: u64 = 2000;
     let triangles = simulation.scene().triangles.len() as u32;
+    laps(simulation, steps, 2000) / triangles
+}
+
+/// Time of `steps` steps. Starts over after each `lap`, so that what is measured is always the same motion.
+fn laps(simulation: &mut Simulation, steps: u64, lap: u64) -> Duration {
     let start = simulation.scene().start.clone();
     let mut time = Duration::ZERO;
-    for lap in (0..steps).step_by(LAP as usize) {
+    for taken in (0..steps).step_by(lap as usize) {
         simulation.set_state(start.clone());
-        let count = LAP.min(steps - lap);
+        let count = lap.min(steps - taken);
         let begin = Instant::now();
         assert_eq!(simulation.advance(count, &mut || true), count);
         time += begin.elapsed();
     }
-    time / triangles
+    time
 }
 
 fn steps(criterion: &mut Criterion) {
@@ -81,9 +84,29 @@ fn frame(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A step of implicit Euler of 1/60 s for 2,000 triangles: the first second after letting go of a stretched man, over and over.
+fn implicit(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("implicit Euler, 1/60 s");
+    for &model in Model::ALL {
+        let text = format!(
+            "(name: \"man\", substeps: 1, integrator: ImplicitEuler(), bodies: [(name: \"man\", mesh: Gingerbread(resolution: 2000),
+              material: (model: {}, young: 1000, poisson: 0.3, plane: Stress), mass: Total(25), stretch: (1.15, 0.95))])",
+            model.name()
+        );
+        let level = files::parse(&text, "man.ron").unwrap();
+        let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+        let state = scene.start.clone();
+        let mut simulation = Simulation::new(scene, state);
+        group.bench_function(model.name(), |bencher| {
+            bencher.iter_custom(|steps| laps(&mut simulation, steps, 60));
+        });
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = steps, frame
+    targets = steps, frame, implicit
 }
 criterion_main!(benches);

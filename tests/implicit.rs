@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, models, sheet};
+use common::{Random, models, sheet};
 use gingerbread::{
     effects::{Grab, Motion},
     integrators::IntegratorKind,
@@ -238,75 +238,6 @@ fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
             let counts = simulation.counts();
             assert_eq!(counts.unconverged, 0, "{model} {integrator}: {counts:?}");
             assert!(counts.newton_iterations < 8 * 240, "{model} {integrator}: {counts:?}");
-        }
-    }
-}
-
-/// Prints what an implicit step costs: `cargo test --test implicit -- --ignored --nocapture`.
-#[test]
-#[ignore = "prints times, asserts nothing about them"]
-fn print_what_a_step_costs() {
-    for model in models() {
-        let text = format!(
-            "(name: \"\", substeps: 1, integrator: ImplicitEuler(), bodies: [(name: \"\", mesh: Gingerbread(resolution: 2000), material: (model: {model}, young: 1000, poisson: 0.3, plane: Stress), mass: Total(25))], effects: [(effect: MouseSpring(stiffness: 200))])"
-        );
-        let mut simulation = built(&level(&text), None);
-        let (start, triangles) = (simulation.state().clone(), simulation.scene().triangles.len());
-        let matrix = {
-            let scene = simulation.scene();
-            let motion = scene.motion(&start, None);
-            let mut matrix = assembled(scene, motion, Weights { position: 1.0, velocity: 0.0 });
-            let clock = std::time::Instant::now();
-            for _ in 0..20 {
-                matrix.clear();
-                scene
-                    .effects
-                    .iter()
-                    .for_each(|e| e.add_stiffness(motion, Weights { position: 1e-4, velocity: 0.0 }, &mut matrix));
-            }
-            println!(
-                "{model}: assembly {:.0} ns a triangle",
-                clock.elapsed().as_secs_f64() * 1e9 / 20.0 / triangles as f64
-            );
-            for (vertex, mass) in scene.mass.chunks_exact(2).enumerate() {
-                matrix.diagonal(vertex, &Matrix2::from_diagonal_element(mass[0]));
-            }
-            matrix
-        };
-        let clock = std::time::Instant::now();
-        let mut factor = Factor::new(&matrix).unwrap();
-        let symbolic = clock.elapsed();
-        let clock = std::time::Instant::now();
-        for _ in 0..20 {
-            assert!(factor.factorise(&matrix, &simulation.scene().inverse_mass, 0.0));
-        }
-        let numeric = clock.elapsed() / 20;
-        let clock = std::time::Instant::now();
-        let mut b = start.x.clone();
-        factor.solve(&mut b);
-        println!(
-            "  {} vertices, {} blocks of L: symbolic {symbolic:?}, numeric {numeric:?}, solve {:?}",
-            b.len() / 2,
-            factor.entries(),
-            clock.elapsed()
-        );
-        simulation.set_grab(Some(Grab { vertex: 500, target: [0.9, 0.9] }));
-        simulation.advance(1, &mut || true);
-        for (what, grab) in [("pulled", simulation.grab()), ("released", None)] {
-            simulation.set_grab(grab);
-            let before = simulation.counts();
-            let clock = std::time::Instant::now();
-            simulation.advance(60, &mut || true);
-            let (time, counts) = (clock.elapsed(), simulation.counts());
-            let per = |now: u64, then: u64| (now - then) as f64 / 60.0;
-            println!(
-                "  {what}: {:?} a step, {:.2} iterations, {:.2} factorisations, {:.2} cuts, {} unconverged",
-                time / 60,
-                per(counts.newton_iterations, before.newton_iterations),
-                per(counts.factorisations, before.factorisations),
-                per(counts.line_search_cuts, before.line_search_cuts),
-                counts.unconverged
-            );
         }
     }
 }

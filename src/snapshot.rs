@@ -36,6 +36,8 @@ pub struct Snapshot {
     pub start: Arc<Vec<f64>>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
+    /// Vertices that slide along a side, and the coordinate that is held (0 is x, 1 is y).
+    pub slides: Arc<Vec<(u32, usize)>>,
     /// The mouse spring, while it pulls.
     pub pull: Option<Pull>,
     /// What the triangles are coloured by.
@@ -151,6 +153,7 @@ impl Sandbox {
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
         snapshot.pins = Arc::clone(&scene.pins);
+        snapshot.slides = Arc::clone(&scene.slides);
         snapshot.toy = self.toy();
         snapshot.positions.clear();
         if snapshot.toy.is_none() {

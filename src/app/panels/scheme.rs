@@ -105,14 +105,18 @@ fn bar(ui: &mut Ui, share: f64, color: Color32) {
 /// A twin with a fine step, and how far the scene is from it.
 fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let mut on = desk.lab.twin().is_some();
-    let help = "Runs the same scene once more with a far finer step, pulled by the same mouse, and compares positions: \
-                sqrt(mean |x − x_ref|²) over the root mean square of what moved.";
+    let help = "Compares positions with the closed form where there is one; otherwise runs the same scene once more with a \
+                far finer step, pulled by the same mouse: sqrt(mean |x − x_ref|²) over the root mean square of what moved.";
     if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
         view.wishes.push(Wish::Twin(on));
     }
     let Some(twin) = desk.lab.twin() else { return };
     let error = twin.error().map_or_else(|| "–".to_owned(), percent);
     row(ui, "Error now", &error, help);
+    if let Some(exact) = twin.exact() {
+        ui.label(RichText::new(format!("Against the closed form: {}.", exact.words)).small());
+        return;
+    }
     let own = if twin.is_checking() { "checking".to_owned() } else { percent(twin.own_error()) };
     row(ui, "Its own error", &own, "How far the twin is from a twin with half its step");
     let cost = "Time the twin takes for a second of simulated time [ms]";

@@ -73,7 +73,8 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
         ui.set_min_width(180.0);
-        let list = ScrollArea::vertical().max_height(420.0).auto_shrink([false, true]);
+        let room = ui.ctx().content_rect().height() - 140.0;
+        let list = ScrollArea::vertical().max_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
                 for (index, entry) in desk.gallery.entries().iter().enumerate() {

@@ -32,6 +32,9 @@ pub struct Level {
     /// The time-stepping scheme.
     #[serde(default)]
     pub integrator: IntegratorKind,
+    /// Whether an unstable step is taken again in shorter ones.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub guard: Switch,
     /// The deformable bodies.
     #[serde(default)]
     pub bodies: Vec<BodyLevel>,

@@ -47,6 +47,8 @@ pub struct Scene {
     pub integrator: IntegratorKind,
     /// Length of a step [s].
     pub step: f64,
+    /// Whether an unstable step is taken again in shorter ones.
+    pub guard: bool,
     /// What was repaired while building, and other things worth knowing.
     pub messages: Vec<String>,
 }
@@ -159,6 +161,7 @@ impl Scene {
             effects: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
+            guard: level.guard == Switch::On,
             messages: Vec::new(),
         };
         for body in &level.bodies {

@@ -120,6 +120,12 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Step, "Single step", "Pauses, and takes one step.", false).clicked() {
         commands.push(Command::StepOnce);
     }
+    ui.add_enabled_ui(now.rewind_reach > 0.0, |ui| {
+        let about = "Turns time back by 0.5 s, and pauses. [Backspace, held, for less or more]";
+        if icon_button(ui, Icon::Back, "Turn time back", about, false).clicked() {
+            commands.push(Command::Rewind(0.5));
+        }
+    });
     let about = "Positions and velocities go back to the start. [R while simulating]";
     if icon_button(ui, Icon::Reset, "Start over", about, false).clicked() {
         commands.push(Command::Reset);

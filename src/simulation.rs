@@ -6,7 +6,7 @@ use crate::{
     effects::{Effect, Grab},
     fault::Fault,
     guard::{Guard, Verdict},
-    integrators::{Scheme, StepCounts},
+    integrators::{Class, Scheme, StepCounts},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     state::State,
@@ -60,7 +60,7 @@ impl Simulation {
         (self.scene, self.stale) = (scene, true);
         self.scratch.fit(&self.scene);
         match before {
-            Some(before) if self.scene.guard => self.guard.changed(before, self.energies()),
+            Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
             _ => self.guard.reset(),
         }
     }
@@ -85,9 +85,15 @@ impl Simulation {
         }
     }
 
+    /// Whether the guard has a say: a toy has no energy to lose, and what controls its error has its own guard.
+    fn is_guarded(&self) -> bool {
+        let controlled = self.scene.integrator.kind().class() == Class::ErrorControlled;
+        self.scene.guard && self.scene.toy.is_none() && !controlled
+    }
+
     /// The energies before a change from outside, if the guard has to know.
     fn watched(&self) -> Option<Energies> {
-        (self.scene.guard && !self.guard.is_new()).then(|| self.energies())
+        (self.is_guarded() && !self.guard.is_new()).then(|| self.energies())
     }
 
     /// What the mouse pulls.
@@ -137,7 +143,7 @@ impl Simulation {
     /// either, the fault is kept until the state is set anew.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let mut taken = 0;
-        if self.scene.guard && self.guard.is_new() {
+        if self.is_guarded() && self.guard.is_new() {
             self.guard.begin(self.energies());
         }
         while taken < steps && self.fault.is_none() && (taken == 0 || taken % BATCH != 0 || more()) {
@@ -204,7 +210,7 @@ impl Simulation {
         if !self.state.is_finite() {
             return false;
         }
-        if !self.scene.guard || self.scene.toy.is_some() || !self.guard.is_suspicious(self.kinetic_energy()) {
+        if !self.is_guarded() || !self.guard.is_suspicious(self.kinetic_energy()) {
             return true;
         }
         let after = self.energies();
@@ -238,7 +244,7 @@ impl Simulation {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
         let began = self.checkpoint.steps;
         let mut gains = vec![(failed, self.energies().total())];
-        while self.scene.guard && self.scene.toy.is_none() && self.guard.refine() {
+        while self.is_guarded() && self.guard.refine() {
             self.go_back_to(began);
             self.scratch.counts.retaken += failed - began;
             self.booked.0 = self.scratch.counts;

@@ -86,7 +86,8 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
 /// Whether the guard may take shorter steps, and how many it takes now.
 fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     let now = desk.now;
-    if now.toy.is_some() {
+    // A toy has no energy to lose, and what controls its error has its own guard.
+    if now.toy.is_some() || now.level.integrator.kind().class() == Class::ErrorControlled {
         return;
     }
     let help = "Takes a step again in up to 64 shorter ones when it would blow up: when energy comes from nowhere, or \

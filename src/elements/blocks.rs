@@ -2,7 +2,7 @@
 
 use super::triangle::{Rest, edges};
 use crate::{
-    lanes::{LANES, Lanes, Real, Square, Wide},
+    lanes::{LANES, Lanes, Pairs, Real, Square, Wide},
     materials::Material,
 };
 use nalgebra::Matrix2;
@@ -15,8 +15,8 @@ const RUN: usize = 8;
 /// Numbers for each triangle of a block: an entry of a 2 x 2 matrix after the other (11, 12, 21, 22).
 type Matrices = [Lanes; 4];
 
-/// Forces at the corners of a block: x and y at the first, x and y at the second, x and y at the third.
-pub type CornerForces = [Lanes; 6];
+/// Forces at the first, second and third corners of a block [N].
+pub type CornerForces = [Pairs; 3];
 
 /// Rest shapes of eight triangles.
 #[derive(Clone, Debug, Default)]
@@ -73,12 +73,6 @@ pub fn rest(blocks: &[Block], triangle: usize) -> Rest {
     Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: block.area[lane] }
 }
 
-/// Where the force on a corner (3 triangle + corner) is among [`CornerForces`] laid end to end: x here, y [`LANES`] further.
-pub const fn place(corner: usize) -> usize {
-    let (triangle, corner) = (corner / 3, corner % 3);
-    6 * LANES * (triangle / LANES) + 2 * LANES * corner + triangle % LANES
-}
-
 /// D of each triangle, from the vertices of its corners.
 #[inline(always)]
 fn collect(x: &[[f64; 2]], corners: &[[u32; 3]], out: &mut [Matrices]) {
@@ -129,9 +123,9 @@ impl<L: Law> WithSimd for Forces<'_, L> {
                     let f = square(set, now, part).times(inverse);
                     let rate = if L::RATE { square(set, rates, part).times(inverse) } else { f };
                     let h = law.stress(f, rate).times(inverse.transpose()) * -Wide::load(set, &block.area, part);
-                    let forces = [-h.m11 - h.m12, -h.m21 - h.m22, h.m11, h.m21, h.m12, h.m22];
-                    for (out, force) in out.iter_mut().zip(forces) {
-                        force.store(out, part);
+                    let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
+                    for (out, [x, y]) in out.iter_mut().zip(forces) {
+                        Wide::store_pairs(x, y, out, part);
                     }
                 }
             }

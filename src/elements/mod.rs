@@ -2,6 +2,7 @@
 
 mod blocks;
 mod fields;
+mod gather;
 mod spring;
 mod tangent;
 mod triangle;

@@ -1,7 +1,9 @@
-use super::blocks::{self, Block, CornerForces, Elastic, Forces, Law};
+use super::{
+    blocks::{self, Block, CornerForces, Elastic, Forces, Law},
+    gather::{Gather, pairs, room},
+};
 use crate::{
     effects::{Effect, Motion},
-    lanes::LANES,
     materials::{Lame, Material, Model, Visitor},
     solvers::{BlockMatrix, Weights},
 };
@@ -14,9 +16,6 @@ use std::ops::Range;
 /// With the edges D = [x1 - x0, x2 - x0] now and D0 at rest, the deformation gradient is `F = D D0⁻¹`, constant over a
 /// triangle. The forces on its corners are `[f1 f2] = -A P(F) D0⁻ᵀ` and `f0 = -f1 - f2`
 /// (Sifakis and Barbic, *FEM Simulation of 3D Deformable Solids*, SIGGRAPH 2012 course, section 4.2).
-///
-/// Forces go to a buffer of corners first and are then gathered vertex by vertex, always in the same order: the sum
-/// is the same on every run, and no two triangles write to the same place.
 #[derive(Debug)]
 pub struct Triangles {
     vertices: Range<usize>,
@@ -26,10 +25,7 @@ pub struct Triangles {
     model: Model,
     lame: Lame,
     plane_stress: bool,
-    /// For each vertex the end of its list in `incident`; the list begins where the one before ends.
-    ends: Vec<u32>,
-    /// Where the forces of the corners at each vertex are, one list after another.
-    incident: Vec<u32>,
+    gather: Gather,
 }
 
 /// The rest shape of a triangle.
@@ -53,9 +49,9 @@ impl Triangles {
             Rest { inverse: Matrix2::new(edges.m22, -edges.m12, -edges.m21, edges.m11) / (2.0 * area), area }
         });
         let blocks = blocks::packed(&shapes.collect::<Vec<_>>());
-        let (ends, incident) = incidence(&corners, &vertices);
+        let gather = Gather::new(&corners, &vertices);
         let (model, lame, plane_stress) = material;
-        Self { vertices, corners, blocks, model, lame, plane_stress, ends, incident }
+        Self { vertices, corners, blocks, model, lame, plane_stress, gather }
     }
 
     /// Scene numbers of the body's vertices.
@@ -129,30 +125,17 @@ impl Triangles {
 
     /// Adds the force of a stress on this body's vertices at these positions and velocities, `[f1 f2] = -A P D0⁻ᵀ`.
     pub(crate) fn add_stress(&self, law: impl Law, (x, v): (&[f64], &[f64]), scratch: &mut [f64], force: &mut [f64]) {
-        let out: &mut [CornerForces] = scratch.as_chunks_mut().0.as_chunks_mut().0;
         let Self { corners, blocks, .. } = self;
+        let pairs = pairs(scratch);
+        let out: &mut [CornerForces] = pairs.as_chunks_mut().0;
         Arch::new().dispatch(Forces { law, corners, blocks, x, v, out });
-        self.gather(scratch, force);
+        let own = &mut force[2 * self.vertices.start..2 * self.vertices.end];
+        self.gather.add(pairs, own.as_chunks_mut().0);
     }
 
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
         edge_matrix(field, self.corners[number]) * self.rest(number).inverse
-    }
-
-    fn gather(&self, corner_forces: &[f64], force: &mut [f64]) {
-        let mut begin = 0;
-        let own = &mut force[2 * self.vertices.start..2 * self.vertices.end];
-        for (force, &end) in own.chunks_exact_mut(2).zip(&self.ends) {
-            let (mut fx, mut fy) = (0.0, 0.0);
-            for &place in &self.incident[begin as usize..end as usize] {
-                fx += corner_forces[place as usize];
-                fy += corner_forces[place as usize + LANES];
-            }
-            force[0] += fx;
-            force[1] += fy;
-            begin = end;
-        }
     }
 }
 
@@ -166,28 +149,6 @@ pub(super) fn edges(x: &[[f64; 2]], corners: [u32; 3]) -> [f64; 4] {
 /// D = [x1 - x0, x2 - x0] of a triangle.
 fn edge_matrix(x: &[f64], corners: [u32; 3]) -> Matrix2<f64> {
     Matrix2::from_row_slice(&edges(x.as_chunks().0, corners))
-}
-
-/// For each vertex where the forces of the corners that meet there are, in ascending order of the triangles, as one list
-/// with the ends of its parts.
-fn incidence(corners: &[[u32; 3]], vertices: &Range<usize>) -> (Vec<u32>, Vec<u32>) {
-    let mut ends = vec![0_u32; vertices.len()];
-    for &corner in corners.as_flattened() {
-        ends[corner as usize - vertices.start] += 1;
-    }
-    let mut sum = 0;
-    for end in &mut ends {
-        let count = *end;
-        *end = sum;
-        sum += count;
-    }
-    let mut incident = vec![0; sum as usize];
-    for (number, &corner) in corners.as_flattened().iter().enumerate() {
-        let end = &mut ends[corner as usize - vertices.start];
-        incident[*end as usize] = blocks::place(number) as u32;
-        *end += 1;
-    }
-    (ends, incident)
 }
 
 struct StiffnessTimes<'a> {
@@ -224,7 +185,7 @@ impl Effect for Triangles {
     }
 
     fn scratch(&self) -> usize {
-        6 * LANES * self.blocks.len()
+        room(3 * self.blocks.len())
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

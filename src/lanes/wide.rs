@@ -1,5 +1,5 @@
 use super::{Real, logarithm};
-use pulp::{Simd, bytemuck};
+use pulp::{Arch, Simd, WithSimd, bytemuck};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// How many numbers are kept side by side in memory: the most that any vector register holds.
@@ -7,6 +7,9 @@ pub const LANES: usize = 8;
 
 /// Numbers side by side.
 pub type Lanes = [f64; LANES];
+
+/// Points or vectors side by side, x and y each, in the order of [`pair_order`].
+pub type Pairs = [[f64; 2]; LANES];
 
 /// As many numbers as a vector register of the instruction set `S` holds: a divisor of [`LANES`].
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +32,13 @@ impl<S: Simd> Wide<S> {
     #[inline(always)]
     pub fn store(self, to: &mut Lanes, part: usize) {
         S::as_mut_simd_f64s(to).0[part] = self.values;
+    }
+
+    /// Writes vectors of these x and y to one part.
+    #[inline(always)]
+    pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
+        let pairs = x.set.interleave_shfl_f64s([x.values, y.values]);
+        S::as_mut_simd_f64s(to.as_flattened_mut()).0[2 * part..2 * part + 2].copy_from_slice(&pairs);
     }
 
     /// The same number in every lane.
@@ -103,4 +113,28 @@ impl<S: Simd> Real for Wide<S> {
 #[inline(always)]
 fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(values))
+}
+
+/// Where [`Wide::store_pairs`] puts each lane: whichever order the processor interleaves in.
+pub fn pair_order() -> [usize; LANES] {
+    struct Order;
+    impl WithSimd for Order {
+        type Output = Pairs;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, set: S) -> Pairs {
+            let numbers = std::array::from_fn(|lane| lane as f64);
+            let mut pairs = Pairs::default();
+            for part in 0..Wide::<S>::PARTS {
+                let lanes = Wide::load(set, &numbers, part);
+                Wide::store_pairs(lanes, lanes, &mut pairs, part);
+            }
+            pairs
+        }
+    }
+    let mut order = [0; LANES];
+    for (place, [lane, _]) in Arch::new().dispatch(Order).into_iter().enumerate() {
+        order[lane as usize] = place;
+    }
+    order
 }

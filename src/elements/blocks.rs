@@ -2,7 +2,7 @@
 
 use super::triangle::{Rest, edges};
 use crate::{
-    lanes::{LANES, Lanes, Pairs, Real, Square, Wide},
+    lanes::{LANES, Lanes, Order, Pairs, Quads, Real, Square, Wide},
     materials::Material,
 };
 use nalgebra::Matrix2;
@@ -12,18 +12,15 @@ use pulp::{Simd, WithSimd};
 /// it is read lane by lane, and little enough to stay near the processor.
 const RUN: usize = 8;
 
-/// Numbers for each triangle of a block: an entry of a 2 x 2 matrix after the other (11, 12, 21, 22).
-type Matrices = [Lanes; 4];
-
 /// Forces at the first, second and third corners of a block [N].
 pub type CornerForces = [Pairs; 3];
 
-/// Rest shapes of eight triangles.
+/// Rest shapes of eight triangles, in the lanes that [`Order`] gives them.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub struct Block {
-    /// D0⁻¹ [1/m].
-    inverse: Matrices,
+    /// D0⁻¹, column by column [1/m].
+    inverse: [Lanes; 4],
     /// Area [m²], which is the volume of unit thickness.
     area: Lanes,
 }
@@ -50,47 +47,63 @@ impl<M: Material> Law for Elastic<'_, M> {
     }
 }
 
-/// Packs rest shapes; the lanes left over are triangles of no area.
-pub fn packed(shapes: &[Rest]) -> Vec<Block> {
-    let pack = |shapes: &[Rest]| {
-        let mut block = Block::default();
-        for (lane, Rest { inverse, area }) in shapes.iter().enumerate() {
-            for (to, from) in block.inverse.iter_mut().zip([inverse.m11, inverse.m12, inverse.m21, inverse.m22]) {
-                to[lane] = from;
-            }
-            block.area[lane] = *area;
-        }
-        block
-    };
-    shapes.chunks(LANES).map(pack).collect()
+/// Rest shapes in blocks.
+#[derive(Debug)]
+pub struct Blocks {
+    blocks: Vec<Block>,
+    order: Order,
 }
 
-/// The rest shape of one triangle.
-#[inline(always)]
-pub fn rest(blocks: &[Block], triangle: usize) -> Rest {
-    let (block, lane) = (&blocks[triangle / LANES], triangle % LANES);
-    let [m11, m12, m21, m22] = block.inverse.map(|entries| entries[lane]);
-    Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: block.area[lane] }
+impl Blocks {
+    /// Packs rest shapes; the lanes left over are triangles of no area.
+    pub fn new(shapes: &[Rest]) -> Self {
+        let order = Order::new();
+        let pack = |shapes: &[Rest]| {
+            let mut block = Block::default();
+            for (Rest { inverse, area }, lane) in shapes.iter().zip(order.lane) {
+                for (to, from) in block.inverse.iter_mut().zip(inverse.as_slice()) {
+                    to[lane] = *from;
+                }
+                block.area[lane] = *area;
+            }
+            block
+        };
+        Self { blocks: shapes.chunks(LANES).map(pack).collect(), order }
+    }
+
+    /// How many there are.
+    pub const fn count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The rest shape of one triangle.
+    #[inline]
+    pub fn rest(&self, triangle: usize) -> Rest {
+        let (block, lane) = (&self.blocks[triangle / LANES], self.order.lane[triangle % LANES]);
+        let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| block.inverse[entry][lane]);
+        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: block.area[lane] }
+    }
 }
 
 /// D of each triangle, from the vertices of its corners.
 #[inline(always)]
-fn collect(x: &[[f64; 2]], corners: &[[u32; 3]], out: &mut [Matrices]) {
-    for (corners, out) in corners.chunks(LANES).zip(out) {
-        for (lane, &triangle) in corners.iter().enumerate() {
-            let [m11, m12, m21, m22] = edges(x, triangle);
-            out[0][lane] = m11;
-            out[1][lane] = m12;
-            out[2][lane] = m21;
-            out[3][lane] = m22;
-        }
+fn collect(x: &[[f64; 2]], corners: &[[u32; 3]], out: &mut [Quads]) {
+    for (to, &triangle) in out.as_flattened_mut().iter_mut().zip(corners) {
+        *to = edges(x, triangle);
     }
 }
 
-/// Part of the matrices of a block.
+/// Part of the matrices of a block, taken apart.
 #[inline(always)]
-fn square<S: Simd>(set: S, of: &Matrices, part: usize) -> Square<Wide<S>> {
-    let [m11, m12, m21, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of[entry], part));
+fn taken_apart<S: Simd>(set: S, of: &Quads, part: usize) -> Square<Wide<S>> {
+    let [m11, m21, m12, m22] = Wide::load_quads(set, of, part);
+    Square::new(m11, m12, m21, m22)
+}
+
+/// Part of D0⁻¹.
+#[inline(always)]
+fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
+    let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of.inverse[entry], part));
     Square::new(m11, m12, m21, m22)
 }
 
@@ -98,7 +111,7 @@ fn square<S: Simd>(set: S, of: &Matrices, part: usize) -> Square<Wide<S>> {
 pub struct Forces<'a, L> {
     pub law: L,
     pub corners: &'a [[u32; 3]],
-    pub blocks: &'a [Block],
+    pub blocks: &'a Blocks,
     pub x: &'a [f64],
     pub v: &'a [f64],
     pub out: &'a mut [CornerForces],
@@ -111,17 +124,19 @@ impl<L: Law> WithSimd for Forces<'_, L> {
     fn with_simd<S: Simd>(self, set: S) {
         let Self { law, corners, blocks, x, v, out } = self;
         let (x, v) = (x.as_chunks().0, v.as_chunks().0);
-        let (mut now, mut rates) = ([Matrices::default(); RUN], [Matrices::default(); RUN]);
-        for ((corners, blocks), out) in corners.chunks(RUN * LANES).zip(blocks.chunks(RUN)).zip(out.chunks_mut(RUN)) {
+        let (mut now, mut rates) = ([Quads::default(); RUN], [Quads::default(); RUN]);
+        for ((corners, blocks), out) in
+            corners.chunks(RUN * LANES).zip(blocks.blocks.chunks(RUN)).zip(out.chunks_mut(RUN))
+        {
             collect(x, corners, &mut now);
             if L::RATE {
                 collect(v, corners, &mut rates);
             }
             for (((block, now), rates), out) in blocks.iter().zip(&now).zip(&rates).zip(out) {
                 for part in 0..Wide::<S>::PARTS {
-                    let inverse = square(set, &block.inverse, part);
-                    let f = square(set, now, part).times(inverse);
-                    let rate = if L::RATE { square(set, rates, part).times(inverse) } else { f };
+                    let inverse = inverse(set, block, part);
+                    let f = taken_apart(set, now, part).times(inverse);
+                    let rate = if L::RATE { taken_apart(set, rates, part).times(inverse) } else { f };
                     let h = law.stress(f, rate).times(inverse.transpose()) * -Wide::load(set, &block.area, part);
                     let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
                     for (out, [x, y]) in out.iter_mut().zip(forces) {
@@ -137,7 +152,7 @@ impl<L: Law> WithSimd for Forces<'_, L> {
 pub struct Energy<'a, M> {
     pub material: &'a M,
     pub corners: &'a [[u32; 3]],
-    pub blocks: &'a [Block],
+    pub blocks: &'a Blocks,
     pub x: &'a [f64],
 }
 
@@ -147,17 +162,17 @@ impl<M: Material> WithSimd for Energy<'_, M> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> f64 {
         let x = self.x.as_chunks().0;
-        let mut now = [Matrices::default()];
+        let mut now = [Quads::default()];
         let mut energies = Lanes::default();
         let mut sum = 0.0;
-        for (corners, block) in self.corners.chunks(LANES).zip(self.blocks) {
+        for (corners, block) in self.corners.chunks(LANES).zip(&self.blocks.blocks) {
             collect(x, corners, &mut now);
             for part in 0..Wide::<S>::PARTS {
-                let f = square(set, &now[0], part).times(square(set, &block.inverse, part));
+                let f = taken_apart(set, &now[0], part).times(inverse(set, block, part));
                 (self.material.psi(f) * Wide::load(set, &block.area, part)).store(&mut energies, part);
             }
             // A lane left over holds what is not a triangle.
-            sum = energies[..corners.len()].iter().fold(sum, |sum, energy| sum + energy);
+            sum = self.blocks.order.lane[..corners.len()].iter().fold(sum, |sum, &lane| sum + energies[lane]);
         }
         sum
     }

@@ -1,6 +1,6 @@
 //! From forces at the corners of elements to forces on vertices.
 
-use crate::lanes::{LANES, Pairs};
+use crate::lanes::{LANES, Order, Pairs};
 use std::ops::Range;
 
 /// How many vertices are put in order of their number of corners at a time: enough for long runs of an equal number, and
@@ -26,10 +26,10 @@ impl Gather {
     /// `corners` holds the scene vertex numbers of each element's corners.
     pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>) -> Self {
         let mut meeting = vec![Vec::new(); vertices.len()];
-        let order = crate::lanes::pair_order();
+        let order = Order::new();
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
-                let place = (element / LANES * N + number) * LANES + order[element % LANES];
+                let place = (element / LANES * N + number) * LANES + order.place[element % LANES];
                 meeting[corner as usize - vertices.start].push(place as u32);
             }
         }

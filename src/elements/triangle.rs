@@ -1,5 +1,5 @@
 use super::{
-    blocks::{self, Block, CornerForces, Elastic, Forces, Law},
+    blocks::{self, Blocks, CornerForces, Elastic, Forces, Law},
     gather::{Gather, pairs, room},
 };
 use crate::{
@@ -21,7 +21,7 @@ pub struct Triangles {
     vertices: Range<usize>,
     corners: Vec<[u32; 3]>,
     /// Rest shapes.
-    blocks: Vec<Block>,
+    blocks: Blocks,
     model: Model,
     lame: Lame,
     plane_stress: bool,
@@ -48,7 +48,7 @@ impl Triangles {
             let area = 0.5 * edges.determinant();
             Rest { inverse: Matrix2::new(edges.m22, -edges.m12, -edges.m21, edges.m11) / (2.0 * area), area }
         });
-        let blocks = blocks::packed(&shapes.collect::<Vec<_>>());
+        let blocks = Blocks::new(&shapes.collect::<Vec<_>>());
         let gather = Gather::new(&corners, &vertices);
         let (model, lame, plane_stress) = material;
         Self { vertices, corners, blocks, model, lame, plane_stress, gather }
@@ -77,7 +77,7 @@ impl Triangles {
     /// The rest shape of a triangle.
     #[inline]
     pub(super) fn rest(&self, triangle: usize) -> Rest {
-        blocks::rest(&self.blocks, triangle)
+        self.blocks.rest(triangle)
     }
 
     /// Whether the faces of the sheet are free of stress.
@@ -139,16 +139,16 @@ impl Triangles {
     }
 }
 
-/// D = [x1 - x0, x2 - x0] of a triangle, row by row.
+/// D = [x1 - x0, x2 - x0] of a triangle, column by column.
 #[inline(always)]
 pub(super) fn edges(x: &[[f64; 2]], corners: [u32; 3]) -> [f64; 4] {
     let [a, b, c] = corners.map(|corner| x[corner as usize]);
-    [b[0] - a[0], c[0] - a[0], b[1] - a[1], c[1] - a[1]]
+    [b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]]
 }
 
 /// D = [x1 - x0, x2 - x0] of a triangle.
 fn edge_matrix(x: &[f64], corners: [u32; 3]) -> Matrix2<f64> {
-    Matrix2::from_row_slice(&edges(x.as_chunks().0, corners))
+    Matrix2::from_column_slice(&edges(x.as_chunks().0, corners))
 }
 
 struct StiffnessTimes<'a> {
@@ -185,7 +185,7 @@ impl Effect for Triangles {
     }
 
     fn scratch(&self) -> usize {
-        room(3 * self.blocks.len())
+        room(3 * self.blocks.count())
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

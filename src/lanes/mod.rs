@@ -9,7 +9,7 @@ mod square;
 mod wide;
 
 pub use square::Square;
-pub use wide::{LANES, Lanes, Pairs, Wide, pair_order};
+pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -8,7 +8,10 @@ pub const LANES: usize = 8;
 /// Numbers side by side.
 pub type Lanes = [f64; LANES];
 
-/// Points or vectors side by side, x and y each, in the order of [`pair_order`].
+/// Four numbers each of eight elements, in their order.
+pub type Quads = [[f64; 4]; LANES];
+
+/// A vector each of eight elements, at their [`Order::place`].
 pub type Pairs = [[f64; 2]; LANES];
 
 /// As many numbers as a vector register of the instruction set `S` holds: a divisor of [`LANES`].
@@ -32,6 +35,14 @@ impl<S: Simd> Wide<S> {
     #[inline(always)]
     pub fn store(self, to: &mut Lanes, part: usize) {
         S::as_mut_simd_f64s(to).0[part] = self.values;
+    }
+
+    /// The first, second, third and fourth numbers of one part; lanes are in [`Order::lane`].
+    #[inline(always)]
+    pub fn load_quads(set: S, from: &Quads, part: usize) -> [Self; 4] {
+        let quads = S::as_simd_f64s(from.as_flattened()).0;
+        let quads = [0, 1, 2, 3].map(|register| quads[4 * part + register]);
+        set.deinterleave_shfl_f64s(quads).map(|values| Self { set, values })
     }
 
     /// Writes vectors of these x and y to one part.
@@ -115,26 +126,46 @@ fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(values))
 }
 
-/// Where [`Wide::store_pairs`] puts each lane: whichever order the processor interleaves in.
-pub fn pair_order() -> [usize; LANES] {
-    struct Order;
-    impl WithSimd for Order {
-        type Output = Pairs;
+/// Where eight elements are: whichever order the processor takes numbers apart and puts them together in.
+#[derive(Clone, Copy, Debug)]
+pub struct Order {
+    /// The lane of each element, once [`Wide::load_quads`] has read it.
+    pub lane: [usize; LANES],
+    /// Where [`Wide::store_pairs`] then writes its vector.
+    pub place: [usize; LANES],
+}
 
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, set: S) -> Pairs {
-            let numbers = std::array::from_fn(|lane| lane as f64);
-            let mut pairs = Pairs::default();
-            for part in 0..Wide::<S>::PARTS {
-                let lanes = Wide::load(set, &numbers, part);
-                Wide::store_pairs(lanes, lanes, &mut pairs, part);
+impl Order {
+    /// The order of this processor, found by trying.
+    pub fn new() -> Self {
+        struct Try;
+        impl WithSimd for Try {
+            type Output = (Lanes, Pairs);
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, set: S) -> Self::Output {
+                let elements = std::array::from_fn(|element| [element as f64; 4]);
+                let (mut lanes, mut pairs) = (Lanes::default(), Pairs::default());
+                for part in 0..Wide::<S>::PARTS {
+                    let [element, ..] = Wide::load_quads(set, &elements, part);
+                    element.store(&mut lanes, part);
+                    Wide::store_pairs(element, element, &mut pairs, part);
+                }
+                (lanes, pairs)
             }
-            pairs
         }
+        let (lanes, pairs) = Arch::new().dispatch(Try);
+        let mut order = Self { lane: [0; LANES], place: [0; LANES] };
+        for (at, (element, [placed, _])) in lanes.into_iter().zip(pairs).enumerate() {
+            order.lane[element as usize] = at;
+            order.place[placed as usize] = at;
+        }
+        order
     }
-    let mut order = [0; LANES];
-    for (place, [lane, _]) in Arch::new().dispatch(Order).into_iter().enumerate() {
-        order[lane as usize] = place;
+}
+
+impl Default for Order {
+    fn default() -> Self {
+        Self::new()
     }
-    order
 }

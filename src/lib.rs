@@ -23,6 +23,7 @@
 //! |---|---|
 //! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
 //! | `registry` | the macro behind every list of kinds |
+//! | [`lanes`] | formulas for one number or for several at once, the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`nets`] | where particles and springs come from: chains, sheets, lists |
@@ -47,6 +48,8 @@
 
 pub mod quantity;
 mod registry;
+
+pub mod lanes;
 
 pub mod materials;
 pub mod meshes;

@@ -23,7 +23,7 @@ impl State {
     pub fn is_finite(&self) -> bool {
         // No early end: without a branch in the loop the processor compares several numbers at once.
         let within = |values: &[f64]| values.iter().fold(true, |all, value| all & (value.abs() <= Self::LIMIT));
-        within(&self.x) && within(&self.v)
+        pulp::Arch::new().dispatch(|| within(&self.x) && within(&self.v))
     }
 
     /// A fingerprint of every bit of positions and velocities (FNV-1a, 64 bit): equal states, equal numbers.

@@ -7,6 +7,7 @@ use std::{fs, path::Path};
 const ROOMS: &[&[&str]] = &[
     &["quantity"],
     &["registry"],
+    &["lanes"],
     &["materials"],
     &["meshes"],
     &["nets"],

@@ -1,6 +1,8 @@
 use super::{Effect, EffectParameters, Motion};
 use crate::{
-    elements::{Elements, Springs, Triangles},
+    elements::{Elements, Law, Springs, Triangles},
+    lanes::{Real, Square},
+    materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
     solvers::{BlockMatrix, Weights},
 };
@@ -82,6 +84,24 @@ fn viscous_tangent(f: &Matrix2<f64>, rate: &Matrix2<f64>, weights: Weights, [mu,
     })
 }
 
+/// The viscous stress `F (2 mu E' + lambda tr(E') I)`, the parameters times beta [Pa s].
+#[derive(Clone, Copy)]
+struct Viscous {
+    two_mu: f64,
+    lambda: f64,
+}
+
+impl Law for Viscous {
+    const RATE: bool = true;
+
+    #[inline(always)]
+    fn stress<R: Real>(&self, f: Square<R>, rate: Square<R>) -> Square<R> {
+        let product = f.transpose().times(rate);
+        let strain = (product + product.transpose()) * 0.5;
+        f.times(strain * self.two_mu + Square::identity(f.m11) * (strain.trace() * self.lambda))
+    }
+}
+
 struct Damping {
     alpha: f64,
     beta: f64,
@@ -113,13 +133,9 @@ impl Effect for Damping {
             *force -= self.alpha * mass * v;
         }
         for body in &self.bodies {
-            let lame = body.lame();
-            let (two_mu, lambda) = (2.0 * self.beta * lame.mu, self.beta * lame.lambda);
-            body.add_stress(motion.x, &mut scratch[..body.scratch()], force, |number, body, f| {
-                let product = f.transpose() * body.gradient_of(motion.v, number);
-                let rate = (product + product.transpose()) * 0.5;
-                f * (rate * two_mu + Matrix2::identity() * (lambda * rate.trace()))
-            });
+            let Lame { mu, lambda } = body.lame();
+            let law = Viscous { two_mu: 2.0 * self.beta * mu, lambda: self.beta * lambda };
+            body.add_stress(law, (motion.x, motion.v), &mut scratch[..body.scratch()], force);
         }
         for net in &self.nets {
             net.add_damping(motion.x, motion.v, self.beta, force);

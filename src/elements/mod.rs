@@ -1,10 +1,13 @@
 //! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
 
+mod blocks;
 mod fields;
+mod gather;
 mod spring;
 mod tangent;
 mod triangle;
 
+pub(crate) use blocks::Law;
 pub use fields::Field;
 pub use spring::Springs;
 pub use triangle::Triangles;

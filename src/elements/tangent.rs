@@ -33,7 +33,7 @@ impl Triangles {
         tangent: impl Fn(usize, &Matrix2<f64>) -> Matrix4<f64>,
     ) {
         for (number, (&triangle, (f, _))) in self.corners().iter().zip(self.gradients(x)).enumerate() {
-            let [one, two, across] = self.rest()[number].corner_blocks(&tangent(number, &f), weight);
+            let [one, two, across] = self.rest(number).corner_blocks(&tangent(number, &f), weight);
             let turned = across.transpose();
             let (to_one, to_two) = (-one - turned, -across - two);
             // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.

@@ -1,5 +1,6 @@
 use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work};
 use crate::state::State;
+use pulp::Arch;
 use serde::{Deserialize, Serialize};
 
 /// Symplectic (semi-implicit) Euler: `v += h f(x, v)/m`, then `x += h v`.
@@ -42,14 +43,28 @@ impl SecondOrder for SymplecticEuler {
         let force = &mut work.numbers;
         force.resize(state.x.len(), 0.0);
         system.force(&state.x, &state.v, force);
-        for ((v, f), inverse_mass) in state.v.iter_mut().zip(force.iter()).zip(system.inverse_mass()) {
-            *v += h * f * inverse_mass;
+        let State { x, v, .. } = state;
+        if system.constrains() {
+            Arch::new().dispatch(|| {
+                for ((v, f), inverse_mass) in v.iter_mut().zip(force.iter()).zip(system.inverse_mass()) {
+                    *v += h * f * inverse_mass;
+                }
+            });
+            system.constrain_velocity(x, v);
+            Arch::new().dispatch(|| {
+                for (x, v) in x.iter_mut().zip(&*v) {
+                    *x += h * v;
+                }
+            });
+            system.constrain_position(x, v);
+        } else {
+            Arch::new().dispatch(|| {
+                for (((x, v), f), inverse_mass) in x.iter_mut().zip(v).zip(force.iter()).zip(system.inverse_mass()) {
+                    *v += h * f * inverse_mass;
+                    *x += h * *v;
+                }
+            });
         }
-        system.constrain_velocity(&state.x, &mut state.v);
-        for (x, v) in state.x.iter_mut().zip(&state.v) {
-            *x += h * v;
-        }
-        system.constrain_position(&mut state.x, &mut state.v);
         StepCounts::ONE
     }
 }

@@ -35,6 +35,11 @@ pub trait Dynamics {
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
 
+    /// Whether the two functions below do anything.
+    fn constrains(&self) -> bool {
+        true
+    }
+
     /// Changes velocities that are not allowed, before positions move by them.
     fn constrain_velocity(&mut self, _x: &[f64], _v: &mut [f64]) {}
 

@@ -1,4 +1,5 @@
 use super::{Lame, Material, outer};
+use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
 /// Corotated linear elasticity: Hooke's law in the frame that turns with the triangle.
@@ -29,16 +30,15 @@ impl Corotated {
 /// Where a = b = 0 (F is a reflection times a scale) every rotation is equally near and the identity is taken.
 /// Also returns sqrt(a² + b²) = tr(RᵀF).
 #[inline(always)]
-pub fn nearest_rotation(f: &Matrix2<f64>) -> (Matrix2<f64>, f64) {
+pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
     let a = f.m11 + f.m22;
     let b = f.m21 - f.m12;
     let length = (a * a + b * b).sqrt();
-    if length > 0.0 {
-        let (c, s) = (a / length, b / length);
-        (Matrix2::new(c, -s, s, c), length)
-    } else {
-        (Matrix2::identity(), length)
-    }
+    let (zero, one) = (a.of(0.0), a.of(1.0));
+    let (c, s) = (zero.if_less(length, a, one), zero.if_less(length, b, zero));
+    let inverse = one / zero.if_less(length, length, one);
+    let (c, s) = (c * inverse, s * inverse);
+    (Square::new(c, -s, s, c), length)
 }
 
 impl Material for Corotated {
@@ -47,28 +47,30 @@ impl Material for Corotated {
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 tr(RᵀF − I)²";
 
     #[inline(always)]
-    fn energy(&self, f: &Matrix2<f64>) -> f64 {
+    fn psi<R: Real>(&self, f: Square<R>) -> R {
         let (r, trace) = nearest_rotation(f);
-        self.lame.mu * (f - r).norm_squared() + 0.5 * self.lame.lambda * (trace - 2.0) * (trace - 2.0)
+        let volume = trace - 2.0;
+        (f - r).norm_squared() * self.lame.mu + volume * volume * (0.5 * self.lame.lambda)
     }
 
     #[inline(always)]
-    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
+    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let (r, trace) = nearest_rotation(f);
-        (f - r) * (2.0 * self.lame.mu) + r * (self.lame.lambda * (trace - 2.0))
+        (f - r) * (2.0 * self.lame.mu) + r * ((trace - 2.0) * self.lame.lambda)
     }
 
     /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR, and dR = T (T : dF) / tr(S) with T = R turned by
     /// 90 degrees. dR : F vanishes because S is symmetric.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let (r, trace) = nearest_rotation(f);
+        let (r, trace) = nearest_rotation(Square::from(f));
+        let r = Matrix2::from(r);
         let turned = Matrix2::new(-r.m21, -r.m11, r.m11, -r.m21);
         let spin = if trace > 0.0 { (self.lame.lambda * (trace - 2.0) - 2.0 * self.lame.mu) / trace } else { 0.0 };
         Matrix4::identity() * (2.0 * self.lame.mu) + outer(&r, &r) * self.lame.lambda + outer(&turned, &turned) * spin
     }
 
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        self.lame.lambda * (nearest_rotation(f).1 - 2.0)
+        self.lame.lambda * (nearest_rotation(Square::from(f)).1 - 2.0)
     }
 
     /// 2 mu (w - 1) + lambda (s + w - 2) = 0.

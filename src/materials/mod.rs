@@ -1,6 +1,11 @@
 //! Constitutive models: hyperelastic materials as functions of the deformation gradient F alone. A material knows no
 //! mesh, no time and no solver. Each model is one file; [`Model`] lists them all.
 //!
+//! A model writes its energy [`Material::psi`] and stress [`Material::piola`] once, over any [`Real`]: with `f64` they serve
+//! whoever looks at a single triangle, with lanes they step eight triangles at a time. So they use the operations of
+//! [`Real`] and [`Square`] alone, and where a formula has cases, both sides are computed and [`Real::if_less`] takes one.
+//! What is needed less often, the stiffness and the closed forms of strips, is written for `f64`.
+//!
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 
 mod corotated;
@@ -13,7 +18,10 @@ pub use neo_hookean::NeoHookean;
 pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 
-use crate::registry::registry;
+use crate::{
+    lanes::{Real, Square},
+    registry::registry,
+};
 use nalgebra::{Matrix2, Matrix4};
 
 registry! {
@@ -37,10 +45,20 @@ pub trait Material: Copy + Send + Sync {
     const FORMULA: &'static str;
 
     /// Energy density psi [J/m²]; zero at rest.
-    fn energy(&self, f: &Matrix2<f64>) -> f64;
+    fn psi<R: Real>(&self, f: Square<R>) -> R;
 
-    /// First Piola-Kirchhoff stress P = dpsi/dF (2 x 2) [N/m per unit rest length, that is Pa of a 1 m thick sheet].
-    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64>;
+    /// First Piola-Kirchhoff stress P = dpsi/dF [N/m per unit rest length, that is Pa of a 1 m thick sheet].
+    fn piola<R: Real>(&self, f: Square<R>) -> Square<R>;
+
+    /// [`Self::psi`] of one gradient [J/m²].
+    fn energy(&self, f: &Matrix2<f64>) -> f64 {
+        self.psi(Square::from(f))
+    }
+
+    /// [`Self::piola`] of one gradient [Pa].
+    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
+        self.piola(Square::from(f)).into()
+    }
 
     /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
@@ -109,17 +127,6 @@ impl Model {
         }
         self.visit(lame, Caution(stretch))
     }
-}
-
-/// The product of two 2 x 2 matrices, written out: in the innermost loop the general product costs as much as all the rest.
-#[inline(always)]
-pub(crate) fn times(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix2<f64> {
-    Matrix2::new(
-        a.m11 * b.m11 + a.m12 * b.m21,
-        a.m11 * b.m12 + a.m12 * b.m22,
-        a.m21 * b.m11 + a.m22 * b.m21,
-        a.m21 * b.m12 + a.m22 * b.m22,
-    )
 }
 
 /// The outer product of two 2 x 2 matrices, each read column by column: (4 x 4).

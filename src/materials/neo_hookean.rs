@@ -1,4 +1,5 @@
 use super::{Lame, Material, outer};
+use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
 /// Compressible neo-Hookean rubber with a logarithmic barrier against inversion.
@@ -21,33 +22,29 @@ impl NeoHookean {
     }
 }
 
-/// The cofactor matrix dJ/dF = J F⁻ᵀ.
-#[inline(always)]
-fn cofactor(f: &Matrix2<f64>) -> Matrix2<f64> {
-    Matrix2::new(f.m22, -f.m21, -f.m12, f.m11)
-}
-
 impl Material for NeoHookean {
     const TITLE: &'static str = "Neo-Hookean";
     const LETTER: &'static str = "N";
     const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F";
 
     #[inline(always)]
-    fn energy(&self, f: &Matrix2<f64>) -> f64 {
-        let log = libm::log(f.determinant());
-        0.5 * self.lame.mu * (f.norm_squared() - 2.0) - self.lame.mu * log + 0.5 * self.lame.lambda * log * log
+    fn psi<R: Real>(&self, f: Square<R>) -> R {
+        let Lame { mu, lambda } = self.lame;
+        let log = f.determinant().log();
+        (f.norm_squared() - 2.0) * (0.5 * mu) - log * mu + log * log * (0.5 * lambda)
     }
 
     #[inline(always)]
-    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
-        let j = f.m11 * f.m22 - f.m12 * f.m21;
-        f * self.lame.mu + cofactor(f) * ((self.lame.lambda * libm::log(j) - self.lame.mu) / j)
+    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+        let Lame { mu, lambda } = self.lame;
+        let j = f.determinant();
+        f * mu + f.cofactor() * ((j.log() * lambda - mu) / j)
     }
 
     /// dP = mu dF + lambda (G : dF) G + (mu - lambda ln J) G dFᵀ G, with G = F⁻ᵀ.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let j = f.determinant();
-        let g = cofactor(f) / j;
+        let g = Matrix2::from(Square::from(f).cofactor()) / j;
         let turn = self.lame.mu - self.lame.lambda * libm::log(j);
         let mut stiffness = Matrix4::identity() * self.lame.mu + outer(&g, &g) * self.lame.lambda;
         for column in 0..4 {

@@ -1,4 +1,5 @@
-use super::{Lame, Material, outer, times};
+use super::{Lame, Material, outer};
+use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
 /// St. Venant-Kirchhoff: Hooke's law between the Green strain E and the second Piola-Kirchhoff stress.
@@ -23,14 +24,14 @@ impl StVenantKirchhoff {
 
     /// Green strain and second Piola-Kirchhoff stress, both symmetric (2 x 2).
     #[inline(always)]
-    fn strain_and_stress(&self, f: &Matrix2<f64>) -> (Matrix2<f64>, Matrix2<f64>) {
-        let e11 = 0.5 * (f.m11 * f.m11 + f.m21 * f.m21 - 1.0);
-        let e12 = 0.5 * (f.m11 * f.m12 + f.m21 * f.m22);
-        let e22 = 0.5 * (f.m12 * f.m12 + f.m22 * f.m22 - 1.0);
-        let (two_mu, pressure) = (2.0 * self.lame.mu, self.lame.lambda * (e11 + e22));
-        let shear = two_mu * e12;
-        let stress = Matrix2::new(two_mu * e11 + pressure, shear, shear, two_mu * e22 + pressure);
-        (Matrix2::new(e11, e12, e12, e22), stress)
+    fn strain_and_stress<R: Real>(&self, f: Square<R>) -> (Square<R>, Square<R>) {
+        let e11 = (f.m11 * f.m11 + f.m21 * f.m21 - 1.0) * 0.5;
+        let e12 = (f.m11 * f.m12 + f.m21 * f.m22) * 0.5;
+        let e22 = (f.m12 * f.m12 + f.m22 * f.m22 - 1.0) * 0.5;
+        let (two_mu, pressure) = (2.0 * self.lame.mu, (e11 + e22) * self.lame.lambda);
+        let shear = e12 * two_mu;
+        let stress = Square::new(e11 * two_mu + pressure, shear, shear, e22 * two_mu + pressure);
+        (Square::new(e11, e12, e12, e22), stress)
     }
 }
 
@@ -40,19 +41,19 @@ impl Material for StVenantKirchhoff {
     const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (FᵀF − I)/2";
 
     #[inline(always)]
-    fn energy(&self, f: &Matrix2<f64>) -> f64 {
+    fn psi<R: Real>(&self, f: Square<R>) -> R {
         let (strain, stress) = self.strain_and_stress(f);
-        0.5 * strain.dot(&stress)
+        strain.dot(stress) * 0.5
     }
 
     #[inline(always)]
-    fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
-        times(f, &self.strain_and_stress(f).1)
+    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+        f.times(self.strain_and_stress(f).1)
     }
 
     /// dP = dF S + mu (F dFᵀ F + F Fᵀ dF) + lambda (F : dF) F.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let s = self.strain_and_stress(f).1;
+        let s = Matrix2::from(self.strain_and_stress(Square::from(f)).1);
         let mut stiffness = outer(f, f) * self.lame.lambda;
         let left = f * f.transpose();
         for column in 0..4 {
@@ -67,7 +68,7 @@ impl Material for StVenantKirchhoff {
     }
 
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        self.lame.lambda * self.strain_and_stress(f).0.trace()
+        self.lame.lambda * self.strain_and_stress(Square::from(f)).0.trace()
     }
 
     /// (2 mu + lambda)(w² - 1) + lambda (s² - 1) = 0.

@@ -112,6 +112,10 @@ impl Dynamics for System<'_> {
         }
     }
 
+    fn constrains(&self) -> bool {
+        self.scene.effects.iter().any(|effect| effect.constrains())
+    }
+
     fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
         for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
             let touched =

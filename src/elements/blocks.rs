@@ -1,0 +1,179 @@
+//! Triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
+
+use super::triangle::{Rest, edges};
+use crate::{
+    lanes::{LANES, Lanes, Order, Pairs, Quads, Real, Square, Wide},
+    materials::Material,
+};
+use nalgebra::Matrix2;
+use pulp::{Simd, WithSimd};
+
+/// How many blocks have their corners collected at a time: enough for what is stored number by number to have arrived when
+/// it is read lane by lane, and little enough to stay near the processor.
+const RUN: usize = 8;
+
+/// Forces at the first, second and third corners of a block [N].
+pub type CornerForces = [Pairs; 3];
+
+/// Rest shapes of eight triangles, in the lanes that [`Order`] gives them.
+#[derive(Clone, Debug, Default)]
+#[repr(align(64))]
+pub struct Block {
+    /// D0⁻¹, column by column [1/m].
+    inverse: [Lanes; 4],
+    /// Area [m²], which is the volume of unit thickness.
+    area: Lanes,
+}
+
+/// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
+pub trait Law: Copy {
+    /// Whether it asks for dF/dt; if not, `rate` is not to be used.
+    const RATE: bool;
+
+    /// The stress [Pa].
+    fn stress<R: Real>(&self, f: Square<R>, rate: Square<R>) -> Square<R>;
+}
+
+/// The stress of a material.
+#[derive(Clone, Copy)]
+pub struct Elastic<'a, M>(pub &'a M);
+
+impl<M: Material> Law for Elastic<'_, M> {
+    const RATE: bool = false;
+
+    #[inline(always)]
+    fn stress<R: Real>(&self, f: Square<R>, _: Square<R>) -> Square<R> {
+        self.0.piola(f)
+    }
+}
+
+/// Rest shapes in blocks.
+#[derive(Debug)]
+pub struct Blocks {
+    blocks: Vec<Block>,
+    order: Order,
+}
+
+impl Blocks {
+    /// Packs rest shapes; the lanes left over are triangles of no area.
+    pub fn new(shapes: &[Rest]) -> Self {
+        let order = Order::new();
+        let pack = |shapes: &[Rest]| {
+            let mut block = Block::default();
+            for (Rest { inverse, area }, lane) in shapes.iter().zip(order.lane) {
+                for (to, from) in block.inverse.iter_mut().zip(inverse.as_slice()) {
+                    to[lane] = *from;
+                }
+                block.area[lane] = *area;
+            }
+            block
+        };
+        Self { blocks: shapes.chunks(LANES).map(pack).collect(), order }
+    }
+
+    /// How many there are.
+    pub const fn count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The rest shape of one triangle.
+    #[inline]
+    pub fn rest(&self, triangle: usize) -> Rest {
+        let (block, lane) = (&self.blocks[triangle / LANES], self.order.lane[triangle % LANES]);
+        let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| block.inverse[entry][lane]);
+        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: block.area[lane] }
+    }
+}
+
+/// D of each triangle, from the vertices of its corners.
+#[inline(always)]
+fn collect(x: &[[f64; 2]], corners: &[[u32; 3]], out: &mut [Quads]) {
+    for (to, &triangle) in out.as_flattened_mut().iter_mut().zip(corners) {
+        *to = edges(x, triangle);
+    }
+}
+
+/// Part of the matrices of a block, taken apart.
+#[inline(always)]
+fn taken_apart<S: Simd>(set: S, of: &Quads, part: usize) -> Square<Wide<S>> {
+    let [m11, m21, m12, m22] = Wide::load_quads(set, of, part);
+    Square::new(m11, m12, m21, m22)
+}
+
+/// Part of D0⁻¹.
+#[inline(always)]
+fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
+    let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of.inverse[entry], part));
+    Square::new(m11, m12, m21, m22)
+}
+
+/// Computes the forces at all corners from a [`Law`].
+pub struct Forces<'a, L> {
+    pub law: L,
+    pub corners: &'a [[u32; 3]],
+    pub blocks: &'a Blocks,
+    pub x: &'a [f64],
+    pub v: &'a [f64],
+    pub out: &'a mut [CornerForces],
+}
+
+impl<L: Law> WithSimd for Forces<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) {
+        let Self { law, corners, blocks, x, v, out } = self;
+        let (x, v) = (x.as_chunks().0, v.as_chunks().0);
+        let (mut now, mut rates) = ([Quads::default(); RUN], [Quads::default(); RUN]);
+        for ((corners, blocks), out) in
+            corners.chunks(RUN * LANES).zip(blocks.blocks.chunks(RUN)).zip(out.chunks_mut(RUN))
+        {
+            collect(x, corners, &mut now);
+            if L::RATE {
+                collect(v, corners, &mut rates);
+            }
+            for (((block, now), rates), out) in blocks.iter().zip(&now).zip(&rates).zip(out) {
+                for part in 0..Wide::<S>::PARTS {
+                    let inverse = inverse(set, block, part);
+                    let f = taken_apart(set, now, part).times(inverse);
+                    let rate = if L::RATE { taken_apart(set, rates, part).times(inverse) } else { f };
+                    let h = law.stress(f, rate).times(inverse.transpose()) * -Wide::load(set, &block.area, part);
+                    let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
+                    for (out, [x, y]) in out.iter_mut().zip(forces) {
+                        Wide::store_pairs(x, y, out, part);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Sums the energy of all triangles [J], in their order.
+pub struct Energy<'a, M> {
+    pub material: &'a M,
+    pub corners: &'a [[u32; 3]],
+    pub blocks: &'a Blocks,
+    pub x: &'a [f64],
+}
+
+impl<M: Material> WithSimd for Energy<'_, M> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) -> f64 {
+        let x = self.x.as_chunks().0;
+        let mut now = [Quads::default()];
+        let mut energies = Lanes::default();
+        let mut sum = 0.0;
+        for (corners, block) in self.corners.chunks(LANES).zip(&self.blocks.blocks) {
+            collect(x, corners, &mut now);
+            for part in 0..Wide::<S>::PARTS {
+                let f = taken_apart(set, &now[0], part).times(inverse(set, block, part));
+                (self.material.psi(f) * Wide::load(set, &block.area, part)).store(&mut energies, part);
+            }
+            // A lane left over holds what is not a triangle.
+            sum = self.blocks.order.lane[..corners.len()].iter().fold(sum, |sum, &lane| sum + energies[lane]);
+        }
+        sum
+    }
+}

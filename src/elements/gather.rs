@@ -1,0 +1,101 @@
+//! From forces at the corners of elements to forces on vertices.
+
+use crate::lanes::{LANES, Order, Pairs};
+use std::ops::Range;
+
+/// How many vertices are put in order of their number of corners at a time: enough for long runs of an equal number, and
+/// little enough for their forces to be near each other.
+const WINDOW: usize = 512;
+
+/// For each vertex the corners that meet there.
+///
+/// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements: the
+/// sum is the same on every run, and no two elements write to the same place. Vertices with as many corners as each other
+/// are summed one after another, so that the processor never has to guess how many there are.
+#[derive(Debug)]
+pub struct Gather {
+    /// Runs of vertices with as many corners as each other: how many corners, and how many vertices.
+    runs: Vec<[u32; 2]>,
+    /// The vertices, counted from the first of the body or net.
+    vertices: Vec<u32>,
+    /// The places of their corners' forces in the buffer, one vertex after another.
+    places: Vec<u32>,
+}
+
+impl Gather {
+    /// `corners` holds the scene vertex numbers of each element's corners.
+    pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>) -> Self {
+        let mut meeting = vec![Vec::new(); vertices.len()];
+        let order = Order::new();
+        for (element, corners) in corners.iter().enumerate() {
+            for (number, &corner) in corners.iter().enumerate() {
+                let place = (element / LANES * N + number) * LANES + order.place[element % LANES];
+                meeting[corner as usize - vertices.start].push(place as u32);
+            }
+        }
+        let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
+        let mut runs: Vec<[u32; 2]> = Vec::new();
+        for window in ordered.chunks_mut(WINDOW) {
+            window.sort_by_key(|&vertex| meeting[vertex as usize].len());
+            for &vertex in &*window {
+                let degree = meeting[vertex as usize].len() as u32;
+                match runs.last_mut() {
+                    Some([last, count]) if *last == degree => *count += 1,
+                    _ => runs.push([degree, 1]),
+                }
+            }
+        }
+        let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).copied().collect();
+        Self { runs, vertices: ordered, places }
+    }
+
+    /// Adds what is at the corners to the forces on the vertices.
+    pub fn add(&self, corners: &[Pairs], force: &mut [[f64; 2]]) {
+        let corners = corners.as_flattened();
+        let (mut vertices, mut places) = (self.vertices.as_slice(), self.places.as_slice());
+        for &[degree, count] in &self.runs {
+            let (now, later) = vertices.split_at(count as usize);
+            let (of_now, of_later) = places.split_at((degree * count) as usize);
+            /// One loop for each of these numbers of corners, with nothing to count inside; one for all others.
+            macro_rules! loops {
+                ($($DEGREE:literal)+) => {
+                    match degree {
+                        $($DEGREE => sum(now, of_now.as_chunks::<$DEGREE>().0.iter().map(<[u32; $DEGREE]>::as_slice), corners, force),)+
+                        _ => sum(now, of_now.chunks((degree as usize).max(1)), corners, force),
+                    }
+                };
+            }
+            loops!(1 2 3 4 5 6 7 8 9 10 11 12);
+            (vertices, places) = (later, of_later);
+        }
+    }
+}
+
+/// Adds at each of these vertices the sum over its places.
+#[inline(always)]
+fn sum<'a>(vertices: &[u32], places: impl Iterator<Item = &'a [u32]>, corners: &[[f64; 2]], force: &mut [[f64; 2]]) {
+    for (&vertex, places) in vertices.iter().zip(places) {
+        let [mut fx, mut fy] = [0.0; 2];
+        for &place in places {
+            let [x, y] = corners[place as usize];
+            fx += x;
+            fy += y;
+        }
+        let force = &mut force[vertex as usize];
+        *force = [force[0] + fx, force[1] + fy];
+    }
+}
+
+/// Bytes that the processor moves at a time.
+const LINE: usize = 64;
+
+/// How many numbers of scratch hold so many [`Pairs`].
+pub const fn room(pairs: usize) -> usize {
+    2 * LANES * pairs + LINE / size_of::<f64>()
+}
+
+/// [`Pairs`] in scratch, from where a line of memory begins.
+pub fn pairs(scratch: &mut [f64]) -> &mut [Pairs] {
+    let skip = scratch.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
+    scratch[skip..].as_chunks_mut().0.as_chunks_mut().0
+}

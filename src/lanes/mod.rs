@@ -1,0 +1,72 @@
+//! Formulas for one number or for several at once. What is written over [`Real`] runs with `f64` and, unchanged, with
+//! [`Wide`]: one number in each lane of a vector register, as wide as the processor has them.
+//!
+//! Only operations that IEEE 754 rounds in one way are used (`+ - * /` and the square root, no contraction), so every lane
+//! holds the bits that `f64` would, and a run is the same on every processor.
+
+mod logarithm;
+mod square;
+mod wide;
+
+pub use square::Square;
+pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number, or one in each of several lanes. Constants are `f64`.
+pub trait Real:
+    Copy
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// A constant, in as many lanes.
+    #[must_use]
+    fn of(self, constant: f64) -> Self;
+
+    /// Square root; NaN below zero.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// `then` where `self < than`, `otherwise` where it is not.
+    #[must_use]
+    fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self;
+
+    /// m and k with `self = m 2^k` and m from sqrt(1/2) to sqrt(2), for positive normal numbers; anything for others.
+    fn split(self) -> (Self, Self);
+
+    /// Natural logarithm, bit for bit that of `libm`: below 1 unit in the last place.
+    #[inline(always)]
+    #[must_use]
+    fn log(self) -> Self {
+        logarithm::log(self)
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn of(self, constant: f64) -> Self {
+        constant
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self {
+        if self < than { then } else { otherwise }
+    }
+
+    #[inline(always)]
+    fn split(self) -> (Self, Self) {
+        let [m, k] = logarithm::split(self.to_bits());
+        (Self::from_bits(m), Self::from_bits(k) - logarithm::BIAS)
+    }
+}

@@ -1,0 +1,171 @@
+use super::{Real, logarithm};
+use pulp::{Arch, Simd, WithSimd, bytemuck};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// How many numbers are kept side by side in memory: the most that any vector register holds.
+pub const LANES: usize = 8;
+
+/// Numbers side by side.
+pub type Lanes = [f64; LANES];
+
+/// Four numbers each of eight elements, in their order.
+pub type Quads = [[f64; 4]; LANES];
+
+/// A vector each of eight elements, at their [`Order::place`].
+pub type Pairs = [[f64; 2]; LANES];
+
+/// As many numbers as a vector register of the instruction set `S` holds: a divisor of [`LANES`].
+#[derive(Clone, Copy, Debug)]
+pub struct Wide<S: Simd> {
+    set: S,
+    values: S::f64s,
+}
+
+impl<S: Simd> Wide<S> {
+    /// How many registers [`LANES`] numbers fill.
+    pub const PARTS: usize = LANES / S::F64_LANES;
+
+    /// The numbers of one part.
+    #[inline(always)]
+    pub fn load(set: S, from: &Lanes, part: usize) -> Self {
+        Self { set, values: S::as_simd_f64s(from).0[part] }
+    }
+
+    /// Writes the numbers to one part.
+    #[inline(always)]
+    pub fn store(self, to: &mut Lanes, part: usize) {
+        S::as_mut_simd_f64s(to).0[part] = self.values;
+    }
+
+    /// The first, second, third and fourth numbers of one part; lanes are in [`Order::lane`].
+    #[inline(always)]
+    pub fn load_quads(set: S, from: &Quads, part: usize) -> [Self; 4] {
+        let quads = S::as_simd_f64s(from.as_flattened()).0;
+        let quads = [0, 1, 2, 3].map(|register| quads[4 * part + register]);
+        set.deinterleave_shfl_f64s(quads).map(|values| Self { set, values })
+    }
+
+    /// Writes vectors of these x and y to one part.
+    #[inline(always)]
+    pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
+        let pairs = x.set.interleave_shfl_f64s([x.values, y.values]);
+        S::as_mut_simd_f64s(to.as_flattened_mut()).0[2 * part..2 * part + 2].copy_from_slice(&pairs);
+    }
+
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn all(set: S, value: f64) -> Self {
+        Self { set, values: set.splat_f64s(value) }
+    }
+}
+
+impl<S: Simd> Neg for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { set: self.set, values: self.set.neg_f64s(self.values) }
+    }
+}
+
+/// An operator between lanes, and between lanes and a constant.
+macro_rules! operator {
+    ($Trait:ident, $function:ident, $operation:ident) => {
+        impl<S: Simd> $Trait for Wide<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self { set: self.set, values: self.set.$operation(self.values, other.values) }
+            }
+        }
+
+        impl<S: Simd> $Trait<f64> for Wide<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, other: f64) -> Self {
+                $Trait::$function(self, Self::all(self.set, other))
+            }
+        }
+    };
+}
+
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
+
+impl<S: Simd> Real for Wide<S> {
+    #[inline(always)]
+    fn of(self, constant: f64) -> Self {
+        Self::all(self.set, constant)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self { set: self.set, values: self.set.sqrt_f64s(self.values) }
+    }
+
+    #[inline(always)]
+    fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self {
+        let less = self.set.less_than_f64s(self.values, than.values);
+        Self { set: self.set, values: self.set.select_f64s(less, then.values, otherwise.values) }
+    }
+
+    #[inline(always)]
+    fn split(self) -> (Self, Self) {
+        let (mut m, mut k) = (self, self);
+        for (m, k) in numbers(&mut m.values).iter_mut().zip(numbers(&mut k.values)) {
+            [*m, *k] = logarithm::split(*m);
+        }
+        (m, k - logarithm::BIAS)
+    }
+}
+
+/// The bits of each lane.
+#[inline(always)]
+fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
+    bytemuck::cast_slice_mut(std::slice::from_mut(values))
+}
+
+/// Where eight elements are: whichever order the processor takes numbers apart and puts them together in.
+#[derive(Clone, Copy, Debug)]
+pub struct Order {
+    /// The lane of each element, once [`Wide::load_quads`] has read it.
+    pub lane: [usize; LANES],
+    /// Where [`Wide::store_pairs`] then writes its vector.
+    pub place: [usize; LANES],
+}
+
+impl Order {
+    /// The order of this processor, found by trying.
+    pub fn new() -> Self {
+        struct Try;
+        impl WithSimd for Try {
+            type Output = (Lanes, Pairs);
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, set: S) -> Self::Output {
+                let elements = std::array::from_fn(|element| [element as f64; 4]);
+                let (mut lanes, mut pairs) = (Lanes::default(), Pairs::default());
+                for part in 0..Wide::<S>::PARTS {
+                    let [element, ..] = Wide::load_quads(set, &elements, part);
+                    element.store(&mut lanes, part);
+                    Wide::store_pairs(element, element, &mut pairs, part);
+                }
+                (lanes, pairs)
+            }
+        }
+        let (lanes, pairs) = Arch::new().dispatch(Try);
+        let mut order = Self { lane: [0; LANES], place: [0; LANES] };
+        for (at, (element, [placed, _])) in lanes.into_iter().zip(pairs).enumerate() {
+            order.lane[element as usize] = at;
+            order.place[placed as usize] = at;
+        }
+        order
+    }
+}
+
+impl Default for Order {
+    fn default() -> Self {
+        Self::new()
+    }
+}

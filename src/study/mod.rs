@@ -27,8 +27,8 @@ mod trial;
 mod twin;
 mod workers;
 
-pub use drift::{Drift, DriftRun, Moment};
-pub use export::{Origin, is_time_column};
+pub use drift::{Drift, DriftRun, Invariant, Moment};
+pub use export::{Origin, head, is_time_column};
 pub use locking::{Locking, LockingNumber};
 pub use measure::Measure;
 pub use mesh_study::{MeshMoment, MeshPlan, MeshPoint, MeshStudy};

@@ -55,6 +55,9 @@ pub struct Label {
 /// Distance of a label from its point [points].
 const GAP: f32 = 8.0;
 
+/// How much nearer a place on the left must be, where lines come from [points].
+const LEFT: f32 = 60.0;
+
 /// Writes names beside their points, none over another, with a thin line where one had to give way.
 pub fn write_labels(ui: &Ui, frame: Rect, labels: &[Label]) {
     let painter = ui.painter_at(frame);
@@ -88,7 +91,7 @@ fn places(frame: Rect, wanted: &[(Pos2, Vec2)]) -> Vec<Rect> {
             frame.contains_rect(*rect) && points && placed.iter().all(|(_, other)| !rect.intersects(*other))
         };
         // The nearest free place; where all is full, beside the point.
-        let distance = |rect: &Rect| rect.distance_to_pos(at) + if rect.center().x < at.x { 1.5 * GAP } else { 0.0 };
+        let distance = |rect: &Rect| rect.distance_to_pos(at) + if rect.center().x < at.x { LEFT } else { 0.0 };
         let best = candidates.filter(free).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let rect = best.unwrap_or_else(|| Align2::LEFT_CENTER.anchor_size(at + vec2(GAP, 0.0), size));
         placed.push((number, rect));

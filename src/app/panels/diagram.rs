@@ -108,7 +108,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
         });
     if left.is_finite() {
         // Room for the names of the lines.
-        plot = plot.include_x(right + 0.28 * (right - left).max(1.0)).include_y(TOP + 0.4);
+        plot = plot.include_x(right + 0.36 * (right - left).max(1.0)).include_y(TOP + 0.4);
     }
     let shown = plot.show(ui, |plot| {
         for curve in &diagram.curves {

@@ -113,7 +113,7 @@ fn plot(ui: &mut Ui, courses: &Courses, number: usize, invariant: Invariant) {
         .y_axis_label(axis)
         .include_x(0.0)
         // Room for the names of the lines.
-        .include_x(1.36 * courses.seconds)
+        .include_x(1.42 * courses.seconds)
         .label_formatter(|hovered| match hovered {
             HoverPosition::NearDataPoint { plot_name, .. } => Some((*plot_name).to_owned()),
             HoverPosition::Elsewhere { .. } => None,

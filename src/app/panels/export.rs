@@ -54,7 +54,7 @@ pub struct Sitting {
 /// After so many frames there will be no pixels any more.
 const PATIENCE: u32 = 90;
 
-/// Two small buttons, for the numbers of a plot and for its picture.
+/// Two small buttons in a row that is laid out from the right: for the picture of a plot, and for its numbers.
 pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table: impl Fn() -> String) {
     let title = figure.title();
     let name = |extension: &str| format!("{}-{}.{extension}", stem(level), title.to_lowercase());
@@ -62,23 +62,23 @@ pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table:
         let button = Button::new(RichText::new(text).small()).small().min_size(Vec2::new(34.0, 20.0));
         ui.add(button).on_hover_text(help).accessible_name(format!("{title} as {text}"))
     };
-    let help =
-        "Saves the numbers behind the plot as comma-separated values, with a head that says where they come from.";
-    if button(ui, "CSV", help).clicked() {
-        view.file = Some(FileWish::Export(Export { name: name("csv"), bytes: table().into_bytes() }));
-    }
     if button(ui, "PNG", "Saves the plot as a picture, as it looks now.").clicked() {
         let table = table();
         let about: Vec<_> = table.lines().filter_map(|line| line.strip_prefix("# ")).collect();
         let (about, pixels) = (about.join("\n"), Arc::default());
         view.sitting = Some(Sitting { figure, name: name("png"), about, rect: None, frames: 0, pixels });
     }
+    let help =
+        "Saves the numbers behind the plot as comma-separated values, with a head that says where they come from.";
+    if button(ui, "CSV", help).clicked() {
+        view.file = Some(FileWish::Export(Export { name: name("csv"), bytes: table().into_bytes() }));
+    }
 }
 
 /// Call it after a plot was drawn: if its picture is wanted, it is brought into view and taken.
 pub fn pose(ui: &Ui, view: &mut View, figure: Figure, rect: Rect) {
     let Some(sitting) = view.sitting.as_mut().filter(|sitting| sitting.figure == figure) else { return };
-    let before = sitting.rect.replace(rect);
+    let before = sitting.rect.replace(rect.expand(4.0));
     if before.is_none() {
         ui.scroll_to_rect_animation(rect, None, ScrollAnimation::none());
     } else if sitting.frames == 2 {

@@ -143,7 +143,9 @@ fn plot(ui: &mut Ui, study: &MeshFindings) {
             for (mesh, at) in &known {
                 let radius = if mesh.current { 7.0 } else { 3.5 };
                 let points = Points::new(story(study, mesh), vec![*at]).shape(MarkerShape::Circle).radius(radius);
-                plot.points(points.color(color).filled(true));
+                // The reference was extrapolated beyond the finest mesh: its error is no more than an estimate.
+                let estimate = mesh.error.zip(study.reference).is_some_and(|(error, (_, own))| error <= own);
+                plot.points(points.color(color).filled(!estimate));
             }
         });
     let screen = |[x, y]: [f64; 2]| shown.transform.position_from_point(&PlotPoint::new(x, y));

@@ -181,13 +181,15 @@ impl Drift {
         &self.runs
     }
 
-    /// The greatest kinetic energy of a course, the median of all courses [J]: what a change of energy is compared with. (The energy
+    /// The greatest kinetic energy of a course, the median of all courses begun [J]: what a change of energy is compared with. (The energy
     /// itself will not do: where its zero is, is a matter of taste.)
     pub fn scale(&self) -> f64 {
         let greatest = |run: &DriftRun| run.moments.iter().map(|moment| moment.kinetic).fold(0.0, f64::max);
-        let mut peaks: Vec<f64> = self.runs.iter().map(greatest).collect();
+        let begun = self.runs.iter().filter(|run| run.moments.len() > 1);
+        let mut peaks: Vec<f64> = begun.map(greatest).collect();
         peaks.sort_by(f64::total_cmp);
-        peaks.get(peaks.len() / 2).copied().unwrap_or(0.0)
+        // The lower one of two in the middle: what blows up is of no measure.
+        peaks.get(peaks.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
     }
 
     /// How much of an invariant a course has gained at a moment: of energy `(E(t) - E(0))` over [`Self::scale`], below zero if some

@@ -17,7 +17,7 @@ use crate::{
     command::Command,
     study::{Curve, Outcome, Point, Price, Status},
 };
-use eframe::egui::{Align2, Color32, ComboBox, RichText, TextStyle, Ui, vec2};
+use eframe::egui::{Align2, Color32, ComboBox, RichText, TextStyle, Ui, pos2};
 use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, PlotPoints, Points};
 
 /// How the diagram is looked at.
@@ -67,14 +67,13 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
         }
         ui.label("Cheapest under");
         let target = &mut look.target;
-        ComboBox::from_id_salt("target").width(72.0).selected_text(percent(TARGETS[*target % TARGETS.len()])).show_ui(
-            ui,
-            |ui| {
-                for (number, error) in TARGETS.iter().enumerate() {
-                    ui.selectable_value(target, number, percent(*error));
-                }
-            },
-        );
+        let shown = percent(TARGETS[*target % TARGETS.len()]);
+        let combo = ComboBox::from_id_salt("target").width(72.0).selected_text(shown).show_ui(ui, |ui| {
+            for (number, error) in TARGETS.iter().enumerate() {
+                ui.selectable_value(target, number, percent(*error));
+            }
+        });
+        combo.response.accessible_name("Error to stay under");
         ui.label("error:");
         let price = usize::from(look.price == Price::ForceEvaluations);
         match diagram.suggestions.get(*target).and_then(|by_price| by_price[price].as_ref()) {
@@ -125,8 +124,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
     let screen = |[x, y]: [f64; 2]| shown.transform.position_from_point(&PlotPoint::new(x, y));
     let frame = *shown.transform.frame();
     if blown {
-        let corner = frame.left_top().lerp(screen([0.0, TOP]), 0.0).x + 8.0;
-        let at = eframe::egui::pos2(corner, screen([0.0, TOP]).y) + vec2(0.0, -9.0);
+        let at = pos2(frame.left() + 8.0, screen([0.0, TOP]).y - 9.0);
         let font = TextStyle::Small.resolve(ui.style());
         ui.painter_at(frame).text(at, Align2::LEFT_BOTTOM, "× blew up", font, theme.bad);
     }

@@ -95,7 +95,8 @@ fn choose(ui: &mut Ui, look: &mut Look) {
                 ui.selectable_value(&mut look.time, number, time(number));
             }
         });
-        shown.response.on_hover_text("How much time to simulate when it is measured next.");
+        let help = "How much time to simulate when it is measured next.";
+        shown.response.on_hover_text(help).accessible_name("Simulated time of the study");
     });
 }
 

@@ -62,6 +62,8 @@ pub fn buttons(ui: &mut Ui, view: &mut View) {
     if let Some((topic, ..)) = segmented(ui, "studies", &parts, true).and_then(|clicked| TOPICS.get(clicked)) {
         look.open = !look.open || look.topic != *topic;
         look.topic = *topic;
+        // Where the sides lie over the stage, one would hide the other.
+        view.drawer = None;
     }
 }
 
@@ -104,7 +106,8 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
                 view.wishes.push(Wish::Cancel);
             }
             let done = desk.lab.done(topic).unwrap_or(0.0);
-            ui.add(ProgressBar::new(done as f32).desired_width(110.0).show_percentage());
+            ui.add(ProgressBar::new(done as f32).desired_width(110.0));
+            ui.label(format!("{:.0} %", 100.0 * done));
             return;
         }
         let (wish, help) = match topic {

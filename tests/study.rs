@@ -440,7 +440,7 @@ fn what_takes_energy_and_momentum_by_right_is_named() {
     assert_eq!(circle.nothing_of(Invariant::Energy), None);
     assert!(circle.nothing_of(Invariant::Momentum).is_some_and(|words| words.contains("toy")));
     let still = drift(&level(RESTING), 0.1, settings(), 1, WHOLE);
-    assert!(still.nothing_of(Invariant::Energy).is_some_and(|words| words.contains("Nothing moves")));
+    assert!(still.nothing_of(Invariant::Energy).is_some_and(|words| words.contains("Hardly anything moves")));
 }
 
 /// A sheet on which nothing acts.

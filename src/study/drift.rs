@@ -111,8 +111,8 @@ pub struct Drift {
     threads: usize,
 }
 
-/// A speed with less energy than this is rounding [J].
-const STILL: f64 = 1e-18;
+/// Less kinetic energy than this is rounding [J], or this share of the energy at the start.
+const STILL: (f64, f64) = (1e-18, 1e-9);
 
 impl Drift {
     /// Prepares the courses of a trial with those of these settings that suit it.
@@ -214,10 +214,11 @@ impl Drift {
 
     /// Why there is nothing to see of an invariant here, in words.
     pub fn nothing_of(&self, invariant: Invariant) -> Option<&'static str> {
+        let start = self.runs.iter().find_map(|run| run.moments.first()).map_or(0.0, |first| first.energy.abs());
         if self.trial.scene.toy.is_some() && invariant != Invariant::Energy {
             Some("A toy has no momentum: its two numbers are not the places of masses.")
-        } else if self.scale() < STILL && self.runs.iter().all(|run| run.moments.len() > 1) {
-            Some("Nothing moves here, so there is nothing to gain or to lose.")
+        } else if self.scale() < STILL.0.max(STILL.1 * start) && self.runs.iter().all(|run| run.moments.len() > 1) {
+            Some("Hardly anything moves here, so there is nothing to gain or to lose.")
         } else {
             None
         }

@@ -159,7 +159,7 @@ fn label(course: &Course, invariant: Invariant) -> String {
         (Status::Unstable, _) => format!("{title} blew up"),
         (_, Invariant::Energy) if course.gain.abs() >= 1e-4 => {
             let sign = if course.gain > 0.0 { "+" } else { "−" };
-            format!("{title} {sign}{}", numbers::si(100.0 * course.gain.abs(), "%"))
+            format!("{title} {sign}{} %", numbers::si(100.0 * course.gain.abs(), ""))
         }
         _ => title.to_owned(),
     }

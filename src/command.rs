@@ -4,7 +4,7 @@
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, RunMode, Substeps},
+    level::{EffectLevel, Level, MassLevel, RunMode, Substeps, Switch},
     materials::{MaterialParameters, Model},
     nets::NetKind,
     quantity::ParticleMass,
@@ -52,6 +52,8 @@ pub enum Command {
     StepOnce,
     /// Puts positions and velocities back to the start.
     Reset,
+    /// Turns time back by so much [s], as far as the last seconds are kept, and pauses; a fault is forgotten.
+    Rewind(f64),
     /// Begins to pull a vertex (by its number in the scene) towards a point [m].
     Grab(usize, [f64; 2]),
     /// Moves the point that the grabbed vertex is pulled to [m].
@@ -75,6 +77,8 @@ pub enum Command {
     SetSubsteps(Substeps),
     /// The time-stepping scheme, with its parameters; positions and velocities stay.
     SetIntegrator(IntegratorKind),
+    /// Whether an unstable step is taken again in shorter ones.
+    SetGuard(Switch),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
     /// Adds an effect to the level's list.

@@ -200,6 +200,7 @@ impl Default for Level {
             mode: RunMode::Simulate,
             substeps: Substeps::default(),
             integrator: crate::integrators::IntegratorKind::default(),
+            guard: Switch::On,
             bodies: Vec::new(),
             nets: Vec::new(),
             toy: None,

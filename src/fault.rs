@@ -1,7 +1,8 @@
 //! Why stepping stopped, found out and said in a sentence.
 
 use crate::{
-    elements::Field, integrators::Class, materials::Model, scene::Scene, stability::critical_step, state::State,
+    elements::Field, guard::Guard, integrators::Class, materials::Model, scene::Scene, stability::critical_step,
+    state::State,
 };
 
 /// A step that could not be taken. The simulation rests on the last finite state.
@@ -56,13 +57,16 @@ pub enum Cause {
     Crushed(Model),
     /// Positions or speeds grew out of all bounds.
     Overflow,
+    /// Energy came from nowhere, even in far shorter steps.
+    Energy,
     /// The equations of an implicit step were not solved, or an error-controlled one was given up.
     Unsolved,
 }
 
 impl Fault {
-    /// Looks for the cause: `state` is the last finite state, `before` one a few steps earlier.
-    pub fn find(scene: &Scene, state: &State, before: &State) -> Self {
+    /// Looks for the cause: `state` is the last good state, `before` one a few steps earlier; `finite` says whether the step
+    /// that failed still left numbers.
+    pub fn find(scene: &Scene, state: &State, before: &State, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
             .unwrap_or((Culprit::Toy, None));
@@ -74,6 +78,7 @@ impl Fault {
         let cause = match limit {
             Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
             _ if crushed.is_none() && scene.integrator.kind().class() != Class::Explicit => Cause::Unsolved,
+            _ if finite => Cause::Energy,
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),
         };
         Self { step: state.steps + 1, time: state.time, culprit, cause }
@@ -147,6 +152,9 @@ impl std::fmt::Display for Fault {
                     out,
                     "No solution was found for a step of this length; a shorter one, or a smaller tolerance, may have one."
                 )
+            }
+            Cause::Energy => {
+                write!(out, "Energy came from nowhere, even in steps {} times as short.", 1 << Guard::MOST)
             }
             Cause::Overflow => write!(out, "Positions or speeds grew beyond {:e}.", State::LIMIT),
         }

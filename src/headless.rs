@@ -122,6 +122,10 @@ pub struct RunReport {
     pub shifts: u64,
     /// Steps whose equations were not solved to tolerance.
     pub unconverged_steps: u64,
+    /// Steps that the guard had taken in shorter ones.
+    pub guarded_steps: u64,
+    /// Attempts at a step that the guard threw away.
+    pub retaken_steps: u64,
     /// Time spent stepping [s].
     pub wall_seconds: f64,
     /// Time per triangle and step [ns]; null if there are none.
@@ -291,6 +295,8 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         factorisations: counts.factorisations,
         shifts: counts.shifts,
         unconverged_steps: counts.unconverged,
+        guarded_steps: counts.guarded,
+        retaken_steps: counts.retaken,
         wall_seconds,
         ns_per_triangle_step: (triangles > 0).then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),
         effects: effects.collect(),

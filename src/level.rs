@@ -32,6 +32,9 @@ pub struct Level {
     /// The time-stepping scheme.
     #[serde(default)]
     pub integrator: IntegratorKind,
+    /// Whether an unstable step is taken again in shorter ones.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub guard: Switch,
     /// The deformable bodies.
     #[serde(default)]
     pub bodies: Vec<BodyLevel>,
@@ -79,6 +82,9 @@ pub struct BodyLevel {
     /// Vertices that do not move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<Pin>,
+    /// Sides whose vertices may slide along it but not leave it, like on rollers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slides: Vec<Side>,
 }
 
 /// Particles held together by springs.
@@ -142,6 +148,31 @@ pub enum Pin {
     Left,
     /// All vertices at the greatest x.
     Right,
+}
+
+/// A side of a body, judged on the rest shape: all vertices at its least or greatest coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Side {
+    /// Greatest y.
+    Top,
+    /// Least y.
+    Bottom,
+    /// Least x.
+    Left,
+    /// Greatest x.
+    Right,
+}
+
+impl Side {
+    /// The coordinate that is the same all along the side (0 is x, 1 is y), and whether it is the greatest.
+    pub const fn across(self) -> (usize, bool) {
+        match self {
+            Self::Top => (1, true),
+            Self::Bottom => (1, false),
+            Self::Left => (0, false),
+            Self::Right => (0, true),
+        }
+    }
 }
 
 /// One effect with its switch.

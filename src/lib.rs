@@ -35,8 +35,9 @@
 //! | [`level`] | what a file may say |
 //! | [`scene`] | a level made ready for stepping |
 //! | [`stability`] | how long a step may be |
-//! | [`report`], [`fault`] | what stepping cost, and why it stopped |
+//! | [`report`], [`guard`], [`fault`] | what stepping cost, what keeps it stable, and why it stopped |
 //! | [`simulation`] | scene and state together: taking steps |
+//! | [`rewind`] | the last seconds, to go back to |
 //! | [`command`], [`document`], [`sandbox`] | what a person can do, what can be undone, and doing it |
 //! | [`snapshot`] | what a frame of the window is drawn from |
 //! | [`study`] | what accuracy costs in time: references, work-precision diagrams, mesh studies, drift |
@@ -68,9 +69,12 @@ pub mod scene;
 pub mod stability;
 
 pub mod fault;
+pub mod guard;
 pub mod report;
 
 pub mod simulation;
+
+pub mod rewind;
 
 pub mod command;
 pub mod document;

@@ -26,12 +26,15 @@ pub struct Counts {
     pub unconverged: u64,
     /// Vertices whose velocity or position an effect changed.
     pub constrained: u64,
+    /// Steps that the guard had taken in shorter ones.
+    pub guarded: u64,
+    /// Attempts at a step that the guard threw away.
+    pub retaken: u64,
 }
 
 impl Counts {
-    /// Books one step.
+    /// Books what an integrator did.
     pub fn add(&mut self, step: &StepCounts) {
-        self.steps += 1;
         self.inner_steps += step.inner_steps;
         self.rejected += step.rejected;
         self.newton_iterations += step.newton.iterations;

@@ -6,6 +6,7 @@ use crate::{
     effects::Grab,
     level::{EffectLevel, Level, RunMode, Switch, When},
     meshes::Files,
+    rewind::Rewind,
     scene::{Owner, Scene, SceneError, extent},
     simulation::Simulation,
     state::State,
@@ -23,6 +24,7 @@ pub struct Sandbox {
     /// The level that is simulated, shared with snapshots.
     pub(crate) shown: std::sync::Arc<Level>,
     files: Box<dyn Files>,
+    rewind: Rewind,
 }
 
 /// Why a command was refused; nothing has changed.
@@ -59,7 +61,17 @@ impl Sandbox {
         let shown = std::sync::Arc::new(without_state(&level));
         let document = Document::new(level);
         let history = History::default();
-        Ok(Self { document, history, simulation, mode: Mode::Edit, running: false, generation: 1, shown, files })
+        Ok(Self {
+            document,
+            history,
+            simulation,
+            mode: Mode::Edit,
+            running: false,
+            generation: 1,
+            shown,
+            files,
+            rewind: Rewind::default(),
+        })
     }
 
     /// Does what a command says, at once.
@@ -76,6 +88,7 @@ impl Sandbox {
                 self.simulation.set_state(start);
                 self.simulation.set_grab(grab);
             }
+            Command::Rewind(seconds) => self.turn_back(seconds)?,
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
             Command::Pull(target) => {
                 if let Some(Grab { vertex, .. }) = self.simulation.grab() {
@@ -143,6 +156,7 @@ impl Sandbox {
                 gesture = Some(Gesture::Integrator(integrator.name()));
                 document.level.integrator = integrator;
             }
+            Command::SetGuard(guard) => document.level.guard = guard,
             Command::SetEffect(number, effect) => {
                 *get(&mut document.level.effects, number)? = effect;
                 gesture = Some(Gesture::Effect(number));
@@ -216,6 +230,7 @@ impl Sandbox {
             };
             self.simulation.replace_scene(scene);
             self.simulation.set_state(state);
+            self.rewind.clear();
             self.generation += 1;
         } else {
             self.simulation.replace_scene(scene);
@@ -276,6 +291,21 @@ impl Sandbox {
         Ok(())
     }
 
+    /// Goes back, and pauses.
+    fn turn_back(&mut self, seconds: f64) -> Result<(), Refused> {
+        let now = self.simulation.state().time;
+        let Some(state) =
+            self.rewind.back(now, seconds).filter(|state| state.x.len() == self.simulation.state().x.len())
+        else {
+            return Err(Refused::NotHere("there is nothing to go back to yet: let time run first"));
+        };
+        let grab = self.simulation.grab();
+        self.simulation.set_state(state);
+        self.simulation.set_grab(grab);
+        self.running = false;
+        Ok(())
+    }
+
     fn grab(&mut self, vertex: usize, target: [f64; 2]) -> Result<(), Refused> {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
@@ -316,7 +346,27 @@ impl Sandbox {
     /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.
     /// A step that fails leaves the last finite state and a fault in the snapshot.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
-        if self.is_live() { self.simulation.advance(steps, more) } else { 0 }
+        if !self.is_live() {
+            return 0;
+        }
+        // The start of every frame, so that a fault can be left behind.
+        let per_frame = (Rewind::FRAME / self.step_length()).round().max(1.0) as u64;
+        let mut taken = 0;
+        while taken < steps && self.is_live() && (taken == 0 || more()) {
+            self.rewind.keep(self.simulation.state());
+            let wanted = per_frame.min(steps - taken);
+            let done = self.simulation.advance(wanted, more);
+            taken += done;
+            if done < wanted {
+                break;
+            }
+        }
+        taken
+    }
+
+    /// How far back time can be turned [s].
+    pub fn rewind_reach(&self) -> f64 {
+        self.rewind.reach(self.simulation.state().time)
     }
 
     /// Whether any damping is switched on.

@@ -1,45 +1,35 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
+mod system;
+
 use crate::{
-    effects::{Effect, Grab, Motion},
+    effects::{Effect, Grab},
     fault::Fault,
-    integrators::{Dynamics, Ode, Scheme, StepCounts, Work},
+    guard::{Guard, Verdict},
+    integrators::{Scheme, StepCounts},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
-    solvers::{BlockMatrix, Weights},
     state::State,
-    toys::Toy,
 };
-use std::time::Duration;
-use web_time::Instant;
+use system::{Scratch, System, ToySystem};
 
 /// A running scene.
 pub struct Simulation {
     scene: Scene,
     state: State,
-    /// Where the current batch of steps began, to go back to when a step fails.
+    /// A state of a few steps ago, to go back to when a step fails.
     checkpoint: State,
+    /// Whether something other than a step has changed since.
+    stale: bool,
     /// What had been counted and booked then.
     booked: (Counts, Vec<EffectCost>),
     scratch: Scratch,
     grab: Option<Grab>,
+    guard: Guard,
     fault: Option<Fault>,
 }
 
-/// Everything that stepping writes to beside the state.
-#[derive(Default)]
-struct Scratch {
-    /// For the integrator.
-    work: Work,
-    /// For the effects.
-    effects: Vec<f64>,
-    counts: Counts,
-    costs: Vec<EffectCost>,
-    /// Whether effects are timed.
-    timed: bool,
-}
-
-/// How many steps are taken between two looks at the clock.
+/// Steps between two checkpoints, and between two looks at the clock.
 const BATCH: u64 = 10;
 
 impl Simulation {
@@ -49,11 +39,13 @@ impl Simulation {
         scratch.fit(&scene);
         Self {
             checkpoint: state.clone(),
+            stale: true,
             booked: (Counts::default(), Vec::new()),
             scene,
             state,
             scratch,
             grab: None,
+            guard: Guard::default(),
             fault: None,
         }
     }
@@ -61,23 +53,41 @@ impl Simulation {
     /// Swaps the scene; the state stays, and newly pinned vertices stop. A scene with other vertices needs another state at
     /// once (see [`Self::set_state`]). Counts go on.
     pub fn replace_scene(&mut self, scene: Scene) {
+        let before = self.watched().filter(|_| scene.start.x.len() == self.state.x.len());
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
             *v = 0.0;
         }
-        self.scene = scene;
+        (self.scene, self.stale) = (scene, true);
         self.scratch.fit(&self.scene);
+        match before {
+            Some(before) if self.scene.guard => self.guard.changed(before, self.energies()),
+            _ => self.guard.reset(),
+        }
     }
 
     /// Puts the simulation into a state; a fault is forgotten.
     pub fn set_state(&mut self, state: State) {
-        self.state = state;
+        (self.state, self.stale) = (state, true);
         self.grab = None;
+        self.guard.reset();
         self.fault = None;
     }
 
     /// Pulls a vertex, or lets go.
     pub fn set_grab(&mut self, grab: Option<Grab>) {
-        self.grab = grab;
+        if self.grab == grab {
+            return;
+        }
+        let before = self.watched();
+        (self.grab, self.stale) = (grab, true);
+        if let Some(before) = before {
+            self.guard.changed(before, self.energies());
+        }
+    }
+
+    /// The energies before a change from outside, if the guard has to know.
+    fn watched(&self) -> Option<Energies> {
+        (self.scene.guard && !self.guard.is_new()).then(|| self.energies())
     }
 
     /// What the mouse pulls.
@@ -100,6 +110,11 @@ impl Simulation {
         self.fault.as_ref()
     }
 
+    /// How many shorter steps the guard takes for one now.
+    pub const fn parts(&self) -> u32 {
+        1 << self.guard.level()
+    }
+
     /// What stepping cost so far.
     pub const fn counts(&self) -> Counts {
         self.scratch.counts
@@ -117,33 +132,55 @@ impl Simulation {
 
     /// Takes up to `steps` steps; every few, `more` is asked whether to go on. Returns how many were taken.
     ///
-    /// Every step is checked. If one leaves anything that is not a number, the state before it is restored, exactly, and
-    /// the fault is kept until the state is set anew.
+    /// Every step is checked. If one leaves anything that is not a number, or the [`Guard`] finds it unstable, the state before
+    /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help
+    /// either, the fault is kept until the state is set anew.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let mut taken = 0;
-        while taken < steps && self.fault.is_none() && (taken == 0 || more()) {
-            let batch = BATCH.min(steps - taken);
-            taken += self.batch(batch);
+        if self.scene.guard && self.guard.is_new() {
+            self.guard.begin(self.energies());
+        }
+        while taken < steps && self.fault.is_none() && (taken == 0 || taken % BATCH != 0 || more()) {
+            taken += u64::from(self.take_step());
         }
         taken
     }
 
-    fn batch(&mut self, steps: u64) -> u64 {
+    /// Takes a step if it can be taken; a fault otherwise. Returns whether it was taken.
+    fn take_step(&mut self) -> bool {
+        if self.stale || self.state.steps.is_multiple_of(BATCH) {
+            self.set_checkpoint();
+        }
+        self.step();
+        if !self.is_sound() {
+            return self.retake();
+        }
+        // Going back relies on all steps since the checkpoint being of one length.
+        self.stale |= self.guard.calm_down();
+        true
+    }
+
+    fn set_checkpoint(&mut self) {
+        self.stale = false;
         self.checkpoint.clone_from(&self.state);
         self.booked.0 = self.scratch.counts;
         self.booked.1.clone_from(&self.scratch.costs);
-        for taken in 0..steps {
-            self.step();
-            if !self.state.is_finite() {
-                self.fail(taken);
-                return taken;
-            }
-        }
-        steps
     }
 
+    /// One step, in as many shorter ones as the guard wants.
     fn step(&mut self) {
-        let h = self.scene.step;
+        let parts = self.parts();
+        let h = self.scene.step / f64::from(parts);
+        for _ in 0..parts {
+            self.integrate(h);
+        }
+        self.scratch.counts.steps += 1;
+        self.scratch.counts.guarded += u64::from(parts > 1);
+        self.state.steps += 1;
+        self.state.time += self.scene.step;
+    }
+
+    fn integrate(&mut self, h: f64) {
         let mut work = std::mem::take(&mut self.scratch.work);
         let integrator = self.scene.integrator.kind();
         let counts = match (&self.scene.toy, integrator.scheme()) {
@@ -160,20 +197,93 @@ impl Simulation {
         };
         self.scratch.work = work;
         self.scratch.counts.add(&counts);
-        self.state.steps += 1;
-        self.state.time += h;
     }
 
-    /// Goes back to the last finite state: the same steps from the checkpoint give the same bits again.
-    fn fail(&mut self, good: u64) {
+    /// Whether the step just taken left numbers, and no energy from nowhere.
+    fn is_sound(&mut self) -> bool {
+        if !self.state.is_finite() {
+            return false;
+        }
+        if !self.scene.guard || self.scene.toy.is_some() || !self.guard.is_suspicious(self.kinetic_energy()) {
+            return true;
+        }
+        let after = self.energies();
+        let mut verdict = self.guard.judge(&self.scene, None, after);
+        if verdict == Verdict::Unknown {
+            self.go_back_to(self.state.steps - 1);
+            let before = self.energies();
+            self.step();
+            verdict = self.guard.judge(&self.scene, Some(before), after);
+        }
+        verdict == Verdict::Fine
+    }
+
+    /// Back to a step since the checkpoint: the same steps from there give the same bits again.
+    fn go_back_to(&mut self, step: u64) {
         self.state.clone_from(&self.checkpoint);
         self.scratch.counts = self.booked.0;
         self.scratch.costs.clone_from(&self.booked.1);
         self.scratch.work.forget();
-        for _ in 0..good {
+        while self.state.steps < step {
             self.step();
         }
-        self.fault = Some(Fault::find(&self.scene, &self.state, &self.checkpoint));
+    }
+
+    /// Goes back to the checkpoint after a step that failed, and comes back to it in shorter steps, as far as the guard may; a
+    /// fault, just before the step, if that does not help. Returns whether the step was taken.
+    ///
+    /// Where three lengths of the step agree on the energy that came, it did not come from nowhere: something in the scene
+    /// supplied it, such as a wall that begins inside a body.
+    fn retake(&mut self) -> bool {
+        let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
+        let began = self.checkpoint.steps;
+        let mut gains = vec![(failed, self.energies().total())];
+        while self.scene.guard && self.scene.toy.is_none() && self.guard.refine() {
+            self.go_back_to(began);
+            self.scratch.counts.retaken += failed - began;
+            self.booked.0 = self.scratch.counts;
+            let start = self.energies().total();
+            let mut sound = true;
+            while sound && self.state.steps < failed {
+                self.step();
+                sound = self.is_sound();
+            }
+            if sound {
+                self.guard.leave_room();
+                self.stale = true;
+                return true;
+            }
+            gains.push((self.state.steps, self.energies().total()));
+            if let [.., (a, x), (b, y), (c, z)] = gains[..]
+                && (a, b) == (b, c)
+                && (x - z).abs().max((y - z).abs()) < 0.2 * (z - start)
+            {
+                self.guard.accept(level, self.energies());
+                self.stale = true;
+                return true;
+            }
+        }
+        let earlier = self.checkpoint.clone();
+        self.guard.give_up(level);
+        self.go_back_to(failed - 1);
+        self.fault = Some(Fault::find(&self.scene, &self.state, &earlier, finite));
+        false
+    }
+
+    /// Energy of motion [J].
+    fn kinetic_energy(&self) -> f64 {
+        // Four sums side by side, as one would wait for itself.
+        let (mut sums, mut rest) = ([0.0; 4], 0.0);
+        let (v, mass) = (self.state.v.chunks_exact(4), self.scene.mass.chunks_exact(4));
+        for (v, mass) in v.remainder().iter().zip(mass.remainder()) {
+            rest += mass * v * v;
+        }
+        for (v, mass) in v.zip(mass) {
+            for lane in 0..4 {
+                sums[lane] += mass[lane] * v[lane] * v[lane];
+            }
+        }
+        0.5 * (sums[0] + sums[1] + sums[2] + sums[3] + rest)
     }
 
     /// Energies now [J].
@@ -183,8 +293,7 @@ impl Simulation {
             return Energies { kinetic, elastic: 0.0, potential };
         }
         let motion = self.scene.motion(&self.state, self.grab);
-        let speeds = motion.v.iter().zip(motion.mass);
-        let kinetic = 0.5 * speeds.map(|(v, mass)| mass * v * v).sum::<f64>();
+        let kinetic = self.kinetic_energy();
         let (elastic, other) = self.scene.effects.split_at(self.scene.element_count());
         let stored = |effects: &[std::sync::Arc<dyn Effect>]| effects.iter().map(|effect| effect.energy(motion)).sum();
         Energies { kinetic, elastic: stored(elastic), potential: stored(other) }
@@ -194,128 +303,5 @@ impl Simulation {
     pub fn inversion(&self) -> (f64, usize) {
         let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
         ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
-    }
-}
-
-impl Scratch {
-    fn fit(&mut self, scene: &Scene) {
-        self.work.forget();
-        self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
-        let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost {
-            name: effect.name(),
-            time: Duration::ZERO,
-            calls: 0,
-            elements: 0,
-        };
-        if !self.costs.iter().map(|cost| cost.name).eq(scene.effects.iter().map(|effect| effect.name())) {
-            self.costs = scene.effects.iter().map(cost).collect();
-        }
-    }
-}
-
-/// A scene as the integrator sees it.
-struct System<'a> {
-    scene: &'a Scene,
-    scratch: &'a mut Scratch,
-    grab: Option<Grab>,
-}
-
-impl Scratch {
-    /// Runs one effect and books its time and, if it is a call of its own, its elements.
-    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
-        let start = self.timed.then(Instant::now);
-        let result = run(&mut self.effects);
-        let cost = &mut self.costs[number];
-        if let Some(start) = start {
-            cost.time += start.elapsed();
-        }
-        if let Some(elements) = elements {
-            cost.calls += 1;
-            cost.elements += elements as u64;
-        }
-        result
-    }
-}
-
-impl System<'_> {
-    fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
-        let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
-        Motion { x, v, mass, inverse_mass, grab: self.grab }
-    }
-}
-
-impl Dynamics for System<'_> {
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
-        let scene = self.scene;
-        let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
-        self.scratch.counts.force_evaluations += 1;
-        force.fill(0.0);
-        for (number, effect) in scene.effects.iter().enumerate().filter(|(_, effect)| !effect.constrains()) {
-            let size = effect.scratch();
-            let elements = Some(effect.elements(motion));
-            self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
-        }
-    }
-
-    fn mass(&self) -> &[f64] {
-        &self.scene.mass
-    }
-
-    fn inverse_mass(&self) -> &[f64] {
-        &self.scene.inverse_mass
-    }
-
-    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
-        let motion = self.motion(x, v);
-        for effect in &self.scene.effects {
-            effect.stiffness_times(motion, d, product);
-        }
-    }
-
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        for effect in &self.scene.effects {
-            effect.couples(add);
-        }
-    }
-
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
-        let motion = self.motion(x, v);
-        for effect in &self.scene.effects {
-            effect.add_stiffness(motion, weights, matrix);
-        }
-    }
-
-    fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
-        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
-            let touched =
-                self.scratch.booked(number, None, |_| effect.constrain_velocity(x, v, &self.scene.inverse_mass));
-            self.scratch.counts.constrained += touched as u64;
-        }
-    }
-
-    fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
-        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
-            let scene = self.scene;
-            let elements =
-                effect.elements(Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab });
-            let touched =
-                self.scratch.booked(number, Some(elements), |_| effect.constrain_position(x, v, &scene.inverse_mass));
-            self.scratch.counts.constrained += touched as u64;
-        }
-    }
-}
-
-/// A toy as the integrator sees it; its rates count as forces.
-struct ToySystem<'a> {
-    toy: &'a dyn Toy,
-    counts: &'a mut Counts,
-}
-
-impl Ode for ToySystem<'_> {
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
-        self.counts.force_evaluations += 1;
-        if let &[a, b] = x {
-            rate.copy_from_slice(&self.toy.rate([a, b]));
-        }
     }
 }

@@ -36,6 +36,8 @@ pub struct Snapshot {
     pub start: Arc<Vec<f64>>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
+    /// Vertices that slide along a side, and the coordinate that is held (0 is x, 1 is y).
+    pub slides: Arc<Vec<(u32, usize)>>,
     /// The mouse spring, while it pulls.
     pub pull: Option<Pull>,
     /// What the triangles are coloured by.
@@ -62,6 +64,12 @@ pub struct Snapshot {
     pub side_by_side: bool,
     /// Whether any damping effect is switched on.
     pub damping: bool,
+    /// How many shorter steps the guard takes for one now.
+    pub parts: u32,
+    /// Steps that the guard had taken in shorter ones.
+    pub guarded: u64,
+    /// How far back time can be turned [s].
+    pub rewind_reach: f64,
     /// Why time stopped, if something went wrong.
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
@@ -151,6 +159,7 @@ impl Sandbox {
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
         snapshot.pins = Arc::clone(&scene.pins);
+        snapshot.slides = Arc::clone(&scene.slides);
         snapshot.toy = self.toy();
         snapshot.positions.clear();
         if snapshot.toy.is_none() {
@@ -177,7 +186,9 @@ impl Sandbox {
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.damping = self.damping();
+        snapshot.rewind_reach = self.rewind_reach();
         snapshot.fault = simulation.fault().cloned();
+        (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
         snapshot.messages.clone_from(&scene.messages);
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }

@@ -13,6 +13,7 @@ use gingerbread::{
     simulation::Simulation,
     solvers::{BlockMatrix, Weights},
     state::State,
+    toys::ToyKind,
 };
 use nalgebra::Matrix2;
 
@@ -78,6 +79,15 @@ impl Ode for Circle {
     }
 }
 
+/// A toy as a system of rates.
+struct Rate<'a>(&'a ToyKind);
+
+impl Ode for Rate<'_> {
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+        rate.copy_from_slice(&self.0.kind().rate([x[0], x[1]]));
+    }
+}
+
 fn named(name: &str) -> IntegratorKind {
     IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
 }
@@ -139,7 +149,11 @@ fn an_oscillation_grows_by_the_factor_of_the_scheme_in_every_step() {
 #[test]
 fn the_circle_is_left_at_the_same_rates_by_schemes_that_need_rates_alone() {
     let z = 0.1_f64;
-    let growth = [("ForwardEuler", (1.0 + z * z).sqrt()), ("Heun", (1.0 + z.powi(4) / 4.0).sqrt())];
+    let growth = [
+        ("ForwardEuler", (1.0 + z * z).sqrt()),
+        ("Heun", (1.0 + z.powi(4) / 4.0).sqrt()),
+        ("RungeKutta4", (1.0 - z.powi(6) / 72.0 + z.powi(8) / 576.0).sqrt()),
+    ];
     for (name, growth) in growth {
         let (kind, mut work) = (named(name), Work::default());
         let Scheme::First(scheme) = kind.kind().scheme() else { panic!("{name} should serve any system") };
@@ -237,6 +251,117 @@ fn the_declared_order_is_the_measured_one_on_a_free_sheet() {
             difference.sum::<f64>().sqrt()
         });
     }
+}
+
+/// `theta'' = -(g/L) sin theta` with g = L, as a point whose x is the angle.
+struct Pendulum;
+
+impl Dynamics for Pendulum {
+    fn force(&mut self, x: &[f64], _: &[f64], force: &mut [f64]) {
+        force.copy_from_slice(&[-libm::sin(x[0]), 0.0]);
+    }
+
+    fn mass(&self) -> &[f64] {
+        &[1.0; 2]
+    }
+
+    fn inverse_mass(&self) -> &[f64] {
+        &[1.0; 2]
+    }
+
+    fn stiffness_times(&mut self, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
+        product[0] += libm::cos(x[0]) * d[0];
+    }
+
+    fn couples(&self, _: &mut dyn FnMut(u32, u32)) {}
+
+    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+        matrix.diagonal(0, &(Matrix2::new(libm::cos(x[0]), 0.0, 0.0, 0.0) * weights.position));
+    }
+}
+
+/// Against the exact angle in Jacobi's elliptic functions, as the toy knows it.
+#[test]
+fn the_declared_order_is_the_measured_one_on_the_exact_pendulum() {
+    let text = "(name: \"p\", integrator: Heun(), toy: Pendulum(length: 1, gravity: 1, start: 90))";
+    let toy = files::parse(text, "pendulum").unwrap().toy.unwrap();
+    let time = 3.0;
+    let start = toy.kind().exact(0.0);
+    let exact = toy.kind().exact(time)[0];
+    for kind in IntegratorKind::all().into_iter().map(without_control) {
+        let first = [0, 800, 150, 150, 40, 14][kind.kind().order() as usize];
+        assert_order(&kind, "pendulum,", |refine| {
+            let mut state = State { x: vec![start[0], 0.0], v: vec![start[1], 0.0], ..State::default() };
+            let mut work = Work::default();
+            let steps = first * refine;
+            for _ in 0..steps {
+                kind.kind().step(&mut Pendulum, &mut state, &mut work, time / steps as f64);
+            }
+            (state.x[0] - exact).abs()
+        });
+        let Scheme::First(scheme) = kind.kind().scheme() else { continue };
+        assert_order(&kind, "pendulum as a toy,", |refine| {
+            let mut state = State { x: start.to_vec(), ..State::default() };
+            let mut work = Work::default();
+            let steps = first * refine;
+            for _ in 0..steps {
+                scheme.step(&mut Rate(&toy), &mut state, &mut work, time / steps as f64);
+            }
+            (state.x[0] - exact).abs()
+        });
+    }
+}
+
+/// T/T0 = 2 K(sin(theta0/2))/pi from tables. After the period the angle is back and at rest; a period that were wrong by dT
+/// would leave it turning at (g/L) sin(theta0) dT.
+#[test]
+fn dormand_prince_swings_as_long_as_the_elliptic_integral_says() {
+    for (degrees, ratio) in [(10, 1.001_907_19), (45, 1.039_973_4), (90, 1.180_340_60), (120, 1.372_880_5)] {
+        let text = format!("(name: \"p\", integrator: Heun(), toy: Pendulum(length: 1, gravity: 1, start: {degrees}))");
+        let toy = files::parse(&text, "pendulum").unwrap().toy.unwrap();
+        let kind = dormand_prince(1e-10);
+        let Scheme::First(scheme) = kind.kind().scheme() else { panic!("it needs rates alone") };
+        let (mut state, mut work) = (State { x: toy.kind().exact(0.0).to_vec(), ..State::default() }, Work::default());
+        let (start, period) = (state.x[0], 2.0 * std::f64::consts::PI * ratio);
+        for _ in 0..40 {
+            scheme.step(&mut Rate(&toy), &mut state, &mut work, period / 40.0);
+        }
+        let wrong = state.x[1] / (libm::sin(start) * period);
+        assert!(wrong.abs() < 1e-7 && (state.x[0] - start).abs() < 1e-8, "{degrees}: {wrong:e}");
+    }
+}
+
+/// Where a level ends after a time, with steps of one length.
+fn end(level: &Level, kind: &IntegratorKind, time: f64, steps: u64) -> Vec<f64> {
+    let level = Level { integrator: kind.clone(), ..level.clone() };
+    let mut simulation = built(&level, time / steps as f64);
+    advance(&mut simulation, steps);
+    simulation.state().x.clone()
+}
+
+/// The order of every scheme at the end of a time, against a far finer run.
+fn assert_orders(what: &str, level: &Level, time: f64, first: [u64; 6], finest: u64) {
+    let exact = end(level, &without_control(named("DormandPrince")), time, finest);
+    for kind in IntegratorKind::all().into_iter().map(without_control) {
+        assert_order(&kind, what, |refine| {
+            let steps = first[kind.kind().order() as usize] * refine;
+            let difference = end(level, &kind, time, steps).into_iter().zip(&exact).map(|(a, b)| (a - b) * (a - b));
+            difference.sum::<f64>().sqrt()
+        });
+    }
+}
+
+#[test]
+fn the_declared_order_is_the_measured_one_on_the_chain() {
+    let text = gingerbread::levels::built_in("chain").unwrap();
+    assert_orders("chain,", &files::parse(text, "chain").unwrap(), 1.0, [0, 3000, 600, 600, 150, 80], 6000);
+}
+
+#[test]
+fn the_declared_order_is_the_measured_one_on_a_free_gingerbread_man() {
+    let text =
+        gingerbread::levels::built_in("gingerbread_pulled").unwrap().replace("resolution: 2000", "resolution: 100");
+    assert_orders("gingerbread,", &files::parse(&text, "man").unwrap(), 0.1, [0, 400, 100, 100, 60, 20], 1000);
 }
 
 fn dormand_prince(tolerance: f64) -> IntegratorKind {

@@ -93,7 +93,8 @@ fn springs_and_mass_change_while_time_runs_and_one_drag_of_a_slider_is_one_undo(
 
 #[test]
 fn a_level_without_triangles_has_none_inside_out_and_a_fault_can_be_told() {
-    let text = "(name: \"\", substeps: 1, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2,
+    let text =
+        "(name: \"\", substeps: 1, guard: Off, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2,
         stiffness: 1e6, rest: 0.4), mass: 1)])";
     let mut sandbox = sandbox(text);
     let now = seen(&sandbox);

@@ -242,7 +242,7 @@ fn saving_reading_back_and_going_on_equals_never_having_stopped() {
 
 #[test]
 fn a_spring_that_is_too_stiff_for_the_step_is_named() {
-    let text = "(name: \"\", substeps: 1, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2, stiffness: 1e6, rest: 0.4), mass: 1)])";
+    let text = "(name: \"\", substeps: 1, guard: Off, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2, stiffness: 1e6, rest: 0.4), mass: 1)])";
     let mut simulation = simulation(&level(text));
     simulation.advance(100_000, &mut || true);
     let fault = simulation.fault().unwrap().to_string();

@@ -132,9 +132,9 @@ fn a_step_just_below_the_stability_limit_holds_and_one_just_above_blows_up() {
     for model in models() {
         for effects in ["", "effects: [(effect: Rayleigh(mass: 2, stiffness: 0.01))]"] {
             let growth = |share: f64, steps: u64| {
-                let mut simulation = simulation(&sheet(model, "", effects));
+                let mut simulation = simulation(&sheet(model, "", &format!("guard: Off, {effects}")));
                 let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
-                let mut level = sheet(model, "", effects);
+                let mut level = sheet(model, "", &format!("guard: Off, {effects}"));
                 level.substeps = gingerbread::level::Substeps::new(1).unwrap();
                 simulation = with_step(&level, share * limit);
                 let mut random = Random(5);
@@ -176,7 +176,7 @@ fn with_step(level: &Level, step: f64) -> Simulation {
 
 #[test]
 fn a_step_that_blows_up_stops_on_the_last_finite_state_and_says_why() {
-    let text = "substeps: 1";
+    let text = "substeps: 1, guard: Off";
     for model in models() {
         let mut simulation = simulation(&sheet(model, "stretch: (1.3, 1)", text));
         let taken = simulation.advance(1_000_000, &mut || true);
@@ -194,7 +194,7 @@ fn a_step_that_blows_up_stops_on_the_last_finite_state_and_says_why() {
 
 #[test]
 fn a_crushed_neo_hookean_triangle_is_named() {
-    let mut simulation = simulation(&sheet("NeoHookean", "", ""));
+    let mut simulation = simulation(&sheet("NeoHookean", "", "guard: Off"));
     let mut state = simulation.state().clone();
     // Vertex 12 is in the middle; it is shot through the body.
     state.v[24] = 2000.0;

@@ -95,12 +95,21 @@ const fn binding(
     Binding { label, words, when, shortcuts, repeats: false, act }
 }
 
+/// How far a press turns time back [s]. A held key repeats about 30 times a second.
+const BACK: f64 = 0.05;
+
 /// Everything keys and mouse do.
 pub static TABLE: &[Binding] = &[
     binding("Click", "pin or free the vertex nearest to the cursor", When::Edit, &[], |_| Act::Mouse),
     binding("R", "remove all pins", When::Edit, &[key(Key::R)], |_| Act::Do(Command::ClearPins)),
     binding("Drag", "pull a vertex", When::Moving, &[], |_| Act::Mouse),
     binding("R", "start over: positions and velocities", When::Moving, &[key(Key::R)], |_| Act::Do(Command::Reset)),
+    Binding {
+        repeats: true,
+        ..binding("Backspace", "turn time back; hold for more", When::Moving, &[key(Key::Backspace)], |_| {
+            Act::Do(Command::Rewind(BACK))
+        })
+    },
     binding("Space", "run or pause", When::Always, &[key(Key::Space)], |now| {
         Act::Do(Command::SetRunning(now.mode == Mode::Edit || !now.running))
     }),

@@ -71,10 +71,7 @@ impl Effect for Edges {
         let mut touched = 0;
         for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
         {
-            if inverse_mass[0] == 0.0 {
-                continue;
-            }
-            for axis in 0..2 {
+            for axis in (0..2).filter(|axis| inverse_mass[*axis] != 0.0) {
                 if x[axis] <= self.least[axis] {
                     x[axis] = self.least[axis];
                     v[axis] = v[axis].max(0.0);

@@ -66,7 +66,8 @@ pub trait Obstacle: Send + Sync {
         for ((x, v), inverse_mass) in x.chunks_exact(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2)) {
             let Some(Contact { normal: [nx, ny], .. }) = self.contact([x[0], x[1]]) else { continue };
             let inwards = v[0] * nx + v[1] * ny;
-            if inwards < 0.0 && inverse_mass[0] > 0.0 {
+            let [nx, ny] = movable([nx, ny], inverse_mass);
+            if inwards < 0.0 && (nx, ny) != (0.0, 0.0) {
                 v[0] -= inwards * nx;
                 v[1] -= inwards * ny;
                 touched += 1;
@@ -82,8 +83,9 @@ pub trait Obstacle: Send + Sync {
         for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
         {
             let Some(Contact { distance, normal: [nx, ny] }) = self.contact([x[0], x[1]]) else { continue };
-            if distance < 0.0 && inverse_mass[0] > 0.0 {
-                let inwards = (v[0] * nx + v[1] * ny).min(0.0);
+            let inwards = (v[0] * nx + v[1] * ny).min(0.0);
+            let [nx, ny] = movable([nx, ny], inverse_mass);
+            if distance < 0.0 && (nx, ny) != (0.0, 0.0) {
                 x[0] -= distance * nx;
                 x[1] -= distance * ny;
                 v[0] -= inwards * nx;
@@ -93,4 +95,9 @@ pub trait Obstacle: Send + Sync {
         }
         touched
     }
+}
+
+/// A push without the coordinates that are held.
+fn movable(push: [f64; 2], inverse_mass: &[f64]) -> [f64; 2] {
+    [0, 1].map(|axis| if inverse_mass[axis] == 0.0 { 0.0 } else { push[axis] })
 }

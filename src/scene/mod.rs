@@ -9,7 +9,7 @@ use crate::{
     effects::{Effect, Motion},
     elements::{Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
-    level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Switch, When},
+    level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Side, Switch, When},
     materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     quantity::Point,
@@ -33,10 +33,12 @@ pub struct Scene {
     pub start: State,
     /// Mass [kg], two equal numbers a vertex.
     pub mass: Vec<f64>,
-    /// 1/mass [1/kg], zero where pinned, two equal numbers a vertex.
+    /// 1/mass [1/kg], two numbers a vertex; zero where pinned, and across a side on which a vertex slides.
     pub inverse_mass: Vec<f64>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
+    /// Vertices that slide along a side of their body, and the coordinate that is held (0 is x, 1 is y).
+    pub slides: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Everything that acts, elasticity first.
@@ -45,6 +47,8 @@ pub struct Scene {
     pub integrator: IntegratorKind,
     /// Length of a step [s].
     pub step: f64,
+    /// Whether an unstable step is taken again in shorter ones.
+    pub guard: bool,
     /// What was repaired while building, and other things worth knowing.
     pub messages: Vec<String>,
 }
@@ -152,10 +156,12 @@ impl Scene {
             mass: Vec::new(),
             inverse_mass: Vec::new(),
             pins: Arc::default(),
+            slides: Arc::default(),
             triangles: Arc::default(),
             effects: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
+            guard: level.guard == Switch::On,
             messages: Vec::new(),
         };
         for body in &level.bodies {
@@ -243,11 +249,13 @@ impl Scene {
         let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), corners, stuff));
         let masses = lumped(level.mass, &elements);
         let pins = pinned(&level.pins, rest)?;
+        let slides: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
         let start = stretched(level, rest);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
+        Arc::make_mut(&mut self.slides).extend(slides.iter().map(|(slide, axis)| (slide + first as u32, *axis)));
         let (least, greatest) = extent(rest, 1);
         let top = on_edge(rest, 1, true).map(|i| i + first as u32).collect();
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
@@ -259,11 +267,11 @@ impl Scene {
 
     fn finish_masses(&mut self) {
         self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
-        for &pin in self.pins.iter() {
-            for number in [2 * pin as usize, 2 * pin as usize + 1] {
-                self.inverse_mass[number] = 0.0;
-                self.start.v[number] = 0.0;
-            }
+        let pinned = self.pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
+        for (vertex, axis) in pinned.chain(self.slides.iter().copied()) {
+            let number = 2 * vertex as usize + axis;
+            self.inverse_mass[number] = 0.0;
+            self.start.v[number] = 0.0;
         }
     }
 
@@ -375,6 +383,12 @@ fn pinned(pins: &[Pin], rest: &[f64]) -> Result<Vec<u32>, String> {
     pinned.sort_unstable();
     pinned.dedup();
     Ok(pinned)
+}
+
+/// The vertices on a side, and the coordinate that holds them there.
+fn sliding(side: Side, rest: &[f64]) -> impl Iterator<Item = (u32, usize)> {
+    let (axis, greatest) = side.across();
+    on_edge(rest, axis, greatest).map(move |vertex| (vertex, axis))
 }
 
 /// The vertices at the least or greatest coordinate along an axis, to round-off.

@@ -1,37 +1,103 @@
-//! Closed forms: trials whose solution is known.
+//! Closed forms: scenes whose solution is known.
 
-use super::trial::Trial;
-use crate::{effects::Motion, state::State};
+use super::{strip, trial::Trial};
+use crate::{
+    effects::{Grab, Motion},
+    scene::Scene,
+    state::State,
+    toys::ToyKind,
+};
 
-/// The closed form of a trial in words, and the positions at the end of every frame.
-pub(super) fn solution(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
-    toy(trial).or_else(|| oscillator(trial)).or_else(|| free_fall(trial))
+/// A closed form of a scene from a moment on.
+#[derive(Clone)]
+pub struct ClosedForm {
+    /// What it is, in words.
+    pub words: String,
+    /// Positions that motion is measured from, for relative errors [m].
+    pub(super) origin: Vec<f64>,
+    path: Path,
 }
 
-/// Whether only these effects and elements act, and nothing is pulled.
-fn only(trial: &Trial, names: &[&str]) -> bool {
+#[derive(Clone)]
+enum Path {
+    /// A toy's own solution, from time 0.
+    Toy(ToyKind),
+    /// `place + u (rest + swing cos wt + way sin wt)` of one particle, all others still; u is a unit vector.
+    Oscillator { since: f64, free: usize, place: [f64; 2], u: [f64; 2], rest: f64, swing: f64, way: f64, omega: f64 },
+    /// `x0 + v t + g t²/2`.
+    FreeFall { since: f64, v: [f64; 2], g: [f64; 2] },
+    /// Where everything comes to rest.
+    Rest(Vec<f64>),
+}
+
+impl ClosedForm {
+    /// The closed form of a trial, if it has one.
+    pub(super) fn of_trial(trial: &Trial) -> Option<Self> {
+        let start = State { memory: Vec::new(), ..trial.start.clone() };
+        let toy = toy(&trial.scene).filter(|_| start == trial.scene.start);
+        toy.or_else(|| motion(&trial.scene, &start, trial.grab))
+    }
+
+    /// What the error of a running scene is measured against, if that is known: a toy's exact motion since its start, a motion
+    /// from this moment on, or the shape that a strip comes to rest in.
+    pub fn of_running(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<Self> {
+        let rest = || {
+            let (words, x) = strip::at_rest(scene, state).filter(|_| grab.is_none())?;
+            Some(Self { words, origin: scene.rest.clone(), path: Path::Rest(x) })
+        };
+        toy(scene).or_else(|| motion(scene, state, grab)).or_else(rest)
+    }
+
+    /// Positions at a simulated time [m].
+    pub fn positions(&self, time: f64) -> Vec<f64> {
+        match &self.path {
+            Path::Toy(toy) => toy.kind().exact(time).to_vec(),
+            &Path::Oscillator { since, free, place, u, rest, swing, way, omega } => {
+                let (sine, cosine) = libm::sincos(omega * (time - since));
+                let s = rest + swing * cosine + way * sine;
+                let mut x = self.origin.clone();
+                (x[free], x[free + 1]) = (place[0] + s * u[0], place[1] + s * u[1]);
+                x
+            }
+            Path::FreeFall { since, v, g } => {
+                let t = time - since;
+                let moved = [0, 1].map(|axis| v[axis] * t + 0.5 * g[axis] * t * t);
+                self.origin.iter().zip(moved.iter().cycle()).map(|(x, moved)| x + moved).collect()
+            }
+            Path::Rest(x) => x.clone(),
+        }
+    }
+}
+
+/// Whether only these effects and elements act.
+pub(super) fn only(scene: &Scene, names: &[&str]) -> bool {
     // A mouse spring that pulls nothing does nothing.
     let known = |name: &str| name == "Mouse spring" || names.contains(&name);
-    trial.grab.is_none() && trial.scene.effects.iter().all(|effect| known(effect.name()))
+    scene.effects.iter().all(|effect| known(effect.name()))
 }
 
 /// A toy knows its own solution.
-fn toy(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
-    let toy = trial.scene.toy.as_ref()?.kind();
-    let start = State { memory: Vec::new(), ..trial.start.clone() };
-    let at = |frame: u32| toy.exact(f64::from(frame) / 60.0).to_vec();
-    (start == trial.scene.start).then(|| (toy.about(), (1..=trial.frames).map(at).collect()))
+fn toy(scene: &Scene) -> Option<ClosedForm> {
+    let toy = scene.toy.clone()?;
+    Some(ClosedForm { words: toy.kind().about().to_owned(), origin: scene.start.x.clone(), path: Path::Toy(toy) })
+}
+
+/// An oscillation or a free fall from this moment on.
+fn motion(scene: &Scene, start: &State, grab: Option<Grab>) -> Option<ClosedForm> {
+    if grab.is_some() || start.x.is_empty() || start.v.len() != start.x.len() {
+        return None;
+    }
+    oscillator(scene, start).or_else(|| free_fall(scene, start))
 }
 
 /// One particle on one spring that moves along it: `s = s_e + (s0 - s_e) cos wt + v0/w sin wt`, with `w² = k/m` and
 /// `s_e = r + m g/k`, as long as it never reaches the other end.
-fn oscillator(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
-    let (scene, start) = (&trial.scene, &trial.start);
+fn oscillator(scene: &Scene, start: &State) -> Option<ClosedForm> {
     let [net] = scene.nets.as_slice() else { return None };
     let ([link], [pin], true) = (net.springs.links(), scene.pins.as_slice(), scene.bodies.is_empty()) else {
         return None;
     };
-    if start.x.len() != 4 || !only(trial, &["Springs", "Gravity"]) {
+    if start.x.len() != 4 || !only(scene, &["Springs", "Gravity"]) {
         return None;
     }
     let (fixed, free) = (2 * *pin as usize, 2 - 2 * *pin as usize);
@@ -40,53 +106,43 @@ fn oscillator(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
     let u = [d[0] / s0, d[1] / s0];
     let along = |a: &[f64]| a[0] * u[0] + a[1] * u[1];
     let across = |a: &[f64]| (a[0] * u[1] - a[1] * u[0]).abs();
-    let (a, v) = (acceleration(trial), &start.v[free..free + 2]);
+    let (a, v) = (acceleration(scene, start), &start.v[free..free + 2]);
     let straight = across(&a[free..]) <= 1e-12 * along(&a[free..]).abs() && across(v) <= 1e-12 * along(v).abs();
     let square = link.stiffness * scene.inverse_mass[free];
     // a = -w² (s0 - s_e), so the place of rest follows from the acceleration at the start.
     let (omega, swing) = (square.sqrt(), -along(&a[free..]) / square);
-    let (rest, speed) = (s0 - swing, along(v) / omega);
-    if !straight || square <= 0.0 || rest <= (swing * swing + speed * speed).sqrt() {
+    let (rest, way) = (s0 - swing, along(v) / omega);
+    if !straight || square <= 0.0 || rest <= (swing * swing + way * way).sqrt() {
         return None;
     }
-    let at = |frame: u32| {
-        let (sine, cosine) = libm::sincos(omega * f64::from(frame) / 60.0);
-        let s = rest + swing * cosine + speed * sine;
-        let mut x = start.x.clone();
-        (x[free], x[free + 1]) = (x[fixed] + s * u[0], x[fixed + 1] + s * u[1]);
-        x
-    };
-    Some(("harmonic oscillator, s_e + (s0 - s_e) cos wt + v0/w sin wt", (1..=trial.frames).map(at).collect()))
+    let place = [start.x[fixed], start.x[fixed + 1]];
+    let path = Path::Oscillator { since: start.time, free, place, u, rest, swing, way, omega };
+    let words = "harmonic oscillator, s_e + (s0 - s_e) cos wt + v0/w sin wt".to_owned();
+    Some(ClosedForm { words, origin: start.x.clone(), path })
 }
 
 /// A body without stress under gravity alone moves as one: `x = x0 + v t + g t²/2`.
-fn free_fall(trial: &Trial) -> Option<(&'static str, Vec<Vec<f64>>)> {
-    let (scene, start) = (&trial.scene, &trial.start);
-    if !only(trial, &["Elasticity", "Springs", "Gravity"]) || !scene.pins.is_empty() || start.v.len() != start.x.len() {
+fn free_fall(scene: &Scene, start: &State) -> Option<ClosedForm> {
+    if !only(scene, &["Elasticity", "Springs", "Gravity"]) || scene.inverse_mass.contains(&0.0) {
         return None;
     }
-    let acceleration = acceleration(trial);
-    let (g, v) = (acceleration.get(..2)?, start.v.get(..2)?);
-    let size = g.iter().chain(v).map(|value| value.abs()).fold(0.0, f64::max);
-    let uniform = |values: &[f64], first: &[f64]| {
+    let acceleration = acceleration(scene, start);
+    let (g, v) = ([acceleration[0], acceleration[1]], [start.v[0], start.v[1]]);
+    let size = g.iter().chain(&v).map(|value| value.abs()).fold(0.0, f64::max);
+    let uniform = |values: &[f64], first: [f64; 2]| {
         values.chunks_exact(2).flatten().zip(first.iter().cycle()).all(|(a, b)| (a - b).abs() <= 1e-11 * size)
     };
     if size == 0.0 || !uniform(&acceleration, g) || !uniform(&start.v, v) {
         return None;
     }
-    let place = |frame: u32| {
-        let t = f64::from(frame) / 60.0;
-        let moved = [0, 1].map(|axis| v[axis] * t + 0.5 * g[axis] * t * t);
-        start.x.iter().zip(moved.iter().cycle()).map(|(x, moved)| x + moved).collect()
-    };
-    Some(("free fall, x0 + v t + g t^2/2", (1..=trial.frames).map(place).collect()))
+    let path = Path::FreeFall { since: start.time, v, g };
+    Some(ClosedForm { words: "free fall, x0 + v t + g t^2/2".to_owned(), origin: start.x.clone(), path })
 }
 
-/// Force over mass at the start, flat [m/s²].
-fn acceleration(trial: &Trial) -> Vec<f64> {
-    let scene = &trial.scene;
-    let motion: Motion<'_> = scene.motion(&trial.start, trial.grab);
-    let mut force = vec![0.0; trial.start.x.len()];
+/// Force over mass, flat [m/s²].
+fn acceleration(scene: &Scene, start: &State) -> Vec<f64> {
+    let motion: Motion<'_> = scene.motion(start, None);
+    let mut force = vec![0.0; start.x.len()];
     for effect in &scene.effects {
         effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);
     }

@@ -43,7 +43,9 @@ const LOOK: Duration = Duration::from_micros(400);
 impl March {
     /// A march of so many frames from a state.
     pub fn new(scene: &Scene, start: &State, setting: &Setting, frames: u32) -> Self {
-        let scene = Scene { integrator: setting.integrator.clone(), step: setting.substeps.step(), ..scene.clone() };
+        // A study is about the setting as it is, and wants to see it blow up.
+        let (integrator, step) = (setting.integrator.clone(), setting.substeps.step());
+        let scene = Scene { integrator, step, guard: false, ..scene.clone() };
         // What another integrator remembers means nothing to this one.
         let start = State { memory: Vec::new(), ..start.clone() };
         let simulation = Simulation::new(scene, start);

@@ -21,6 +21,7 @@ mod reference;
 mod refine;
 mod setting;
 mod statics;
+mod strip;
 mod suggestion;
 mod sweep;
 mod trial;
@@ -28,6 +29,7 @@ mod twin;
 mod workers;
 
 pub use drift::{Drift, DriftRun, Invariant, Moment};
+pub use exact::ClosedForm;
 pub use export::{Origin, head, is_time_column};
 pub use locking::{Locking, LockingNumber};
 pub use measure::Measure;

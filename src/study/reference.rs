@@ -1,7 +1,7 @@
 //! What errors are measured against: an exact solution, or a run so fine that its own error does not matter.
 
 use super::{
-    Progress, Setting, StudyError, exact,
+    ClosedForm, Progress, Setting, StudyError,
     march::{Deadline, March},
     setting::limit,
     trial::{Deviation, Trial},
@@ -28,7 +28,7 @@ pub struct Reference {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A closed form, in words.
-    Exact(&'static str),
+    Exact(String),
     /// A fine run.
     Fine(Setting),
 }
@@ -106,8 +106,11 @@ const MOST_WORK: f64 = 5e8;
 impl ReferenceJob {
     /// Begins to look for a reference that is good for errors down to `smallest_error`.
     pub fn new(trial: &Trial, smallest_error: f64) -> Self {
-        let exact = exact::solution(trial)
-            .map(|(form, frames)| Ok(Reference { source: Source::Exact(form), own_error: 0.0, frames }));
+        let exact = ClosedForm::of_trial(trial).map(|form| {
+            let at = |frame: u32| form.positions(trial.start.time + f64::from(frame) / 60.0);
+            let frames = (1..=trial.frames).map(at).collect();
+            Ok(Reference { source: Source::Exact(form.words), own_error: 0.0, frames })
+        });
         let integrator = finest();
         let first = Substeps::nearest(2.0 * limit(&trial.scene, &trial.start));
         let [coarse, fine] = [first, first.doubled()].map(|substeps| Recorded::new(trial, &integrator, substeps));

@@ -1,7 +1,8 @@
-//! The error of a running simulation, now: a twin with a fine step runs beside it and is pulled along by the same mouse.
+//! The error of a running simulation, now: against a closed form where there is one; otherwise a twin with a fine step runs
+//! beside it and is pulled along by the same mouse.
 
-use super::{march::Deadline, reference::finest, setting::limit, trial::Deviation};
-use crate::{effects::Grab, integrators::IntegratorKind, scene::Scene, simulation::Simulation, state::State};
+use super::{ClosedForm, march::Deadline, reference::finest, setting::limit, trial::Deviation};
+use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 use web_time::Instant;
 
@@ -9,7 +10,11 @@ use web_time::Instant;
 ///
 /// For the first half second it checks itself: a second twin with half the step runs beside it. If the two differ by more
 /// than a hundredth of the live simulation's error, the twin halves its step and begins anew from the live state.
+///
+/// Where the live simulation has a [`ClosedForm`], the error is against that, and no twin runs.
 pub struct Twin {
+    /// What is known without computing.
+    exact: Option<ClosedForm>,
     fine: Simulation,
     /// The twin's twin with half the step, as long as it checks.
     finer: Option<Simulation>,
@@ -23,13 +28,35 @@ pub struct Twin {
     seen: u64,
     /// What the live simulation did that the twin has not done yet.
     legs: VecDeque<Leg>,
-    live: Deviation,
+    live: Tally,
     own: Deviation,
-    /// How often it was compared.
-    moments: f64,
-    error: Option<f64>,
     spent: Duration,
     simulated: f64,
+}
+
+/// What was found of the live simulation's error.
+#[derive(Default)]
+struct Tally {
+    /// Over all comparisons.
+    all: Deviation,
+    /// How many there were.
+    moments: f64,
+    /// At the last of them.
+    error: Option<f64>,
+    /// Its simulated time [s].
+    time: Option<f64>,
+}
+
+impl Tally {
+    /// Compares positions at a time [s] with what they should be; sizes are measured from an origin.
+    fn note(&mut self, x: &[f64], exact: &[f64], origin: &[f64], time: f64) {
+        let mut now = Deviation::default();
+        now.add(x, exact, origin);
+        self.all.add(x, exact, origin);
+        self.moments += 1.0;
+        self.error = Some(now.relative_to(self.all, self.moments));
+        self.time = Some(time);
+    }
 }
 
 /// Some steps of the live simulation during which nothing was changed from outside.
@@ -42,6 +69,8 @@ struct Leg {
     scene: Option<Box<Scene>>,
     /// Positions of the live simulation at its end.
     x: Vec<f64>,
+    /// Its time then [s].
+    time: f64,
 }
 
 /// How long a twin checks itself [s].
@@ -66,19 +95,19 @@ impl Twin {
 
     fn seeded(live: &Simulation, per_step: u64) -> Self {
         let start = State { memory: Vec::new(), ..live.state().clone() };
+        let exact = ClosedForm::of_running(live.scene(), &start, live.grab());
         let run = |per_step: u64| Simulation::new(finer_scene(live.scene(), per_step), start.clone());
         Self {
             fine: run(per_step),
-            finer: Some(run(2 * per_step)),
+            finer: exact.is_none().then(|| run(2 * per_step)),
+            exact,
             per_step,
             step: live.scene().step,
             seen: start.steps,
             start,
             legs: VecDeque::new(),
-            live: Deviation::default(),
+            live: Tally::default(),
             own: Deviation::default(),
-            moments: 0.0,
-            error: None,
             spent: Duration::ZERO,
             simulated: 0.0,
         }
@@ -90,7 +119,10 @@ impl Twin {
         let (state, scene) = (live.state(), live.scene());
         let known = self.legs.iter().rev().find_map(|leg| leg.scene.as_deref()).unwrap_or(self.fine.scene());
         let changed = self.step != scene.step || !same(known, scene);
-        if state.steps < self.seen || state.x.len() != self.start.x.len() || self.legs.len() > BEHIND {
+        let elsewhere = state.steps < self.seen || state.x.len() != self.start.x.len();
+        // A closed form knows of no mouse and no change.
+        let unforeseen = self.exact.is_some() && (changed || live.grab().is_some());
+        if elsewhere || unforeseen || self.legs.len() > BEHIND {
             self.seed(live);
             return;
         }
@@ -99,12 +131,18 @@ impl Twin {
         }
         let scene = changed.then(|| Box::new(scene.clone()));
         let steps = state.steps - self.seen;
-        self.legs.push_back(Leg { steps, taken: 0, grab: live.grab(), scene, x: state.x.clone() });
+        self.legs.push_back(Leg { steps, taken: 0, grab: live.grab(), scene, x: state.x.clone(), time: state.time });
         (self.seen, self.step) = (state.steps, live.scene().step);
     }
 
     /// Works for about `budget`; returns whether the twin has caught up.
     pub fn advance(&mut self, live: &Simulation, budget: Duration) -> bool {
+        if let Some(exact) = &self.exact {
+            for leg in self.legs.drain(..) {
+                self.live.note(&leg.x, &exact.positions(leg.time), &exact.origin, leg.time);
+            }
+            return true;
+        }
         let (begin, deadline) = (Instant::now(), Deadline::after(budget));
         while let Some(leg) = self.legs.front_mut() {
             if let Some(scene) = leg.scene.take() {
@@ -133,7 +171,7 @@ impl Twin {
                 break;
             }
             if let Some(leg) = self.legs.pop_front() {
-                self.compare(&leg.x, live);
+                self.compare(&leg, live);
             }
         }
         self.spent += begin.elapsed();
@@ -141,18 +179,14 @@ impl Twin {
     }
 
     /// Compares at the end of a leg.
-    fn compare(&mut self, x: &[f64], live: &Simulation) {
+    fn compare(&mut self, leg: &Leg, live: &Simulation) {
         let exact = &self.fine.state().x;
-        let mut now = Deviation::default();
-        now.add(x, exact, &self.start.x);
-        self.live.add(x, exact, &self.start.x);
-        self.moments += 1.0;
-        self.error = Some(now.relative_to(self.live, self.moments));
+        self.live.note(&leg.x, exact, &self.start.x, leg.time);
         let Some(finer) = &self.finer else { return };
         if finer.fault().is_none() {
             self.own.add(exact, &finer.state().x, &self.start.x);
         }
-        let (own, error) = (self.own.relative(), self.live.relative());
+        let (own, error) = (self.own.relative(), self.live.all.relative());
         if own > 0.01 * error && own > 1e-12 && self.per_step < MOST {
             self.refine(live);
         } else if self.fine.state().time - self.start.time >= CHECK {
@@ -166,11 +200,15 @@ impl Twin {
         self.seed(live);
     }
 
-    /// Relative RMS error of the live simulation's positions where the twin is now:
-    /// `sqrt(mean |x - x_ref|²)` over the root mean square of
-    /// `x_ref - x_start` so far. `None` before the first comparison.
+    /// Relative RMS error of the live simulation's positions at the last comparison: `sqrt(mean |x - x_ref|²)` over the root
+    /// mean square of `x_ref - x_start` so far. `None` before the first comparison.
     pub const fn error(&self) -> Option<f64> {
-        self.error
+        self.live.error
+    }
+
+    /// The closed form that the error is against, if there is one.
+    pub const fn exact(&self) -> Option<&ClosedForm> {
+        self.exact.as_ref()
     }
 
     /// How large the twin's own error is, by the same measure, over the time it was checked.
@@ -183,14 +221,9 @@ impl Twin {
         self.finer.is_some()
     }
 
-    /// How the twin is stepped: the scheme, and the length of its step [s].
-    pub const fn setting(&self) -> (&IntegratorKind, f64) {
-        (&self.fine.scene().integrator, self.fine.scene().step)
-    }
-
     /// Time since it began that the error is about [s].
     pub fn age(&self) -> f64 {
-        self.fine.state().time - self.start.time
+        self.live.time.map_or(0.0, |time| time - self.start.time)
     }
 
     /// Time the twin has taken altogether.
@@ -205,7 +238,7 @@ impl Twin {
 }
 
 fn finer_scene(live: &Scene, per_step: u64) -> Scene {
-    Scene { integrator: finest(), step: live.step / per_step as f64, ..live.clone() }
+    Scene { integrator: finest(), step: live.step / per_step as f64, guard: false, ..live.clone() }
 }
 
 /// Whether two scenes act alike: the same effects on the same masses. How they are stepped may differ.

@@ -27,6 +27,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("D", _) => assert_ne!(now.damping, before.damping, "{what}"),
         ("Space", Mode::Edit) => assert!(now.running && now.mode == before.level.mode.into(), "{what}"),
         ("Space", _) => assert_eq!(now.running, !before.running, "{what}"),
+        ("Backspace", _) => assert!(now.time < before.time && !now.running, "{what}"),
         ("Up", _) => assert_eq!(now.pose, Some(Pose::Stretched), "{what}"),
         ("Down", _) => assert_eq!(now.pose, Some(Pose::Compressed), "{what}"),
         ("?", _) => assert!(window.query_by_label("Keys and mouse").is_some(), "{what}"),

@@ -17,7 +17,7 @@ use super::{
         night::{self, Snow},
         picked::Picked,
         pins::Pins,
-        strip_numbers,
+        slides, strip_numbers,
         toy::Trail,
     },
     theme::Theme,
@@ -146,6 +146,7 @@ impl Canvas {
         self.front.clear(painter.pixels_per_point());
         let free = pointer.filter(|_| self.hold.vertex().is_none());
         self.picked.draw(&mut self.front, view, points, free);
+        slides::slides(&mut self.front, view, snapshot, points);
         self.pins.draw(&mut self.front, view, points, now);
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, *points.get(pull.vertex)?)));
         if let Some((pull, from)) = pull {

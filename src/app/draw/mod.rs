@@ -13,6 +13,7 @@ pub mod night;
 pub mod picked;
 pub mod pins;
 mod roof;
+pub mod slides;
 pub mod strip_numbers;
 pub mod toy;
 

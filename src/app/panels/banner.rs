@@ -1,7 +1,13 @@
 //! What went wrong, over the stage, with buttons that mend it.
 
 use super::{Notice, View};
-use crate::{app::theme::Theme, command::Command, fault::Cause, level::Substeps, snapshot::Snapshot};
+use crate::{
+    app::{numbers, theme::Theme},
+    command::Command,
+    fault::Cause,
+    level::Substeps,
+    snapshot::Snapshot,
+};
 use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Key, Order, Rect, RichText, Stroke, Ui, vec2};
 
 pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
@@ -47,6 +53,13 @@ fn card(ui: &mut Ui, width: f32, color: Color32, title: &str, text: &str, button
 
 /// What helps against a fault.
 fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    let reach = now.rewind_reach.min(1.0);
+    if reach > 0.0 {
+        let help = "Turns time back to before it went wrong, and pauses: change something, then go on. [Backspace]";
+        if ui.button(format!("Back {}", numbers::si(reach, "s"))).on_hover_text(help).clicked() {
+            commands.push(Command::Rewind(reach));
+        }
+    }
     if ui.button("Reset").on_hover_text("Positions and velocities go back to the start. [R]").clicked() {
         commands.push(Command::Reset);
     }

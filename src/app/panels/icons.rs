@@ -12,6 +12,8 @@ pub enum Icon {
     Pause,
     /// One step.
     Step,
+    /// Turn time back.
+    Back,
     /// Start over.
     Reset,
     /// Take back.
@@ -47,6 +49,11 @@ impl Icon {
             Self::Step => {
                 fill(painter, vec![p(-6.0, -5.5), p(2.5, 0.0), p(-6.0, 5.5)], color);
                 fill(painter, vec![p(3.5, -5.5), p(6.0, -5.5), p(6.0, 5.5), p(3.5, 5.5)], color);
+            }
+            Self::Back => {
+                for x in [-6.0, 0.5] {
+                    fill(painter, vec![p(x, 0.0), p(x + 5.5, -5.5), p(x + 5.5, 5.5)], color);
+                }
             }
             Self::Reset => {
                 arc(painter, at, 5.5, -0.15 * PI, 1.35 * PI, stroke);

@@ -195,6 +195,8 @@ fn drawer(ui: &Ui, stage: Rect, which: Side, desk: &Desk<'_>, view: &mut View, c
 fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let salt = if side == Side::Left { "left scroll" } else { "right scroll" };
     ScrollArea::vertical().id_salt(salt).auto_shrink([false, true]).show(ui, |ui| {
+        // The bar of the scroll area lies over the panel: it must not cover the last digit.
+        ui.set_max_width(ui.available_width() - 8.0);
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
         if side == Side::Left {

@@ -1,10 +1,11 @@
 //! How time is stepped: the scheme, and how far its step is from what it can bear.
 
-use super::{Desk, View, fixed, heading, row, settle, slider};
+use super::{Desk, View, count, fixed, heading, row, settle, slider};
 use crate::{
     app::{lab::Wish, numbers, theme::Theme},
     command::Command,
     integrators::{Class, IntegratorKind, Scheme},
+    level::Switch,
 };
 use eframe::egui::{Color32, ComboBox, Rect, RichText, Sense, Ui, vec2};
 
@@ -13,6 +14,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     choose(ui, desk, commands);
     parameters(ui, desk, view, commands);
     gauge(ui, desk);
+    guard(ui, desk, commands);
     error_now(ui, desk, view);
 }
 
@@ -64,7 +66,7 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
         (Class::Explicit, None) => ("Nothing here is stiff enough to limit the step.".to_owned(), None),
         (Class::Explicit, Some(limit)) => {
             let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;
-            (verdict(step, limit), Some(step / limit))
+            (verdict(step, limit, desk.now.level.guard), Some(step / limit))
         }
     };
     if let Some(share) = share {
@@ -81,9 +83,34 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
     ui.label(RichText::new(words).small()).on_hover_text(help);
 }
 
-fn verdict(step: f64, limit: f64) -> String {
+/// Whether the guard may take shorter steps, and how many it takes now.
+fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
+    let now = desk.now;
+    if now.toy.is_some() {
+        return;
+    }
+    let help = "Takes a step again in up to 64 shorter ones when it would blow up: when energy comes from nowhere, or \
+                something is no number any more. Switch it off to see the explosion.";
+    let mut on = now.level.guard == Switch::On;
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
+            commands.extend([Command::SetGuard(if on { Switch::On } else { Switch::Off }), Command::EndGesture]);
+        }
+        let words = match (on && now.guarded > 0, now.parts) {
+            (false, _) => return,
+            (true, 1) => format!("{} steps were taken in shorter ones", count(now.guarded as usize)),
+            (true, parts) => format!("takes {parts} steps for one; {} so far", count(now.guarded as usize)),
+        };
+        let color = if now.parts > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
+    });
+}
+
+fn verdict(step: f64, limit: f64, guard: Switch) -> String {
     if limit <= 0.0 {
         "Vibrations grow at every step, however short; damping or a short run hides it.".to_owned()
+    } else if step > limit && guard == Switch::On {
+        format!("Stable up to {}; at this step the guard has to help.", numbers::si(limit, "s"))
     } else if step > limit {
         format!("Stable up to {}; at this step it will blow up.", numbers::si(limit, "s"))
     } else {
@@ -105,14 +132,18 @@ fn bar(ui: &mut Ui, share: f64, color: Color32) {
 /// A twin with a fine step, and how far the scene is from it.
 fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let mut on = desk.lab.twin().is_some();
-    let help = "Runs the same scene once more with a far finer step, pulled by the same mouse, and compares positions: \
-                sqrt(mean |x − x_ref|²) over the root mean square of what moved.";
+    let help = "Compares positions with the closed form where there is one; otherwise runs the same scene once more with a \
+                far finer step, pulled by the same mouse: sqrt(mean |x − x_ref|²) over the root mean square of what moved.";
     if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
         view.wishes.push(Wish::Twin(on));
     }
     let Some(twin) = desk.lab.twin() else { return };
     let error = twin.error().map_or_else(|| "–".to_owned(), percent);
     row(ui, "Error now", &error, help);
+    if let Some(exact) = twin.exact() {
+        ui.label(RichText::new(format!("Against the closed form: {}.", exact.words)).small());
+        return;
+    }
     let own = if twin.is_checking() { "checking".to_owned() } else { percent(twin.own_error()) };
     row(ui, "Its own error", &own, "How far the twin is from a twin with half its step");
     let cost = "Time the twin takes for a second of simulated time [ms]";

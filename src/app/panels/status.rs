@@ -83,6 +83,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
         ("R", When::Edit) => "remove pins",
         ("R", _) => "start over",
         ("Drag", _) => "pull",
+        ("Backspace", _) => "turn back",
         ("Up", _) => "stretched",
         ("Down", _) => "compressed",
         ("Space", _) if now.running && now.mode != Mode::Edit => "pause",

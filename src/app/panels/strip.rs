@@ -73,7 +73,8 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
         ui.set_min_width(180.0);
-        let list = ScrollArea::vertical().max_height(420.0).auto_shrink([false, true]);
+        let room = ui.ctx().content_rect().height() - 140.0;
+        let list = ScrollArea::vertical().max_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
                 for (index, entry) in desk.gallery.entries().iter().enumerate() {
@@ -119,6 +120,12 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Step, "Single step", "Pauses, and takes one step.", false).clicked() {
         commands.push(Command::StepOnce);
     }
+    ui.add_enabled_ui(now.rewind_reach > 0.0, |ui| {
+        let about = "Turns time back by 0.5 s, and pauses. [Backspace, held, for less or more]";
+        if icon_button(ui, Icon::Back, "Turn time back", about, false).clicked() {
+            commands.push(Command::Rewind(0.5));
+        }
+    });
     let about = "Positions and velocities go back to the start. [R while simulating]";
     if icon_button(ui, Icon::Reset, "Start over", about, false).clicked() {
         commands.push(Command::Reset);

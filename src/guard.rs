@@ -1,0 +1,147 @@
+//! The guard: an unstable step is noticed as it begins to blow up, and taken again in shorter ones.
+
+use crate::{report::Energies, scene::Scene};
+
+/// Watches one run for energy that comes from nowhere.
+///
+/// Between two changes from outside, nothing in a scene supplies energy: gravity and springs only convert it, damping and
+/// contact take it. With the mechanical energy M (kinetic, elastic) and the potential P, `M + P` can never exceed what was put in.
+/// Schemes err by a bounded share even when they are stable (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones
+/// may drift slowly, which is a lesson rather than an accident. So a step counts as unstable only if both hold: M is above twice
+/// what is available, and M + P grew by a quarter of M in this one step, as it does near and above the stability limit.
+///
+/// Looking at all energies costs as much as a step. It is only done when the kinetic energy, which is cheap, has grown by half
+/// since the last look.
+#[derive(Clone, Debug, Default)]
+pub struct Guard {
+    /// What was put in so far, from the energies' zero [J]; found when it is first needed.
+    put_in: Option<f64>,
+    /// Kinetic energy up to which nothing is looked at [J].
+    unsuspicious: f64,
+    /// Mechanical energy and total after the last step, where every step is looked at [J].
+    last: Option<[f64; 2]>,
+    /// Every step is taken in 2^level shorter ones.
+    level: u32,
+    /// Steps since it last had to be raised.
+    calm: u32,
+    /// How many there have to be before longer steps are tried again; doubled whenever that failed.
+    patience: u32,
+}
+
+/// What the guard makes of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing to object.
+    Fine,
+    /// Energy came from nowhere.
+    Unstable,
+    /// The energies before the step are needed to tell.
+    Unknown,
+}
+
+impl Guard {
+    /// A step is taken in up to 2^6 = 64 shorter ones.
+    pub const MOST: u32 = 6;
+
+    /// Longer steps are tried again after so many steps without trouble, at first and at most.
+    const PATIENCE: [u32; 2] = [32, 2048];
+
+    /// How many shorter steps a step is made of: 2^level.
+    pub const fn level(&self) -> u32 {
+        self.level
+    }
+
+    /// Forgets all: the state was put somewhere else.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Whether it needs the energies at the start.
+    pub const fn is_new(&self) -> bool {
+        self.put_in.is_none()
+    }
+
+    /// Takes note of the energies at the start.
+    pub fn begin(&mut self, energies: Energies) {
+        self.put_in = Some(energies.total());
+    }
+
+    /// Takes note of a change from outside, such as a pull: what it added to the energies, or took, was put in.
+    pub fn changed(&mut self, before: Energies, after: Energies) {
+        if let Some(put_in) = &mut self.put_in {
+            // What was dissipated since is gone, but an excess stays one.
+            *put_in = put_in.min(before.total()) + after.total() - before.total();
+        }
+        (self.unsuspicious, self.last) = (0.0, None);
+    }
+
+    /// Whether the kinetic energy after a step [J] asks for a look at all energies.
+    pub fn is_suspicious(&self, kinetic: f64) -> bool {
+        self.last.is_some() || kinetic > self.unsuspicious
+    }
+
+    /// Judges a step by the energies after it, and those before it, if they are known.
+    pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
+        let slack = negligible(scene);
+        let mechanical = after.kinetic + after.elastic;
+        let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
+        if mechanical <= 2.0 * available.max(0.0) + slack {
+            self.last = None;
+            self.unsuspicious = 1.5 * after.kinetic + slack;
+            return Verdict::Fine;
+        }
+        let known = before.map(|before| [before.kinetic + before.elastic, before.total()]).or(self.last);
+        let Some([was, total]) = known else { return Verdict::Unknown };
+        if after.total() - total > 0.25 * was + slack || after.total().is_nan() {
+            return Verdict::Unstable;
+        }
+        self.last = Some([mechanical, after.total()]);
+        Verdict::Fine
+    }
+
+    /// Takes shorter steps from now on, if it may. Returns whether it does.
+    pub fn refine(&mut self) -> bool {
+        (self.unsuspicious, self.last, self.calm) = (0.0, None, 0);
+        self.patience = (2 * self.patience).clamp(Self::PATIENCE[0], Self::PATIENCE[1]);
+        let may = self.level < Self::MOST;
+        self.level += u32::from(may);
+        may
+    }
+
+    /// Once more as short, after a length that held: just below the stability limit a scheme is stable, but its energy swings
+    /// widely.
+    pub fn leave_room(&mut self) {
+        self.level = (self.level + 1).min(Self::MOST);
+    }
+
+    /// Takes energies for what they are: something supplied them.
+    pub fn accept(&mut self, level: u32, energies: Energies) {
+        self.give_up(level);
+        self.put_in = Some(energies.total());
+    }
+
+    /// Back to the length of steps there was.
+    pub fn give_up(&mut self, level: u32) {
+        (self.level, self.unsuspicious, self.last) = (level, 0.0, None);
+    }
+
+    /// Books a step without trouble. Returns whether steps are longer from now on.
+    pub fn calm_down(&mut self) -> bool {
+        if self.level == 0 {
+            return false;
+        }
+        self.calm += 1;
+        let longer = self.calm >= self.patience;
+        if longer {
+            (self.level, self.calm) = (self.level - 1, 0);
+        }
+        longer
+    }
+}
+
+/// An energy that is round-off to a scene [J]: 1e-12 of what its elements store at a stretch of one.
+fn negligible(scene: &Scene) -> f64 {
+    let bodies = scene.bodies.iter().map(|body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>());
+    let links = scene.nets.iter().flat_map(|net| net.springs.links());
+    1e-12 * (bodies.sum::<f64>() + links.map(|link| link.stiffness * link.rest * link.rest).sum::<f64>())
+}

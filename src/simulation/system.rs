@@ -1,0 +1,148 @@
+//! A scene as the integrator sees it.
+
+use crate::{
+    effects::{Effect, Grab, Motion},
+    integrators::{Dynamics, Ode, Work},
+    report::{Counts, EffectCost},
+    scene::Scene,
+    solvers::{BlockMatrix, Weights},
+    toys::Toy,
+};
+use std::time::Duration;
+use web_time::Instant;
+
+/// Everything that stepping writes to beside the state.
+#[derive(Default)]
+pub(super) struct Scratch {
+    /// For the integrator.
+    pub work: Work,
+    /// For the effects.
+    pub effects: Vec<f64>,
+    pub counts: Counts,
+    pub costs: Vec<EffectCost>,
+    /// Whether effects are timed.
+    pub timed: bool,
+}
+
+impl Scratch {
+    pub fn fit(&mut self, scene: &Scene) {
+        self.work.forget();
+        self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
+        let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost {
+            name: effect.name(),
+            time: Duration::ZERO,
+            calls: 0,
+            elements: 0,
+        };
+        if !self.costs.iter().map(|cost| cost.name).eq(scene.effects.iter().map(|effect| effect.name())) {
+            self.costs = scene.effects.iter().map(cost).collect();
+        }
+    }
+}
+
+/// A scene as the integrator sees it.
+pub(super) struct System<'a> {
+    pub scene: &'a Scene,
+    pub scratch: &'a mut Scratch,
+    pub grab: Option<Grab>,
+}
+
+impl Scratch {
+    /// Runs one effect and books its time and, if it is a call of its own, its elements.
+    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
+        let start = self.timed.then(Instant::now);
+        let result = run(&mut self.effects);
+        let cost = &mut self.costs[number];
+        if let Some(start) = start {
+            cost.time += start.elapsed();
+        }
+        if let Some(elements) = elements {
+            cost.calls += 1;
+            cost.elements += elements as u64;
+        }
+        result
+    }
+}
+
+impl System<'_> {
+    fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
+        let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
+        Motion { x, v, mass, inverse_mass, grab: self.grab }
+    }
+}
+
+impl Dynamics for System<'_> {
+    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
+        let scene = self.scene;
+        let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        self.scratch.counts.force_evaluations += 1;
+        force.fill(0.0);
+        for (number, effect) in scene.effects.iter().enumerate().filter(|(_, effect)| !effect.constrains()) {
+            let size = effect.scratch();
+            let elements = Some(effect.elements(motion));
+            self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
+        }
+    }
+
+    fn mass(&self) -> &[f64] {
+        &self.scene.mass
+    }
+
+    fn inverse_mass(&self) -> &[f64] {
+        &self.scene.inverse_mass
+    }
+
+    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
+        let motion = self.motion(x, v);
+        for effect in &self.scene.effects {
+            effect.stiffness_times(motion, d, product);
+        }
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        for effect in &self.scene.effects {
+            effect.couples(add);
+        }
+    }
+
+    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+        let motion = self.motion(x, v);
+        for effect in &self.scene.effects {
+            effect.add_stiffness(motion, weights, matrix);
+        }
+    }
+
+    fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
+        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
+            let touched =
+                self.scratch.booked(number, None, |_| effect.constrain_velocity(x, v, &self.scene.inverse_mass));
+            self.scratch.counts.constrained += touched as u64;
+        }
+    }
+
+    fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
+        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
+            let scene = self.scene;
+            let elements =
+                effect.elements(Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab });
+            let touched =
+                self.scratch.booked(number, Some(elements), |_| effect.constrain_position(x, v, &scene.inverse_mass));
+            self.scratch.counts.constrained += touched as u64;
+        }
+    }
+}
+
+/// A toy as the integrator sees it; its rates count as forces.
+pub(super) struct ToySystem<'a> {
+    pub toy: &'a dyn Toy,
+    pub counts: &'a mut Counts,
+}
+
+impl Ode for ToySystem<'_> {
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+        self.counts.force_evaluations += 1;
+        if let &[a, b] = x {
+            rate.copy_from_slice(&self.toy.rate([a, b]));
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The uniaxial strip: the one large deformation whose shape at rest is known in closed form for every model.
+
+use super::exact::only;
+use crate::{
+    materials::{Material, Visitor},
+    scene::{Body, Scene, extent},
+    state::State,
+};
+
+/// Where a strip comes to rest whose ends slide on rollers, and the same in words.
+///
+/// Ends that are held a factor s apart, and slide freely, leave the sides of every height free: the deformation gradient is
+/// diag(w, s) throughout, with the width w at which the sides are pulled neither in nor out, `P11(diag(w, s)) = 0`
+/// ([`Material::free_width`]). Linear triangles hold this shape exactly, so a scene at rest has no error but that of its
+/// solver. A third side that slides along y, at the left or right, says where it stands. Anything that damps may act;
+/// whatever pushes may not.
+pub(super) fn at_rest(scene: &Scene, state: &State) -> Option<(String, Vec<f64>)> {
+    let [body] = scene.bodies.as_slice() else { return None };
+    let alone = scene.nets.is_empty() && scene.pins.is_empty();
+    if !alone || !only(scene, &["Elasticity", "Damping", "Drag"]) {
+        return None;
+    }
+    let held = |vertex: u32, axis: usize| scene.inverse_mass[2 * vertex as usize + axis] == 0.0;
+    let ((left, right), (bottom, top)) = (extent(&scene.rest, 0), extent(&scene.rest, 1));
+    if !is_strip(body, &scene.rest, |vertex| held(vertex, 1)) {
+        return None;
+    }
+    // Where the sides are now that cannot leave their places.
+    let place = |axis: usize, at: f64| {
+        let on_side = |vertex: &u32| {
+            let here = scene.rest[2 * *vertex as usize + axis];
+            (here - at).abs() <= 1e-9 * (right - left) && held(*vertex, axis)
+        };
+        let vertex = (0..scene.rest.len() as u32 / 2).find(on_side)?;
+        Some(state.x[2 * vertex as usize + axis])
+    };
+    let (low, high) = (place(1, bottom)?, place(1, top)?);
+    let (fixed, anchor) = match (place(0, left), place(0, right)) {
+        (Some(x), None) => (left, x),
+        (None, Some(x)) => (right, x),
+        _ => return None,
+    };
+    let stretch = (high - low) / (top - bottom);
+    let width = body.elements.model().visit(body.elements.lame(), FreeWidth(stretch))?;
+    let moved = |point: &[f64]| [anchor + width * (point[0] - fixed), low + stretch * (point[1] - bottom)];
+    let words = format!("strip at rest, {stretch:.4} times as high and {width:.4} times as wide");
+    Some((words, scene.rest.chunks_exact(2).flat_map(moved).collect()))
+}
+
+/// Whether every edge of the boundary is upright or held at its height.
+fn is_strip(body: &Body, rest: &[f64], held: impl Fn(u32) -> bool) -> bool {
+    let slack = 1e-9 * body.rest_height;
+    body.boundary.iter().all(|edge| {
+        let [a, b] = edge.map(|i| i as usize + body.vertices.start);
+        (rest[2 * a] - rest[2 * b]).abs() <= slack || (held(a as u32) && held(b as u32))
+    })
+}
+
+struct FreeWidth(f64);
+
+impl Visitor for FreeWidth {
+    type Output = Option<f64>;
+    fn visit<M: Material>(self, material: &M) -> Option<f64> {
+        material.free_width(self.0)
+    }
+}

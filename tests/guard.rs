@@ -1,0 +1,174 @@
+//! The guard against unstable steps, and turning time back.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{level, models, sheet, simulation};
+use gingerbread::{
+    command::{Command, Mode},
+    files,
+    integrators::IntegratorKind,
+    level::{Level, Switch},
+    levels::BUILT_IN,
+    meshes::NoFiles,
+    rewind::Rewind,
+    sandbox::Sandbox,
+    simulation::Simulation,
+    stability::critical_step,
+};
+
+/// A stretched sheet let go, with a step that is so many times the stability limit at the start.
+fn released(model: &str, share: f64, more: &str) -> Simulation {
+    let mut run = simulation(&sheet(model, "stretch: (1.2, 1)", more));
+    let mut scene = run.scene().clone();
+    scene.step = share * critical_step(&scene, run.state()).unwrap();
+    run.replace_scene(scene);
+    run
+}
+
+#[test]
+fn a_step_above_the_stability_limit_is_taken_in_shorter_ones_and_the_energy_stays_what_it_was() {
+    for model in models() {
+        for share in [1.05, 2.0, 7.0, 25.0] {
+            let mut guarded = released(model, share, "");
+            let before = guarded.energies().total();
+            assert_eq!(guarded.advance(300, &mut || true), 300, "{model} {share}: {:?}", guarded.fault());
+            let (counts, after) = (guarded.counts(), guarded.energies().total());
+            assert!(counts.guarded > 0 && counts.retaken < counts.guarded, "{model} {share}: {counts:?}");
+            assert!(after < 2.5 * before, "{model} {share}: {after} of {before}");
+            let mut bare = released(model, share, "guard: Off");
+            bare.advance(300, &mut || true);
+            let after = bare.energies().total();
+            assert!(bare.fault().is_some() || after > 100.0 * before, "{model} {share}: {after} of {before}");
+            assert_eq!(bare.counts().guarded, 0);
+        }
+    }
+}
+
+#[test]
+fn a_step_that_even_64_parts_do_not_save_pauses_on_the_last_good_state_and_says_why() {
+    let mut run = released("Corotated", 2000.0, "");
+    let before = run.energies().total();
+    run.advance(100, &mut || true);
+    let fault = run.fault().unwrap().to_string();
+    assert!(fault.contains("stability limit"), "{fault}");
+    assert!(run.energies().total() < 2.5 * before && run.state().is_finite());
+    assert!(run.counts().retaken <= 6, "{:?}", run.counts());
+}
+
+#[test]
+fn a_net_is_guarded_too() {
+    let text = "(name: \"\", substeps: 1, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2, stiffness: 1e6, rest: 0.4), mass: 1)])";
+    let mut run = simulation(&level(text));
+    let before = run.energies().total();
+    assert_eq!(run.advance(600, &mut || true), 600);
+    assert!(run.counts().guarded > 0 && run.energies().total() < 2.5 * before);
+}
+
+/// The guard must not hide what a scheme is like: slow growth is shown, not mended.
+#[test]
+fn slow_drift_is_left_alone() {
+    let text = "(name: \"\", substeps: 20, integrator: ForwardEuler(), nets: [(name: \"s\", net: Chain(from: (0.2, 0.5), to: (0.8, 0.5),
+        springs: 1, stiffness: 100, rest: 0.5), mass: 1)])";
+    let mut run = simulation(&level(text));
+    let before = run.energies().total();
+    run.advance(20_000, &mut || true);
+    assert!(run.energies().total() > 4.0 * before, "forward Euler gains");
+    assert_eq!(run.counts().guarded, 0);
+}
+
+#[test]
+fn no_shipped_level_needs_it() {
+    for (file, text) in BUILT_IN {
+        let mut run = simulation(&files::parse(text, file).unwrap());
+        let steps = (0.5 / run.scene().step).round() as u64;
+        run.advance(steps, &mut || true);
+        assert_eq!((run.counts().guarded, run.counts().retaken), (0, 0), "{file}");
+    }
+}
+
+#[test]
+fn it_changes_no_bit_however_steps_are_bunched() {
+    let run = |bunch: u64| {
+        let mut run = released("NeoHookean", 3.0, "");
+        while run.state().steps < 400 {
+            run.advance(bunch.min(400 - run.state().steps), &mut || true);
+        }
+        (run.state().clone(), run.counts())
+    };
+    assert_eq!(run(1), run(400));
+    assert_eq!(run(7), run(400));
+}
+
+/// What the mouse puts in is no energy from nowhere.
+#[test]
+fn a_hard_pull_is_not_mistaken_for_an_explosion() {
+    // What grows at every step, however short, is not stable with or without a mouse.
+    let stable = |kind: &IntegratorKind| kind.kind().stability_limit() != Some(0.0);
+    for integrator in IntegratorKind::all().into_iter().filter(stable) {
+        let effects = "effects: [(effect: MouseSpring(stiffness: 50))]";
+        let level = Level { integrator, ..sheet("Corotated", "", effects) };
+        let mut run = simulation(&level);
+        for frame in 0..60 {
+            let target = [if frame % 2 == 0 { 3.0 } else { -2.0 }, 0.5];
+            run.set_grab(Some(gingerbread::effects::Grab { vertex: 3, target }));
+            assert_eq!(run.advance(100, &mut || true), 100, "{}: {:?}", level.integrator.name(), run.fault());
+        }
+        assert_eq!(run.counts().guarded, 0, "{}", level.integrator.name());
+    }
+}
+
+fn running(level: Level) -> Sandbox {
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    sandbox
+}
+
+#[test]
+fn time_can_be_turned_back_to_the_bits_it_had() {
+    let mut sandbox = running(sheet("NeoHookean", "stretch: (1.2, 1)", ""));
+    let mut seen = vec![sandbox.simulation().state().clone()];
+    for _ in 0..30 {
+        sandbox.advance(100, &mut || true);
+        seen.push(sandbox.simulation().state().clone());
+    }
+    sandbox.apply(Command::Rewind(10.0 * Rewind::FRAME)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), seen[20]);
+    assert!(!sandbox.is_live(), "it pauses there");
+    sandbox.apply(Command::Rewind(4.0 * Rewind::FRAME)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), seen[16]);
+    sandbox.apply(Command::Rewind(1e9)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), seen[0], "no farther than there is");
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    sandbox.advance(1600, &mut || true);
+    assert_eq!(*sandbox.simulation().state(), seen[16], "and from there it goes as before");
+}
+
+#[test]
+fn a_fault_can_be_turned_back_from_and_mended() {
+    let mut level = sheet("Corotated", "stretch: (1.2, 1)", "");
+    level.guard = Switch::Off;
+    let mut sandbox = running(level);
+    sandbox.advance(1000, &mut || true);
+    sandbox.apply(Command::SetSubsteps(gingerbread::level::Substeps::new(2).unwrap())).unwrap();
+    sandbox.advance(1_000_000, &mut || true);
+    assert!(sandbox.simulation().fault().is_some());
+    sandbox.apply(Command::Rewind(1.0)).unwrap();
+    assert!(sandbox.simulation().fault().is_none() && sandbox.simulation().inversion().1 == 0);
+    sandbox.apply(Command::SetGuard(Switch::On)).unwrap();
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    assert_eq!(sandbox.advance(100, &mut || true), 100);
+}
+
+#[test]
+fn what_is_kept_ends_with_a_restart_and_stays_small() {
+    let mut sandbox = running(sheet("Corotated", "", ""));
+    assert!(sandbox.apply(Command::Rewind(1.0)).unwrap_err().to_string().contains("nothing to go back to"));
+    for _ in 0..20 {
+        sandbox.advance(6000, &mut || true);
+    }
+    assert!((sandbox.rewind_reach() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_reach());
+    sandbox.apply(Command::Reset).unwrap();
+    sandbox.advance(100, &mut || true);
+    assert!(sandbox.rewind_reach() < 0.1);
+}

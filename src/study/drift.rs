@@ -243,6 +243,7 @@ impl Drift {
             (touched, "walls that are touched"),
             (!energy && heavy, "gravity"),
             (!energy && !scene.pins.is_empty(), "pins"),
+            (!energy && !scene.slides.is_empty(), "sides that slide"),
         ];
         reasons.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect()
     }

@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
 fn about(study: &MeshFindings) -> String {
     let when = match study.moment {
         MeshMoment::AtRest => "at rest".to_owned(),
-        MeshMoment::AtTheEnd => format!("after {SECONDS} s, as nothing holds the level"),
+        MeshMoment::AtTheEnd => format!("after {SECONDS} s, as pins do not hold the level"),
     };
     let what = study.measure.title();
     let error = study.reference.map(|(value, own)| {

@@ -102,11 +102,19 @@ pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
 /// # Errors
 /// [`FileError::Access`] if the system refuses; a file that was there stays.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a file so that at every moment either the old one or the whole new one is there.
+///
+/// # Errors
+/// [`FileError::Access`] if the system refuses; a file that was there stays.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let mut temporary = path.as_os_str().to_owned();
     temporary.push(format!(".{}.part", std::process::id()));
     let temporary = PathBuf::from(temporary);
     let written = std::fs::File::create(&temporary).and_then(|mut file| {
-        std::io::Write::write_all(&mut file, text.as_bytes())?;
+        std::io::Write::write_all(&mut file, bytes)?;
         file.sync_all()
     });
     written.and_then(|()| std::fs::rename(&temporary, path)).map_err(|error| {

@@ -1,20 +1,48 @@
 //! Native dialogs for opening and saving, polled so that nothing waits for them. Where there are none (a browser, a bare
 //! system) the answer is [`Answer::Unavailable`], and the window asks for text instead.
 
+use super::panels::Export;
 use std::path::PathBuf;
+
+/// What a file is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// To open a level.
+    #[default]
+    Open,
+    /// To save the level under a name like this.
+    Save(String),
+    /// To save what a plot shows.
+    Export(Export),
+}
+
+impl Purpose {
+    /// What the question is called.
+    pub const fn title(&self) -> &'static str {
+        match self {
+            Self::Open => "Open a level",
+            Self::Save(_) => "Save the level",
+            Self::Export(_) => "Save the plot",
+        }
+    }
+
+    /// The name that is suggested.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Open => "",
+            Self::Save(name) => name,
+            Self::Export(export) => &export.name,
+        }
+    }
+}
 
 /// What came out of a dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// Open this file.
-    Open(PathBuf),
-    /// Save to this file.
-    Save(PathBuf),
+    /// This file.
+    Chosen(Purpose, PathBuf),
     /// There is no native dialog here.
-    Unavailable {
-        /// Whether it was to save.
-        saving: bool,
-    },
+    Unavailable(Purpose),
 }
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -24,7 +52,7 @@ pub use nowhere::Dialogs;
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
-    use super::{Answer, PathBuf};
+    use super::{Answer, PathBuf, Purpose};
     use eframe::egui::Context;
     use rfd::{AsyncFileDialog, FileHandle};
     use std::{
@@ -42,11 +70,14 @@ mod native {
     pub struct Dialogs {
         open: Option<Pending>,
         folder: Option<PathBuf>,
+        /// Whether there are none, whatever the system has.
+        silent: bool,
+        refused: Option<Purpose>,
     }
 
     struct Pending {
         choice: Pin<Box<dyn Future<Output = Option<FileHandle>>>>,
-        saving: bool,
+        purpose: Purpose,
         since: Instant,
     }
 
@@ -60,90 +91,101 @@ mod native {
     }
 
     impl Dialogs {
-        /// Asks for a file to open.
-        pub fn ask_open(&mut self) {
-            let choice = self.dialog().set_title("Open a level").pick_file();
-            self.begin(Box::pin(choice), false);
+        /// Never opens one: every question is to be answered in the window.
+        pub fn silent() -> Self {
+            Self { silent: true, ..Self::default() }
         }
 
-        /// Asks where to save; `name` is the suggestion.
-        pub fn ask_save(&mut self, name: &str) {
-            let choice = self.dialog().set_title("Save the level").set_file_name(name).save_file();
-            self.begin(Box::pin(choice), true);
-        }
-
-        fn dialog(&self) -> AsyncFileDialog {
-            let dialog =
-                AsyncFileDialog::new().add_filter("Gingerbread level", &["ron"]).add_filter("All files", &["*"]);
-            match &self.folder {
+        /// Asks for a file.
+        pub fn ask(&mut self, purpose: Purpose) {
+            if self.silent {
+                self.refused = Some(purpose);
+                return;
+            }
+            // A second dialog while one is open would only be lost behind it.
+            if self.open.is_some() {
+                return;
+            }
+            let dialog = AsyncFileDialog::new().set_title(purpose.title());
+            let dialog = match &self.folder {
                 Some(folder) => dialog.set_directory(folder),
                 None => dialog,
-            }
-        }
-
-        fn begin(&mut self, choice: Pin<Box<dyn Future<Output = Option<FileHandle>>>>, saving: bool) {
-            // A second dialog while one is open would only be lost behind it.
-            if self.open.is_none() {
-                self.open = Some(Pending { choice, saving, since: Instant::now() });
-            }
+            };
+            let choice: Pin<Box<dyn Future<Output = _>>> = match &purpose {
+                Purpose::Open => Box::pin(levels(dialog).pick_file()),
+                Purpose::Save(name) => Box::pin(levels(dialog).set_file_name(name).save_file()),
+                Purpose::Export(export) => Box::pin(dialog.set_file_name(&export.name).save_file()),
+            };
+            self.open = Some(Pending { choice, purpose, since: Instant::now() });
         }
 
         /// Looks whether a dialog was answered. Never waits.
         pub fn poll(&mut self, ctx: &Context) -> Option<Answer> {
             let waker = Waker::from(Arc::new(Repaint(ctx.clone())));
+            if let Some(purpose) = self.refused.take() {
+                return Some(Answer::Unavailable(purpose));
+            }
             let pending = self.open.as_mut()?;
             let Poll::Ready(choice) = pending.choice.as_mut().poll(&mut std::task::Context::from_waker(&waker)) else {
                 return None;
             };
-            let (saving, fast) = (pending.saving, pending.since.elapsed() < TOO_FAST);
-            self.open = None;
+            let Pending { purpose, since, .. } = self.open.take()?;
             let Some(path) = choice.map(|file| file.path().to_path_buf()) else {
-                return fast.then_some(Answer::Unavailable { saving });
+                return (since.elapsed() < TOO_FAST).then_some(Answer::Unavailable(purpose));
             };
             self.folder = path.parent().map(PathBuf::from);
-            Some(if saving { Answer::Save(with_extension(path)) } else { Answer::Open(path) })
+            let path = if purpose == Purpose::Open { path } else { with_extension(path, purpose.name()) };
+            Some(Answer::Chosen(purpose, path))
         }
     }
 
-    /// A level file without an extension gets one.
-    pub(super) fn with_extension(path: PathBuf) -> PathBuf {
-        if path.extension().is_some() { path } else { path.with_extension("ron") }
+    fn levels(dialog: AsyncFileDialog) -> AsyncFileDialog {
+        dialog.add_filter("Gingerbread level", &["ron"]).add_filter("All files", &["*"])
+    }
+
+    /// A file that is saved without an extension gets that of the suggested name.
+    pub(super) fn with_extension(path: PathBuf, suggested: &str) -> PathBuf {
+        let extension = std::path::Path::new(suggested).extension();
+        match (path.extension(), extension) {
+            (None, Some(extension)) => path.with_extension(extension),
+            _ => path,
+        }
     }
 }
 
 #[cfg(target_arch = "wasm32")]
 mod nowhere {
-    use super::Answer;
+    use super::{Answer, Purpose};
 
     /// A browser has no file dialogs that can be waited for.
     #[derive(Default)]
     pub struct Dialogs {
-        asked: Option<Answer>,
+        asked: Option<Purpose>,
     }
 
     impl Dialogs {
-        /// Asks for a level to open.
-        pub fn ask_open(&mut self) {
-            self.asked = Some(Answer::Unavailable { saving: false });
+        /// Never opens one, as ever.
+        pub fn silent() -> Self {
+            Self::default()
         }
 
-        /// Asks what to do with a level.
-        pub fn ask_save(&mut self, _name: &str) {
-            self.asked = Some(Answer::Unavailable { saving: true });
+        /// Asks for a file.
+        pub fn ask(&mut self, purpose: Purpose) {
+            self.asked = Some(purpose);
         }
 
         /// Looks whether there is an answer.
-        pub fn poll(&mut self, _ctx: &egui::Context) -> Option<Answer> {
-            self.asked.take()
+        pub fn poll(&mut self, _ctx: &eframe::egui::Context) -> Option<Answer> {
+            self.asked.take().map(Answer::Unavailable)
         }
     }
 }
 
-/// A file name from the name of a level: `A soft house` gives `a-soft-house.ron`.
-pub fn file_name(level: &str) -> String {
+/// The beginning of a file name from the name of a level: `A soft house` gives `a-soft-house`.
+pub fn stem(level: &str) -> String {
     let words = level.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
     let name = words.map(str::to_lowercase).collect::<Vec<_>>().join("-");
-    if name.is_empty() { "level.ron".to_owned() } else { name + ".ron" }
+    if name.is_empty() { "level".to_owned() } else { name }
 }
 
 #[cfg(test)]
@@ -152,7 +194,15 @@ mod tests {
 
     #[test]
     fn a_level_suggests_a_file_name_that_any_system_takes() {
-        assert_eq!(file_name("A soft house: 2/3"), "a-soft-house-2-3.ron");
-        assert_eq!(file_name("?"), "level.ron");
+        assert_eq!(stem("A soft house: 2/3"), "a-soft-house-2-3");
+        assert_eq!(stem("?"), "level");
+    }
+
+    #[test]
+    #[cfg(not(target_arch = "wasm32"))]
+    fn a_file_that_is_saved_without_an_extension_gets_the_one_it_needs() {
+        let named = |path: &str| native::with_extension(PathBuf::from(path), "chain-drift.csv");
+        assert_eq!(named("drift"), PathBuf::from("drift.csv"));
+        assert_eq!(named("drift.txt"), PathBuf::from("drift.txt"));
     }
 }

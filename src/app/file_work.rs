@@ -1,34 +1,42 @@
-//! Opening and saving levels: a file that cannot be read changes nothing but shows why.
+//! Opening and saving levels, and saving what plots show: a file that cannot be read changes nothing but shows why.
 
 use super::{
     App,
-    dialogs::{Answer, file_name},
-    panels::{FileWish, Notice, Prompt, View},
+    dialogs::{Answer, Purpose, stem},
+    panels::{Export, FileWish, Notice, Prompt, View},
 };
-use crate::{command::Command, files, level::Level};
+use crate::{
+    command::Command,
+    files::{self, FileError},
+    level::Level,
+};
 use eframe::egui::Context;
 use std::path::Path;
 
 impl App {
     /// Answers wishes, dialogs and prompts.
     pub(super) fn file_work(&mut self, ctx: &Context) {
+        self.view.develop(ctx);
         match self.view.file.take() {
             Some(FileWish::BuiltIn(index)) => match self.gallery.level(index) {
                 Ok(level) => self.start(level),
                 Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
-            Some(FileWish::Open) => self.dialogs.ask_open(),
-            Some(FileWish::Save) => self.dialogs.ask_save(&file_name(&self.snapshot.level.name)),
+            Some(FileWish::Open) => self.dialogs.ask(Purpose::Open),
+            Some(FileWish::Save) => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
+            Some(FileWish::Export(export)) => self.dialogs.ask(Purpose::Export(export)),
             None => {}
         }
         match self.dialogs.poll(ctx) {
-            Some(Answer::Open(path)) => self.open(&path),
-            Some(Answer::Save(path)) => self.save(&path),
-            Some(Answer::Unavailable { saving }) => self.ask_for_text(ctx, saving),
+            Some(Answer::Chosen(purpose, path)) => self.answer(&purpose, &path),
+            Some(Answer::Unavailable(purpose)) => self.ask_for_text(ctx, purpose),
             None => {}
         }
         if let Some(prompt) = self.view.prompt.take_if(|prompt| prompt.answered) {
-            self.answer(&prompt);
+            match (&prompt.purpose, cfg!(target_arch = "wasm32")) {
+                (Purpose::Open, true) => self.open_text(&prompt.text, "pasted level"),
+                (purpose, _) => self.answer(purpose, Path::new(prompt.text.trim())),
+            }
         }
     }
 
@@ -56,7 +64,12 @@ impl App {
 
     /// Saves the level with everything as it is now. If it fails, a file that was there stays.
     pub fn save(&mut self, path: &Path) {
-        self.view.notice = Some(match files::save(path, &self.sandbox.saved()) {
+        self.tell(path, files::save(path, &self.sandbox.saved()));
+    }
+
+    /// Says what came of saving.
+    fn tell(&mut self, path: &Path, saved: Result<(), FileError>) {
+        self.view.notice = Some(match saved {
             Ok(()) => Notice::Done(format!("Saved as {}", path.display())),
             Err(error) => Notice::trouble(&error),
         });
@@ -71,27 +84,32 @@ impl App {
     }
 
     /// Without dialogs: a path to type, or in a browser the text of a level itself.
-    fn ask_for_text(&mut self, ctx: &Context, saving: bool) {
-        if cfg!(target_arch = "wasm32") && saving {
-            self.view.notice = Some(match files::write(&self.sandbox.saved()) {
+    fn ask_for_text(&mut self, ctx: &Context, purpose: Purpose) {
+        if cfg!(target_arch = "wasm32") && purpose != Purpose::Open {
+            let text = match purpose {
+                Purpose::Export(Export { bytes, .. }) => {
+                    String::from_utf8(bytes).map_err(|_| "A browser saves no pictures from here.".to_owned())
+                }
+                _ => files::write(&self.sandbox.saved()).map_err(|error| error.to_string()),
+            };
+            self.view.notice = Some(match text {
                 Ok(text) => {
                     ctx.copy_text(text);
-                    Notice::Done("The level is in the clipboard: paste it into a file.".to_owned())
+                    Notice::Done("It is in the clipboard: paste it into a file.".to_owned())
                 }
-                Err(error) => Notice::trouble(&error),
+                Err(why) => Notice::Trouble(why),
             });
             return;
         }
-        let text = if saving { file_name(&self.snapshot.level.name) } else { String::new() };
-        self.view.prompt = Some(Prompt { saving, text, answered: false });
+        let text = purpose.name().to_owned();
+        self.view.prompt = Some(Prompt { purpose, text, answered: false });
     }
 
-    fn answer(&mut self, prompt: &Prompt) {
-        let path = Path::new(prompt.text.trim());
-        match (prompt.saving, cfg!(target_arch = "wasm32")) {
-            (true, _) => self.save(path),
-            (false, true) => self.open_text(&prompt.text, "pasted level"),
-            (false, false) => self.open(path),
+    fn answer(&mut self, purpose: &Purpose, path: &Path) {
+        match purpose {
+            Purpose::Open => self.open(path),
+            Purpose::Save(_) => self.save(path),
+            Purpose::Export(export) => self.tell(path, files::write_bytes(path, &export.bytes)),
         }
     }
 }
@@ -99,6 +117,6 @@ impl App {
 impl View {
     /// Whether the next frame has something to do with files.
     pub(super) fn wants_files(&self) -> bool {
-        self.file.is_some() || self.prompt.as_ref().is_some_and(|prompt| prompt.answered)
+        self.file.is_some() || self.is_posing() || self.prompt.as_ref().is_some_and(|prompt| prompt.answered)
     }
 }

@@ -101,6 +101,12 @@ impl App {
         Self { budget: f64::INFINITY, ..self }
     }
 
+    /// Opens no native dialogs: where to open and save is asked in the window itself.
+    #[must_use]
+    pub fn without_dialogs(self) -> Self {
+        Self { dialogs: Dialogs::silent(), ..self }
+    }
+
     /// What is shown now.
     pub const fn snapshot(&self) -> &Snapshot {
         &self.snapshot

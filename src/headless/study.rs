@@ -6,8 +6,8 @@ use crate::{
     integrators::IntegratorKind,
     level::{Level, Substeps},
     study::{
-        Curve, Locking, Measure, MeshMoment, MeshPlan, MeshStudy, Plan, Point, Price, Progress, StudyError, Trial,
-        WorkPrecision, threads,
+        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshStudy, Plan, Point, Price,
+        Progress, StudyError, Trial, WorkPrecision, threads,
     },
 };
 use std::{fmt::Write as _, path::PathBuf, time::Duration};
@@ -30,6 +30,9 @@ pub struct Study {
     /// What is compared between meshes: `deflection` or `energy`.
     #[arg(long, default_value = "deflection", value_parser = measure)]
     pub measure: Measure,
+    /// Follows energy and momentum over time, a course for each integrator, in place of errors.
+    #[arg(long, conflicts_with = "meshes")]
+    pub drift: bool,
     /// Simulated time [s].
     #[arg(long, default_value = "1", value_parser = super::seconds)]
     pub seconds: f64,
@@ -53,6 +56,7 @@ pub fn study(request: &Study) -> Result<String, HeadlessError> {
     let fail = |why| HeadlessError::Study { file: request.level.display().to_string(), why };
     let (table, csv) = match &request.meshes {
         Some(triangles) => meshes(request, &level, triangles.clone()).map_err(fail)?,
+        None if request.drift => drift(request, &level).map_err(fail)?,
         None => integrators(request, &level).map_err(fail)?,
     };
     if let Some(path) = &request.csv {
@@ -62,11 +66,8 @@ pub fn study(request: &Study) -> Result<String, HeadlessError> {
 }
 
 fn integrators(request: &Study, level: &Level) -> Result<(String, String), StudyError> {
-    let mut plan = Plan { substeps: request.steps.clone(), ..Plan::default() };
-    plan.threads = request.threads.unwrap_or_else(threads).max(1);
-    if !request.integrators.is_empty() {
-        plan.integrators.clone_from(&request.integrators);
-    }
+    let mut plan = Plan { substeps: request.steps.clone(), integrators: request.schemes(), ..Plan::default() };
+    plan.threads = request.threads();
     let trial = Trial::new(level, &files::Disk, request.seconds)?;
     let mut diagram = WorkPrecision::new(trial, plan);
     with_progress(|budget| diagram.advance(budget))?;
@@ -121,7 +122,7 @@ fn lines(curve: &Curve) -> String {
 
 fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<(String, String), StudyError> {
     let mut plan = MeshPlan { triangles, measure: request.measure, ..MeshPlan::default() };
-    plan.threads = request.threads.unwrap_or_else(threads).max(1);
+    plan.threads = request.threads();
     if Trial::new(level, &files::Disk, request.seconds)?.scene.pins.len() < 2 {
         plan.moment = MeshMoment::AtTheEnd;
     }
@@ -143,15 +144,66 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<(String
     if let Some(order) = study.order() {
         let _ = write!(table, "\n\nMeasured order: {order:.2}");
     }
-    if moment == MeshMoment::AtRest {
-        let mut locking = Locking::new(level, &files::Disk)?;
-        with_progress(|_| Ok(locking.advance()))?;
-        for number in locking.numbers() {
-            let (poisson, ratio) = (number.poisson, number.ratio());
-            let _ = write!(table, "\nLocking at nu = {poisson}: {ratio:.3} of the deflection of a better mesh");
-        }
+    if let Some(remark) = study.remark() {
+        let _ = write!(table, "\n\n{remark}");
     }
-    Ok((table, study.csv()))
+    let locking = if moment == MeshMoment::AtRest && study.remark().is_none() { locking(level)? } else { Vec::new() };
+    for number in &locking {
+        let (poisson, ratio) = (number.poisson, number.ratio());
+        let _ = write!(table, "\nLocking at nu = {poisson}: {ratio:.3} of the deflection of a better mesh");
+    }
+    Ok((table, study.csv(&locking)))
+}
+
+fn locking(level: &Level) -> Result<Vec<LockingNumber>, StudyError> {
+    let mut locking = Locking::new(level, &files::Disk)?;
+    with_progress(|_| Ok(locking.advance()))?;
+    Ok(locking.numbers())
+}
+
+fn drift(request: &Study, level: &Level) -> Result<(String, String), StudyError> {
+    let trial = Trial::new(level, &files::Disk, request.seconds)?;
+    let mut settings = Vec::new();
+    for substeps in request.steps.iter().copied().map(Some).chain(request.steps.is_empty().then_some(None)) {
+        settings.extend(Drift::settings(&trial, &request.schemes(), substeps));
+    }
+    let mut drift = Drift::new(trial, settings, request.threads());
+    with_progress(|budget| Ok(drift.advance(budget)))?;
+    let mut table = format!(
+        "{}, {} s simulated; energy over {:.3e} J, the greatest kinetic energy",
+        level.name,
+        drift.trial().seconds(),
+        drift.scale()
+    );
+    for invariant in Invariant::ALL {
+        let reasons = drift.changed_by(invariant).join(", ");
+        let remark = drift.nothing_of(invariant).map(str::to_owned);
+        let remark = remark.or_else(|| (!reasons.is_empty()).then(|| format!("changed by {reasons} by right")));
+        // Writing to a string cannot fail.
+        let _ = remark.map(|remark| write!(table, "\n{}: {remark}", invariant.title()));
+    }
+    let widest = drift.runs().iter().map(|run| run.setting.label().len()).max().unwrap_or(0);
+    let _ =
+        write!(table, "\n\n  {:<widest$}     energy   [kg m/s]  [kg m2/s]  energy at the end", "greatest change of");
+    for run in drift.runs() {
+        let [energy, linear, angular] = Invariant::ALL.map(|invariant| drift.greatest_change(run, invariant));
+        let end = run.moments.last().map_or(0.0, |moment| drift.change(run, Invariant::Energy, moment));
+        let end = if run.fault().is_some() { "unstable".to_owned() } else { format!("{:+.4} %", 100.0 * end) };
+        let label = run.setting.label();
+        let _ = write!(table, "\n  {label:<widest$}  {energy:>9.2e}  {linear:>9.2e}  {angular:>9.2e}  {end:>17}");
+    }
+    Ok((table, drift.csv()))
+}
+
+impl Study {
+    /// The integrators to compare.
+    fn schemes(&self) -> Vec<IntegratorKind> {
+        if self.integrators.is_empty() { IntegratorKind::all() } else { self.integrators.clone() }
+    }
+
+    fn threads(&self) -> usize {
+        self.threads.unwrap_or_else(threads).max(1)
+    }
 }
 
 /// Works until a job is finished, with a bar where there is a terminal.

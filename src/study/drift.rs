@@ -1,12 +1,53 @@
 //! What schemes do to energy and momentum over time.
 
 use super::{
-    Progress, Setting, Trial,
+    Progress, Setting, Status, Trial,
     march::{Deadline, March},
+    setting::limit,
     workers::spread,
 };
-use crate::{fault::Fault, simulation::Simulation};
+use crate::{
+    fault::Fault,
+    integrators::{Class, IntegratorKind},
+    level::Substeps,
+    simulation::Simulation,
+};
 use std::{ops::ControlFlow, time::Duration};
+
+/// What stays as it is, unless something takes it away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Invariant {
+    /// Kinetic, elastic and potential energy together.
+    #[default]
+    Energy,
+    /// The sum of m v.
+    Momentum,
+    /// The sum of m x × v.
+    AngularMomentum,
+}
+
+impl Invariant {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Energy, Self::Momentum, Self::AngularMomentum];
+
+    /// In words.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Energy => "energy",
+            Self::Momentum => "linear momentum",
+            Self::AngularMomentum => "angular momentum",
+        }
+    }
+
+    /// The unit of its change; energy is compared with the greatest kinetic energy.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Energy => "",
+            Self::Momentum => "kg m/s",
+            Self::AngularMomentum => "kg m²/s",
+        }
+    }
+}
 
 /// What should stay, at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +56,8 @@ pub struct Moment {
     pub time: f64,
     /// Kinetic, elastic and potential energy together [J].
     pub energy: f64,
+    /// Kinetic energy alone [J].
+    pub kinetic: f64,
     /// Linear momentum [kg m/s].
     pub momentum: [f64; 2],
     /// Angular momentum about the origin of the world [kg m²/s], counter-clockwise.
@@ -28,7 +71,8 @@ impl Moment {
         let [px, py, angular] = points.fold([0.0; 3], |[px, py, l], ((x, v), m)| {
             [px + m[0] * v[0], py + m[1] * v[1], l + m[0] * (x[0] * v[1] - x[1] * v[0])]
         });
-        Self { time, energy: simulation.energies().total(), momentum: [px, py], angular }
+        let energies = simulation.energies();
+        Self { time, energy: energies.total(), kinetic: energies.kinetic, momentum: [px, py], angular }
     }
 }
 
@@ -48,32 +92,61 @@ impl DriftRun {
         self.march.simulation.fault()
     }
 
-    /// Greatest change of the energy, over the energy at the start [1].
-    pub fn energy_drift(&self) -> f64 {
-        let first = self.moments.first().map_or(0.0, |moment| moment.energy);
-        let greatest = self.moments.iter().map(|moment| (moment.energy - first).abs()).fold(0.0, f64::max);
-        if greatest == 0.0 { 0.0 } else { greatest / first.abs() }
+    /// How it went so far.
+    pub fn status(&self) -> Status {
+        if self.fault().is_some() {
+            Status::Unstable
+        } else if self.march.simulation.counts().unconverged > 0 {
+            Status::Unconverged
+        } else {
+            Status::Ok
+        }
     }
 }
 
 /// The courses of several settings as a job.
 pub struct Drift {
+    trial: Trial,
     runs: Vec<DriftRun>,
     threads: usize,
 }
 
+/// Less kinetic energy than this is rounding [J], or this share of the energy at the start.
+const STILL: (f64, f64) = (1e-18, 1e-9);
+
 impl Drift {
     /// Prepares the courses of a trial with those of these settings that suit it.
-    pub fn new(trial: &Trial, settings: Vec<Setting>, threads: usize) -> Self {
+    pub fn new(trial: Trial, settings: Vec<Setting>, threads: usize) -> Self {
         let run = |setting: Setting| {
             let march = trial.march(&setting);
             let moments = vec![Moment::of(&march.simulation, 0.0)];
             DriftRun { setting, moments, march, over: false }
         };
-        Self {
-            runs: settings.into_iter().filter(|setting| trial.suits(&setting.integrator)).map(run).collect(),
-            threads,
-        }
+        let suiting = settings.into_iter().filter(|setting| trial.suits(&setting.integrator));
+        Self { runs: suiting.map(run).collect(), trial, threads }
+    }
+
+    /// A setting for each scheme, all of them with `substeps`; if that is `None`, with what is fair: the steps of the trial's current
+    /// setting for its own class. Else explicit schemes take steps at two thirds of the limit of symplectic Euler, and implicit
+    /// ones ten times longer steps than explicit ones, as each is dearer.
+    pub fn settings(trial: &Trial, integrators: &[IntegratorKind], substeps: Option<Substeps>) -> Vec<Setting> {
+        let now = &trial.current;
+        let class = now.integrator.kind().class();
+        let own = f64::from(now.substeps.get());
+        let explicit = if class == Class::Explicit { own } else { 1.5 * limit(&trial.scene, &trial.start) };
+        let implicit = if class == Class::Implicit { own } else { 0.1 * explicit };
+        let of = |integrator: &IntegratorKind| {
+            if integrator.name() == now.integrator.name() && substeps.is_none() {
+                return now.clone();
+            }
+            let fair = match integrator.kind().class() {
+                Class::Explicit => explicit,
+                Class::Implicit => implicit,
+                Class::ErrorControlled => 1.0,
+            };
+            Setting { integrator: integrator.clone(), substeps: substeps.unwrap_or_else(|| Substeps::nearest(fair)) }
+        };
+        integrators.iter().map(of).collect()
     }
 
     /// Works for about `budget`.
@@ -93,13 +166,85 @@ impl Drift {
         Progress { done: done / self.runs.len().max(1) as f64, finished }
     }
 
+    /// What is run.
+    pub const fn trial(&self) -> &Trial {
+        &self.trial
+    }
+
     /// How many run at once.
-    pub(super) const fn threads(&self) -> usize {
+    pub const fn threads(&self) -> usize {
         self.threads
     }
 
     /// The courses so far, in the order of the settings.
     pub fn runs(&self) -> &[DriftRun] {
         &self.runs
+    }
+
+    /// The greatest kinetic energy of a course, the median of all courses begun [J]: what a change of energy is compared with. (The energy
+    /// itself will not do: where its zero is, is a matter of taste.)
+    pub fn scale(&self) -> f64 {
+        let greatest = |run: &DriftRun| run.moments.iter().map(|moment| moment.kinetic).fold(0.0, f64::max);
+        let begun = self.runs.iter().filter(|run| run.moments.len() > 1);
+        let mut peaks: Vec<f64> = begun.map(greatest).collect();
+        peaks.sort_by(f64::total_cmp);
+        // The lower one of two in the middle: what blows up is of no measure.
+        peaks.get(peaks.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+    }
+
+    /// How much of an invariant a course has gained at a moment: of energy `(E(t) - E(0))` over [`Self::scale`], below zero if some
+    /// is lost; of momentum the magnitude of the change, in [`Invariant::unit`].
+    pub fn change(&self, run: &DriftRun, invariant: Invariant, moment: &Moment) -> f64 {
+        let Some(first) = run.moments.first() else { return 0.0 };
+        match invariant {
+            Invariant::Energy if moment.energy == first.energy => 0.0,
+            Invariant::Energy => (moment.energy - first.energy) / self.scale(),
+            Invariant::Momentum => {
+                let [x, y] = [0, 1].map(|axis| moment.momentum[axis] - first.momentum[axis]);
+                (x * x + y * y).sqrt()
+            }
+            Invariant::AngularMomentum => (moment.angular - first.angular).abs(),
+        }
+    }
+
+    /// The greatest change of a course, by magnitude.
+    pub fn greatest_change(&self, run: &DriftRun, invariant: Invariant) -> f64 {
+        run.moments.iter().map(|moment| self.change(run, invariant, moment).abs()).fold(0.0, f64::max)
+    }
+
+    /// Why there is nothing to see of an invariant here, in words.
+    pub fn nothing_of(&self, invariant: Invariant) -> Option<&'static str> {
+        let start = self.runs.iter().find_map(|run| run.moments.first()).map_or(0.0, |first| first.energy.abs());
+        if self.trial.scene.toy.is_some() && invariant != Invariant::Energy {
+            Some("A toy has no momentum: its two numbers are not the places of masses.")
+        } else if self.scale() < STILL.0.max(STILL.1 * start) && self.runs.iter().all(|run| run.moments.len() > 1) {
+            Some("Hardly anything moves here, so there is nothing to gain or to lose.")
+        } else {
+            None
+        }
+    }
+
+    /// What here changes an invariant by right, so that a change is no fault of a scheme.
+    pub fn changed_by(&self, invariant: Invariant) -> Vec<&'static str> {
+        let scene = &self.trial.scene;
+        let motion = scene.motion(&self.trial.start, self.trial.grab);
+        let damping = scene
+            .effects
+            .iter()
+            .map(|effect| effect.damping(motion))
+            .fold([0.0; 2], |[a, b], [alpha, beta]| [a + alpha, b + beta]);
+        let touched = self.runs.iter().any(|run| run.march.simulation.counts().constrained > 0);
+        let energy = invariant == Invariant::Energy;
+        // Stiffness-proportional damping acts between vertices: it takes energy, but no momentum.
+        let damped = damping[0] > 0.0 || energy && damping[1] > 0.0;
+        let heavy = scene.effects.iter().any(|effect| effect.name() == "Gravity");
+        let reasons = [
+            (damped, "damping"),
+            (touched, "walls that are touched"),
+            (!energy && heavy, "gravity"),
+            (!energy && !scene.pins.is_empty(), "pins"),
+            (!energy && !scene.slides.is_empty(), "sides that slide"),
+        ];
+        reasons.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Tables to take away: CSV with a head that says where the numbers come from.
 
-use super::{Drift, MeshStudy, Outcome, Reference, Trial, WorkPrecision};
-use std::fmt::Write as _;
+use super::{Drift, Invariant, LockingNumber, MeshStudy, Outcome, Reference, Trial, WorkPrecision};
+use std::{fmt::Write as _, sync::OnceLock};
 
 /// Where numbers come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,13 +16,14 @@ pub struct Origin {
 
 impl Origin {
     /// This program on this machine.
-    pub fn here() -> Self {
+    pub fn here() -> &'static Self {
+        static HERE: OnceLock<Origin> = OnceLock::new();
         let unknown = || "unknown".to_owned();
-        Self {
+        HERE.get_or_init(|| Self {
             package: format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
             commit: option_env!("GINGERBREAD_COMMIT").map_or_else(unknown, str::to_owned),
             processor: processor().unwrap_or_else(unknown),
-        }
+        })
     }
 }
 
@@ -44,23 +45,28 @@ pub fn is_time_column(name: &str) -> bool {
     name.starts_with("ms_")
 }
 
-/// The lines that begin with `#`.
-fn head(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
+/// The lines that begin with `#`: the level, what else there is to say about the numbers, and where they come from.
+pub fn head(level: &str, threads: usize, about: &[(&str, String)]) -> String {
     let Origin { package, commit, processor } = Origin::here();
-    let mut lines = vec![
-        ("level", trial.name.clone()),
+    let origin = [("package", package), ("commit", commit), ("processor", processor)];
+    let mut lines = vec![("level", level.to_owned())];
+    lines.extend(about.iter().cloned());
+    lines.extend(origin.map(|(name, value)| (name, value.clone())));
+    lines.push(("threads", threads.to_string()));
+    let clean = |text: &str| text.replace(['\n', '\r'], " ");
+    lines.iter().fold(String::new(), |text, (name, value)| text + "# " + name + ": " + &clean(value) + "\n")
+}
+
+/// The head of what was measured in a trial.
+fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
+    let mut about = vec![
         ("start_hash", format!("{:016x}", trial.start.hash())),
         ("vertices", (trial.start.x.len() / 2).to_string()),
         ("triangles", trial.scene.triangles.len().to_string()),
         ("simulated_seconds", trial.seconds().to_string()),
-        ("package", package),
-        ("commit", commit),
-        ("processor", processor),
-        ("threads", threads.to_string()),
     ];
-    lines.extend(more.iter().cloned());
-    let clean = |text: &str| text.replace(['\n', '\r'], " ");
-    lines.iter().fold(String::new(), |text, (name, value)| text + "# " + name + ": " + &clean(value) + "\n")
+    about.extend(more.iter().cloned());
+    head(&trial.name, threads, &about)
 }
 
 impl WorkPrecision {
@@ -76,7 +82,7 @@ impl WorkPrecision {
                 "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned(),
             ),
         ];
-        let mut text = head(self.trial(), self.plan().threads, &more);
+        let mut text = head_of(self.trial(), self.plan().threads, &more);
         text += "integrator,order,measured_order,substeps,step_s,tolerance,current,status,error,above_floor,steps,\
                  inner_steps,rejected,force_evaluations,newton_iterations,factorisations,ms_per_simulated_s\n";
         let floor = self.reference().map_or(0.0, Reference::floor);
@@ -101,19 +107,26 @@ impl WorkPrecision {
 }
 
 impl MeshStudy {
-    /// The study as far as it is, as CSV: one line a mesh, the finest being the reference.
-    pub fn csv(&self) -> String {
+    /// The study as far as it is, as CSV: one line a mesh; how much the level locks stands in the head.
+    pub fn csv(&self, locking: &[LockingNumber]) -> String {
         let reference =
             self.reference().map_or(String::from("none yet"), |(value, _)| format!("{value:e}, extrapolated"));
         let own = self.reference().map_or(f64::NAN, |(_, own)| own);
-        let more = [
+        let mut more = vec![
             ("quantity", format!("{} [{}]", self.plan().measure.title(), self.plan().measure.unit())),
             ("moment", self.plan().moment.to_string()),
             ("reference", reference),
             ("reference_error_at_most", format!("{own:e}")),
             ("measured_order", self.order().map_or(String::new(), |order| format!("{order:.3}"))),
         ];
-        let mut text = head(self.trial(), self.plan().threads, &more);
+        let ratio = |of: &LockingNumber| format!("{:e} of the tip deflection of a better mesh", of.ratio());
+        more.extend(
+            locking
+                .iter()
+                .map(|of| (if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" }, ratio(of))),
+        );
+        more.extend(self.remark().map(|remark| ("remark", remark.to_owned())));
+        let mut text = head_of(self.trial(), self.plan().threads, &more);
         text += "triangles,vertices,size_m,status,value,error,ms_of_computing\n";
         for point in self.points() {
             let Some(value) = point.value else { continue };
@@ -128,16 +141,24 @@ impl MeshStudy {
 
 impl Drift {
     /// The courses as far as they are, as CSV: one line a moment of each.
-    pub fn csv(&self, trial: &Trial) -> String {
-        let mut text = head(trial, self.threads(), &[]);
-        text += "integrator,substeps,tolerance,time_s,energy_j,momentum_x,momentum_y,angular_momentum\n";
+    pub fn csv(&self) -> String {
+        let more = [
+            ("energy_change", "E(t) - E(0), over energy_scale_j".to_owned()),
+            ("energy_scale_j", format!("{:e}, the greatest kinetic energy, median of the schemes", self.scale())),
+            ("energy_is_changed_by", self.changed_by(Invariant::Energy).join(", ")),
+            ("momentum_is_changed_by", self.changed_by(Invariant::Momentum).join(", ")),
+        ];
+        let mut text = head_of(self.trial(), self.threads(), &more);
+        text += "integrator,substeps,tolerance,status,time_s,energy_j,energy_change,momentum_x,momentum_y,angular_momentum\n";
         for run in self.runs() {
             let tolerance = run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}"));
-            let start = format!("{},{},{tolerance}", run.setting.integrator.name(), run.setting.substeps.get());
+            let status = run.status().word();
+            let start =
+                format!("{},{},{tolerance},{status}", run.setting.integrator.name(), run.setting.substeps.get());
             for moment in &run.moments {
-                let [px, py] = moment.momentum;
+                let ([px, py], change) = (moment.momentum, self.change(run, Invariant::Energy, moment));
                 // Writing to a string cannot fail.
-                let _ = write!(text, "{start},{:.6},{:e},", moment.time, moment.energy);
+                let _ = write!(text, "{start},{:.6},{:e},{change:e},", moment.time, moment.energy);
                 let _ = writeln!(text, "{px:e},{py:e},{:e}", moment.angular);
             }
         }

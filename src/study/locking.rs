@@ -25,6 +25,11 @@ impl LockingNumber {
     pub fn ratio(self) -> f64 {
         self.value / self.better
     }
+
+    /// Whether the area can hardly change.
+    pub fn is_tight(self) -> bool {
+        self.poisson > 0.49
+    }
 }
 
 /// The numbers of a level for an ordinary material and for one that is nearly incompressible, as a job of four rests.

@@ -78,6 +78,8 @@ pub struct MeshPoint {
 struct Slot {
     level: Level,
     point: MeshPoint,
+    /// Greatest displacement of any vertex [m].
+    moved: f64,
     work: Work,
 }
 
@@ -123,7 +125,7 @@ impl MeshStudy {
             if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
                 let (triangles, status) = (triangles as usize, Status::Ok);
                 let point = MeshPoint { triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0 };
-                slots.push(Slot { level, point, work: Work::Waiting });
+                slots.push(Slot { level, point, moved: 0.0, work: Work::Waiting });
             }
         }
         let limit = limit(&trial.scene, &trial.start);
@@ -166,10 +168,31 @@ impl MeshStudy {
         self.slots.iter().map(|slot| &slot.point)
     }
 
+    /// Whether a point is the level's own mesh.
+    pub fn is_current(&self, point: &MeshPoint) -> bool {
+        point.vertices == self.trial.start.x.len() / 2 && point.triangles == self.trial.scene.triangles.len()
+    }
+
+    /// Why the values tell nothing about meshes, in words; known when all is done.
+    pub fn remark(&self) -> Option<&'static str> {
+        if !self.slots.iter().all(|slot| matches!(slot.work, Work::Over)) {
+            return None;
+        }
+        let mut known = self.slots.iter().filter_map(|slot| Some((slot.moved, slot.point.value?)));
+        let (_, first) = known.clone().next()?;
+        if known.clone().all(|(moved, _)| moved < 1e-12) {
+            Some("Nothing moves here, so there is nothing to compare: let something act, or begin with a stretch.")
+        } else if known.all(|(_, value)| (value - first).abs() <= 1e-9 * first.abs()) {
+            Some("Every mesh gives the same number: it does not depend on the mesh here, as where pins prescribe it.")
+        } else {
+            None
+        }
+    }
+
     /// What values are compared with, and how far it may be off: the values on the three finest meshes, extrapolated to no
     /// size at all with the order that they show (between 0.5 and 3, else 2), and how far that goes beyond the finest. Known when all is done.
     pub fn reference(&self) -> Option<(f64, f64)> {
-        if !self.slots.iter().all(|slot| matches!(slot.work, Work::Over)) {
+        if !self.slots.iter().all(|slot| matches!(slot.work, Work::Over)) || self.remark().is_some() {
             return None;
         }
         let known: Vec<_> = self.points().filter_map(|point| Some((point.size, point.value?))).collect();
@@ -213,7 +236,9 @@ impl Slot {
             if simulation.fault().is_some() {
                 self.point.status = Status::Unstable;
             } else {
-                self.point.value = Some(plan.measure.of(simulation.scene(), &simulation.state().x));
+                let (scene, x) = (simulation.scene(), &simulation.state().x);
+                self.point.value = Some(plan.measure.of(scene, x));
+                self.moved = Measure::TipDeflection.of(scene, x);
             }
             self.work = Work::Over;
         }
@@ -240,7 +265,10 @@ impl Slot {
         let rest = statics::rest(&scene);
         self.point.ms = begin.elapsed().as_secs_f64() * 1e3;
         match rest {
-            Some((x, counts)) if counts.unconverged == 0 => self.point.value = Some(plan.measure.of(&scene, &x)),
+            Some((x, counts)) if counts.unconverged == 0 => {
+                self.point.value = Some(plan.measure.of(&scene, &x));
+                self.moved = Measure::TipDeflection.of(&scene, &x);
+            }
             _ => self.point.status = Status::Unconverged,
         }
         Work::Over

@@ -28,9 +28,9 @@ mod trial;
 mod twin;
 mod workers;
 
-pub use drift::{Drift, DriftRun, Moment};
+pub use drift::{Drift, DriftRun, Invariant, Moment};
 pub use exact::ClosedForm;
-pub use export::{Origin, is_time_column};
+pub use export::{Origin, head, is_time_column};
 pub use locking::{Locking, LockingNumber};
 pub use measure::Measure;
 pub use mesh_study::{MeshMoment, MeshPlan, MeshPoint, MeshStudy};

@@ -17,10 +17,9 @@ pub fn level(name: &str) -> Level {
 }
 
 pub fn open_level(level: Level, width: f32, height: f32) -> Window {
-    let mut window = Harness::builder()
-        .with_size([width, height])
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(move |cc| App::with_level(&cc.egui_ctx, level, Box::new(Disk)).unwrap().unhurried());
+    let mut window = Harness::builder().with_size([width, height]).with_step_dt(1.0 / 60.0).build_eframe(move |cc| {
+        App::with_level(&cc.egui_ctx, level, Box::new(Disk)).unwrap().unhurried().without_dialogs()
+    });
     window.run_steps(3);
     window
 }

@@ -7,4 +7,5 @@ mod harness;
 mod keys;
 mod panels;
 mod stage;
+mod studies;
 mod trouble;

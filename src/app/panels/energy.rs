@@ -1,6 +1,8 @@
 //! Where the energy is, now and in the last seconds.
 
 use super::{
+    Desk, View,
+    export::{self, Figure},
     fixed, heading_here,
     history::{History, WINDOW},
     row,
@@ -60,16 +62,14 @@ fn visible(curve: &Curve, of: &Energies) -> f64 {
     if value.abs() <= 1e-12 * largest.max(1e-3) { 0.0 } else { value }
 }
 
-pub fn show(ui: &mut Ui, history: &History) {
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    let (history, level) = (desk.history, &desk.now.level);
     let Some(&(end, now)) = history.last() else { return };
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         heading_here(ui, "Energies");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let help = "Copies time and energies as comma-separated values.";
-            if ui.small_button("Copy CSV").on_hover_text(help).clicked() {
-                ui.ctx().copy_text(history.csv());
-            }
+            export::buttons(ui, view, Figure::Energies, &level.name, || history.csv(level));
         });
     });
     let theme = Theme::of(ui.ctx());
@@ -82,7 +82,8 @@ pub fn show(ui: &mut Ui, history: &History) {
             }
         });
     }
-    plot(ui, history, end, theme);
+    let rect = ui.scope(|ui| plot(ui, history, end, theme)).response.rect;
+    export::pose(ui, view, Figure::Energies, rect);
 }
 
 /// A height in the plot: an explosion ends at numbers that a screen cannot place.

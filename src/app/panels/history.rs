@@ -1,6 +1,10 @@
 //! Energies of the last seconds, for the plot.
 
-use crate::snapshot::{Energies, Snapshot};
+use crate::{
+    level::Level,
+    snapshot::{Energies, Snapshot},
+    study::{Setting, head},
+};
 use std::collections::VecDeque;
 
 /// How far back the plot looks [s of simulated time].
@@ -35,9 +39,16 @@ impl History {
         }
     }
 
-    /// The samples as text, one line each, for a spreadsheet.
-    pub fn csv(&self) -> String {
-        let head = "time [s],kinetic [J],elastic [J],potential [J],total [J]\n".to_owned();
+    /// The samples as text, one line each, with a head that says where they come from; `level` is what was run.
+    pub fn csv(&self, level: &Level) -> String {
+        let about = [
+            ("stepped_by", Setting::of(level).label()),
+            (
+                "reference",
+                "none: these are the energies of the scene as it ran, with all that was done to it".to_owned(),
+            ),
+        ];
+        let head = head(&level.name, 1, &about) + "time_s,kinetic_j,elastic_j,potential_j,total_j\n";
         let line = |(time, of): &(f64, Energies)| {
             format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
         };

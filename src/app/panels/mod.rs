@@ -1,15 +1,19 @@
 //! Everything around the stage. A panel reads the snapshot, changes only how things are looked at ([`View`]), and
 //! answers with commands.
 
+mod axes;
 mod banner;
 mod body;
 mod cost;
 mod diagram;
+mod drift_plot;
 mod effects;
 mod energy;
+mod export;
 mod help;
 mod history;
 mod icons;
+mod mesh_plot;
 mod net;
 mod prompt;
 mod scheme;
@@ -17,9 +21,11 @@ mod segmented;
 mod slider;
 mod status;
 mod strip;
+mod studies;
 mod test_pose;
 mod toy;
 
+pub use export::Export;
 pub use history::History;
 pub use prompt::Prompt;
 
@@ -62,8 +68,10 @@ pub struct View {
     pub file: Option<FileWish>,
     /// What is wanted of the studies.
     pub wishes: Vec<Wish>,
-    /// How the diagram is looked at.
-    pub diagram: diagram::Look,
+    /// How the studies are looked at.
+    pub studies: studies::Look,
+    /// The plot whose picture is being taken.
+    pub sitting: Option<export::Sitting>,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
 }
@@ -100,7 +108,7 @@ pub enum Side {
 }
 
 /// What is wanted of the file system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileWish {
     /// A level of the gallery, by number.
     BuiltIn(usize),
@@ -108,6 +116,8 @@ pub enum FileWish {
     Open,
     /// Choose a name and save.
     Save,
+    /// Choose a name for what a plot shows, and save it.
+    Export(Export),
 }
 
 /// What the panels read.
@@ -146,10 +156,13 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
     if let Some(side) = view.drawer {
         drawer(ui, stage, side, desk, view, commands);
     }
-    banner::show(ui.ctx(), stage, desk.now, view, commands);
-    diagram::show(ui.ctx(), desk, view, commands);
-    help::show(ui.ctx(), desk.now, view);
-    prompt::show(ui.ctx(), view);
+    studies::show(ui.ctx(), desk, view, commands);
+    // Nothing may lie over a plot while its picture is taken.
+    if !view.is_posing() {
+        banner::show(ui.ctx(), stage, desk.now, view, commands);
+        help::show(ui.ctx(), desk.now, view);
+        prompt::show(ui.ctx(), view);
+    }
 }
 
 /// Both sides beside the stage.
@@ -197,8 +210,8 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
         } else {
             cost::show(ui, desk, view, commands);
             scheme::show(ui, desk, view, commands);
-            diagram::button(ui, view);
-            energy::show(ui, desk.history);
+            studies::buttons(ui, view);
+            energy::show(ui, desk, view);
         }
         ui.add_space(8.0);
     });

@@ -1,13 +1,14 @@
 //! Questions that are answered with text, where there are no native file dialogs.
 
 use super::View;
+use crate::app::dialogs::Purpose;
 use eframe::egui::{self, Context, Id, Key, Modal, RichText, TextEdit, vec2};
 
 /// A question that waits for text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Prompt {
-    /// Whether a file is to be saved; else one is to be opened.
-    pub saving: bool,
+    /// What it is about.
+    pub purpose: Purpose,
     /// What was typed.
     pub text: String,
     /// Whether the answer was given.
@@ -22,13 +23,13 @@ pub fn show(ctx: &Context, view: &mut View) {
     let mut closed = false;
     let modal = Modal::new(Id::unique("prompt")).show(ctx, |ui| {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
-        let (title, verb) = if prompt.saving { ("Save the level", "Save") } else { ("Open a level", "Open") };
-        ui.label(RichText::new(title).heading());
+        let verb = if prompt.purpose == Purpose::Open { "Open" } else { "Save" };
+        ui.label(RichText::new(prompt.purpose.title()).heading());
         let question =
-            if PATHS { "There is no file dialog on this system. Path of the level file:" } else { "Paste a level:" };
+            if PATHS { "There is no file dialog on this system. Path of the file:" } else { "Paste a level:" };
         ui.label(question);
         let edit = if PATHS { TextEdit::singleline(&mut prompt.text) } else { TextEdit::multiline(&mut prompt.text) };
-        let field = ui.add(edit.desired_width(f32::INFINITY).hint_text("my-level.ron")).accessible_name("Level file");
+        let field = ui.add(edit.desired_width(f32::INFINITY).hint_text("my-level.ron")).accessible_name("File");
         let entered = PATHS && field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if !prompt.answered && ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();

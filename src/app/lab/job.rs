@@ -1,0 +1,198 @@
+//! Any study, worked on in the background while the scene goes on: started, looked at as far as it is, and cancelled.
+
+use crate::study::{Progress, StudyError};
+use std::{
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+/// A study that can be worked on bit by bit.
+pub trait Work: Send + 'static {
+    /// What is known of it, to be drawn.
+    type Results: Clone + Default + Send + 'static;
+
+    /// Works for about `budget`.
+    ///
+    /// # Errors
+    /// If there is nothing to study.
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError>;
+
+    /// What is known so far.
+    fn results(&self) -> Self::Results;
+}
+
+/// What is known of a study.
+#[derive(Clone, Default)]
+pub struct Findings<R> {
+    /// What it came to so far.
+    pub results: R,
+    /// How far it is.
+    pub progress: Progress,
+    /// Why there is none.
+    pub trouble: Option<String>,
+    /// Counts the changes, so that a reader knows when to look.
+    version: u64,
+}
+
+/// A study of a window: what is known of the last one, and the work on it while it goes on.
+pub struct Study<W: Work> {
+    findings: Option<Findings<W::Results>>,
+    job: Option<Job<W>>,
+}
+
+impl<W: Work> Default for Study<W> {
+    fn default() -> Self {
+        Self { findings: None, job: None }
+    }
+}
+
+impl<W: Work> Study<W> {
+    /// What is known, if it was ever begun.
+    pub const fn findings(&self) -> Option<&Findings<W::Results>> {
+        self.findings.as_ref()
+    }
+
+    /// Whether it is being worked on.
+    pub const fn is_running(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// Begins anew. Preparing is part of the work: it may take as long as making a mesh.
+    pub fn start(&mut self, prepare: impl FnOnce() -> Result<W, StudyError> + Send + 'static) {
+        self.cancel();
+        self.findings = Some(Findings::default());
+        self.job = Some(Job::start(Bench::Waiting(Box::new(prepare))));
+    }
+
+    /// Stops; what is known stays.
+    pub fn cancel(&mut self) {
+        if let Some(job) = self.job.take() {
+            job.cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Fetches what was found since the last time.
+    pub fn collect(&mut self) {
+        let Some(job) = &mut self.job else { return };
+        #[cfg(target_arch = "wasm32")]
+        job.bench.step(&job.shared, Duration::from_millis(8));
+        let shared = job.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.findings.as_ref().is_none_or(|known| known.version != shared.version) {
+            self.findings = Some(shared.clone());
+        }
+        let over = shared.progress.finished || shared.trouble.is_some();
+        drop(shared);
+        if over {
+            self.job = None;
+        }
+    }
+}
+
+impl<W: Work> Drop for Study<W> {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+/// Work that goes on: in a thread of its own, or where there are none, between frames.
+struct Job<W: Work> {
+    shared: Arc<Mutex<Findings<W::Results>>>,
+    cancelled: Arc<AtomicBool>,
+    #[cfg(target_arch = "wasm32")]
+    bench: Bench<W>,
+}
+
+impl<W: Work> Job<W> {
+    fn start(bench: Bench<W>) -> Self {
+        let (shared, cancelled) = (Arc::default(), Arc::new(AtomicBool::new(false)));
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let (shared, cancelled, mut bench) = (Arc::clone(&shared), Arc::clone(&cancelled), bench);
+            std::thread::spawn(move || {
+                while !cancelled.load(Ordering::Relaxed) && bench.step(&shared, Duration::from_millis(100)) {}
+            });
+        }
+        Self {
+            shared,
+            cancelled,
+            #[cfg(target_arch = "wasm32")]
+            bench,
+        }
+    }
+}
+
+/// Where the work lies.
+enum Bench<W> {
+    Waiting(Box<dyn FnOnce() -> Result<W, StudyError> + Send>),
+    Working(W),
+    Cleared,
+}
+
+impl<W: Work> Bench<W> {
+    /// Works for about `budget` and shares what is known then. Returns whether there is more to do.
+    fn step(&mut self, shared: &Mutex<Findings<W::Results>>, budget: Duration) -> bool {
+        let begun = match std::mem::replace(self, Self::Cleared) {
+            Self::Waiting(prepare) => prepare(),
+            Self::Working(work) => Ok(work),
+            Self::Cleared => return false,
+        };
+        let done = begun.and_then(|mut work| {
+            let progress = work.advance(budget)?;
+            let results = work.results();
+            *self = Self::Working(work);
+            Ok((progress, results))
+        });
+        let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.version += 1;
+        match done {
+            Ok((progress, results)) => {
+                (shared.progress, shared.results) = (progress, results);
+                !progress.finished
+            }
+            Err(error) => {
+                shared.trouble = Some(error.to_string());
+                false
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts to three.
+    struct Count(u32);
+
+    impl Work for Count {
+        type Results = u32;
+        fn advance(&mut self, _: Duration) -> Result<Progress, StudyError> {
+            self.0 += 1;
+            Ok(Progress { done: f64::from(self.0) / 3.0, finished: self.0 == 3 })
+        }
+        fn results(&self) -> u32 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn work_shares_what_is_known_step_by_step_and_ends_when_it_is_done() {
+        let shared = Mutex::default();
+        let mut bench = Bench::Waiting(Box::new(|| Ok(Count(0))));
+        for known in 1..=3 {
+            assert_eq!(bench.step(&shared, Duration::ZERO), known < 3);
+            assert_eq!(shared.lock().map(|shared| shared.results).ok(), Some(known));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_prepared_is_told_and_ends() {
+        let shared = Mutex::default();
+        let mut bench: Bench<Count> = Bench::Waiting(Box::new(|| Err(StudyError::NotHere("no mesh"))));
+        assert!(!bench.step(&shared, Duration::ZERO) && !bench.step(&shared, Duration::ZERO));
+        assert_eq!(shared.lock().ok().and_then(|shared| shared.trouble.clone()), Some("no mesh".to_owned()));
+    }
+}

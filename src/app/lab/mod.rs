@@ -1,0 +1,138 @@
+//! What is measured beside the running scene: the stability limit, the error now, and the studies of accuracy, meshes and drift.
+
+mod job;
+mod studies;
+
+pub use job::{Findings, Study};
+pub use studies::{Course, Courses, Diagram, Mesh, MeshFindings, Meshes, SECONDS, TARGETS};
+
+use crate::{
+    sandbox::Sandbox,
+    stability::StabilityProbe,
+    study::{Drift, Measure, Twin, WorkPrecision},
+};
+use std::time::Duration;
+
+/// What a study is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Topic {
+    /// Errors of schemes and steps against time: the work-precision diagram.
+    #[default]
+    Accuracy,
+    /// Errors of meshes against time.
+    Meshes,
+    /// Energy and momentum over time.
+    Drift,
+}
+
+/// What the panels may ask for. There is one study at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wish {
+    /// Measure the work-precision diagram from the present state.
+    Accuracy,
+    /// Compare meshes by this.
+    Meshes(Measure),
+    /// Follow energy and momentum from the present state for so long [s].
+    Drift(f64),
+    /// Stop the study that is worked on; what is known stays.
+    Cancel,
+    /// Run a twin beside the scene, or stop it.
+    Twin(bool),
+}
+
+/// All studies of a window.
+#[derive(Default)]
+pub struct Lab {
+    probe: StabilityProbe,
+    limit: Option<f64>,
+    twin: Option<Twin>,
+    /// The work-precision diagram.
+    pub accuracy: Study<WorkPrecision>,
+    /// The price of spatial accuracy.
+    pub meshes: Study<Meshes>,
+    /// Energy and momentum over time.
+    pub drift: Study<Drift>,
+}
+
+impl Lab {
+    /// Longest stable step of an undamped vibration near the present state [s], as far as it is known.
+    pub const fn limit(&self) -> Option<f64> {
+        self.limit
+    }
+
+    /// The twin that measures the error now.
+    pub const fn twin(&self) -> Option<&Twin> {
+        self.twin.as_ref()
+    }
+
+    /// Whether a study is being worked on.
+    pub const fn is_running(&self, topic: Topic) -> bool {
+        match topic {
+            Topic::Accuracy => self.accuracy.is_running(),
+            Topic::Meshes => self.meshes.is_running(),
+            Topic::Drift => self.drift.is_running(),
+        }
+    }
+
+    /// How much of a study is done, if it was ever begun.
+    pub fn done(&self, topic: Topic) -> Option<f64> {
+        match topic {
+            Topic::Accuracy => self.accuracy.findings().map(|findings| findings.progress.done),
+            Topic::Meshes => self.meshes.findings().map(|findings| findings.progress.done),
+            Topic::Drift => self.drift.findings().map(|findings| findings.progress.done),
+        }
+    }
+
+    /// Does what a panel asked for.
+    pub fn grant(&mut self, wish: Wish, sandbox: &Sandbox) {
+        if !matches!(wish, Wish::Twin(_)) {
+            // Two at once would disturb each other's times.
+            self.cancel();
+        }
+        let level = || sandbox.saved();
+        match wish {
+            Wish::Accuracy => {
+                let level = level();
+                self.accuracy.start(move || studies::accuracy(&level));
+            }
+            Wish::Meshes(measure) => {
+                let level = level();
+                self.meshes.start(move || studies::meshes(&level, measure));
+            }
+            Wish::Drift(seconds) => {
+                let level = level();
+                self.drift.start(move || studies::drift(&level, seconds));
+            }
+            Wish::Cancel => {}
+            Wish::Twin(on) => self.twin = on.then(|| Twin::new(sandbox.simulation())),
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.accuracy.cancel();
+        self.meshes.cancel();
+        self.drift.cancel();
+    }
+
+    /// Takes note of what the scene does; call it before anything is changed from outside.
+    pub fn follow(&mut self, sandbox: &Sandbox) {
+        if let Some(twin) = &mut self.twin {
+            twin.follow(sandbox.simulation());
+        }
+    }
+
+    /// Works for a small part of a frame. Returns whether there is more to do.
+    pub fn work(&mut self, sandbox: &Sandbox) -> bool {
+        let simulation = sandbox.simulation();
+        let settled = self.limit.is_some() && !sandbox.is_live();
+        self.limit = self.probe.refine(simulation.scene(), simulation.state(), if settled { 1 } else { 2 });
+        let behind = self.twin.as_mut().is_some_and(|twin| {
+            twin.follow(simulation);
+            !twin.advance(simulation, Duration::from_millis(8))
+        });
+        self.accuracy.collect();
+        self.meshes.collect();
+        self.drift.collect();
+        behind || [Topic::Accuracy, Topic::Meshes, Topic::Drift].into_iter().any(|topic| self.is_running(topic))
+    }
+}

@@ -1,0 +1,222 @@
+//! The studies that a window can ask for, and what is known of each.
+
+use super::job::Work;
+use crate::{
+    files::Disk,
+    integrators::IntegratorKind,
+    level::Level,
+    study::{
+        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy, Plan,
+        Price, Progress, Setting, Status, StudyError, Suggestion, Trial, WorkPrecision,
+    },
+};
+use std::time::Duration;
+
+/// Errors that a cheapest setting is looked for.
+pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
+
+/// Simulated time of errors and of meshes that do not come to rest [s].
+pub const SECONDS: f64 = 1.0;
+
+/// Threads for a study: one is left for the scene, which goes on.
+fn threads() -> usize {
+    crate::study::threads().saturating_sub(1).max(1)
+}
+
+/// What is known of the work-precision diagram.
+#[derive(Clone, Default)]
+pub struct Diagram {
+    /// Title of the level.
+    pub level: String,
+    /// A line for every scheme.
+    pub curves: Vec<Curve>,
+    /// What errors are measured against, with its own error.
+    pub reference: Option<(String, f64)>,
+    /// The cheapest setting for each of [`TARGETS`], by time and by force evaluations.
+    pub suggestions: Vec<[Option<Suggestion>; 2]>,
+    /// The table as comma-separated values.
+    pub csv: String,
+}
+
+/// Prepares the work-precision diagram of a level from its state.
+pub fn accuracy(level: &Level) -> Result<WorkPrecision, StudyError> {
+    let plan = Plan { threads: threads(), ..Plan::default() };
+    Ok(WorkPrecision::new(Trial::new(level, &Disk, SECONDS)?, plan))
+}
+
+impl Work for WorkPrecision {
+    type Results = Diagram;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        Self::advance(self, budget)
+    }
+
+    fn results(&self) -> Diagram {
+        let prices = [Price::Time, Price::ForceEvaluations];
+        Diagram {
+            level: self.trial().name.clone(),
+            curves: self.curves(),
+            reference: self.reference().map(|reference| (reference.source.to_string(), reference.own_error)),
+            suggestions: TARGETS.map(|target| prices.map(|price| self.suggest(target, price))).to_vec(),
+            csv: self.csv(),
+        }
+    }
+}
+
+/// A mesh study, and then how much the level's mesh locks.
+pub struct Meshes {
+    level: Level,
+    study: MeshStudy,
+    locking: Option<Locking>,
+}
+
+/// A mesh with what came out of it.
+#[derive(Clone)]
+pub struct Mesh {
+    /// The mesh and its value.
+    pub point: MeshPoint,
+    /// Relative error of the value, once it is known.
+    pub error: Option<f64>,
+    /// Whether it is the level's own.
+    pub current: bool,
+}
+
+/// What is known of a mesh study.
+#[derive(Clone, Default)]
+pub struct MeshFindings {
+    /// Title of the level.
+    pub level: String,
+    /// What is compared.
+    pub measure: Measure,
+    /// When it is taken.
+    pub moment: MeshMoment,
+    /// From coarse to fine.
+    pub meshes: Vec<Mesh>,
+    /// What values are compared with, and its own relative error.
+    pub reference: Option<(f64, f64)>,
+    /// How steeply the error falls with the size of the triangles.
+    pub order: Option<f64>,
+    /// Why the values tell nothing.
+    pub remark: Option<&'static str>,
+    /// How much the level's mesh locks.
+    pub locking: Vec<LockingNumber>,
+    /// The table as comma-separated values.
+    pub csv: String,
+}
+
+/// Prepares a mesh study of a level: at rest where it is held, else at the end of [`SECONDS`].
+pub fn meshes(level: &Level, measure: Measure) -> Result<Meshes, StudyError> {
+    let plan = |moment| MeshPlan { measure, moment, threads: threads(), ..MeshPlan::default() };
+    let trial = Trial::new(level, &Disk, SECONDS)?;
+    let moment = if trial.scene.pins.len() < 2 { MeshMoment::AtTheEnd } else { MeshMoment::AtRest };
+    let study = MeshStudy::new(level, &Disk, SECONDS, plan(moment))?;
+    Ok(Meshes { level: level.clone(), study, locking: None })
+}
+
+impl Work for Meshes {
+    type Results = MeshFindings;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        /// About how large a share of the work the meshes are.
+        const MESHES: f64 = 0.7;
+        let compared = self.study.advance(budget);
+        let alone = self.study.plan().moment == MeshMoment::AtTheEnd || self.study.remark().is_some();
+        if !compared.finished || alone {
+            return Ok(compared);
+        }
+        if self.locking.is_none() {
+            self.locking = Some(Locking::new(&self.level, &Disk)?);
+        }
+        let locking = self.locking.as_mut().map_or(Progress::FINISHED, Locking::advance);
+        Ok(Progress { done: MESHES + (1.0 - MESHES) * locking.done, ..locking })
+    }
+
+    fn results(&self) -> MeshFindings {
+        let study = &self.study;
+        let mesh = |point: &MeshPoint| Mesh {
+            point: point.clone(),
+            error: study.error_of(point),
+            current: study.is_current(point),
+        };
+        let locking = self.locking.as_ref().map(Locking::numbers).unwrap_or_default();
+        MeshFindings {
+            level: study.trial().name.clone(),
+            measure: study.plan().measure,
+            moment: study.plan().moment,
+            meshes: study.points().map(mesh).collect(),
+            reference: study.reference(),
+            order: study.order(),
+            remark: study.remark(),
+            csv: study.csv(&locking),
+            locking,
+        }
+    }
+}
+
+/// The course of one scheme.
+#[derive(Clone)]
+pub struct Course {
+    /// How it was stepped.
+    pub setting: Setting,
+    /// Whether this is how the level itself is stepped.
+    pub current: bool,
+    /// How it went.
+    pub status: Status,
+    /// For each of [`Invariant::ALL`]: time [s] and the greatest change so far.
+    pub changes: [Vec<[f64; 2]>; 3],
+    /// The change of the energy at the end, below zero if some is lost.
+    pub gain: f64,
+}
+
+/// What is known of energy and momentum over time.
+#[derive(Clone, Default)]
+pub struct Courses {
+    /// Title of the level.
+    pub level: String,
+    /// Simulated time [s].
+    pub seconds: f64,
+    /// One for each scheme.
+    pub each: Vec<Course>,
+    /// For each of [`Invariant::ALL`]: what changes it by right, and why there is nothing of it.
+    pub words: [(String, Option<&'static str>); 3],
+    /// The table as comma-separated values.
+    pub csv: String,
+}
+
+/// Prepares the courses of a level from its state, for a time [s].
+pub fn drift(level: &Level, seconds: f64) -> Result<Drift, StudyError> {
+    let trial = Trial::new(level, &Disk, seconds)?;
+    let settings = Drift::settings(&trial, &IntegratorKind::all(), None);
+    Ok(Drift::new(trial, settings, threads()))
+}
+
+impl Work for Drift {
+    type Results = Courses;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        Ok(Self::advance(self, budget))
+    }
+
+    fn results(&self) -> Courses {
+        let course = |run: &crate::study::DriftRun| {
+            let changes = Invariant::ALL.map(|invariant| {
+                let mut greatest = 0.0_f64;
+                let points = run.moments.iter().map(|moment| {
+                    greatest = greatest.max(self.change(run, invariant, moment).abs());
+                    [moment.time, greatest]
+                });
+                points.collect()
+            });
+            let gain = run.moments.last().map_or(0.0, |last| self.change(run, Invariant::Energy, last));
+            let current = run.setting == self.trial().current;
+            Course { setting: run.setting.clone(), current, status: run.status(), changes, gain }
+        };
+        Courses {
+            level: self.trial().name.clone(),
+            seconds: self.trial().seconds(),
+            each: self.runs().iter().map(course).collect(),
+            words: Invariant::ALL.map(|invariant| (self.changed_by(invariant).join(", "), self.nothing_of(invariant))),
+            csv: self.csv(),
+        }
+    }
+}

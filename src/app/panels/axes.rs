@@ -1,0 +1,130 @@
+//! What the plots have in common: axes of powers of ten, the colours of the schemes, and names written beside their lines.
+
+use crate::{app::theme::Theme, integrators::IntegratorKind};
+use eframe::egui::{Align2, Color32, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
+use egui_plot::{GridInput, GridMark, Plot};
+
+/// A plot with two axes of powers of ten: what is plotted are common logarithms.
+pub fn log_log<'a>(name: &'static str, theme: &Theme) -> Plot<'a> {
+    log_y(name, theme).x_grid_spacer(decades).x_axis_formatter(|mark, _| power_of_ten(mark.value))
+}
+
+/// A plot whose vertical axis is one of powers of ten.
+pub fn log_y<'a>(name: &'static str, theme: &Theme) -> Plot<'a> {
+    Plot::new(name)
+        .y_grid_spacer(decades)
+        .y_axis_formatter(|mark, _| power_of_ten(mark.value))
+        .grid_color(theme.line)
+        .allow_scroll(false)
+        .show_x(false)
+        .show_y(false)
+}
+
+/// A line for every power of ten, or for every second, third, ... one.
+fn decades(GridInput { bounds: (from, to), .. }: GridInput) -> Vec<GridMark> {
+    let every = ((to - from) / 8.0).ceil().max(1.0);
+    let (first, last) = ((from / every).ceil() as i64, (to / every).floor() as i64);
+    (first..=last).map(|mark| GridMark { value: mark as f64 * every, step_size: every }).collect()
+}
+
+fn power_of_ten(exponent: f64) -> String {
+    match exponent.round() as i32 {
+        power @ -3..=4 => format!("{}", 10_f64.powi(power)),
+        power => format!("1e{power}"),
+    }
+}
+
+/// The colour of a scheme, the same in every plot.
+pub fn color_of(integrator: &IntegratorKind, theme: &Theme) -> Color32 {
+    let number = IntegratorKind::all().iter().position(|kind| kind.name() == integrator.name()).unwrap_or(0);
+    let base = theme.series[number % theme.series.len()];
+    // The second round of colours is lighter or darker, so that eleven lines can be told apart.
+    if number < theme.series.len() { base } else { base.lerp_to_gamma(theme.text, 0.45) }
+}
+
+/// A name that belongs to a point of a plot.
+pub struct Label {
+    /// The point on the screen.
+    pub at: Pos2,
+    /// What is written beside it.
+    pub text: String,
+    /// The colour of its line.
+    pub color: Color32,
+}
+
+/// Distance of a label from its point [points].
+const GAP: f32 = 8.0;
+
+/// How much nearer a place on the left must be, where lines come from [points].
+const LEFT: f32 = 60.0;
+
+/// Writes names beside their points, none over another, with a thin line where one had to give way.
+pub fn write_labels(ui: &Ui, frame: Rect, labels: &[Label]) {
+    let painter = ui.painter_at(frame);
+    let font = TextStyle::Small.resolve(ui.style());
+    let inside: Vec<_> = labels.iter().filter(|label| frame.contains(label.at)).collect();
+    let lay = |label: &&Label| painter.layout_no_wrap(label.text.clone(), font.clone(), label.color);
+    let galleys: Vec<_> = inside.iter().map(lay).collect();
+    let wanted: Vec<_> = inside.iter().zip(&galleys).map(|(label, galley)| (label.at, galley.size())).collect();
+    for ((label, galley), rect) in inside.iter().zip(galleys).zip(places(frame.shrink(2.0), &wanted)) {
+        let near = rect.clamp(label.at);
+        if near.distance(label.at) > 1.6 * GAP {
+            painter.line_segment([label.at, near], Stroke::new(1.0, label.color.gamma_multiply(0.5)));
+        }
+        painter.galley(rect.left_top(), galley, label.color);
+    }
+}
+
+/// Places for names of these sizes: to the right of their points if there is room, else as near as can be.
+fn places(frame: Rect, wanted: &[(Pos2, Vec2)]) -> Vec<Rect> {
+    let mut order: Vec<usize> = (0..wanted.len()).collect();
+    order.sort_by(|a, b| wanted[*a].0.y.total_cmp(&wanted[*b].0.y));
+    let mut placed: Vec<(usize, Rect)> = Vec::new();
+    for number in order {
+        let (at, size) = wanted[number];
+        let shifts = (0..40_u8).flat_map(|step| [1.0, -1.0].map(|sign| sign * f32::from(step) * 0.34 * size.y));
+        let sides = [(Align2::LEFT_CENTER, GAP), (Align2::RIGHT_CENTER, -GAP)];
+        let candidates =
+            shifts.flat_map(|shift| sides.map(|(anchor, gap)| anchor.anchor_size(at + vec2(gap, shift), size)));
+        let free = |rect: &Rect| {
+            let points = wanted.iter().all(|(point, _)| !rect.contains(*point));
+            frame.contains_rect(*rect) && points && placed.iter().all(|(_, other)| !rect.intersects(*other))
+        };
+        // The nearest free place; where all is full, beside the point.
+        let distance = |rect: &Rect| rect.distance_to_pos(at) + if rect.center().x < at.x { LEFT } else { 0.0 };
+        let best = candidates.filter(free).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let rect = best.unwrap_or_else(|| Align2::LEFT_CENTER.anchor_size(at + vec2(GAP, 0.0), size));
+        placed.push((number, rect));
+    }
+    placed.sort_by_key(|(number, _)| *number);
+    placed.into_iter().map(|(_, rect)| rect).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::pos2;
+
+    #[test]
+    fn names_of_lines_that_end_together_do_not_cover_each_other() {
+        let frame = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
+        let wanted: Vec<_> = (0..11_u8).map(|i| (pos2(300.0, 200.0 + f32::from(i)), vec2(90.0, 14.0))).collect();
+        let rects = places(frame, &wanted);
+        for (number, rect) in rects.iter().enumerate() {
+            assert!(frame.contains_rect(*rect));
+            assert!(rects[number + 1..].iter().all(|other| !rect.intersects(*other)));
+        }
+    }
+
+    #[test]
+    fn every_scheme_has_a_colour_of_its_own() {
+        for mode in [eframe::egui::Theme::Dark, eframe::egui::Theme::Light] {
+            let mut colors: Vec<_> =
+                IntegratorKind::all().iter().map(|kind| color_of(kind, Theme::for_mode(mode)).to_array()).collect();
+            let all = colors.len();
+            colors.sort_unstable();
+            colors.dedup();
+            assert_eq!(colors.len(), all);
+        }
+    }
+}

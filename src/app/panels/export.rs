@@ -1,0 +1,181 @@
+//! Every plot can be taken away: its numbers as CSV, and its own pixels as PNG.
+
+use super::{FileWish, Notice, View};
+use crate::app::dialogs::stem;
+use eframe::egui::{Button, ColorImage, Context, Rect, RichText, Ui, Vec2, style::ScrollAnimation};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A finished file that waits for a place.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Export {
+    /// The name that is suggested, with its extension.
+    pub name: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+/// The plots there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// Energies of the last seconds.
+    Energies,
+    /// Errors of schemes against time.
+    Accuracy,
+    /// Errors of meshes against time.
+    Meshes,
+    /// Energy and momentum over time.
+    Drift,
+}
+
+impl Figure {
+    /// What it is called on buttons and in file names.
+    const fn title(self) -> &'static str {
+        match self {
+            Self::Energies => "Energies",
+            Self::Accuracy => "Accuracy",
+            Self::Meshes => "Meshes",
+            Self::Drift => "Drift",
+        }
+    }
+}
+
+/// A plot whose picture is being taken: it takes some frames until its pixels are there.
+pub struct Sitting {
+    figure: Figure,
+    name: String,
+    /// The head of its table, which goes into the file.
+    about: String,
+    /// Where it was drawn last [points].
+    rect: Option<Rect>,
+    frames: u32,
+    pixels: Arc<Mutex<Option<Arc<ColorImage>>>>,
+}
+
+/// After so many frames there will be no pixels any more.
+const PATIENCE: u32 = 90;
+
+/// Two small buttons in a row that is laid out from the right: for the picture of a plot, and for its numbers.
+pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table: impl Fn() -> String) {
+    let title = figure.title();
+    let name = |extension: &str| format!("{}-{}.{extension}", stem(level), title.to_lowercase());
+    let button = |ui: &mut Ui, text: &str, help: &str| {
+        let button = Button::new(RichText::new(text).small()).small().min_size(Vec2::new(34.0, 20.0));
+        ui.add(button).on_hover_text(help).accessible_name(format!("{title} as {text}"))
+    };
+    if button(ui, "PNG", "Saves the plot as a picture, as it looks now.").clicked() {
+        let table = table();
+        let about: Vec<_> = table.lines().filter_map(|line| line.strip_prefix("# ")).collect();
+        let (about, pixels) = (about.join("\n"), Arc::default());
+        view.sitting = Some(Sitting { figure, name: name("png"), about, rect: None, frames: 0, pixels });
+    }
+    let help =
+        "Saves the numbers behind the plot as comma-separated values, with a head that says where they come from.";
+    if button(ui, "CSV", help).clicked() {
+        view.file = Some(FileWish::Export(Export { name: name("csv"), bytes: table().into_bytes() }));
+    }
+}
+
+/// Call it after a plot was drawn: if its picture is wanted, it is brought into view and taken.
+pub fn pose(ui: &Ui, view: &mut View, figure: Figure, rect: Rect) {
+    let Some(sitting) = view.sitting.as_mut().filter(|sitting| sitting.figure == figure) else { return };
+    let before = sitting.rect.replace(rect.expand(4.0));
+    if before.is_none() {
+        ui.scroll_to_rect_animation(rect, None, ScrollAnimation::none());
+    } else if sitting.frames == 2 {
+        let (pixels, ctx) = (Arc::clone(&sitting.pixels), ui.ctx().clone());
+        ui.ctx().request_screenshot(move |image| {
+            *pixels.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
+            ctx.request_repaint();
+        });
+    }
+}
+
+impl View {
+    /// Whether a picture of this plot is being taken, so that nothing may lie over it.
+    pub fn poses(&self, figure: Figure) -> bool {
+        self.sitting.as_ref().is_some_and(|sitting| sitting.figure == figure)
+    }
+
+    /// Whether a picture is being taken.
+    pub const fn is_posing(&self) -> bool {
+        self.sitting.is_some()
+    }
+
+    /// Counts the frames of a sitting, and turns its pixels into a file once they are there.
+    pub fn develop(&mut self, ctx: &Context) {
+        let Some(sitting) = &mut self.sitting else { return };
+        ctx.request_repaint();
+        sitting.frames += 1;
+        let image = sitting.pixels.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let file = match (image, sitting.rect) {
+            (Some(image), Some(rect)) => png(&image, rect, ctx.pixels_per_point(), &sitting.about),
+            _ if sitting.frames > PATIENCE => Err("this window gives no picture of itself".to_owned()),
+            _ => return,
+        };
+        match file {
+            Ok(bytes) => self.file = Some(FileWish::Export(Export { name: std::mem::take(&mut sitting.name), bytes })),
+            Err(why) => self.notice = Some(Notice::Trouble(format!("The plot could not be drawn into a file: {why}"))),
+        }
+        self.sitting = None;
+    }
+}
+
+/// The part of a picture of the window that shows `rect` [points], as a PNG file with a text about it.
+fn png(image: &ColorImage, rect: Rect, pixels_per_point: f32, about: &str) -> Result<Vec<u8>, String> {
+    let [width, height] = image.size;
+    let pixel = |at: f32, most: usize| ((at * pixels_per_point).round().max(0.0) as usize).min(most);
+    let (left, right) = (pixel(rect.left(), width), pixel(rect.right(), width));
+    let (top, bottom) = (pixel(rect.top(), height), pixel(rect.bottom(), height));
+    if left >= right || top >= bottom {
+        return Err("it is out of sight".to_owned());
+    }
+    let rows = image.pixels.chunks_exact(width).take(bottom).skip(top);
+    let rgb: Vec<u8> =
+        rows.flat_map(|row| &row[left..right]).flat_map(|color| [color.r(), color.g(), color.b()]).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, (right - left) as u32, (bottom - top) as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let said = |error: png::EncodingError| error.to_string();
+    encoder.add_itxt_chunk("Description".to_owned(), about.to_owned()).map_err(said)?;
+    let mut writer = encoder.write_header().map_err(said)?;
+    writer.write_image_data(&rgb).map_err(said)?;
+    writer.finish().map_err(said)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Color32, pos2};
+
+    /// A picture whose pixels say where they are.
+    fn window() -> ColorImage {
+        let pixels = (0..40 * 30).map(|i| Color32::from_rgb((i % 40) as u8, (i / 40) as u8, 7)).collect();
+        ColorImage::new([40, 30], pixels)
+    }
+
+    #[test]
+    fn a_picture_holds_the_pixels_of_the_plot_alone_and_says_where_they_come_from() {
+        let rect = Rect::from_min_max(pos2(5.0, 3.0), pos2(15.0, 9.0));
+        let bytes = png(&window(), rect, 2.0, "level: Chain\nthreads: 1").unwrap_or_default();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().ok();
+        let reader = reader.as_mut();
+        let mut pixels = vec![0; 20 * 12 * 3];
+        let frame = reader.and_then(|reader| {
+            let text = reader.info().utf8_text.first()?.get_text().ok()?;
+            assert_eq!(text, "level: Chain\nthreads: 1");
+            reader.next_frame(&mut pixels).ok()
+        });
+        assert_eq!(frame.map(|frame| (frame.width, frame.height)), Some((20, 12)));
+        assert_eq!((&pixels[..3], &pixels[pixels.len() - 3..]), (&[10, 6, 7][..], &[29, 17, 7][..]));
+    }
+
+    #[test]
+    fn a_plot_that_is_partly_outside_is_cut_and_one_that_is_not_there_is_refused() {
+        let half = Rect::from_min_max(pos2(30.0, 20.0), pos2(80.0, 80.0));
+        assert!(png(&window(), half, 1.0, "").is_ok());
+        let away = Rect::from_min_max(pos2(50.0, 0.0), pos2(80.0, 20.0));
+        assert!(png(&window(), away, 1.0, "").is_err());
+    }
+}

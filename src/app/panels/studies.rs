@@ -1,0 +1,150 @@
+//! The studies in a window of their own over the stage: accuracy, meshes, drift. Each is worked on in the background while the scene
+//! goes on, and shows what it has so far.
+
+use super::{
+    Desk, View, diagram, drift_plot,
+    export::{self, Figure},
+    heading, mesh_plot,
+    segmented::{Segment, segmented},
+};
+use crate::{
+    app::{
+        lab::{Findings, Topic, Wish},
+        theme::Theme,
+    },
+    command::Command,
+};
+use eframe::egui::{Align, Context, Id, Layout, ProgressBar, RichText, Ui, Vec2, Window};
+
+/// How the studies are looked at.
+#[derive(Default)]
+pub struct Look {
+    /// Whether the window is shown.
+    pub open: bool,
+    /// Which of them.
+    pub topic: Topic,
+    /// How the diagram of accuracy is looked at.
+    pub diagram: diagram::Look,
+    /// What is compared between meshes.
+    pub meshes: mesh_plot::Look,
+    /// What is followed over time.
+    pub drift: drift_plot::Look,
+}
+
+/// A topic, in short, in full, and what it does.
+const TOPICS: [(Topic, &str, &str, &str); 3] = [
+    (
+        Topic::Accuracy,
+        "Accuracy",
+        "Work-precision diagram",
+        "Runs the next second with every scheme and many steps, and draws error against time.",
+    ),
+    (
+        Topic::Meshes,
+        "Meshes",
+        "Mesh study",
+        "Runs the level on coarser and finer meshes, and draws error against time; tells how much its triangles lock.",
+    ),
+    (
+        Topic::Drift,
+        "Drift",
+        "Drift study",
+        "Runs the next seconds with every scheme, and draws what it does to energy and momentum.",
+    ),
+];
+
+/// The buttons that open it.
+pub fn buttons(ui: &mut Ui, view: &mut View) {
+    heading(ui, "What accuracy costs");
+    let look = &mut view.studies;
+    let parts =
+        TOPICS.map(|(topic, text, name, about)| Segment { text, name, about, on: look.open && look.topic == topic });
+    if let Some((topic, ..)) = segmented(ui, "studies", &parts, true).and_then(|clicked| TOPICS.get(clicked)) {
+        look.open = !look.open || look.topic != *topic;
+        look.topic = *topic;
+        // Where the sides lie over the stage, one would hide the other.
+        view.drawer = None;
+    }
+}
+
+pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    // A plot beside it is having its picture taken.
+    if view.poses(Figure::Energies) {
+        return;
+    }
+    let mut open = view.studies.open;
+    let size = ctx.content_rect().size();
+    Window::new("What accuracy costs")
+        .id(Id::unique("studies"))
+        .open(&mut open)
+        .default_pos(ctx.content_rect().left_top() + Vec2::new(((size.x - 960.0) / 2.0).max(12.0), 72.0))
+        .default_size(Vec2::new((size.x - 60.0).min(760.0), (size.y - 140.0).min(560.0)))
+        .min_size(Vec2::new(320.0, 280.0))
+        .constrain(true)
+        .show(ctx, |ui| {
+            top(ui, desk, view);
+            match view.studies.topic {
+                Topic::Accuracy => diagram::show(ui, desk, view, commands),
+                Topic::Meshes => mesh_plot::show(ui, desk, view),
+                Topic::Drift => drift_plot::show(ui, desk, view),
+            }
+        });
+    view.studies.open = open;
+}
+
+/// Which study, and the button that begins or ends it.
+fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    ui.horizontal_wrapped(|ui| {
+        let now = view.studies.topic;
+        let parts = TOPICS.map(|(topic, text, _, about)| Segment { text, name: text, about, on: now == topic });
+        if let Some((topic, ..)) = segmented(ui, "topic", &parts, false).and_then(|clicked| TOPICS.get(clicked)) {
+            view.studies.topic = *topic;
+        }
+        let topic = view.studies.topic;
+        if desk.lab.is_running(topic) {
+            if ui.button("Cancel").on_hover_text("Stops; what is measured stays.").clicked() {
+                view.wishes.push(Wish::Cancel);
+            }
+            let done = desk.lab.done(topic).unwrap_or(0.0);
+            ui.add(ProgressBar::new(done as f32).desired_width(110.0));
+            ui.label(format!("{:.0} %", 100.0 * done));
+            return;
+        }
+        let (wish, help) = match topic {
+            Topic::Accuracy => (Wish::Accuracy, diagram::HELP),
+            Topic::Meshes => (Wish::Meshes(view.studies.meshes.measure), mesh_plot::HELP),
+            Topic::Drift => (Wish::Drift(view.studies.drift.seconds()), drift_plot::HELP),
+        };
+        if ui.button("Measure").on_hover_text(help).clicked() {
+            view.wishes.push(wish);
+        }
+    });
+}
+
+/// What a study came to, or in words why there is nothing.
+pub fn results<'a, R>(ui: &mut Ui, findings: Option<&'a Findings<R>>, invitation: &str) -> Option<&'a R> {
+    let Some(findings) = findings else {
+        ui.label(invitation);
+        return None;
+    };
+    if let Some(trouble) = &findings.trouble {
+        let mut text = trouble.clone();
+        // Messages of the library begin small, as they stand after a file's name in a terminal.
+        text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
+        ui.label(RichText::new(text + ".").color(Theme::of(ui.ctx()).caution));
+        return None;
+    }
+    Some(&findings.results)
+}
+
+/// A line above a plot: what it shows, and on the right the buttons to take it away.
+pub fn caption(ui: &mut Ui, view: &mut View, figure: Figure, text: &str, level: &str, table: &str) {
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            export::buttons(ui, view, figure, level, || table.to_owned());
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(eframe::egui::Label::new(RichText::new(text).small().weak()).wrap());
+            });
+        });
+    });
+}

@@ -1,0 +1,208 @@
+//! Studies in the background, and plots that can be taken away.
+
+use crate::harness::*;
+use eframe::egui::{ColorImage, Event, Key, Modifiers, ViewportCommand};
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::command::Mode;
+use std::{fs, path::PathBuf, sync::Arc};
+
+/// A folder of a test's own, gone at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Answers the question for a path.
+fn save_as(window: &mut Window, path: &std::path::Path) {
+    press_with(window, Modifiers::COMMAND, Key::A);
+    window.event(Event::Text(path.display().to_string()));
+    window.run_steps(2);
+    click(window, "Save");
+}
+
+/// Saves the numbers of a plot and returns them.
+fn table(window: &mut Window, button: &str) -> String {
+    let folder = Folder::new(&button.to_lowercase().replace(' ', "-"));
+    let path = folder.0.join("out.csv");
+    click(window, button);
+    save_as(window, &path);
+    assert!(
+        window.state().notice().is_some_and(|notice| notice.starts_with("Saved as")),
+        "{:?}",
+        window.state().notice()
+    );
+    fs::read_to_string(&path).unwrap()
+}
+
+fn has_head(table: &str, more: &[&str]) {
+    for entry in ["# level: ", "# commit: ", "# processor: ", "# threads: "].iter().chain(more) {
+        assert!(table.lines().any(|line| line.starts_with(entry)), "{entry} is missing in\n{table}");
+    }
+}
+
+/// Opens a study, begins it, and goes on drawing until it is done.
+fn measure(window: &mut Window, study: &str) {
+    click(window, study);
+    click(window, "Measure");
+    for _ in 0..100_000 {
+        if window.query_by_label("Cancel").is_none() {
+            return;
+        }
+        window.run_steps(1);
+    }
+    panic!("{study} does not end");
+}
+
+#[test]
+fn the_numbers_of_the_energy_plot_are_saved_with_a_head_that_says_where_they_come_from() {
+    let mut window = in_mode("chain", Mode::Simulate);
+    press(&mut window, Key::Space);
+    let table = table(&mut window, "Energies as CSV");
+    has_head(&table, &["# level: Chain", "# reference: none"]);
+    let rows = table.lines().filter(|line| !line.starts_with('#'));
+    assert!(
+        rows.clone().next() == Some("time_s,kinetic_j,elastic_j,potential_j,total_j") && rows.count() > 3,
+        "{table}"
+    );
+}
+
+#[test]
+fn a_plot_that_cannot_be_saved_says_why_and_one_that_is_not_wanted_is_forgotten() {
+    let mut window = open("chain");
+    click(&mut window, "Energies as CSV");
+    save_as(&mut window, &std::env::temp_dir().join("gingerbread-no-such-folder").join("out.csv"));
+    assert!(window.state().notice().is_some_and(|notice| notice.contains("no-such-folder")));
+    click(&mut window, "Energies as CSV");
+    click(&mut window, "Cancel");
+    window.run_steps(5);
+    assert!(window.query_by_label("Save").is_none());
+}
+
+#[test]
+fn a_picture_of_a_plot_is_cut_from_the_pixels_of_the_window() {
+    let folder = Folder::new("picture");
+    let path = folder.0.join("out.png");
+    let mut window = open("chain");
+    click(&mut window, "Energies as PNG");
+    let mut asked = None;
+    for _ in 0..10 {
+        let mut commands = window.output().viewport_output.values().flat_map(|viewport| &viewport.commands);
+        asked = commands.find_map(|command| match command {
+            ViewportCommand::Screenshot(callback) => Some(callback.clone()),
+            _ => None,
+        });
+        if asked.is_some() {
+            break;
+        }
+        window.run_steps(1);
+    }
+    // The harness paints nothing; what a window would give is one colour everywhere.
+    let grey = ColorImage::filled([1280, 800], eframe::egui::Color32::from_gray(90));
+    asked.expect("the window is asked for its pixels").complete(Arc::new(grey));
+    window.run_steps(3);
+    save_as(&mut window, &path);
+    let bytes = fs::read(&path).unwrap();
+    let size = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+    assert_eq!(&bytes[1..4], b"PNG");
+    assert!((250..330).contains(&size(16)) && (120..330).contains(&size(20)), "{} x {}", size(16), size(20));
+    assert!(bytes.windows(13).any(|text| text == b"level: Chain\n".as_slice()), "it says what it shows");
+}
+
+#[test]
+fn a_window_that_gives_no_picture_says_so_and_goes_on() {
+    let mut window = open("chain");
+    click(&mut window, "Energies as PNG");
+    window.run_steps(120);
+    assert!(
+        window.state().notice().is_some_and(|notice| notice.contains("no picture")),
+        "{:?}",
+        window.state().notice()
+    );
+}
+
+#[test]
+fn accuracy_and_drift_of_nets_and_toys_are_measured_while_the_scene_goes_on_and_can_be_saved() {
+    for (level, entry) in [("hanging_net", "# reference: Runge-Kutta 4"), ("pendulum", "# reference: exact: ")] {
+        let mut window = open(level);
+        measure(&mut window, "Work-precision diagram");
+        draw(&window);
+        has_head(&table(&mut window, "Accuracy as CSV"), &[entry, "# reference_error_at_most: "]);
+        click(&mut window, "Got it");
+        press(&mut window, Key::M);
+        let time = window.state().snapshot().time;
+        measure(&mut window, "Drift study");
+        assert!(window.state().snapshot().time > time, "time goes on");
+        draw(&window);
+        let drift = table(&mut window, "Drift as CSV");
+        has_head(&drift, &["# energy_scale_j: "]);
+        assert!(drift.contains("RungeKutta4"), "{drift}");
+    }
+}
+
+#[test]
+fn the_mesh_study_tells_how_much_triangles_lock_and_says_in_words_where_there_is_no_mesh() {
+    let mut window = open("cantilever");
+    measure(&mut window, "Mesh study");
+    draw(&window);
+    assert!(window.query_by_label_contains("at ν = 0.4999 the tip moves").is_some());
+    assert!(window.query_by_label_contains("Error falls like h^1.").is_some());
+    has_head(
+        &table(&mut window, "Meshes as CSV"),
+        &["# reference: ", "# reference_error_at_most: ", "# locking_at_nu_0.4999: "],
+    );
+    let mut window = open("chain");
+    measure(&mut window, "Mesh study");
+    assert!(window.query_by_label_contains("No mesh of this level has a resolution to vary.").is_some());
+    assert!(window.query_by_label("Meshes as CSV").is_none(), "there is nothing to save");
+}
+
+#[test]
+fn a_study_that_is_cancelled_keeps_what_it_has_and_can_be_begun_anew() {
+    let mut window = open("gingerbread_pulled");
+    click(&mut window, "Drift study");
+    click(&mut window, "Measure");
+    for _ in 0..100_000 {
+        if window.query_by_label("Drift as CSV").is_some() {
+            break;
+        }
+        window.run_steps(1);
+    }
+    click(&mut window, "Cancel");
+    window.run_steps(10);
+    assert!(window.query_by_label("Cancel").is_none() && window.query_by_label("Measure").is_some());
+    has_head(&table(&mut window, "Drift as CSV"), &["# level: Gingerbread, pulled and released"]);
+}
+
+#[test]
+fn studies_fit_into_a_small_window_with_a_name_on_every_widget() {
+    for size in [(1280.0, 800.0), (600.0, 600.0)] {
+        let mut window = open_level(level("circle"), size.0, size.1);
+        if size.0 < 900.0 {
+            click(&mut window, "Cost panel");
+        }
+        measure(&mut window, "Work-precision diagram");
+        for topic in ["Meshes", "Drift", "Accuracy"] {
+            if size.0 < 900.0 {
+                click(&mut window, topic);
+            } else {
+                window.get_all_by_label(topic).last().unwrap().click();
+                window.run_steps(3);
+            }
+            window.check_accessibility();
+            draw(&window);
+        }
+        let button = window.get_by_label("Accuracy as PNG").rect();
+        assert!(button.right() < size.0 && button.bottom() < size.1, "{button:?}");
+    }
+}

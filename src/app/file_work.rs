@@ -35,7 +35,7 @@ impl App {
     /// Starts a level that could be read; what was wrong with another one is forgotten.
     fn start(&mut self, level: Level) {
         self.view.notice = None;
-        self.apply(Command::Open(Box::new(level)));
+        self.apply(None, Command::Open(Box::new(level)));
     }
 
     /// Opens a level file. If it cannot be read or built, its message is shown and the old scene goes on.
@@ -56,7 +56,7 @@ impl App {
 
     /// Saves the level with everything as it is now. If it fails, a file that was there stays.
     pub fn save(&mut self, path: &Path) {
-        self.view.notice = Some(match files::save(path, &self.sandbox.saved()) {
+        self.view.notice = Some(match files::save(path, &self.settled().saved()) {
             Ok(()) => Notice::Done(format!("Saved as {}", path.display())),
             Err(error) => Notice::trouble(&error),
         });
@@ -73,7 +73,7 @@ impl App {
     /// Without dialogs: a path to type, or in a browser the text of a level itself.
     fn ask_for_text(&mut self, ctx: &Context, saving: bool) {
         if cfg!(target_arch = "wasm32") && saving {
-            self.view.notice = Some(match files::write(&self.sandbox.saved()) {
+            self.view.notice = Some(match files::write(&self.settled().saved()) {
                 Ok(text) => {
                     ctx.copy_text(text);
                     Notice::Done("The level is in the clipboard: paste it into a file.".to_owned())

@@ -3,6 +3,7 @@
 
 mod banner;
 mod body;
+mod compare;
 mod cost;
 mod diagram;
 mod effects;
@@ -20,12 +21,13 @@ mod strip;
 mod test_pose;
 mod toy;
 
-pub use history::History;
+pub use history::{History, WINDOW};
 pub use prompt::Prompt;
 
 use super::{
     canvas,
     clock::Rates,
+    compare::{self as panes, Comparison},
     gallery::Gallery,
     keys::{Act, Binding},
     lab::{Lab, Wish},
@@ -62,6 +64,8 @@ pub struct View {
     pub file: Option<FileWish>,
     /// What is wanted of the studies.
     pub wishes: Vec<Wish>,
+    /// What is wanted of the two panes.
+    pub panes: Vec<panes::Wish>,
     /// How the diagram is looked at.
     pub diagram: diagram::Look,
     /// A question that waits for text, where there are no native dialogs.
@@ -122,13 +126,20 @@ pub struct Desk<'a> {
     pub history: &'a History,
     /// What is measured beside the scene.
     pub lab: &'a Lab,
+    /// The two panes, if there are two; all the rest is about the one that is chosen.
+    pub comparison: Option<&'a Comparison>,
+    /// What pane A shows.
+    pub first: &'a Snapshot,
 }
+
+/// Draws the stage and appends what the pointer asked for.
+pub type DrawStage<'a> = dyn FnMut(&mut Ui, &mut View, &mut Vec<Command>) + 'a;
 
 /// Below this width the sides fold away [points].
 const NARROW: f32 = 900.0;
 
 /// Draws the window.
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::Canvas, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<'_>, commands: &mut Vec<Command>) {
     let narrow = ui.available_width() < NARROW;
     strip::show(ui, desk, view, commands, narrow);
     status::show(ui, desk, view, commands);
@@ -136,17 +147,16 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
         view.drawer = None;
         docked(ui, desk, view, commands);
     }
-    let options = view.stage;
     let stage = egui::CentralPanel::no_frame().show(ui, |ui| {
         let stage = ui.max_rect();
-        canvas.show(ui, desk.now, &options, commands);
+        draw(ui, view, commands);
         stage
     });
     let stage = stage.inner;
     if let Some(side) = view.drawer {
         drawer(ui, stage, side, desk, view, commands);
     }
-    banner::show(ui.ctx(), stage, desk.now, view, commands);
+    banner::show(ui.ctx(), stage, desk, view, commands);
     diagram::show(ui.ctx(), desk, view, commands);
     help::show(ui.ctx(), desk.now, view);
     prompt::show(ui.ctx(), view);
@@ -184,6 +194,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
     ScrollArea::vertical().id_salt(salt).auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
+        compare::caption(ui, desk);
         if side == Side::Left {
             if !desk.now.level.about.is_empty() {
                 ui.label(RichText::new(&desk.now.level.about).small().weak());
@@ -193,6 +204,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
             toy::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
         } else {
+            compare::show(ui, desk);
             cost::show(ui, desk, view, commands);
             scheme::show(ui, desk, view, commands);
             diagram::button(ui, view);
@@ -208,6 +220,10 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
         Act::Do(command) => Some(command),
         Act::ToggleHelp => {
             view.help = !view.help;
+            None
+        }
+        Act::ToggleComparison => {
+            view.panes.push(panes::Wish::Toggle);
             None
         }
         Act::Mouse => None,
@@ -264,7 +280,7 @@ fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quanti
 }
 
 /// A count with thousands apart: `12 480`.
-fn count(number: usize) -> String {
+pub fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {

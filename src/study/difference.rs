@@ -1,0 +1,178 @@
+//! How far two runs of one level are apart. They may differ in scheme, step, model and mesh.
+
+use super::trial::Deviation;
+use crate::{
+    meshes::Locator,
+    scene::{Body, Owner, Scene, nearest_vertex},
+    simulation::Simulation,
+};
+use std::{borrow::Cow, ops::Range};
+
+/// Where the vertices of one scene are in another of the same level: the same vertices, or points inside other triangles.
+pub struct Correspondence {
+    /// For each vertex, in order; nothing if both have the same vertices.
+    places: Option<Vec<Place>>,
+}
+
+/// A material point of a scene.
+enum Place {
+    Vertex(usize),
+    /// In a triangle, by corners and weights.
+    Inside([usize; 3], [f64; 3]),
+}
+
+impl Correspondence {
+    /// Seeks the vertices of `a` in the rest shape of `b`; `None` if the two do not show the same bodies, nets or toy.
+    pub fn new(a: &Scene, b: &Scene) -> Option<Self> {
+        let counts = |scene: &Scene| (scene.bodies.len(), scene.nets.len(), scene.toy.is_some());
+        if counts(a) != counts(b) {
+            return None;
+        }
+        if a.rest == b.rest {
+            return Some(Self { places: None });
+        }
+        let mut places = Vec::with_capacity(a.rest.len() / 2);
+        for (a_body, b_body) in a.bodies.iter().zip(&b.bodies) {
+            let locator = Locator::new(points(b, &b_body.vertices), b_body.mesh.triangles());
+            places.extend(points(a, &a_body.vertices).iter().map(|point| inside(&locator, b_body, *point)));
+        }
+        for (a_net, b_net) in a.nets.iter().zip(&b.nets) {
+            if a_net.vertices.len() != b_net.vertices.len() {
+                return None;
+            }
+            places.extend(b_net.vertices.clone().map(Place::Vertex));
+        }
+        Some(Self { places: Some(places) })
+    }
+
+    /// The positions in `b`, given all of its own, of what the vertices of `a` are made of.
+    pub fn seen<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
+        let Some(places) = &self.places else { return Cow::Borrowed(x) };
+        let position = |place: &Place| match place {
+            Place::Vertex(vertex) => [x[2 * vertex], x[2 * vertex + 1]],
+            Place::Inside(corners, weights) => [0, 1].map(|axis| {
+                corners.iter().zip(weights).map(|(corner, weight)| weight * x[2 * corner + axis]).sum::<f64>()
+            }),
+        };
+        Cow::Owned(places.iter().flat_map(position).collect())
+    }
+}
+
+fn points<'a>(scene: &'a Scene, vertices: &Range<usize>) -> &'a [[f64; 2]] {
+    scene.rest[2 * vertices.start..2 * vertices.end].as_chunks().0
+}
+
+fn inside(locator: &Locator, body: &Body, point: [f64; 2]) -> Place {
+    let first = body.vertices.start;
+    match locator.locate_nearest(point) {
+        Some((triangle, weights)) => {
+            Place::Inside(body.mesh.triangles()[triangle].map(|corner| first + corner as usize), weights)
+        }
+        None => Place::Vertex(first),
+    }
+}
+
+/// The vertex of `to` that is nearest, at rest and in the same body or net, to a vertex of `from`.
+pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
+    if from.rest == to.rest {
+        return Some(vertex);
+    }
+    let vertices = match from.owner_of(vertex)?.0 {
+        Owner::Body(number) => to.bodies.get(number)?.vertices.clone(),
+        Owner::Net(number) => to.nets.get(number)?.vertices.clone(),
+    };
+    let point = [from.rest[2 * vertex], from.rest[2 * vertex + 1]];
+    Some(vertices.start + nearest_vertex(&to.rest[2 * vertices.start..2 * vertices.end], point)?)
+}
+
+/// Measures two runs at one moment after another.
+pub struct Difference {
+    correspondence: Option<Correspondence>,
+    /// Where the first of the two starts [m].
+    start: Vec<f64>,
+    so_far: Deviation,
+    moments: f64,
+}
+
+impl Difference {
+    /// Gets ready to compare two runs. It holds as long as neither gets other vertices.
+    pub fn new(a: &Simulation, b: &Simulation) -> Self {
+        let (scene, other) = (a.scene(), b.scene());
+        let start = positions(scene, &scene.start.x).into_owned();
+        let correspondence = Correspondence::new(scene, other);
+        Self { correspondence, start, so_far: Deviation::default(), moments: 0.0 }
+    }
+
+    /// Relative RMS difference of positions at one time: `sqrt(mean |x_B - x_A|²)` over the root mean square, over all moments so
+    /// far, of how far A is from its start. Means go over A's vertices; B is looked at where the same material points are.
+    /// `None` if the two do not show the same things.
+    pub fn measure(&mut self, a: &Simulation, b: &Simulation) -> Option<f64> {
+        let correspondence = self.correspondence.as_ref()?;
+        let (a, b) = (positions(a.scene(), &a.state().x), positions(b.scene(), &b.state().x));
+        let seen = correspondence.seen(&b);
+        let mut now = Deviation::default();
+        now.add(&seen, &a, &self.start);
+        self.so_far.add(&seen, &a, &self.start);
+        self.moments += 1.0;
+        Some(now.relative_to(self.so_far, self.moments))
+    }
+}
+
+/// Positions [m]; a toy's state is translated into the place where it is seen.
+fn positions<'a>(scene: &Scene, x: &'a [f64]) -> Cow<'a, [f64]> {
+    match (&scene.toy, x) {
+        (Some(toy), &[a, b]) => Cow::Owned(toy.kind().place([a, b]).to_vec()),
+        _ => Cow::Borrowed(x),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+    use super::*;
+    use crate::{files, levels, meshes::NoFiles, study::refine::with_triangles};
+
+    fn scene(name: &str, share: f64) -> Scene {
+        let level = files::parse(levels::built_in(name).unwrap(), name).unwrap();
+        let level = with_triangles(&level, share).unwrap();
+        Scene::build(&level, level.mode, &NoFiles, None).unwrap()
+    }
+
+    #[test]
+    fn an_affine_map_of_both_meshes_is_no_difference_at_material_points() {
+        for name in ["gingerbread", "jelly_disk", "cantilever", "three_models"] {
+            let (a, b) = (scene(name, 1.0), scene(name, 0.3));
+            let map = |rest: &[f64]| -> Vec<f64> {
+                let points = rest.chunks_exact(2);
+                points.flat_map(|p| [1.2 * p[0] + 0.3 * p[1] - 0.1, 0.9 * p[1] - 0.2 * p[0] + 2.0]).collect()
+            };
+            for (a, b) in [(&a, &b), (&b, &a)] {
+                let (expected, x) = (map(&a.rest), map(&b.rest));
+                let seen = Correspondence::new(a, b).unwrap();
+                let worst = seen.seen(&x).iter().zip(&expected).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                assert!(worst < 1e-12, "{name}: {worst}");
+            }
+        }
+    }
+
+    #[test]
+    fn scenes_that_show_other_things_are_not_compared() {
+        assert!(Correspondence::new(&scene("gingerbread", 1.0), &scene("three_models", 1.0)).is_none());
+    }
+
+    #[test]
+    fn the_counterpart_of_a_vertex_is_in_the_same_body_and_nearest_at_rest() {
+        let (a, b) = (scene("three_models", 1.0), scene("three_models", 0.4));
+        for vertex in (0..a.rest.len() / 2).step_by(37) {
+            let twin = counterpart(&a, &b, vertex).unwrap();
+            assert_eq!(a.owner_of(vertex).unwrap().0, b.owner_of(twin).unwrap().0);
+            let along = |i: usize, axis: usize| b.rest[2 * i + axis] - a.rest[2 * vertex + axis];
+            let gap = |i: usize| along(i, 0) * along(i, 0) + along(i, 1) * along(i, 1);
+            let own = b.owner_of(twin).unwrap().0;
+            let nearest = (0..b.rest.len() / 2).filter(|i| b.owner_of(*i).unwrap().0 == own).map(gap);
+            assert!(gap(twin) <= nearest.fold(f64::INFINITY, f64::min));
+        }
+        assert_eq!(counterpart(&a, &a, 11), Some(11));
+    }
+}

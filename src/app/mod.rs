@@ -294,7 +294,8 @@ impl eframe::App for App {
         let canvas = &mut self.canvas;
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {
-                let split = Split { seen: [first, panes.snapshot()], chosen: panes.chosen() };
+                let split =
+                    Split { seen: [first, panes.snapshot()], chosen: panes.chosen(), apart: panels::apart(panes) };
                 view.panes.extend(stage.show(ui, canvas, &split, &view.stage));
             }
             _ => canvas.show(ui, first, &view.stage, commands),

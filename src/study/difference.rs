@@ -1,6 +1,5 @@
 //! How far two runs of one level are apart. They may differ in scheme, step, model and mesh.
 
-use super::trial::Deviation;
 use crate::{
     meshes::Locator,
     scene::{Body, Owner, Scene, nearest_vertex},
@@ -85,13 +84,23 @@ pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
     Some(vertices.start + nearest_vertex(&to.rest[2 * vertices.start..2 * vertices.end], point)?)
 }
 
+/// How far two runs are apart at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Apart {
+    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A [m]; B is looked at where the same material points are.
+    pub metres: f64,
+    /// The same over the farthest that A has been from its start so far, `sqrt(mean |x_A - x_start|²)` at its largest. Not over
+    /// what it is on average: a scene that has just begun to move would be far off for no reason.
+    pub relative: f64,
+}
+
 /// Measures two runs at one moment after another.
 pub struct Difference {
     correspondence: Option<Correspondence>,
     /// Where the first of the two starts [m].
     start: Vec<f64>,
-    so_far: Deviation,
-    moments: f64,
+    /// The farthest that it was from there [m].
+    farthest: f64,
 }
 
 impl Difference {
@@ -99,23 +108,23 @@ impl Difference {
     pub fn new(a: &Simulation, b: &Simulation) -> Self {
         let (scene, other) = (a.scene(), b.scene());
         let start = positions(scene, &scene.start.x).into_owned();
-        let correspondence = Correspondence::new(scene, other);
-        Self { correspondence, start, so_far: Deviation::default(), moments: 0.0 }
+        Self { correspondence: Correspondence::new(scene, other), start, farthest: 0.0 }
     }
 
-    /// Relative RMS difference of positions at one time: `sqrt(mean |x_B - x_A|²)` over the root mean square, over all moments so
-    /// far, of how far A is from its start. Means go over A's vertices; B is looked at where the same material points are.
-    /// `None` if the two do not show the same things.
-    pub fn measure(&mut self, a: &Simulation, b: &Simulation) -> Option<f64> {
+    /// How far they are apart, both being at one time; `None` if they do not show the same things.
+    pub fn measure(&mut self, a: &Simulation, b: &Simulation) -> Option<Apart> {
         let correspondence = self.correspondence.as_ref()?;
         let (a, b) = (positions(a.scene(), &a.state().x), positions(b.scene(), &b.state().x));
-        let seen = correspondence.seen(&b);
-        let mut now = Deviation::default();
-        now.add(&seen, &a, &self.start);
-        self.so_far.add(&seen, &a, &self.start);
-        self.moments += 1.0;
-        Some(now.relative_to(self.so_far, self.moments))
+        self.farthest = self.farthest.max(rms(&a, &self.start));
+        let metres = rms(&a, &correspondence.seen(&b));
+        Some(Apart { metres, relative: if metres == 0.0 { 0.0 } else { metres / self.farthest } })
     }
+}
+
+/// Root mean square distance of points [m].
+fn rms(a: &[f64], b: &[f64]) -> f64 {
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    (2.0 * sum / a.len().max(1) as f64).sqrt()
 }
 
 /// Positions [m]; a toy's state is translated into the place where it is seen.

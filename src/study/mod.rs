@@ -28,7 +28,7 @@ mod trial;
 mod twin;
 mod workers;
 
-pub use difference::{Correspondence, Difference, counterpart};
+pub use difference::{Apart, Correspondence, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Moment};
 pub use export::{Origin, is_time_column};
 pub use locking::{Locking, LockingNumber};

@@ -7,6 +7,7 @@ use gingerbread::app::compare::{Comparison, Pane};
 use gingerbread::command::Mode;
 use gingerbread::materials::Model;
 use gingerbread::snapshot::Snapshot;
+use gingerbread::study::Apart;
 use gingerbread::{files, levels};
 
 fn panes(window: &Window) -> &Comparison {
@@ -69,14 +70,14 @@ fn equal_settings_give_no_difference_at_all_and_another_step_gives_some() {
     pull(&mut window, Pane::B, 100);
     window.run_steps(30);
     let last = *panes(&window).record().last().unwrap();
-    assert!(last.positions == Some(0.0) && last.energy == 0.0 && last.time > 0.4, "{last:?}");
+    assert!(last.positions == Some(Apart::default()) && last.energy == 0.0 && last.time > 0.4, "{last:?}");
     type_number(&mut window, "Substeps", "40");
     window.run_steps(20);
     let [a, b] = seen(&window);
     assert_eq!([a.level.substeps.get(), b.level.substeps.get()], [100, 40], "the chosen pane's step alone");
     assert!((a.time - b.time).abs() < 1e-9 && a.time > 0.6, "{} {}", a.time, b.time);
     let last = *panes(&window).record().last().unwrap();
-    assert!(last.positions.unwrap() > 0.0 && last.energy != 0.0, "{last:?}");
+    assert!(last.positions.unwrap().metres > 0.0 && last.energy != 0.0, "{last:?}");
     assert!(window.query_by_label("Difference B − A").is_some());
 }
 
@@ -115,7 +116,7 @@ fn heads_say_how_each_pane_is_computed_and_choose_it() {
     window.run_steps(20);
     let [a, b] = seen(&window);
     assert!(a.pull.is_some() && b.pull.is_some_and(|pull| pull.vertex == 100));
-    assert!(a.time == b.time && panes(&window).record().last().unwrap().positions.unwrap() > 0.0);
+    assert!(a.time == b.time && panes(&window).record().last().unwrap().positions.unwrap().metres > 0.0);
 }
 
 #[test]

@@ -1,6 +1,11 @@
 //! What was measured between the panes in the last seconds.
 
-use crate::{app::panels::WINDOW, sandbox::Sandbox, snapshot::Snapshot, study::Difference};
+use crate::{
+    app::panels::WINDOW,
+    sandbox::Sandbox,
+    snapshot::Snapshot,
+    study::{Apart, Difference},
+};
 use std::{collections::VecDeque, fmt::Write as _};
 
 /// Least time between two kept moments [s].
@@ -14,8 +19,8 @@ const REFRESH: f64 = 0.25;
 pub struct Moment {
     /// Simulated time [s].
     pub time: f64,
-    /// Relative RMS difference of positions; `None` if the panes do not show the same things.
-    pub positions: Option<f64>,
+    /// How far positions are apart; `None` if the panes do not show the same things.
+    pub positions: Option<Apart>,
     /// Total energy of B less that of A [J].
     pub energy: f64,
     /// Time of computing for a second of simulated time, A and B [s]; `None` before any was simulated.
@@ -92,13 +97,13 @@ impl Record {
         let [a, b] = &self.settings;
         let mut text = format!(
             "# level: {}\n# A: {a}\n# B: {b}\n\
-             # positions: RMS of x_B - x_A over the RMS of how far A has moved from its start\n\
+             # positions: RMS distance of material points of B from A; relative: over the farthest that A was from its start (RMS)\n\
              # energy: total energy of B less that of A; ms: computing for a second of simulated time\n\
-             time [s],positions,energy [J],ms_A,ms_B\n",
+             time [s],positions [m],positions relative,energy [J],ms_A,ms_B\n",
             self.level.replace(['\n', '\r'], " ")
         );
         for Moment { time, positions, energy, prices } in &self.moments {
-            let positions = positions.map_or(String::new(), |value| value.to_string());
+            let positions = positions.map_or(",".to_owned(), |apart| format!("{},{}", apart.metres, apart.relative));
             let [a, b] = prices.map_or([String::new(), String::new()], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
             let _ = writeln!(text, "{time},{positions},{energy},{a},{b}");
         }

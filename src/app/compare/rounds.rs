@@ -15,6 +15,8 @@ pub struct Rounds {
     /// Steps that A and B have yet to take before they meet, and how many rounds it was.
     left: [u64; 2],
     bunch: u64,
+    /// Whether B goes first: they take turns, as who goes first finds cold caches.
+    b_first: bool,
     /// Where both were when they last met.
     met: [State; 2],
     /// Time of computing [s], and the simulated time it was for [s], both fading.
@@ -50,11 +52,12 @@ impl Rounds {
                 }
                 self.bunch = (LEAP / steps[0].max(steps[1])).clamp(1, rounds - taken);
                 self.left = steps.map(|count| count * self.bunch);
+                self.b_first = !self.b_first;
                 for (met, pane) in self.met.iter_mut().zip(&panes) {
                     met.clone_from(pane.simulation().state());
                 }
             }
-            for number in 0..panes.len() {
+            for number in if self.b_first { [1, 0] } else { [0, 1] } {
                 let (begin, pane) = (Instant::now(), &mut panes[number]);
                 if self.left[number] > 0 {
                     self.left[number] -= pane.advance(self.left[number], more);

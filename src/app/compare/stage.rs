@@ -60,6 +60,8 @@ pub struct Split<'a> {
     pub seen: [&'a Snapshot; 2],
     /// What the panels edit.
     pub chosen: Pane,
+    /// How far they are apart, for the head of B.
+    pub apart: String,
 }
 
 impl Stage {
@@ -125,10 +127,10 @@ fn texts(ui: &Ui, split: &Split<'_>, width: f32) -> [Arc<Galley>; 2] {
             let color = if differs { theme.text } else { theme.faint_text };
             let format =
                 |color| TextFormat { valign: Align::Center, ..TextFormat::simple(FontId::proportional(13.0), color) };
-            if number > 0 {
-                job.append(" · ", 0.0, format(theme.faint_text));
-            }
             job.append(&part.replace(' ', "\u{a0}"), 0.0, format(color));
+            if number + 1 < own.len() {
+                job.append("\u{a0}· ", 0.0, format(theme.faint_text));
+            }
         }
         ui.painter().layout_job(job)
     })
@@ -151,12 +153,18 @@ fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_
     let letter = ui.painter().layout_no_wrap(pane.letter().to_owned(), FontId::proportional(15.0), ink);
     ui.painter().galley(badge.center() - 0.5 * letter.size(), letter, ink);
     let at = pos2(badge.right() + PAD, rect.center().y - 0.5 * text.size().y);
+    let width = text.size().x;
     ui.painter().galley(at, text, theme.text);
     if chosen {
         let line = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 2.0), rect.max);
         ui.painter().rect_filled(line, 0.0, color);
     }
     let place = Rect::from_min_max(pos2(rect.right() - KEEP - PAD, rect.top()), rect.max - vec2(PAD, 0.0));
+    let measured = ui.painter().layout_no_wrap(split.apart.clone(), FontId::monospace(12.0), theme.text);
+    let left = place.left() - PAD - measured.size().x;
+    if pane == Pane::B && left > at.x + width + 2.0 * PAD {
+        ui.painter().galley(pos2(left, rect.center().y - 0.5 * measured.size().y), measured, theme.text);
+    }
     let mut keep = false;
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::right_to_left(Align::Center)), |ui| {
         let words = format!("Keep {}", pane.letter());

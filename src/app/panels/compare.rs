@@ -1,7 +1,7 @@
 //! Two panes: the switch in the strip, which of them the panels edit, and how far they are apart.
 
 use super::{
-    Desk, View,
+    Desk, Side, View,
     energy::{marks, nice_range},
     fixed, heading_here,
     history::WINDOW,
@@ -10,12 +10,13 @@ use super::{
     segmented::{HEIGHT, Segment, segmented},
 };
 use crate::app::{
-    compare::{Moment, Pane, Record, Wish, color},
+    compare::{Comparison, Moment, Pane, Record, Wish, color},
     numbers,
     theme::Theme,
 };
+use crate::study::Apart;
 use eframe::egui::{self, Button, RichText, Ui, vec2};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
 /// Height of a plot [points].
 const PLOT: f32 = 92.0;
@@ -43,14 +44,19 @@ pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
 }
 
 /// Says which pane a panel is about.
-pub fn caption(ui: &mut Ui, desk: &Desk<'_>) {
+pub fn caption(ui: &mut Ui, desk: &Desk<'_>, side: Side) {
     let Some(panes) = desk.comparison else { return };
     let pane = panes.chosen();
     let theme = Theme::of(ui.ctx());
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new(format!("Pane {}", pane.letter())).strong().color(color(theme, pane)));
-        ui.label(RichText::new("scheme, step, model, mesh; all else is for both").small().weak());
+        let words = match side {
+            Side::Left if desk.now.bodies.is_empty() => "all here is for both",
+            Side::Left => "its mesh; all else here is for both",
+            Side::Right => "its step, scheme, cost and energies",
+        };
+        ui.label(RichText::new(words).small().weak());
     });
 }
 
@@ -69,15 +75,11 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
         });
     });
     let Some(last) = record.last() else { return };
-    let help = "Relative RMS difference of positions: sqrt(mean |x_B − x_A|²) over the root mean square of how far A has moved \
-                from its start. With other meshes, B is looked at where A's vertices are in the rest shape.";
-    let positions = last.positions.filter(|value| value.is_finite()).map_or("–".to_owned(), percent);
-    row(ui, "Positions", &positions, help);
-    plot(
-        ui,
-        record,
-        &Curve { name: "difference of positions", unit: "", value: |of| of.positions.map(|share| 100.0 * share) },
-    );
+    let help = "sqrt(mean |x_B − x_A|²), and as a share of the farthest that A has been from its start, measured likewise. With \
+                other meshes, B is looked at where A's vertices are in the rest shape.";
+    row(ui, "Positions", &last.positions.map_or("–".to_owned(), words), help);
+    let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative);
+    plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
     row(ui, "Total energy", &fixed(last.energy, "J"), help);
     plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(of.energy) });
@@ -86,22 +88,35 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
     ui.separator();
 }
 
-/// Time of computing for a second of simulated time, and how many times as dear B is.
-fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
-    let theme = Theme::of(ui.ctx());
-    let help = "Time of computing for a second of simulated time [s]; above 1 s a pane alone is slower than real time.";
-    for pane in Pane::BOTH {
-        let name = RichText::new(format!("Computing {}, for 1 s", pane.letter())).color(color(theme, pane));
-        row(ui, name, &prices.map_or("–".to_owned(), |prices| fixed(prices[pane as usize], "s")), help);
+/// How far positions are apart, in words.
+fn words(apart: Apart) -> String {
+    if apart.metres == 0.0 {
+        "exactly 0".to_owned()
+    } else {
+        let share = if apart.relative.is_finite() { percent(apart.relative) } else { String::new() };
+        format!("{}{share:>9}", fixed(apart.metres, "m"))
     }
-    if let Some([a, b]) = prices.filter(|[a, b]| *a > 0.0 && *b > 0.0) {
-        ui.label(RichText::new(verdict(b / a)).strong()).on_hover_text(help);
-    }
+}
+
+/// How far the panes are apart and what B costs, in one line.
+pub fn apart(panes: &Comparison) -> String {
+    let record = panes.record();
+    let apart = record.last().and_then(|last| last.positions).map_or(String::new(), |apart| match apart.metres {
+        0.0 => "not apart".to_owned(),
+        metres => format!("{} apart", fixed(metres, "m").trim()),
+    });
+    let ratio = record.prices().filter(|[a, b]| *a > 0.0 && *b > 0.0).map(|[a, b]| b / a);
+    ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio)))
+}
+
+/// A ratio of costs in two digits.
+fn times(ratio: f64) -> String {
+    let digits = if ratio < 0.995 { 2 } else { usize::from(ratio < 9.95) };
+    format!("{ratio:.digits$}")
 }
 
 /// How many times as dear B is, in words.
 fn verdict(ratio: f64) -> String {
-    let times = |ratio: f64| if ratio < 9.95 { format!("{ratio:.1}") } else { format!("{ratio:.0}") };
     if (0.95..=1.05).contains(&ratio) {
         "B costs as much as A.".to_owned()
     } else if ratio > 1.0 {
@@ -141,7 +156,12 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
         .show_x(false)
         .show_y(false)
         .y_axis_min_width(58.0)
-        .x_grid_spacer(move |input| marks(input.bounds, span))
+        .x_grid_spacer(move |input| {
+            let mut marks = marks(input.bounds, span);
+            marks.retain(|mark| mark.value < begin + 0.96 * span);
+            marks
+        })
+        .y_grid_spacer(|input| heights(input.bounds))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(move |mark, _| format(mark.value))
         .show(ui, |plot| {
@@ -152,4 +172,33 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
             plot.line(Line::new(curve.name, points).color(color(theme, Pane::B)).width(1.8).allow_hover(false));
         });
     response.response.on_hover_text(format!("The {} over simulated time [s]", curve.name));
+}
+
+/// Two or three round values to mark.
+fn heights((low, high): (f64, f64)) -> Vec<GridMark> {
+    let most = 0.62 * (high - low);
+    let power = 10f64.powf(most.log10().floor());
+    let step = [5.0, 2.0, 1.0].into_iter().find(|lead| lead * power <= most).unwrap_or(1.0) * power;
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last.min(first + 8)).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{heights, verdict};
+
+    #[test]
+    fn a_plot_has_two_marks_or_more_whatever_its_range() {
+        for (low, high) in [(0.0, 1.06), (-0.4, 0.02), (-3e-9, 8e-9), (0.0, 212.0), (-5.3, 5.3), (0.0, 3.18)] {
+            let marks = heights((low, high));
+            assert!((2..=5).contains(&marks.len()), "{low} {high}: {marks:?}");
+        }
+    }
+
+    #[test]
+    fn the_dearer_pane_is_named() {
+        assert_eq!(verdict(3.21), "B costs 3.2 × A.");
+        assert_eq!(verdict(0.05), "A costs 20 × B.");
+        assert_eq!(verdict(1.01), "B costs as much as A.");
+    }
 }

@@ -21,6 +21,7 @@ mod strip;
 mod test_pose;
 mod toy;
 
+pub use compare::apart;
 pub use history::{History, WINDOW};
 pub use prompt::Prompt;
 
@@ -194,7 +195,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
     ScrollArea::vertical().id_salt(salt).auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
-        compare::caption(ui, desk);
+        compare::caption(ui, desk, side);
         if side == Side::Left {
             if !desk.now.level.about.is_empty() {
                 ui.label(RichText::new(&desk.now.level.about).small().weak());

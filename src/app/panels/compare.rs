@@ -109,6 +109,19 @@ pub fn apart(panes: &Comparison) -> String {
     ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio)))
 }
 
+/// Time of computing for a second of simulated time, and how many times as dear B is.
+fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
+    let theme = Theme::of(ui.ctx());
+    let help = "Time of computing for a second of simulated time [s]; above 1 s a pane alone is slower than real time.";
+    for pane in Pane::BOTH {
+        let name = RichText::new(format!("Computing 1 s of {}", pane.letter())).color(color(theme, pane));
+        row(ui, name, &prices.map_or("–".to_owned(), |prices| fixed(prices[pane as usize], "s")), help);
+    }
+    if let Some([a, b]) = prices.filter(|[a, b]| *a > 0.0 && *b > 0.0) {
+        ui.label(RichText::new(verdict(b / a)).strong()).on_hover_text(help);
+    }
+}
+
 /// A ratio of costs in two digits.
 fn times(ratio: f64) -> String {
     let digits = if ratio < 0.995 { 2 } else { usize::from(ratio < 9.95) };

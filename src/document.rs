@@ -139,11 +139,19 @@ impl Document {
         let mut level = self.level.clone();
         if let (Some(middle), Some(body)) = (self.side_by_side, self.level.bodies.first()) {
             let count = Model::ALL.len() as f64;
-            let place = |(number, &model): (usize, &Model)| BodyLevel {
-                name: model.title().to_owned(),
-                material: body.material.with_model(model),
-                place: moved(body.place, (number as f64 + 0.5) / count - middle),
-                ..body.clone()
+            let place = |(number, &model): (usize, &Model)| {
+                let by = (number as f64 + 0.5) / count - middle;
+                let pins = body.pins.iter().map(|pin| match *pin {
+                    Pin::Nearest(point) => Pin::Nearest(moved(point, by)),
+                    other => other,
+                });
+                BodyLevel {
+                    name: model.title().to_owned(),
+                    material: body.material.with_model(model),
+                    place: Place { offset: moved(body.place.offset, by), ..body.place },
+                    pins: pins.collect(),
+                    ..body.clone()
+                }
             };
             level.bodies = Model::ALL.iter().enumerate().map(place).collect();
         }
@@ -210,10 +218,9 @@ impl Document {
     }
 }
 
-fn moved(place: Place, by: f64) -> Place {
-    let [x, y] = place.offset.get();
-    let moved = Point::new([x + by, y]).unwrap_or(place.offset);
-    Place { offset: moved, ..place }
+fn moved(point: Point, by: f64) -> Point {
+    let [x, y] = point.get();
+    Point::new([x + by, y]).unwrap_or(point)
 }
 
 impl Default for Level {

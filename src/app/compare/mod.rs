@@ -94,9 +94,6 @@ struct Change {
 /// Most changes that are remembered.
 const DEPTH: usize = 200;
 
-/// Times [s] nearer than this are the same.
-const SAME: f64 = 1e-9;
-
 impl Comparison {
     /// Begins with two equal panes; B is chosen, as it is there to be changed.
     pub fn new(a: &Sandbox) -> Self {
@@ -208,6 +205,10 @@ impl Comparison {
             About::Method => {
                 here.apply(command)?;
                 there.apply(Command::EndGesture)?;
+                if here.shown.bodies.len() != there.shown.bodies.len() {
+                    // A single model takes the place of all models side by side: in both, as they show one experiment.
+                    there.apply(Command::SetSideBySide(false))?;
+                }
             }
             About::Experiment => {
                 let twins = link::twins(&command, here, there);
@@ -230,7 +231,7 @@ impl Comparison {
         let [a_before, b_before] = before;
         let counts = [a.history.count() - a_before.0, self.b.history.count() - b_before.0];
         let mut states = [None, None];
-        if !self.agrees(a) {
+        if self.parted(a, [a_before.1.steps, b_before.1.steps]) {
             states = [a_before.1, b_before.1].map(Some);
             self.start_over(a)?;
         }
@@ -247,8 +248,9 @@ impl Comparison {
         Ok(())
     }
 
-    fn agrees(&self, a: &Sandbox) -> bool {
-        (a.simulation().state().time - self.b.simulation().state().time).abs() < SAME
+    /// Whether only one of the two was put to another time since they had taken so many steps.
+    const fn parted(&self, a: &Sandbox, steps: [u64; 2]) -> bool {
+        (a.simulation().state().steps == steps[0]) != (self.b.simulation().state().steps == steps[1])
     }
 
     fn start_over(&mut self, a: &mut Sandbox) -> Result<(), Refused> {
@@ -270,6 +272,7 @@ impl Comparison {
     fn travel(&mut self, a: &mut Sandbox, forth: bool) -> Result<(), Refused> {
         let Some(counts) = self.next(a, forth) else { return Ok(()) };
         let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
+        let steps = [&*a, &self.b].map(|sandbox| sandbox.simulation().state().steps);
         let mut states = from.pop().map(|change| change.states).unwrap_or_default();
         for ((sandbox, count), state) in [&mut *a, &mut self.b].into_iter().zip(counts).zip(&mut states) {
             for _ in 0..count {
@@ -281,7 +284,7 @@ impl Comparison {
             }
         }
         to.push(Change { counts, states });
-        if self.agrees(a) { Ok(()) } else { self.start_over(a) }
+        if self.parted(a, steps) { self.start_over(a) } else { Ok(()) }
     }
 
     /// Takes one round, paused: one step of the pane with the longer steps, if they are a multiple of the other's.

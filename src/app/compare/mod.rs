@@ -177,7 +177,7 @@ impl Comparison {
             [snapshot.can_undo, snapshot.can_redo] = can;
         }
         self.history.record(&self.snapshot);
-        if a.simulation().fault().is_none() && self.b.simulation().fault().is_none() {
+        if (seen.time - self.snapshot.time).abs() < 0.01 * a.step_length().min(self.b.step_length()) {
             self.record.note([a, &self.b], [seen, &self.snapshot], self.rounds.prices());
         }
     }

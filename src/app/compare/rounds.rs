@@ -64,9 +64,8 @@ impl Rounds {
                 }
                 self.spent[number] += begin.elapsed().as_secs_f64();
                 if !pane.is_live() {
-                    // The other waits where they last met.
-                    panes[1 - number].resume(self.met[1 - number].clone());
-                    self.left = [0, 0];
+                    let stopped = pane.simulation().state().time;
+                    self.catch_up(panes[1 - number], stopped, 1 - number);
                     return taken;
                 }
                 if self.left[number] > 0 {
@@ -76,6 +75,15 @@ impl Rounds {
             taken += self.bunch;
             self.book(self.bunch as f64 * length);
         }
+    }
+
+    /// One of the two has stopped: the other goes from where they last met to that time, or as near to it as its steps allow.
+    fn catch_up(&mut self, other: &mut Sandbox, stopped: f64, number: usize) {
+        other.resume(self.met[number].clone());
+        self.left = [0, 0];
+        // Half a millionth of a step is rounding.
+        let steps = ((stopped - self.met[number].time) / other.step_length() + 5e-7).max(0.0);
+        other.advance(steps as u64, &mut || true);
     }
 
     fn book(&mut self, simulated: f64) {

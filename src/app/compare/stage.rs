@@ -26,6 +26,9 @@ const PAD: f32 = 7.0;
 /// Side of the square with the letter [points].
 const BADGE: f32 = 20.0;
 
+/// A pane wider than this has room for what is measured [points].
+const WIDE: f32 = 560.0;
+
 /// Width of the button in a head [points].
 const KEEP: f32 = 58.0;
 
@@ -132,6 +135,11 @@ fn texts(ui: &Ui, split: &Split<'_>, width: f32) -> [Arc<Galley>; 2] {
                 job.append("\u{a0}· ", 0.0, format(theme.faint_text));
             }
         }
+        if pane == Pane::B && width > WIDE && !split.apart.is_empty() {
+            let format =
+                TextFormat { valign: Align::Center, ..TextFormat::simple(FontId::monospace(12.0), theme.text) };
+            job.append(&split.apart, 14.0, format);
+        }
         ui.painter().layout_job(job)
     })
 }
@@ -153,18 +161,12 @@ fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_
     let letter = ui.painter().layout_no_wrap(pane.letter().to_owned(), FontId::proportional(15.0), ink);
     ui.painter().galley(badge.center() - 0.5 * letter.size(), letter, ink);
     let at = pos2(badge.right() + PAD, rect.center().y - 0.5 * text.size().y);
-    let width = text.size().x;
     ui.painter().galley(at, text, theme.text);
     if chosen {
         let line = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 2.0), rect.max);
         ui.painter().rect_filled(line, 0.0, color);
     }
     let place = Rect::from_min_max(pos2(rect.right() - KEEP - PAD, rect.top()), rect.max - vec2(PAD, 0.0));
-    let measured = ui.painter().layout_no_wrap(split.apart.clone(), FontId::monospace(12.0), theme.text);
-    let left = place.left() - PAD - measured.size().x;
-    if pane == Pane::B && left > at.x + width + 2.0 * PAD {
-        ui.painter().galley(pos2(left, rect.center().y - 0.5 * measured.size().y), measured, theme.text);
-    }
     let mut keep = false;
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::right_to_left(Align::Center)), |ui| {
         let words = format!("Keep {}", pane.letter());

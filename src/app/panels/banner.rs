@@ -22,7 +22,9 @@ pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, comman
     if now.fault.is_none() && other.is_none() && view.notice.is_none() {
         return;
     }
-    let top = stage.center_top() + vec2(0.0, 10.0);
+    // Below the heads of two panes, which say what stopped.
+    let down = if desk.comparison.is_some() { 54.0 } else { 10.0 };
+    let top = stage.center_top() + vec2(0.0, down);
     let area = Area::new(Id::unique("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
     area.constrain_to(stage).show(ctx, |ui| {
         let width = (stage.width() - 56.0).clamp(160.0, 520.0);

@@ -103,7 +103,7 @@ pub fn apart(panes: &Comparison) -> String {
     let record = panes.record();
     let apart = record.last().and_then(|last| last.positions).map_or(String::new(), |apart| match apart.metres {
         0.0 => "not apart".to_owned(),
-        metres => format!("{} apart", fixed(metres, "m").trim()),
+        metres => format!("{} apart", fixed(metres, "m").trim_end()),
     });
     let ratio = record.prices().filter(|[a, b]| *a > 0.0 && *b > 0.0).map(|[a, b]| b / a);
     ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio)))

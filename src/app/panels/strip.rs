@@ -39,6 +39,9 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
             }
             history(ui, desk.now, commands);
             compare::switch(ui, desk, view);
+            if narrow && ui.available_size_before_wrap().x < LOOKS {
+                ui.end_row();
+            }
             if !narrow {
                 ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
             }

@@ -21,6 +21,9 @@ use egui_plot::{GridMark, Line, Plot, PlotPoints};
 /// Height of a plot [points].
 const PLOT: f32 = 92.0;
 
+/// Positions nearer than this differ by rounding [m].
+const ROUNDING: f64 = 1e-12;
+
 /// Splits the stage; while it is split, chooses the pane that the panels edit.
 pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let on = desk.comparison.is_some();
@@ -81,7 +84,8 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
     let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative);
     plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
-    row(ui, "Total energy", &fixed(last.energy, "J"), help);
+    let energy = if last.energy.is_finite() { fixed(last.energy, "J") } else { "–".to_owned() };
+    row(ui, "Total energy", &energy, help);
     plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(of.energy) });
     costs(ui, record.prices());
     ui.add_space(4.0);
@@ -92,6 +96,8 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
 fn words(apart: Apart) -> String {
     if apart.metres == 0.0 {
         "exactly 0".to_owned()
+    } else if apart.metres < ROUNDING {
+        format!("under {}", numbers::si(ROUNDING, "m"))
     } else {
         let share = if apart.relative.is_finite() { percent(apart.relative) } else { String::new() };
         format!("{}{share:>9}", fixed(apart.metres, "m"))
@@ -103,10 +109,10 @@ pub fn apart(panes: &Comparison) -> String {
     let record = panes.record();
     let apart = record.last().and_then(|last| last.positions).map_or(String::new(), |apart| match apart.metres {
         0.0 => "not apart".to_owned(),
-        metres => format!("{} apart", fixed(metres, "m").trim_end()),
+        metres => format!("{} apart", fixed(metres.max(ROUNDING), "m").trim_end()),
     });
     let ratio = record.prices().filter(|[a, b]| *a > 0.0 && *b > 0.0).map(|[a, b]| b / a);
-    ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio)))
+    ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio))).replace(' ', "\u{a0}")
 }
 
 /// Time of computing for a second of simulated time, and how many times as dear B is.

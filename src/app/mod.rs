@@ -207,6 +207,8 @@ impl App {
             self.canvas = stage.into_canvas();
         }
         self.canvas.unshare_scale();
+        // The hand may have been in the pane that is gone.
+        self.apply(None, Command::Release);
         self.clock.stop();
     }
 

@@ -139,7 +139,7 @@ fn closing_keeps_a_and_keep_b_keeps_b() {
     for (label, substeps) in [("Compare", 100), ("Keep A", 100), ("Keep B", 40)] {
         let mut window = compared("gingerbread");
         type_number(&mut window, "Substeps", "40");
-        pull(&mut window, Pane::A, 100);
+        pull(&mut window, if substeps == 40 { Pane::A } else { Pane::B }, 100);
         window.run_steps(10);
         press(&mut window, Key::Space);
         let kept = seen(&window)[usize::from(substeps == 40)].clone();
@@ -148,6 +148,7 @@ fn closing_keeps_a_and_keep_b_keeps_b() {
         let now = window.state().snapshot();
         assert_eq!((&now.positions, now.level.substeps.get()), (&kept.positions, substeps), "{label}");
         assert!(stage(&window).width() > 600.0);
+        assert_eq!(now.pull, None, "{label}: a hand in the pane that is gone lets go");
         press(&mut window, Key::Space);
         window.run_steps(5);
         assert!(window.state().snapshot().time > kept.time, "{label}: it goes on");

@@ -6,6 +6,7 @@ use crate::{
     integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, RunMode, Substeps, Switch},
     materials::{MaterialParameters, Model},
+    meshes::MeshKind,
     nets::NetKind,
     quantity::ParticleMass,
     toys::ToyKind,
@@ -67,6 +68,8 @@ pub enum Command {
     SetModel(Model),
     /// What a body (by number) is made of.
     SetMaterial(usize, MaterialParameters),
+    /// Where a body (by number) gets its triangles from. Everything starts over; pins stay at their places.
+    SetMesh(usize, MeshKind),
     /// How heavy a body (by number) is.
     SetMass(usize, MassLevel),
     /// What a net (by number) is made of, and the mass of its particles. Its particles stay where they are.
@@ -99,4 +102,54 @@ pub enum Command {
     Undo,
     /// Makes it again.
     Redo,
+}
+
+/// What a command is about: two runs of one experiment may be computed differently.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum About {
+    /// What happens: the scene, what acts on it, and time.
+    Experiment,
+    /// How that is computed: scheme, step, constitutive model, mesh.
+    Method,
+}
+
+impl Command {
+    /// Whether it is a pull, as the pointer asks for it in every frame.
+    pub const fn is_of_the_hand(&self) -> bool {
+        matches!(self, Self::Grab(..) | Self::Pull(_) | Self::Release)
+    }
+
+    /// What it is about.
+    pub const fn about(&self) -> About {
+        match self {
+            Self::SetModel(_)
+            | Self::SetMesh(..)
+            | Self::SetSubsteps(_)
+            | Self::SetIntegrator(_)
+            | Self::SetGuard(_) => About::Method,
+            Self::SetMode(_)
+            | Self::SetRunning(_)
+            | Self::StepOnce
+            | Self::Reset
+            | Self::Rewind(_)
+            | Self::Grab(..)
+            | Self::Pull(_)
+            | Self::Release
+            | Self::Open(_)
+            | Self::SetMaterial(..)
+            | Self::SetMass(..)
+            | Self::SetNet(..)
+            | Self::SetToy(_)
+            | Self::SetEffect(..)
+            | Self::AddEffect(_)
+            | Self::SetDamping(_)
+            | Self::TogglePin(_)
+            | Self::ClearPins
+            | Self::SetPose(_)
+            | Self::SetSideBySide(_)
+            | Self::EndGesture
+            | Self::Undo
+            | Self::Redo => About::Experiment,
+        }
+    }
 }

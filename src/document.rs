@@ -4,6 +4,7 @@ use crate::{
     command::Pose,
     level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, When},
     materials::Model,
+    meshes::MeshKind,
     quantity::{Coordinate, Factor, Point, Time},
     scene::Owner,
     state::State,
@@ -21,12 +22,14 @@ pub struct Document {
 }
 
 /// Past and future documents. An entry carries the state that its change replaced, if it did.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct History {
     past: Vec<(Document, Option<State>)>,
     future: Vec<(Document, Option<State>)>,
     /// What the last change was about, while its gesture goes on.
     gesture: Option<Gesture>,
+    /// How many changes were ever remembered.
+    count: u64,
 }
 
 /// What a change is about; changes about the same thing in one gesture are undone as one.
@@ -34,6 +37,8 @@ pub struct History {
 pub enum Gesture {
     /// The material of a body.
     Material(usize),
+    /// The mesh of a body.
+    Mesh(usize),
     /// The mass of a body.
     Mass(usize),
     /// Mass and springs of a net.
@@ -63,6 +68,7 @@ impl History {
         }
         self.gesture = gesture;
         self.past.push((document, state));
+        self.count += 1;
         let states = |past: &[(Document, Option<State>)]| {
             past.iter()
                 .filter_map(|(_, state)| state.as_ref())
@@ -90,6 +96,11 @@ impl History {
         from.pop();
         to.push((before, replaced));
         self.gesture = None;
+    }
+
+    /// How many changes were ever remembered: more than before if the last change was, and was no part of a gesture.
+    pub const fn count(&self) -> u64 {
+        self.count
     }
 
     /// Whether there is something to go back to.
@@ -128,11 +139,19 @@ impl Document {
         let mut level = self.level.clone();
         if let (Some(middle), Some(body)) = (self.side_by_side, self.level.bodies.first()) {
             let count = Model::ALL.len() as f64;
-            let place = |(number, &model): (usize, &Model)| BodyLevel {
-                name: model.title().to_owned(),
-                material: body.material.with_model(model),
-                place: moved(body.place, (number as f64 + 0.5) / count - middle),
-                ..body.clone()
+            let place = |(number, &model): (usize, &Model)| {
+                let by = (number as f64 + 0.5) / count - middle;
+                let pins = body.pins.iter().map(|pin| match *pin {
+                    Pin::Nearest(point) => Pin::Nearest(moved(point, by)),
+                    other => other,
+                });
+                BodyLevel {
+                    name: model.title().to_owned(),
+                    material: body.material.with_model(model),
+                    place: Place { offset: moved(body.place.offset, by), ..body.place },
+                    pins: pins.collect(),
+                    ..body.clone()
+                }
             };
             level.bodies = Model::ALL.iter().enumerate().map(place).collect();
         }
@@ -163,6 +182,19 @@ impl Document {
         }
     }
 
+    /// Gives a body another mesh. Vertices that are pinned by number are pinned by place from now on: `rest` are the vertices'
+    /// places [m] so far.
+    pub fn set_mesh(&mut self, body: usize, mesh: MeshKind, rest: &[Point]) {
+        let Some(body) = self.level.bodies.get_mut(body) else { return };
+        for pin in &mut body.pins {
+            if let Pin::Vertex(vertex) = *pin {
+                *pin = rest.get(vertex as usize).map_or(*pin, |point| Pin::Nearest(*point));
+            }
+        }
+        body.mesh = mesh;
+        self.level.state = None;
+    }
+
     /// Frees all vertices.
     pub fn clear_pins(&mut self) {
         self.level.bodies.iter_mut().for_each(|body| body.pins.clear());
@@ -186,10 +218,9 @@ impl Document {
     }
 }
 
-fn moved(place: Place, by: f64) -> Place {
-    let [x, y] = place.offset.get();
-    let moved = Point::new([x + by, y]).unwrap_or(place.offset);
-    Place { offset: moved, ..place }
+fn moved(point: Point, by: f64) -> Point {
+    let [x, y] = point.get();
+    Point::new([x + by, y]).unwrap_or(point)
 }
 
 impl Default for Level {

@@ -6,11 +6,13 @@ use crate::{
     effects::Grab,
     level::{EffectLevel, Level, RunMode, Switch, When},
     meshes::Files,
+    quantity::Point,
     rewind::Rewind,
     scene::{Owner, Scene, SceneError, extent},
     simulation::Simulation,
     state::State,
 };
+use std::{rc::Rc, sync::Arc};
 
 /// A level that is edited and run.
 pub struct Sandbox {
@@ -22,8 +24,8 @@ pub struct Sandbox {
     /// Counts scenes whose vertices or rest shapes differ.
     pub(crate) generation: u64,
     /// The level that is simulated, shared with snapshots.
-    pub(crate) shown: std::sync::Arc<Level>,
-    files: Box<dyn Files>,
+    pub(crate) shown: Arc<Level>,
+    files: Rc<dyn Files>,
     rewind: Rewind,
 }
 
@@ -58,9 +60,9 @@ impl Sandbox {
         let scene = Scene::build(&level, level.mode, files.as_ref(), None)?;
         let state = scene.first_state(level.state.as_ref())?;
         let simulation = Simulation::new(scene, state);
-        let shown = std::sync::Arc::new(without_state(&level));
+        let shown = Arc::new(without_state(&level));
         let document = Document::new(level);
-        let history = History::default();
+        let (history, files) = (History::default(), Rc::from(files));
         Ok(Self {
             document,
             history,
@@ -74,6 +76,29 @@ impl Sandbox {
         })
     }
 
+    /// A second one in the same state and with the same past, which goes its own way from here on.
+    #[must_use]
+    pub fn fork(&self) -> Self {
+        let mut simulation = Simulation::new(self.simulation.scene().clone(), self.simulation.state().clone());
+        simulation.set_grab(self.simulation.grab());
+        Self {
+            document: self.document.clone(),
+            history: self.history.clone(),
+            simulation,
+            shown: Arc::clone(&self.shown),
+            files: Rc::clone(&self.files),
+            rewind: Rewind::default(),
+            ..*self
+        }
+    }
+
+    /// Goes on from another moment of the same scene; what is pulled stays pulled.
+    pub(crate) fn resume(&mut self, state: State) {
+        let grab = self.simulation.grab();
+        self.simulation.set_state(state);
+        self.simulation.set_grab(grab);
+    }
+
     /// Does what a command says, at once.
     ///
     /// # Errors
@@ -84,9 +109,8 @@ impl Sandbox {
             Command::SetRunning(running) => self.set_running(running)?,
             Command::StepOnce => self.step_once()?,
             Command::Reset => {
-                let (start, grab) = (self.simulation.scene().start.clone(), self.simulation.grab());
-                self.simulation.set_state(start);
-                self.simulation.set_grab(grab);
+                let start = self.simulation.scene().start.clone();
+                self.resume(start);
             }
             Command::Rewind(seconds) => self.turn_back(seconds)?,
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
@@ -130,6 +154,14 @@ impl Sandbox {
                 };
                 get(&mut document.level.bodies, body)?.material = material.with_model(model);
                 gesture = Some(Gesture::Material(body));
+            }
+            Command::SetMesh(body, mesh) => {
+                let (body, rest) = (document.source(body), self.rest_points(body));
+                if get(&mut document.level.bodies, body)?.mesh != mesh {
+                    document.set_mesh(body, mesh, &rest);
+                    then = Then::Restart;
+                }
+                gesture = Some(Gesture::Mesh(body));
             }
             Command::SetMass(body, mass) => {
                 let body = document.source(body);
@@ -235,7 +267,7 @@ impl Sandbox {
         } else {
             self.simulation.replace_scene(scene);
         }
-        self.shown = std::sync::Arc::new(shown);
+        self.shown = Arc::new(shown);
         self.document = document;
         Ok(())
     }
@@ -326,6 +358,19 @@ impl Sandbox {
         };
         let own = scene.pins.iter().filter(|pin| vertices.contains(&(**pin as usize)));
         own.map(|pin| pin - vertices.start as u32).collect()
+    }
+
+    /// The places of a shown body's vertices at rest [m], where the document puts it.
+    fn rest_points(&self, body: usize) -> Vec<Point> {
+        let scene = self.simulation.scene();
+        let source = self.document.level.bodies.get(self.document.source(body));
+        let (Some(shown), Some(listed), Some(source)) = (scene.bodies.get(body), self.shown.bodies.get(body), source)
+        else {
+            return Vec::new();
+        };
+        let ([x, y], [from_x, from_y]) = (source.place.offset.get(), listed.place.offset.get());
+        let rest = scene.rest[2 * shown.vertices.start..2 * shown.vertices.end].chunks_exact(2);
+        rest.map_while(|point| Point::new([point[0] + x - from_x, point[1] + y - from_y]).ok()).collect()
     }
 
     /// Length of a step [s].

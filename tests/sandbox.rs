@@ -345,3 +345,51 @@ fn a_mesh_file_that_changed_is_read_again_when_its_level_is_opened_again() {
     sandbox.apply(Command::Open(Box::new(level(text)))).unwrap();
     assert_eq!(seen(&sandbox).triangles.len(), 3);
 }
+
+#[test]
+fn another_mesh_starts_over_with_its_pins_in_their_places_and_undo_brings_the_old_one_back() {
+    for side_by_side in [false, true] {
+        let mut sandbox = sandbox("stretch_test");
+        sandbox.apply(Command::SetSideBySide(side_by_side)).unwrap();
+        sandbox.apply(Command::TogglePin(400)).unwrap();
+        sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+        run(&mut sandbox, 20);
+        let before = seen(&sandbox);
+        let places = |sandbox: &Sandbox| {
+            let scene = sandbox.simulation().scene();
+            scene.pins.iter().map(|pin| [0, 1].map(|axis| scene.rest[2 * *pin as usize + axis])).collect::<Vec<_>>()
+        };
+        let pinned = places(&sandbox);
+        let mut mesh = before.level.bodies[0].mesh.clone();
+        for number in mesh.kind_mut().parameters().into_iter().skip(2) {
+            number.set(2.0 * number.get()).unwrap();
+        }
+        sandbox.apply(Command::SetMesh(0, mesh)).unwrap();
+        let now = seen(&sandbox);
+        assert!(now.triangles.len() == 4 * before.triangles.len() && now.time == 0.0);
+        let near = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-9;
+        let kept = places(&sandbox);
+        assert!(kept.len() == pinned.len() && pinned.iter().all(|a| kept.iter().any(|b| near(a, b))), "{side_by_side}");
+        sandbox.apply(Command::Undo).unwrap();
+        let back = seen(&sandbox);
+        assert_eq!((&back.level, &back.positions, back.time), (&before.level, &before.positions, before.time));
+    }
+}
+
+#[test]
+fn a_fork_goes_on_to_the_same_bits_and_what_is_done_to_it_does_not_reach_the_first() {
+    let mut first = small();
+    first.apply(Command::SetRunning(true)).unwrap();
+    run(&mut first, 30);
+    first.apply(Command::Grab(3, [0.9, 0.9])).unwrap();
+    let mut fork = first.fork();
+    run(&mut first, 30);
+    run(&mut fork, 30);
+    assert_eq!(first.simulation().state(), fork.simulation().state());
+    let before = seen(&first);
+    fork.apply(Command::SetModel(Model::NeoHookean)).unwrap();
+    fork.apply(Command::TogglePin(1)).unwrap();
+    run(&mut fork, 30);
+    let now = seen(&first);
+    assert_eq!((now.positions, now.level, now.can_undo), (before.positions, before.level, before.can_undo));
+}

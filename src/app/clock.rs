@@ -93,6 +93,13 @@ impl Clock {
     }
 }
 
+/// The time of a frame [s], steadied for steps about as long as frames: a frame that is a whole number of them but for the
+/// shaking of the display takes just that many, so that movement does not stutter.
+pub fn steadied(elapsed: f64, step: f64) -> f64 {
+    let steps = (elapsed / step).round();
+    if step > 0.004 && steps >= 1.0 && (elapsed / step - steps).abs() < 0.1 { steps * step } else { elapsed }
+}
+
 fn blend(old: f64, new: f64, fade: f64) -> f64 {
     if old == 0.0 { new } else { old * fade + new * (1.0 - fade) }
 }

@@ -41,12 +41,16 @@ pub struct Scale {
     calm: f32,
     calm_high: f64,
     sorted: Vec<f64>,
+    /// The largest typical value of its own, and of another scale that it shares its range with.
+    typical: f64,
+    heeded: f64,
 }
 
 impl Scale {
     /// Looks at the values of a frame that lasted `dt` seconds. Growing is quick; shrinking waits for calm.
     pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
-        let wanted = round_up(self.typical_high(snapshot).max(floor(snapshot)));
+        self.typical = self.typical_high(snapshot);
+        let wanted = round_up(self.typical.max(self.heeded).max(floor(snapshot)));
         if self.field != snapshot.field || self.generation != Some(snapshot.generation) {
             (self.field, self.generation) = (snapshot.field, Some(snapshot.generation));
             (self.goal, self.high, self.calm) = (wanted, wanted, 0.0);
@@ -69,6 +73,11 @@ impl Scale {
         if (self.high / self.goal - 1.0).abs() < 1e-3 {
             self.high = self.goal;
         }
+    }
+
+    /// Has room for what another scale has seen, or no longer.
+    pub fn heed(&mut self, other: Option<&Self>) {
+        self.heeded = other.map_or(0.0, |other| other.typical);
     }
 
     /// Whether the range is on its way to another one.

@@ -43,7 +43,7 @@ impl App {
     /// Starts a level that could be read; what was wrong with another one is forgotten.
     fn start(&mut self, level: Level) {
         self.view.notice = None;
-        self.apply(Command::Open(Box::new(level)));
+        self.apply(None, Command::Open(Box::new(level)));
     }
 
     /// Opens a level file. If it cannot be read or built, its message is shown and the old scene goes on.
@@ -64,7 +64,8 @@ impl App {
 
     /// Saves the level with everything as it is now. If it fails, a file that was there stays.
     pub fn save(&mut self, path: &Path) {
-        self.tell(path, files::save(path, &self.sandbox.saved()));
+        let saved = files::save(path, &self.settled().saved());
+        self.tell(path, saved);
     }
 
     /// Says what came of saving.
@@ -90,7 +91,7 @@ impl App {
                 Purpose::Export(Export { bytes, .. }) => {
                     String::from_utf8(bytes).map_err(|_| "A browser saves no pictures from here.".to_owned())
                 }
-                _ => files::write(&self.sandbox.saved()).map_err(|error| error.to_string()),
+                _ => files::write(&self.settled().saved()).map_err(|error| error.to_string()),
             };
             self.view.notice = Some(match text {
                 Ok(text) => {

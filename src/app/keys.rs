@@ -46,6 +46,8 @@ pub enum Act {
     Do(Command),
     /// Shows or hides the list of keys.
     ToggleHelp,
+    /// Splits the stage into two panes, or joins them.
+    ToggleComparison,
     /// Nothing: the stage answers the mouse by itself.
     Mouse,
 }
@@ -139,6 +141,9 @@ pub static TABLE: &[Binding] = &[
             |_| Act::Do(Command::Redo),
         )
     },
+    binding("B", "compare: a second pane B beside A, or A alone", When::Always, &[key(Key::B)], |_| {
+        Act::ToggleComparison
+    }),
     binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| Act::ToggleHelp),
 ];
 

@@ -5,6 +5,7 @@ mod camera;
 mod canvas;
 mod clock;
 mod colour;
+pub mod compare;
 mod dialogs;
 mod draw;
 mod file_work;
@@ -25,6 +26,7 @@ use crate::{
 };
 use canvas::Canvas;
 use clock::{Clock, Spent};
+use compare::{Comparison, Pane, Split, Wish};
 use dialogs::Dialogs;
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
@@ -50,6 +52,8 @@ pub struct App {
     history: History,
     dialogs: Dialogs,
     lab: Lab,
+    /// The second pane, while two are compared.
+    comparison: Option<Box<Comparison>>,
     commands: Vec<Command>,
     /// When the last frame was drawn, while time runs [s].
     last: Option<f64>,
@@ -89,6 +93,7 @@ impl App {
             history: History::default(),
             dialogs: Dialogs::default(),
             lab: Lab::default(),
+            comparison: None,
             commands: Vec::new(),
             last: None,
             budget: BUDGET,
@@ -107,14 +112,19 @@ impl App {
         Self { dialogs: Dialogs::silent(), ..self }
     }
 
-    /// What is shown now.
+    /// What is shown now, in pane A if there are two.
     pub const fn snapshot(&self) -> &Snapshot {
         &self.snapshot
     }
 
-    /// What is edited and run.
+    /// What is edited and run, in pane A if there are two.
     pub const fn sandbox(&self) -> &Sandbox {
         &self.sandbox
+    }
+
+    /// The second pane, while two are compared.
+    pub fn comparison(&self) -> Option<&Comparison> {
+        self.comparison.as_deref()
     }
 
     /// Where a point of the world [m] is on the screen, if the stage fills `stage`.
@@ -127,81 +137,189 @@ impl App {
         self.view.notice.as_ref().map(Notice::text)
     }
 
-    /// Applies a command; one that is refused is shown, and nothing changes.
-    fn apply(&mut self, command: Command) {
-        if let Err(refused) = self.sandbox.apply(command) {
+    /// Applies a command, in two panes as one that came from `pane` or else from the chosen one; one that is refused is shown,
+    /// and nothing changes.
+    fn apply(&mut self, pane: Option<Pane>, command: Command) {
+        let result = match &mut self.comparison {
+            Some(panes) => panes.apply(&mut self.sandbox, pane.unwrap_or(panes.chosen()), command),
+            None => self.sandbox.apply(command),
+        };
+        if let Err(refused) = result {
             self.view.notice = Some(Notice::trouble(&refused));
         }
     }
 
     /// Does what was asked for: first what was clicked and dragged, then the keys, each judged after the one before.
     fn apply_wishes(&mut self) {
+        for wish in std::mem::take(&mut self.view.panes) {
+            self.compare(wish);
+        }
+        if let Some(panes) = &mut self.comparison {
+            let idle = self.commands.is_empty() && self.view.pressed.is_empty();
+            if idle && panes.is_between() && panes.stage.only_pulls() {
+                // The hand waits until the panes have met; all else takes them back to where they last met.
+                return;
+            }
+            for (pane, command) in std::mem::take(&mut panes.stage.asked) {
+                self.apply(Some(pane), command);
+            }
+        }
         for command in std::mem::take(&mut self.commands) {
-            self.apply(command);
+            self.apply(None, command);
         }
         for pressed in std::mem::take(&mut self.view.pressed) {
+            self.settled();
             self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
             let command = keys::now(pressed, &self.snapshot)
                 .and_then(|binding| panels::press(binding, &self.snapshot, &mut self.view));
             if let Some(command) = command {
-                self.apply(command);
+                self.apply(None, command);
             }
         }
+        for wish in std::mem::take(&mut self.view.panes) {
+            self.compare(wish);
+        }
+    }
+
+    /// What the panels edit, at a moment that both panes share.
+    fn settled(&mut self) -> &Sandbox {
+        match &mut self.comparison {
+            Some(panes) => {
+                panes.go_back(&mut self.sandbox);
+                if panes.chosen() == Pane::B { panes.sandbox() } else { &self.sandbox }
+            }
+            None => &self.sandbox,
+        }
+    }
+
+    /// Splits the stage, joins it, or turns the panels to a pane.
+    fn compare(&mut self, wish: Wish) {
+        let keep = match (wish, &mut self.comparison) {
+            (Wish::Choose(pane), Some(panes)) => return panes.choose(pane),
+            (Wish::Toggle, None) => {
+                self.comparison = Some(Box::new(Comparison::new(&self.sandbox)));
+                self.clock.stop();
+                return;
+            }
+            (_, None) => return,
+            (Wish::Keep(pane), Some(_)) => pane,
+            (Wish::Toggle, Some(_)) => Pane::A,
+        };
+        self.settled();
+        let Some(panes) = self.comparison.take() else { return };
+        if keep == Pane::B {
+            let Comparison { b, snapshot, history, lab, stage, .. } = *panes;
+            (self.sandbox, self.snapshot, self.history, self.lab) = (b, snapshot, history, lab);
+            self.canvas = stage.into_canvas();
+        }
+        self.canvas.unshare_scale();
+        // The hand may have been in the pane that is gone.
+        self.apply(None, Command::Release);
+        self.clock.stop();
     }
 
     /// Lets time run for as long as the last frame took.
     fn advance(&mut self, now: f64, frame: f64) {
-        if !self.sandbox.is_live() {
+        let panes = self.comparison.as_mut();
+        if !panes.as_ref().map_or(self.sandbox.is_live(), |panes| panes.is_live(&self.sandbox)) {
             self.clock.stop();
             self.last = None;
             return;
         }
         let elapsed = now - self.last.replace(now).unwrap_or(now);
-        let step = self.sandbox.step_length();
-        let owed = self.clock.owe(elapsed, step);
+        let step = panes.as_ref().map_or(self.sandbox.step_length(), |panes| panes.round_length(&self.sandbox));
+        let owed = self.clock.owe(clock::steadied(elapsed, step), step);
         let (start, budget) = (Instant::now(), self.budget);
-        let taken = self.sandbox.advance(owed, &mut || start.elapsed().as_secs_f64() < budget);
+        let more = &mut || start.elapsed().as_secs_f64() < budget;
+        let taken = match panes {
+            Some(panes) => panes.advance(&mut self.sandbox, owed, more),
+            None => self.sandbox.advance(owed, more),
+        };
         let physics = start.elapsed().as_secs_f64();
         if elapsed > 0.0 {
             self.clock.pay(Spent { elapsed, step, owed, taken, physics, frame });
         }
+    }
+
+    /// Measures beside the scene that the panels are about, and goes on with what was begun beside the other.
+    fn study(&mut self, ctx: &Context) {
+        let mut labs = vec![(&mut self.lab, &self.sandbox)];
+        let mut chosen = 0;
+        if let Some(panes) = &mut self.comparison {
+            chosen = panes.chosen() as usize;
+            labs.push((&mut panes.lab, &panes.b));
+        }
+        for (number, (lab, sandbox)) in labs.into_iter().enumerate() {
+            if number == chosen {
+                for wish in std::mem::take(&mut self.view.wishes) {
+                    lab.grant(wish, sandbox);
+                }
+            }
+            if (number == chosen || lab.twin().is_some() || lab.is_busy()) && lab.work(sandbox) {
+                ctx.request_repaint();
+            }
+        }
+    }
+
+    /// Copies what is to be seen. While the panes are on their way to meet, what they showed last stays.
+    fn look(&mut self) {
+        let field = self.view.stage.field;
+        match &mut self.comparison {
+            Some(panes) if panes.is_between() => return,
+            Some(panes) => panes.look(&self.sandbox, &mut self.snapshot, field),
+            None => self.sandbox.snapshot(field, &mut self.snapshot),
+        }
+        self.history.record(&self.snapshot);
     }
 }
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
         self.lab.follow(&self.sandbox);
+        if let Some(panes) = &mut self.comparison {
+            panes.lab.follow(&panes.b);
+        }
         self.file_work(ctx);
         self.apply_wishes();
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.advance(ctx.input(|input| input.time), time_of_frame);
-        for wish in std::mem::take(&mut self.view.wishes) {
-            self.lab.grant(wish, &self.sandbox);
-        }
-        if self.lab.work(&self.sandbox) {
-            ctx.request_repaint();
-        }
-        self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
-        self.history.record(&self.snapshot);
+        self.study(ctx);
+        self.look();
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         self.view.pressed.extend(keys::pressed(ui.ctx(), &self.snapshot));
         #[cfg(not(target_arch = "wasm32"))]
         self.take_dropped_files(ui.ctx());
-        let desk = Desk {
-            now: &self.snapshot,
-            rates: self.clock.rates(),
-            gallery: &self.gallery,
-            history: &self.history,
-            lab: &self.lab,
+        let mut stage = self.comparison.as_mut().map(|panes| std::mem::take(&mut panes.stage));
+        let panes = self.comparison.as_deref();
+        let (now, history, lab) = match panes.filter(|panes| panes.chosen() == Pane::B) {
+            Some(panes) => (panes.snapshot(), &panes.history, &panes.lab),
+            None => (&self.snapshot, &self.history, &self.lab),
         };
-        panels::show(ui, &desk, &mut self.view, &mut self.canvas, &mut self.commands);
+        let (rates, gallery, first) = (self.clock.rates(), &self.gallery, &self.snapshot);
+        let desk = Desk { now, rates, gallery, history, lab, comparison: panes, first };
+        let canvas = &mut self.canvas;
+        let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
+            (Some(stage), Some(panes)) => {
+                let split =
+                    Split { seen: [first, panes.snapshot()], chosen: panes.chosen(), apart: panels::apart(panes) };
+                view.panes.extend(stage.show(ui, canvas, &split, &view.stage));
+            }
+            _ => canvas.show(ui, first, &view.stage, commands),
+        };
+        panels::show(ui, &desk, &mut self.view, &mut draw, &mut self.commands);
+        if let (Some(panes), Some(stage)) = (&mut self.comparison, stage) {
+            panes.stage = stage;
+        }
         let asked = !self.commands.is_empty()
             || !self.view.wishes.is_empty()
             || !self.view.pressed.is_empty()
+            || !self.view.panes.is_empty()
+            || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
             || self.view.wants_files();
-        if asked || self.view.stage.field != self.snapshot.field || self.sandbox.is_live() {
+        let live = self.comparison.as_ref().map_or(self.sandbox.is_live(), |panes| panes.is_live(&self.sandbox));
+        if asked || self.view.stage.field != self.snapshot.field || live {
             ui.ctx().request_repaint();
         }
     }

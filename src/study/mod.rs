@@ -3,12 +3,13 @@
 //! A [`Trial`] is a scene, a start and a simulated time. A [`Reference`] is its solution, exact or far more accurate than what
 //! is asked about, with a bound on its own error. A [`WorkPrecision`] diagram runs the trial with many [`Setting`]s and a
 //! [`Suggestion`] is the cheapest of them. A [`MeshStudy`] varies the mesh in place of the step, a [`Twin`] tells the error of a
-//! running simulation, a [`Drift`] what a scheme does to energy and momentum.
+//! running simulation, a [`Difference`] how far two runs are apart, a [`Drift`] what a scheme does to energy and momentum.
 //!
 //! Whatever takes long is a job: `advance(budget)` works for about that long and returns its [`Progress`]. What is there can
 //! be read at any time, and dropping a job cancels it. Results do not depend on budgets or on the number of threads, except for
 //! the measured times.
 
+mod difference;
 mod drift;
 mod exact;
 mod export;
@@ -28,6 +29,7 @@ mod trial;
 mod twin;
 mod workers;
 
+pub use difference::{Apart, Correspondence, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Invariant, Moment};
 pub use exact::ClosedForm;
 pub use export::{Origin, head, is_time_column};

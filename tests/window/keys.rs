@@ -31,6 +31,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("Up", _) => assert_eq!(now.pose, Some(Pose::Stretched), "{what}"),
         ("Down", _) => assert_eq!(now.pose, Some(Pose::Compressed), "{what}"),
         ("?", _) => assert!(window.query_by_label("Keys and mouse").is_some(), "{what}"),
+        ("B", _) => assert!(window.state().comparison().is_some(), "{what}"),
         ("Ctrl+Z" | "Ctrl+Y", _) => {}
         (other, _) => panic!("{other} is in the table, but no test says what it does"),
     }
@@ -173,7 +174,8 @@ fn everything_a_key_does_is_a_button_too() {
 #[test]
 fn the_table_has_every_promised_key() {
     let labels: Vec<_> = TABLE.iter().map(|binding| binding.label).collect();
-    for key in ["C", "V", "N", "M", "T", "R", "D", "Space", "Up", "Down", "Click", "Drag", "Ctrl+Z", "Ctrl+Y", "?"] {
+    for key in ["C", "V", "N", "M", "T", "R", "D", "Space", "Up", "Down", "Click", "Drag", "Ctrl+Z", "Ctrl+Y", "B", "?"]
+    {
         assert!(labels.contains(&key), "{key}");
     }
     assert_eq!(

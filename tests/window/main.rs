@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a failing test should panic")]
 
 mod accuracy;
+mod compare;
 mod harness;
 mod keys;
 mod panels;

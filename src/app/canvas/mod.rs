@@ -42,6 +42,8 @@ pub struct Options {
     pub wireframe: bool,
     /// Whether the vertices are drawn.
     pub vertices: bool,
+    /// What the stage is called where there are two.
+    pub name: &'static str,
 }
 
 /// The stage with everything it remembers from frame to frame; none of it is physics.
@@ -77,7 +79,7 @@ impl Canvas {
     /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
-        describe(&response, snapshot);
+        describe(&response, snapshot, options.name);
         let canvas = response.rect;
         let camera = camera(snapshot, canvas);
         let view = View { camera, theme: Theme::of(ui.ctx()) };
@@ -165,8 +167,9 @@ impl Canvas {
 }
 
 /// What a screen reader, or a test, is told about the stage.
-fn describe(response: &Response, snapshot: &Snapshot) {
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Stage"));
+fn describe(response: &Response, snapshot: &Snapshot, name: &str) {
+    let name = if name.is_empty() { "Stage" } else { name };
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, name));
     response.ctx.accesskit_node_builder(response.id, |node| {
         let nets = snapshot.nets.iter().map(|net| net.name.as_str());
         let toy = snapshot.level.toy.iter().map(|toy| toy.kind().title());
@@ -179,4 +182,17 @@ fn describe(response: &Response, snapshot: &Snapshot) {
 /// How a stage that fills `canvas` shows the world, for whoever wants to point at it from outside, such as a test.
 pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
     Camera::new(canvas, strip_numbers::height(snapshot, canvas))
+}
+
+/// Lets two canvases colour equal values equally.
+pub fn share_scale(a: &mut Canvas, b: &mut Canvas) {
+    a.scale.heed(Some(&b.scale));
+    b.scale.heed(Some(&a.scale));
+}
+
+impl Canvas {
+    /// Colours by its own values alone.
+    pub fn unshare_scale(&mut self) {
+        self.scale.heed(None);
+    }
 }

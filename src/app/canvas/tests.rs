@@ -27,7 +27,7 @@ fn bench(mode: Mode) -> Harness<'static, Bench> {
     sandbox.apply(Command::SetRunning(false)).unwrap();
     let mut snapshot = Snapshot::default();
     sandbox.snapshot(Field::VonMises, &mut snapshot);
-    let options = Options { field: Field::VonMises, wireframe: true, vertices: true };
+    let options = Options { field: Field::VonMises, wireframe: true, vertices: true, name: "" };
     let bench = Bench { canvas: Canvas::default(), snapshot, options, commands: Vec::new() };
     let mut harness = Harness::builder().with_size(vec2(600.0, 600.0)).build_ui_state(
         |ui, bench: &mut Bench| bench.canvas.show(ui, &bench.snapshot, &bench.options, &mut bench.commands),

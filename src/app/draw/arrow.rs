@@ -41,10 +41,18 @@ fn stroke(ink: &mut Ink, from: Pos2, to: Pos2, size: &Size, color: Color32) {
 pub fn force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pull) {
     let to = view.camera.screen_from_world(pull.target);
     let right = to.x >= from.x;
-    let aside = view.size(0.035, 18.0, 90.0);
-    let (aside, anchor) = if right { (aside, Align2::LEFT_CENTER) } else { (-aside, Align2::RIGHT_CENTER) };
+    let gap = view.size(0.035, 18.0, 90.0);
     let font = FontId::monospace(view.size(0.024, 14.0, 40.0));
+    // Where there is no room beside the head it stands above.
+    let room = if right { canvas.right() - to.x } else { to.x - canvas.left() };
+    let (aside, anchor) = if room < gap + 6.5 * font.size {
+        (vec2(0.0, -gap), Align2::CENTER_BOTTOM)
+    } else if right {
+        (vec2(gap, 0.0), Align2::LEFT_CENTER)
+    } else {
+        (vec2(-gap, 0.0), Align2::RIGHT_CENTER)
+    };
     let text = si_fixed(pull.force, "N");
     let color = view.theme.pull.lerp_to_gamma(view.theme.ink, 0.35);
-    card(painter, view, canvas, (to + vec2(aside, 0.0), anchor), (text.trim(), font, color));
+    card(painter, view, canvas, (to + aside, anchor), (text.trim(), font, color));
 }

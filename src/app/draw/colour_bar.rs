@@ -20,11 +20,17 @@ struct Layout {
 impl Layout {
     fn new(canvas: Rect, square: Rect) -> Self {
         let size = (canvas.height() / 55.0).clamp(12.0, 32.0);
-        let height = (0.5 * canvas.height()).clamp(80.0, 40.0 * size);
-        let extent = vec2(5.6 * size, height + 5.2 * size);
+        let (width, ends) = (5.6 * size, 5.2 * size);
         // At the edge of the stage, but not far from the house in a wide window.
-        let left = (canvas.right() - 8.0 - extent.x).min(square.right() + 0.14 * square.width());
-        let middle = pos2(left + 0.5 * extent.x, canvas.center().y);
+        let left = (canvas.right() - 8.0 - width).min(square.right() + 0.14 * square.width());
+        let height = (0.5 * canvas.height()).clamp(80.0, 40.0 * size);
+        // On a tall stage there is room above the world, where it covers nobody.
+        let above = square.top() - canvas.top() - 16.0 - ends;
+        let over = left < square.right() && above > 80.0;
+        let height = if over { height.min(above) } else { height };
+        let extent = vec2(width, height + ends);
+        let top = if over { canvas.top() + 8.0 } else { canvas.center().y - 0.5 * extent.y };
+        let middle = pos2(left + 0.5 * width, top + 0.5 * extent.y);
         let card = Rect::from_center_size(middle, extent);
         let bar = Rect::from_min_size(card.min + vec2(0.8 * size, 4.1 * size), vec2(1.1 * size, height));
         Self { card, bar, font: FontId::monospace(size) }

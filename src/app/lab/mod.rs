@@ -74,6 +74,11 @@ impl Lab {
         }
     }
 
+    /// Whether any study is being worked on.
+    pub const fn is_busy(&self) -> bool {
+        self.accuracy.is_running() || self.meshes.is_running() || self.drift.is_running()
+    }
+
     /// How much of a study is done, if it was ever begun.
     pub fn done(&self, topic: Topic) -> Option<f64> {
         match topic {

@@ -1,8 +1,12 @@
 //! What went wrong, over the stage, with buttons that mend it.
 
-use super::{Notice, View};
+use super::{Desk, Notice, View};
 use crate::{
-    app::{numbers, theme::Theme},
+    app::{
+        compare::{Pane, Wish},
+        numbers,
+        theme::Theme,
+    },
     command::Command,
     fault::Cause,
     level::Substeps,
@@ -10,18 +14,36 @@ use crate::{
 };
 use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Key, Order, Rect, RichText, Stroke, Ui, vec2};
 
-pub fn show(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
-    if now.fault.is_none() && view.notice.is_none() {
+pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let now = desk.now;
+    let other = desk.comparison.filter(|_| now.fault.is_none()).and_then(|panes| {
+        let seen = if panes.chosen() == Pane::A { panes.snapshot() } else { desk.first };
+        Some((panes.chosen().other(), seen.fault.as_ref()?))
+    });
+    if now.fault.is_none() && other.is_none() && view.notice.is_none() {
         return;
     }
-    let top = stage.center_top() + vec2(0.0, 10.0);
+    // Below the heads of two panes, which say what stopped.
+    let down = if desk.comparison.is_some() { 54.0 } else { 10.0 };
+    let top = stage.center_top() + vec2(0.0, down);
     let area = Area::new(Id::unique("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
     area.constrain_to(stage).show(ctx, |ui| {
         let width = (stage.width() - 56.0).clamp(160.0, 520.0);
         ui.set_max_width(width);
         if let Some(fault) = &now.fault {
-            card(ui, width, Theme::of(ctx).bad, "Time stopped", &fault.to_string(), |ui| {
+            let pane = desk.comparison.map(|panes| format!("Time stopped in {}", panes.chosen().letter()));
+            let title = pane.as_deref().unwrap_or("Time stopped");
+            card(ui, width, Theme::of(ctx).bad, title, &fault.to_string(), |ui| {
                 remedies(ui, now, commands);
+            });
+        }
+        if let Some((pane, fault)) = other {
+            let title = format!("Time stopped in {}", pane.letter());
+            card(ui, width, Theme::of(ctx).bad, &title, &fault.to_string(), |ui| {
+                let help = "The panels turn to this pane, and what mends it is offered here.";
+                if ui.button(format!("Edit {}", pane.letter())).on_hover_text(help).clicked() {
+                    view.panes.push(Wish::Choose(pane));
+                }
             });
         }
         let mut read = false;

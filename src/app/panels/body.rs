@@ -4,13 +4,14 @@ use super::{
     Notice, View, heading, net,
     segmented::{Segment, segmented},
     settle,
-    slider::{self, Outcome},
+    slider::{self, Look, Outcome},
 };
 use crate::{
     command::Command,
     level::MassLevel,
     materials::{MaterialParameters, Plane},
-    quantity::{Density, Mass, OutOfRange},
+    meshes::MeshKind,
+    quantity::{Cells, Density, Mass, OutOfRange, Rings, Triangles},
     snapshot::{BodySnapshot, Snapshot},
 };
 use eframe::egui::{ComboBox, Ui};
@@ -37,6 +38,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             material(ui, body.material, view, commands);
             let area = now.bodies.get(view.body).map_or(0.0, |shown| rest_area(shown) * body.place.scale.get().powi(2));
             mass(ui, body.mass, area, view, commands);
+            mesh(ui, &body.mesh, view, commands);
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             net::show(ui, number, listed, view, commands);
         }
@@ -91,6 +93,28 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: f64, view: &mut View, commands: &mut
         MassLevel::Total(mut total) => (slider::quantity(ui, &mut total), MassLevel::Total(total)),
     };
     settle(outcome, Some(Command::SetMass(view.body, new)), view, commands);
+}
+
+/// How fine the mesh is. Another one starts over.
+fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Command>) {
+    const SIDES: [&str; 2] = ["columns of cells", "rows of cells"];
+    let mut mesh = mesh.clone();
+    let mut sum = Outcome::default();
+    let (mut finer, names) = (mesh.kind_mut().parameters(), [Triangles::SPEC.name, Cells::SPEC.name, Rings::SPEC.name]);
+    finer.retain(|number| names.contains(&number.spec().name));
+    let many = finer.len() == SIDES.len();
+    for (number, side) in finer.into_iter().zip(SIDES) {
+        let spec = number.spec();
+        let help = format!("{}\nAnother mesh starts over.\nAllowed: {}.", spec.help.trim(), spec.range());
+        let name = if many { side } else { spec.name };
+        let look = Look { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
+        let value = number.get();
+        let outcome = slider::number(ui, &look, value, &mut |new| number.set(new).map_err(|error| error.to_string()));
+        sum.changed |= outcome.changed;
+        sum.ended |= outcome.ended;
+        sum.refused = outcome.refused.or(sum.refused.take());
+    }
+    settle(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
 }
 
 /// The same mass [kg] told the other way, over an area [m²].

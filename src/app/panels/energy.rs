@@ -133,7 +133,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
 }
 
 /// Seconds to mark and to number: few enough that the numbers do not touch.
-fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
+pub(super) fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
     let step = [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|step| *step >= 0.32 * span).unwrap_or(10.0);
     let first = (from / step).ceil() as i64;
     let last = (to / step).floor() as i64;
@@ -159,7 +159,7 @@ fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
 }
 
 /// A range that holds all values and ends at round numbers, so that it stands still while they change a little.
-fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(super) fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     let round = |value: f64| {
         if value == 0.0 {

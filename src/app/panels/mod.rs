@@ -4,6 +4,7 @@
 mod axes;
 mod banner;
 mod body;
+mod compare;
 mod cost;
 mod diagram;
 mod drift_plot;
@@ -25,13 +26,15 @@ mod studies;
 mod test_pose;
 mod toy;
 
+pub use compare::apart;
 pub use export::Export;
-pub use history::History;
+pub use history::{History, WINDOW};
 pub use prompt::Prompt;
 
 use super::{
     canvas,
     clock::Rates,
+    compare::{self as panes, Comparison},
     gallery::Gallery,
     keys::{Act, Binding},
     lab::{Lab, Wish},
@@ -72,6 +75,8 @@ pub struct View {
     pub studies: studies::Look,
     /// The plot whose picture is being taken.
     pub sitting: Option<export::Sitting>,
+    /// What is wanted of the two panes.
+    pub panes: Vec<panes::Wish>,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
 }
@@ -132,13 +137,20 @@ pub struct Desk<'a> {
     pub history: &'a History,
     /// What is measured beside the scene.
     pub lab: &'a Lab,
+    /// The two panes, if there are two; all the rest is about the one that is chosen.
+    pub comparison: Option<&'a Comparison>,
+    /// What pane A shows.
+    pub first: &'a Snapshot,
 }
+
+/// Draws the stage and appends what the pointer asked for.
+pub type DrawStage<'a> = dyn FnMut(&mut Ui, &mut View, &mut Vec<Command>) + 'a;
 
 /// Below this width the sides fold away [points].
 const NARROW: f32 = 900.0;
 
 /// Draws the window.
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::Canvas, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<'_>, commands: &mut Vec<Command>) {
     let narrow = ui.available_width() < NARROW;
     strip::show(ui, desk, view, commands, narrow);
     status::show(ui, desk, view, commands);
@@ -146,10 +158,9 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
         view.drawer = None;
         docked(ui, desk, view, commands);
     }
-    let options = view.stage;
     let stage = egui::CentralPanel::no_frame().show(ui, |ui| {
         let stage = ui.max_rect();
-        canvas.show(ui, desk.now, &options, commands);
+        draw(ui, view, commands);
         stage
     });
     let stage = stage.inner;
@@ -159,7 +170,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, canvas: &mut canvas::
     studies::show(ui.ctx(), desk, view, commands);
     // Nothing may lie over a plot while its picture is taken.
     if !view.is_posing() {
-        banner::show(ui.ctx(), stage, desk.now, view, commands);
+        banner::show(ui.ctx(), stage, desk, view, commands);
         help::show(ui.ctx(), desk.now, view);
         prompt::show(ui.ctx(), view);
     }
@@ -199,6 +210,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
         ui.set_max_width(ui.available_width() - 8.0);
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
+        compare::caption(ui, desk, side);
         if side == Side::Left {
             if !desk.now.level.about.is_empty() {
                 ui.label(RichText::new(&desk.now.level.about).small().weak());
@@ -208,6 +220,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
             toy::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
         } else {
+            compare::show(ui, desk);
             cost::show(ui, desk, view, commands);
             scheme::show(ui, desk, view, commands);
             studies::buttons(ui, view);
@@ -223,6 +236,10 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
         Act::Do(command) => Some(command),
         Act::ToggleHelp => {
             view.help = !view.help;
+            None
+        }
+        Act::ToggleComparison => {
+            view.panes.push(panes::Wish::Toggle);
             None
         }
         Act::Mouse => None,
@@ -279,7 +296,7 @@ fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quanti
 }
 
 /// A count with thousands apart: `12 480`.
-fn count(number: usize) -> String {
+pub fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {

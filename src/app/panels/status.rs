@@ -54,7 +54,7 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
     let places = [When::Edit, When::Moving, When::Test];
     let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.holds(now));
-    let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "?"].contains(&binding.label));
+    let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "?"].contains(&binding.label));
     // A toy has no vertices to pin or pull, and nothing that could be damped.
     let special = special.filter(|binding| now.toy.is_none() || !["Click", "Drag"].contains(&binding.label));
     let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
@@ -94,6 +94,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
         ("T", _) => "collide",
         ("D", _) if now.damping => "damping off",
         ("D", _) => "damping on",
+        ("B", _) => "compare",
         ("?", _) => "all keys",
         _ => binding.words,
     }

@@ -1,7 +1,7 @@
 //! The strip at the top: level, mode, time, model, history, and what is shown.
 
 use super::{
-    Desk, FileWish, Side, View,
+    Desk, FileWish, Side, View, compare,
     icons::Icon,
     segmented::{HEIGHT, Lit, Segment, icon_button, segmented},
 };
@@ -38,6 +38,10 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
                 apart(ui);
             }
             history(ui, desk.now, commands);
+            compare::switch(ui, desk, view);
+            if narrow && ui.available_size_before_wrap().x < LOOKS {
+                ui.end_row();
+            }
             if !narrow {
                 ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
             }

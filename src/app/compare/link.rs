@@ -1,0 +1,27 @@
+//! What is done to one pane, in terms of the other: its vertices have other numbers if its mesh is another.
+
+use crate::{command::Command, sandbox::Sandbox, study::counterpart};
+
+/// What to do to `to` when this is about to be done to `from`.
+pub fn twins(command: &Command, from: &Sandbox, to: &Sandbox) -> Vec<Command> {
+    let (here, there) = (from.simulation().scene(), to.simulation().scene());
+    match *command {
+        Command::Grab(vertex, target) => {
+            counterpart(here, there, vertex).map(|vertex| Command::Grab(vertex, target)).into_iter().collect()
+        }
+        // What is pinned here is freed there wherever its nearest vertex is this one; what is free is pinned once.
+        Command::TogglePin(vertex) if here.pins.contains(&(vertex as u32)) => {
+            let pins = there.pins.iter().map(|pin| *pin as usize);
+            pins.filter(|pin| counterpart(there, here, *pin) == Some(vertex)).map(Command::TogglePin).collect()
+        }
+        Command::TogglePin(vertex) => {
+            let twin = counterpart(here, there, vertex).filter(|twin| !there.pins.contains(&(*twin as u32)));
+            twin.map(Command::TogglePin).into_iter().collect()
+        }
+        Command::SetMaterial(body, material) => {
+            let model = to.shown.bodies.get(body).map_or(material.model(), |body| body.material.model());
+            vec![Command::SetMaterial(body, material.with_model(model))]
+        }
+        ref same => vec![same.clone()],
+    }
+}

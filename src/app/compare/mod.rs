@@ -1,0 +1,301 @@
+//! Two panes of one experiment, computed in two ways. A is the window's own sandbox; B is a second one that is done to what
+//! is done to A, but for scheme, step, model and mesh. Both are at the same simulated time whenever they are looked at.
+
+mod link;
+mod record;
+mod rounds;
+mod stage;
+#[cfg(test)]
+mod tests;
+
+pub use record::{Moment, Record};
+pub use stage::{Split, Stage};
+
+use super::{lab::Lab, panels::History, theme::Theme};
+use crate::{
+    command::{About, Command},
+    sandbox::{Refused, Sandbox},
+    snapshot::{Field, Snapshot},
+    state::State,
+};
+use eframe::egui::Color32;
+use rounds::Rounds;
+
+/// One of the two.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pane {
+    /// The scene that was there.
+    #[default]
+    A,
+    /// The copy beside it.
+    B,
+}
+
+impl Pane {
+    /// Both, in order.
+    pub const BOTH: [Self; 2] = [Self::A, Self::B];
+
+    /// What it is called.
+    pub const fn letter(self) -> &'static str {
+        match self {
+            Self::A => "A",
+            Self::B => "B",
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+}
+
+/// The colour that stands for a pane.
+pub const fn color(theme: &Theme, pane: Pane) -> Color32 {
+    theme.series[pane as usize]
+}
+
+/// What the window may be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Splits the stage, or joins it and keeps A.
+    Toggle,
+    /// Lets the panels edit this pane.
+    Choose(Pane),
+    /// Joins the stage and keeps this pane.
+    Keep(Pane),
+}
+
+/// The second pane, and what holds both together. Pane A is lent to it where it is needed.
+pub struct Comparison {
+    pub(super) b: Sandbox,
+    pub(super) snapshot: Snapshot,
+    pub(super) history: History,
+    pub(super) lab: Lab,
+    pub(super) stage: Stage,
+    chosen: Pane,
+    past: Vec<Change>,
+    future: Vec<Change>,
+    rounds: Rounds,
+    record: Record,
+}
+
+/// A change that can be undone in both panes at once.
+struct Change {
+    /// How many changes it is for each pane.
+    counts: [u64; 2],
+    /// Where a pane was that changed nothing itself, but had to start over with the other.
+    states: [Option<State>; 2],
+}
+
+/// Most changes that are remembered.
+const DEPTH: usize = 200;
+
+impl Comparison {
+    /// Begins with two equal panes; B is chosen, as it is there to be changed.
+    pub fn new(a: &Sandbox) -> Self {
+        Self {
+            b: a.fork(),
+            snapshot: Snapshot::default(),
+            history: History::default(),
+            lab: Lab::default(),
+            stage: Stage::default(),
+            chosen: Pane::B,
+            past: Vec::new(),
+            future: Vec::new(),
+            rounds: Rounds::default(),
+            record: Record::default(),
+        }
+    }
+
+    /// The second pane.
+    pub const fn sandbox(&self) -> &Sandbox {
+        &self.b
+    }
+
+    /// What it shows now.
+    pub const fn snapshot(&self) -> &Snapshot {
+        &self.snapshot
+    }
+
+    /// The pane that the panels show and change.
+    pub const fn chosen(&self) -> Pane {
+        self.chosen
+    }
+
+    /// Lets the panels show and change a pane.
+    pub const fn choose(&mut self, pane: Pane) {
+        self.chosen = pane;
+    }
+
+    /// How far the panes are apart, over time.
+    pub const fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Whether time should run: in both, and neither has stopped.
+    pub const fn is_live(&self, a: &Sandbox) -> bool {
+        a.is_live() && self.b.is_live()
+    }
+
+    /// Whether B is on its way to where A is, or the other way round. What is seen then is the last moment they shared.
+    pub const fn is_between(&self) -> bool {
+        self.rounds.is_between()
+    }
+
+    /// Shortest simulated time after which both are at the end of a step again [s].
+    pub fn round_length(&self, a: &Sandbox) -> f64 {
+        Rounds::length(a, &self.b)
+    }
+
+    /// Lets both run for so many rounds, as long as there is time for `more`. Returns how many were completed. If one stops with
+    /// a fault, the panels turn to it.
+    pub fn advance(&mut self, a: &mut Sandbox, rounds: u64, more: &mut dyn FnMut() -> bool) -> u64 {
+        let taken = self.rounds.advance([a, &mut self.b], rounds, more);
+        let faulty = [&*a, &self.b].map(|sandbox| sandbox.simulation().fault().is_some());
+        if faulty[0] != faulty[1] {
+            self.chosen = if faulty[0] { Pane::A } else { Pane::B };
+        }
+        taken
+    }
+
+    /// Goes back to the last moment both shared, if they are between two.
+    pub fn go_back(&mut self, a: &mut Sandbox) {
+        self.rounds.go_back([a, &mut self.b]);
+    }
+
+    /// Copies what is to be seen, as of now, and notes the difference.
+    pub fn look(&mut self, a: &Sandbox, seen: &mut Snapshot, field: Field) {
+        let live = self.is_live(a);
+        let can = [false, true].map(|forth| self.next(a, forth).is_some());
+        for (sandbox, snapshot) in [(a, &mut *seen), (&self.b, &mut self.snapshot)] {
+            sandbox.snapshot(field, snapshot);
+            snapshot.running = live;
+            [snapshot.can_undo, snapshot.can_redo] = can;
+        }
+        self.history.record(&self.snapshot);
+        if (seen.time - self.snapshot.time).abs() < 0.01 * a.step_length().min(self.b.step_length()) {
+            self.record.note([a, &self.b], [seen, &self.snapshot], self.rounds.prices());
+        }
+    }
+
+    /// Does what a command says: to both panes if it is about the experiment, else to the pane it came from. `from` is also
+    /// the pane whose vertices it means.
+    ///
+    /// # Errors
+    /// As for a sandbox; neither pane has changed then.
+    pub fn apply(&mut self, a: &mut Sandbox, from: Pane, command: Command) -> Result<(), Refused> {
+        self.go_back(a);
+        match command {
+            Command::Undo => return self.travel(a, false),
+            Command::Redo => return self.travel(a, true),
+            Command::StepOnce => return self.step_once(a),
+            _ => {}
+        }
+        let before = [&*a, &self.b].map(|sandbox| (sandbox.history.count(), sandbox.simulation().state().clone()));
+        let (here, there) = match from {
+            Pane::A => (&mut *a, &mut self.b),
+            Pane::B => (&mut self.b, &mut *a),
+        };
+        let known = here.history.count();
+        match command.about() {
+            About::Method => {
+                here.apply(command)?;
+                there.apply(Command::EndGesture)?;
+                if here.shown.bodies.len() != there.shown.bodies.len() {
+                    // A single model takes the place of all models side by side: in both, as they show one experiment.
+                    there.apply(Command::SetSideBySide(false))?;
+                }
+            }
+            About::Experiment => {
+                let twins = link::twins(&command, here, there);
+                here.apply(command)?;
+                for twin in twins {
+                    if let Err(refused) = there.apply(twin) {
+                        if here.history.count() > known {
+                            here.apply(Command::Undo)?;
+                        }
+                        return Err(refused);
+                    }
+                }
+            }
+        }
+        self.remember(a, before)
+    }
+
+    /// Puts both at the start if only one was, and notes what is to be undone.
+    fn remember(&mut self, a: &mut Sandbox, before: [(u64, State); 2]) -> Result<(), Refused> {
+        let [a_before, b_before] = before;
+        let counts = [a.history.count() - a_before.0, self.b.history.count() - b_before.0];
+        let mut states = [None, None];
+        if self.parted(a, [a_before.1.steps, b_before.1.steps]) {
+            states = [a_before.1, b_before.1].map(Some);
+            self.start_over(a)?;
+        }
+        for (state, count) in states.iter_mut().zip(counts) {
+            state.take_if(|_| count > 0);
+        }
+        if counts != [0, 0] {
+            self.future.clear();
+            self.past.push(Change { counts, states });
+            if self.past.len() > DEPTH {
+                self.past.remove(0);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether only one of the two was put to another time since they had taken so many steps.
+    const fn parted(&self, a: &Sandbox, steps: [u64; 2]) -> bool {
+        (a.simulation().state().steps == steps[0]) != (self.b.simulation().state().steps == steps[1])
+    }
+
+    fn start_over(&mut self, a: &mut Sandbox) -> Result<(), Refused> {
+        for sandbox in [a, &mut self.b] {
+            sandbox.apply(Command::Reset)?;
+            sandbox.apply(Command::Release)?;
+        }
+        Ok(())
+    }
+
+    /// How many changes each pane would go back or forth. What happened before the panes were two is common to both.
+    fn next(&self, a: &Sandbox, forth: bool) -> Option<[u64; 2]> {
+        let can = |sandbox: &Sandbox| if forth { sandbox.history.can_redo() } else { sandbox.history.can_undo() };
+        let common = || (can(a) && can(&self.b) && (!forth || self.past.is_empty())).then_some([1, 1]);
+        let list = if forth { &self.future } else { &self.past };
+        list.last().map(|change| change.counts).or_else(common)
+    }
+
+    fn travel(&mut self, a: &mut Sandbox, forth: bool) -> Result<(), Refused> {
+        let Some(counts) = self.next(a, forth) else { return Ok(()) };
+        let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
+        let steps = [&*a, &self.b].map(|sandbox| sandbox.simulation().state().steps);
+        let mut states = from.pop().map(|change| change.states).unwrap_or_default();
+        for ((sandbox, count), state) in [&mut *a, &mut self.b].into_iter().zip(counts).zip(&mut states) {
+            for _ in 0..count {
+                sandbox.apply(if forth { Command::Redo } else { Command::Undo })?;
+            }
+            if let Some(state) = state {
+                let now = sandbox.simulation().state().clone();
+                sandbox.resume(std::mem::replace(state, now));
+            }
+        }
+        to.push(Change { counts, states });
+        if self.parted(a, steps) { self.start_over(a) } else { Ok(()) }
+    }
+
+    /// Takes one round, paused: one step of the pane with the longer steps, if they are a multiple of the other's.
+    fn step_once(&mut self, a: &mut Sandbox) -> Result<(), Refused> {
+        let run = |sandbox: &mut Sandbox, on| sandbox.apply(Command::SetRunning(on));
+        run(a, true)?;
+        run(&mut self.b, true)?;
+        if self.is_live(a) {
+            self.advance(a, 1, &mut || true);
+        }
+        run(a, false)?;
+        run(&mut self.b, false)
+    }
+}

@@ -1,0 +1,112 @@
+//! What was measured between the panes in the last seconds.
+
+use crate::{
+    app::panels::WINDOW,
+    sandbox::Sandbox,
+    snapshot::Snapshot,
+    study::{Apart, Difference},
+};
+use std::{collections::VecDeque, fmt::Write as _};
+
+/// Least time between two kept moments [s].
+const APART: f64 = 1.0 / 120.0;
+
+/// How often the shown prices change [s].
+const REFRESH: f64 = 0.25;
+
+/// The panes at one simulated time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Simulated time [s].
+    pub time: f64,
+    /// How far positions are apart; `None` if the panes do not show the same things.
+    pub positions: Option<Apart>,
+    /// Total energy of B less that of A [J].
+    pub energy: f64,
+    /// Time of computing for a second of simulated time, A and B [s]; `None` before any was simulated.
+    pub prices: Option<[f64; 2]>,
+}
+
+/// The moments of the last seconds, oldest first.
+#[derive(Default)]
+pub struct Record {
+    moments: VecDeque<Moment>,
+    difference: Option<Difference>,
+    /// Prices that hold still long enough to be read, and since when [s].
+    shown: Option<(f64, [f64; 2])>,
+    /// Which scenes it is about.
+    generations: [u64; 2],
+    /// Name of the level, and how each pane is computed.
+    level: String,
+    settings: [String; 2],
+}
+
+impl Record {
+    /// Notes the present moment; time that went backwards or other scenes begin anew.
+    pub fn note(&mut self, panes: [&Sandbox; 2], seen: [&Snapshot; 2], prices: Option<[f64; 2]>) {
+        let generations = seen.map(|seen| seen.generation);
+        let time = seen[0].time;
+        let last = self.moments.back().map(|moment| moment.time);
+        if generations != self.generations || last.is_none_or(|last| time < last) {
+            *self = Self { generations, ..Self::default() };
+        } else if last == Some(time) {
+            self.describe(seen);
+            return;
+        }
+        self.describe(seen);
+        let [a, b] = panes.map(Sandbox::simulation);
+        if self.shown.is_none_or(|(since, _)| time - since >= REFRESH) {
+            self.shown = prices.map(|prices| (time, prices));
+        }
+        let difference = self.difference.get_or_insert_with(|| Difference::new(a, b));
+        let positions = difference.measure(a, b);
+        let energy = seen[1].energies.total() - seen[0].energies.total();
+        let kept = self.moments.len();
+        // The newest moment moves along until it is far enough from the one before.
+        if kept >= 2 && time - self.moments[kept - 2].time < APART {
+            self.moments.pop_back();
+        }
+        self.moments.push_back(Moment { time, positions, energy, prices });
+        while self.moments.front().is_some_and(|moment| time - moment.time > WINDOW) {
+            self.moments.pop_front();
+        }
+    }
+
+    fn describe(&mut self, seen: [&Snapshot; 2]) {
+        self.level.clone_from(&seen[0].level.name);
+        self.settings = seen.map(|seen| super::stage::settings(seen).join(", "));
+    }
+
+    /// What was kept, oldest first.
+    pub fn moments(&self) -> impl Iterator<Item = &Moment> {
+        self.moments.iter()
+    }
+
+    /// Time of computing for a second of simulated time, A and B [s], as it is shown.
+    pub fn prices(&self) -> Option<[f64; 2]> {
+        self.shown.map(|(_, prices)| prices)
+    }
+
+    /// The newest.
+    pub fn last(&self) -> Option<&Moment> {
+        self.moments.back()
+    }
+
+    /// Everything as comma-separated values, with a head that says what was compared and what is measured.
+    pub fn csv(&self) -> String {
+        let [a, b] = &self.settings;
+        let mut text = format!(
+            "# level: {}\n# A: {a}\n# B: {b}\n\
+             # positions: RMS distance of material points of B from A; relative: over the farthest that A was from its start (RMS)\n\
+             # energy: total energy of B less that of A; ms: computing for a second of simulated time\n\
+             time [s],positions [m],positions relative,energy [J],ms_A,ms_B\n",
+            self.level.replace(['\n', '\r'], " ")
+        );
+        for Moment { time, positions, energy, prices } in &self.moments {
+            let positions = positions.map_or(",".to_owned(), |apart| format!("{},{}", apart.metres, apart.relative));
+            let [a, b] = prices.map_or([String::new(), String::new()], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
+            let _ = writeln!(text, "{time},{positions},{energy},{a},{b}");
+        }
+        text
+    }
+}

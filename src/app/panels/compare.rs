@@ -1,0 +1,223 @@
+//! Two panes: the switch in the strip, which of them the panels edit, and how far they are apart.
+
+use super::{
+    Desk, Side, View,
+    energy::{marks, nice_range},
+    fixed, heading_here,
+    history::WINDOW,
+    row,
+    scheme::percent,
+    segmented::{HEIGHT, Segment, segmented},
+};
+use crate::app::{
+    compare::{Comparison, Moment, Pane, Record, Wish, color},
+    numbers,
+    theme::Theme,
+};
+use crate::study::Apart;
+use eframe::egui::{self, Button, RichText, Ui, vec2};
+use egui_plot::{GridMark, Line, Plot, PlotPoints};
+
+/// Height of a plot [points].
+const PLOT: f32 = 92.0;
+
+/// Positions nearer than this differ by rounding [m].
+const ROUNDING: f64 = 1e-12;
+
+/// Splits the stage; while it is split, chooses the pane that the panels edit.
+pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    let on = desk.comparison.is_some();
+    let button = Button::selectable(on, "A | B").min_size(vec2(46.0, HEIGHT));
+    let help = if on {
+        "One pane again: A stays. [B]"
+    } else {
+        "Two panes of this scene, pulled by one hand, with another scheme, step, model or mesh in each. [B]"
+    };
+    if ui.add(button).on_hover_text(help).accessible_name("Compare").clicked() {
+        view.panes.push(Wish::Toggle);
+    }
+    if let Some(panes) = desk.comparison {
+        let about = "The panels, and the model beside, show and change this pane.";
+        let part = |pane: Pane, name| Segment { text: pane.letter(), name, about, on: panes.chosen() == pane };
+        let parts = [part(Pane::A, "Edit pane A"), part(Pane::B, "Edit pane B")];
+        let chosen = segmented(ui, "pane", &parts, false).and_then(|clicked| Pane::BOTH.get(clicked));
+        view.panes.extend(chosen.map(|pane| Wish::Choose(*pane)));
+    }
+    ui.add_space(8.0);
+}
+
+/// Says which pane a panel is about.
+pub fn caption(ui: &mut Ui, desk: &Desk<'_>, side: Side) {
+    let Some(panes) = desk.comparison else { return };
+    let pane = panes.chosen();
+    let theme = Theme::of(ui.ctx());
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.label(RichText::new(format!("Pane {}", pane.letter())).strong().color(color(theme, pane)));
+        let words = match side {
+            Side::Left if desk.now.bodies.is_empty() => "all here is for both",
+            Side::Left => "its mesh; all else here is for both",
+            Side::Right => "its step, scheme, cost and energies",
+        };
+        ui.label(RichText::new(words).small().weak());
+    });
+}
+
+/// How far the panes are apart, now and in the last seconds, and what each costs.
+pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
+    let Some(panes) = desk.comparison else { return };
+    let record = panes.record();
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        heading_here(ui, "Difference B − A");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let help = "Copies time, differences and costs as comma-separated values.";
+            if ui.small_button("Copy CSV").on_hover_text(help).accessible_name("Copy the difference as CSV").clicked() {
+                ui.ctx().copy_text(record.csv());
+            }
+        });
+    });
+    let Some(last) = record.last() else { return };
+    let help = "sqrt(mean |x_B − x_A|²), and as a share of the farthest that A has been from its start, measured likewise. With \
+                other meshes, B is looked at where A's vertices are in the rest shape.";
+    row(ui, "Positions", &last.positions.map_or("–".to_owned(), words), help);
+    let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative);
+    plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
+    let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
+    let energy = if last.energy.is_finite() { fixed(last.energy, "J") } else { "–".to_owned() };
+    row(ui, "Total energy", &energy, help);
+    plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(of.energy) });
+    costs(ui, record.prices());
+    ui.add_space(4.0);
+    ui.separator();
+}
+
+/// How far positions are apart, in words.
+fn words(apart: Apart) -> String {
+    if apart.metres == 0.0 {
+        "exactly 0".to_owned()
+    } else if apart.metres < ROUNDING {
+        format!("under {}", numbers::si(ROUNDING, "m"))
+    } else {
+        let share = if apart.relative.is_finite() { percent(apart.relative) } else { String::new() };
+        format!("{}{share:>9}", fixed(apart.metres, "m"))
+    }
+}
+
+/// How far the panes are apart and what B costs, in one line.
+pub fn apart(panes: &Comparison) -> String {
+    let record = panes.record();
+    let apart = record.last().and_then(|last| last.positions).map_or(String::new(), |apart| match apart.metres {
+        0.0 => "not apart".to_owned(),
+        metres => format!("{} apart", fixed(metres.max(ROUNDING), "m").trim_end()),
+    });
+    let ratio = record.prices().filter(|[a, b]| *a > 0.0 && *b > 0.0).map(|[a, b]| b / a);
+    ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio))).replace(' ', "\u{a0}")
+}
+
+/// Time of computing for a second of simulated time, and how many times as dear B is.
+fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
+    let theme = Theme::of(ui.ctx());
+    let help = "Time of computing for a second of simulated time [s]; above 1 s a pane alone is slower than real time.";
+    for pane in Pane::BOTH {
+        let name = RichText::new(format!("Computing 1 s of {}", pane.letter())).color(color(theme, pane));
+        row(ui, name, &prices.map_or("–".to_owned(), |prices| fixed(prices[pane as usize], "s")), help);
+    }
+    if let Some([a, b]) = prices.filter(|[a, b]| *a > 0.0 && *b > 0.0) {
+        ui.label(RichText::new(verdict(b / a)).strong()).on_hover_text(help);
+    }
+}
+
+/// A ratio of costs in two digits.
+fn times(ratio: f64) -> String {
+    let digits = if ratio < 0.995 { 2 } else { usize::from(ratio < 9.95) };
+    format!("{ratio:.digits$}")
+}
+
+/// How many times as dear B is, in words.
+fn verdict(ratio: f64) -> String {
+    if (0.95..=1.05).contains(&ratio) {
+        "B costs as much as A.".to_owned()
+    } else if ratio > 1.0 {
+        format!("B costs {} × A.", times(ratio))
+    } else {
+        format!("A costs {} × B.", times(1.0 / ratio))
+    }
+}
+
+/// A line of a plot.
+struct Curve {
+    name: &'static str,
+    unit: &'static str,
+    value: fn(&Moment) -> Option<f64>,
+}
+
+/// A small plot over the last seconds.
+fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
+    let theme = Theme::of(ui.ctx());
+    let end = record.last().map_or(0.0, |moment| moment.time);
+    let begin = record.moments().next().map_or(0.0, |moment| moment.time).max(end - WINDOW);
+    let span = (end - begin).max(1.0);
+    let values = || record.moments().filter_map(|moment| Some((moment.time, (curve.value)(moment)?)));
+    let (low, high) = nice_range(values().map(|(_, value)| value).filter(|value| value.is_finite()));
+    let unit = curve.unit;
+    let format = move |value: f64| {
+        if unit.is_empty() { format!("{} %", numbers::si(value, "")) } else { numbers::si(value, unit) }
+    };
+    let response = Plot::new(curve.name)
+        .height(PLOT)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .grid_color(theme.line)
+        .show_x(false)
+        .show_y(false)
+        .y_axis_min_width(58.0)
+        .x_grid_spacer(move |input| {
+            let mut marks = marks(input.bounds, span);
+            marks.retain(|mark| mark.value < begin + 0.96 * span);
+            marks
+        })
+        .y_grid_spacer(|input| heights(input.bounds))
+        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+        .y_axis_formatter(move |mark, _| format(mark.value))
+        .show(ui, |plot| {
+            plot.set_plot_bounds_x(begin..=begin + 1.03 * span);
+            plot.set_plot_bounds_y(low..=high);
+            let points: PlotPoints<'_> =
+                values().filter(|(_, value)| value.is_finite()).map(|(time, value)| [time, value]).collect();
+            plot.line(Line::new(curve.name, points).color(color(theme, Pane::B)).width(1.8).allow_hover(false));
+        });
+    response.response.on_hover_text(format!("The {} over simulated time [s]", curve.name));
+}
+
+/// Two or three round values to mark.
+fn heights((low, high): (f64, f64)) -> Vec<GridMark> {
+    let most = 0.62 * (high - low);
+    let power = 10f64.powf(most.log10().floor());
+    let step = [5.0, 2.0, 1.0].into_iter().find(|lead| lead * power <= most).unwrap_or(1.0) * power;
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last.min(first + 8)).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{heights, verdict};
+
+    #[test]
+    fn a_plot_has_two_marks_or_more_whatever_its_range() {
+        for (low, high) in [(0.0, 1.06), (-0.4, 0.02), (-3e-9, 8e-9), (0.0, 212.0), (-5.3, 5.3), (0.0, 3.18)] {
+            let marks = heights((low, high));
+            assert!((2..=5).contains(&marks.len()), "{low} {high}: {marks:?}");
+        }
+    }
+
+    #[test]
+    fn the_dearer_pane_is_named() {
+        assert_eq!(verdict(3.21), "B costs 3.2 × A.");
+        assert_eq!(verdict(0.05), "A costs 20 × B.");
+        assert_eq!(verdict(1.01), "B costs as much as A.");
+    }
+}

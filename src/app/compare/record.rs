@@ -4,7 +4,7 @@ use crate::{
     app::panels::WINDOW,
     sandbox::Sandbox,
     snapshot::Snapshot,
-    study::{Apart, Difference},
+    study::{Apart, Difference, head},
 };
 use std::{collections::VecDeque, fmt::Write as _};
 
@@ -94,14 +94,18 @@ impl Record {
 
     /// Everything as comma-separated values, with a head that says what was compared and what is measured.
     pub fn csv(&self) -> String {
-        let [a, b] = &self.settings;
-        let mut text = format!(
-            "# level: {}\n# A: {a}\n# B: {b}\n\
-             # positions: RMS distance of material points of B from A; relative: over the farthest that A was from its start (RMS)\n\
-             # energy: total energy of B less that of A; ms: computing for a second of simulated time\n\
-             time [s],positions [m],positions relative,energy [J],ms_A,ms_B\n",
-            self.level.replace(['\n', '\r'], " ")
-        );
+        let [a, b] = self.settings.clone();
+        let positions =
+            "RMS distance of material points of B from A; relative: over the farthest that A was from its start (RMS)";
+        let about = [
+            ("A", a),
+            ("B", b),
+            ("positions", positions.to_owned()),
+            ("energy", "total energy of B less that of A".to_owned()),
+            ("ms", "time of computing for a second of simulated time".to_owned()),
+            ("reference", "none: neither pane is better than the other by right".to_owned()),
+        ];
+        let mut text = head(&self.level, 1, &about) + "time_s,positions_m,positions_relative,energy_j,ms_a,ms_b\n";
         for Moment { time, positions, energy, prices } in &self.moments {
             let positions = positions.map_or(",".to_owned(), |apart| format!("{},{}", apart.metres, apart.relative));
             let [a, b] = prices.map_or([String::new(), String::new()], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));

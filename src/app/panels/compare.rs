@@ -3,6 +3,7 @@
 use super::{
     Desk, Side, View,
     energy::{marks, nice_range},
+    export::{self, Figure},
     fixed, heading_here,
     history::WINDOW,
     row,
@@ -15,7 +16,7 @@ use crate::app::{
     theme::Theme,
 };
 use crate::study::Apart;
-use eframe::egui::{self, Button, RichText, Ui, vec2};
+use eframe::egui::{self, Button, Rect, RichText, Ui, vec2};
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
 /// Height of a plot [points].
@@ -64,22 +65,20 @@ pub fn caption(ui: &mut Ui, desk: &Desk<'_>, side: Side) {
 }
 
 /// How far the panes are apart, now and in the last seconds, and what each costs.
-pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let Some(panes) = desk.comparison else { return };
     let record = panes.record();
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         heading_here(ui, "Difference B − A");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let help = "Copies time, differences and costs as comma-separated values.";
-            if ui.small_button("Copy CSV").on_hover_text(help).accessible_name("Copy the difference as CSV").clicked() {
-                ui.ctx().copy_text(record.csv());
-            }
+            export::buttons(ui, view, Figure::Difference, &desk.now.level.name, || record.csv());
         });
     });
     let Some(last) = record.last() else { return };
     let help = "sqrt(mean |x_B − x_A|²), and as a share of the farthest that A has been from its start, measured likewise. With \
                 other meshes, B is looked at where A's vertices are in the rest shape.";
+    let top = ui.cursor().min;
     row(ui, "Positions", &last.positions.map_or("–".to_owned(), words), help);
     let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative);
     plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
@@ -87,6 +86,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>) {
     let energy = if last.energy.is_finite() { fixed(last.energy, "J") } else { "–".to_owned() };
     row(ui, "Total energy", &energy, help);
     plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(of.energy) });
+    export::pose(ui, view, Figure::Difference, Rect::from_min_max(top, ui.min_rect().max));
     costs(ui, record.prices());
     ui.add_space(4.0);
     ui.separator();

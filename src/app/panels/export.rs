@@ -25,6 +25,8 @@ pub enum Figure {
     Meshes,
     /// Energy and momentum over time.
     Drift,
+    /// How far two panes are apart.
+    Difference,
 }
 
 impl Figure {
@@ -35,6 +37,7 @@ impl Figure {
             Self::Accuracy => "Accuracy",
             Self::Meshes => "Meshes",
             Self::Drift => "Drift",
+            Self::Difference => "Difference",
         }
     }
 }

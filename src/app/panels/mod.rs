@@ -220,7 +220,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
             toy::show(ui, desk.now, view, commands);
             effects::show(ui, desk.now, view, commands);
         } else {
-            compare::show(ui, desk);
+            compare::show(ui, desk, view);
             cost::show(ui, desk, view, commands);
             scheme::show(ui, desk, view, commands);
             studies::buttons(ui, view);

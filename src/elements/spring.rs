@@ -1,4 +1,4 @@
-use super::gather::{Gather, pairs, room};
+use super::gather::{Gather, STAGE, pairs, room};
 use crate::{
     effects::{Effect, Motion},
     lanes::{LANES, Pairs, Quads, Real, Wide},
@@ -176,10 +176,13 @@ impl Effect for Springs {
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         let pairs = pairs(scratch);
-        let out = pairs.as_chunks_mut().0;
-        Arch::new().dispatch(Pulls { links: &self.links, x: motion.x.as_chunks().0, out });
-        let own = &mut force[2 * self.vertices.start..2 * self.vertices.end];
-        self.gather.add(pairs, own.as_chunks_mut().0);
+        let own = force[2 * self.vertices.start..2 * self.vertices.end].as_chunks_mut().0;
+        let (mut stages, arch) = (self.gather.stages(), Arch::new());
+        for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
+            let out = pairs[2 * STAGE * stage..].as_chunks_mut().0;
+            arch.dispatch(Pulls { links, x: motion.x.as_chunks().0, out });
+            stages.add(pairs, own);
+        }
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {

@@ -74,7 +74,7 @@ impl<R: Real> Square<R> {
         self.m11 * other.m11 + self.m21 * other.m21 + self.m12 * other.m12 + self.m22 * other.m22
     }
 
-    /// The sum of the squares of the entries, tr FᵀF.
+    /// The sum of the squares of the entries, `tr FᵀF`.
     #[inline(always)]
     pub fn norm_squared(self) -> R {
         self.dot(self)

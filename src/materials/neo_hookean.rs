@@ -30,7 +30,7 @@ impl Material for NeoHookean {
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
         let Lame { mu, lambda } = self.lame;
-        let log = f.determinant().log();
+        let log = f.determinant().logarithm();
         (f.norm_squared() - 2.0) * (0.5 * mu) - log * mu + log * log * (0.5 * lambda)
     }
 
@@ -38,7 +38,7 @@ impl Material for NeoHookean {
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        f * mu + f.cofactor() * ((j.log() * lambda - mu) / j)
+        f * mu + f.cofactor() * ((j.logarithm() * lambda - mu) / j)
     }
 
     /// dP = mu dF + lambda (G : dF) G + (mu - lambda ln J) G dFᵀ G, with G = F⁻ᵀ.

@@ -4,6 +4,7 @@ use crate::{
     effects::{Effect, Grab, Motion},
     fault::Fault,
     integrators::{Dynamics, Ode, Scheme, StepCounts, Work},
+    obstacles::{Start, Surface},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
@@ -33,6 +34,8 @@ struct Scratch {
     work: Work,
     /// For the effects.
     effects: Vec<f64>,
+    /// Outward normals of the vertices.
+    outward: Vec<f64>,
     counts: Counts,
     costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -41,6 +44,9 @@ struct Scratch {
 
 /// How many steps are taken between two looks at the clock.
 const BATCH: u64 = 10;
+
+/// Most turns that constraints take in a step.
+const TURNS: usize = 4;
 
 impl Simulation {
     /// A scene in a state. The state must belong to the scene (see [`Scene::first_state`]).
@@ -285,23 +291,32 @@ impl Dynamics for System<'_> {
         }
     }
 
-    fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
-        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
-            let touched =
-                self.scratch.booked(number, None, |_| effect.constrain_velocity(x, v, &self.scene.inverse_mass));
-            self.scratch.counts.constrained += touched as u64;
+    /// Walls and edges of the world may push where the others do not allow: they take turns until none has anything to say.
+    fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
+        let scene = self.scene;
+        let mut surface = Surface::default();
+        scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
+        let mut outward = std::mem::take(&mut self.scratch.outward);
+        if faces {
+            scene.outward(before_x, &mut outward);
         }
-    }
-
-    fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
-        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
-            let scene = self.scene;
-            let elements =
-                effect.elements(Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab });
-            let touched =
-                self.scratch.booked(number, Some(elements), |_| effect.constrain_position(x, v, &scene.inverse_mass));
-            self.scratch.counts.constrained += touched as u64;
+        let outward_of = faces.then_some(outward.as_slice());
+        let start = Start { x: before_x, v: before_v, inverse_mass: &scene.inverse_mass, surface, outward: outward_of };
+        let constraints = scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains());
+        let count = constraints.clone().count();
+        for turn in 0..TURNS {
+            let before = self.scratch.counts.constrained;
+            for (number, effect) in constraints.clone() {
+                let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+                let elements = (turn == 0).then(|| effect.elements(motion));
+                let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
+                self.scratch.counts.constrained += touched as u64;
+            }
+            if count < 2 || self.scratch.counts.constrained == before {
+                break;
+            }
         }
+        self.scratch.outward = outward;
     }
 }
 

@@ -51,7 +51,10 @@ pub(super) fn step(
     }
     z.fill(0.0);
     let mut counts = NewtonCounts::NONE;
-    for _ in 0..PASSES {
+    // First only what faces a wall is stopped by it: of a body that would be far beyond the wall, its front. Where that
+    // stops, the rest need not get there.
+    let mut faces = true;
+    for pass in 1..=PASSES {
         let origin = &state.x;
         let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, x, v, affine };
         counts.add(&newton.solve(&mut stage, z));
@@ -63,13 +66,20 @@ pub(super) fn step(
                 end_v[number] = along(state.v[number], v[number], affine.end);
             }
         }
-        settle(system, origin, (end_x, end_v), spare, h);
         let mut more = false;
-        for number in 0..origin.len() {
-            if inverse[number] != 0.0 && touched(end_x, end_v, spare, number) && end_x[number].is_finite() {
-                inverse[number] = 0.0;
-                more = true;
+        while !more {
+            faces &= pass < PASSES;
+            settle(system, [origin, &state.v], (end_x, end_v), spare, faces);
+            for number in 0..origin.len() {
+                if inverse[number] != 0.0 && touched(end_x, end_v, spare, number) && end_x[number].is_finite() {
+                    inverse[number] = 0.0;
+                    more = true;
+                }
             }
+            if !faces {
+                break;
+            }
+            faces = more;
         }
         if !more {
             break;
@@ -87,9 +97,6 @@ pub(super) fn step(
             if inverse[number] == 0.0 && system.inverse_mass()[number] != 0.0 {
                 z[number] = (end_x[number] - free_x[number]) / affine.ax;
             }
-        }
-        if !more {
-            break;
         }
     }
     for (number, inverse) in inverse.iter().enumerate() {

@@ -63,7 +63,7 @@ impl SecondOrder for LinearlyImplicitEuler {
             state.v[number] += h * z;
             state.x[number] += h * state.v[number];
         }
-        settle(system, before, (&mut state.x, &mut state.v), spare, h);
+        settle(system, [before, free_v], (&mut state.x, &mut state.v), spare, false);
         StepCounts { newton, ..StepCounts::ONE }
     }
 }

@@ -1,4 +1,4 @@
-use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -39,17 +39,17 @@ impl Integrator for SymplecticEuler {
 
 impl SecondOrder for SymplecticEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let force = &mut work.numbers;
-        force.resize(state.x.len(), 0.0);
+        let [force, before_x, before_v] = parts(&mut work.numbers, state.x.len());
+        before_x.copy_from_slice(&state.x);
+        before_v.copy_from_slice(&state.v);
         system.force(&state.x, &state.v, force);
         for ((v, f), inverse_mass) in state.v.iter_mut().zip(force.iter()).zip(system.inverse_mass()) {
             *v += h * f * inverse_mass;
         }
-        system.constrain_velocity(&state.x, &mut state.v);
         for (x, v) in state.x.iter_mut().zip(&state.v) {
             *x += h * v;
         }
-        system.constrain_position(&mut state.x, &mut state.v);
+        system.constrain([before_x, before_v], &mut state.x, &mut state.v, false);
         StepCounts::ONE
     }
 }

@@ -12,6 +12,7 @@ use crate::{
     level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Side, Switch, When},
     materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
+    obstacles::Surface,
     quantity::Point,
     state::State,
     toys::ToyKind,
@@ -41,6 +42,8 @@ pub struct Scene {
     pub slides: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
+    /// Edges of all boundaries, with the body on their left.
+    pub boundary: Arc<Vec<[u32; 2]>>,
     /// Everything that acts, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
     /// The time-stepping scheme.
@@ -156,6 +159,7 @@ impl Scene {
             pins: Arc::default(),
             slides: Arc::default(),
             triangles: Arc::default(),
+            boundary: Arc::default(),
             effects: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
@@ -204,6 +208,21 @@ impl Scene {
     /// A moment of this scene, as the effects see it.
     pub fn motion<'a>(&'a self, state: &'a State, grab: Option<crate::effects::Grab>) -> Motion<'a> {
         Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
+    }
+
+    /// Writes a vector outwards from the body at each vertex of a boundary, as long as the edges beside it: zero inside bodies,
+    /// and not a number for the particles of nets, which have no inside.
+    pub fn outward(&self, x: &[f64], outward: &mut Vec<f64>) {
+        outward.clear();
+        outward.resize(2 * self.bodies.last().map_or(0, |body| body.vertices.end), 0.0);
+        outward.resize(x.len(), f64::NAN);
+        for [a, b] in self.boundary.iter().map(|edge| edge.map(|vertex| 2 * vertex as usize)) {
+            let right = [x[b + 1] - x[a + 1], x[a] - x[b]];
+            for at in [a, b] {
+                outward[at] += right[0];
+                outward[at + 1] += right[1];
+            }
+        }
     }
 
     /// The body or net that a vertex belongs to, and the vertex's number in it.
@@ -258,6 +277,7 @@ impl Scene {
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe, rest_height) = (level.name.clone(), level.mesh.clone(), greatest - least);
         let boundary = mesh.boundary_edges();
+        Arc::make_mut(&mut self.boundary).extend(boundary.iter().map(|edge| edge.map(|i| i + first as u32)));
         self.bodies.push(Body { name, recipe, mesh, vertices, elements, boundary, top, rest_height });
         Ok(())
     }
@@ -276,16 +296,30 @@ impl Scene {
         let elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
+            boundary: Arc::clone(&self.boundary),
         };
         self.effects.extend(elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
         self.effects.extend(elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn Effect>));
+        let mut coatings = Vec::new();
+        let mut collides = false;
         for listed in &level.effects {
             let name = listed.effect.name();
             // Built even when it is off, so that a level with a mistake in it is never half accepted.
             let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
+            let mut surface = Surface::default();
+            effect.coat(&mut surface);
+            if surface != Surface::default() {
+                coatings.push(effect.name());
+            }
+            collides |= effect.constrains();
             if listed.switch == Switch::On && (listed.when == When::Always || mode == RunMode::Collide) {
                 self.effects.push(Arc::from(effect));
             }
+        }
+        if !collides {
+            let nothing =
+                |name: &&str| format!("{name} needs walls or edges of the world: add them, or nothing touches");
+            self.messages.extend(coatings.iter().map(nothing));
         }
         Ok(())
     }

@@ -17,6 +17,9 @@ const RELATIVE: f64 = 1e-8;
 /// The same as a share of the largest coordinate: what round-off leaves of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
+/// A way to a wall that is a smaller share of the whole is none: what rests there is held where it is.
+const SHORTEST: f64 = 1e-3;
+
 /// How often a step is solved again, at most, with more numbers held by walls.
 const PASSES: usize = 8;
 
@@ -93,9 +96,13 @@ pub(super) fn step(
                 z[number] *= 0.5;
             }
         }
-        for number in 0..origin.len() {
-            if inverse[number] == 0.0 && system.inverse_mass()[number] != 0.0 {
+        let share = first_touch(origin, end_x, &spare[origin.len()..]);
+        for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
+            if inverse[number] == 0.0 {
                 z[number] = (end_x[number] - free_x[number]) / affine.ax;
+            } else if let Some(share) = share {
+                let reached = along(origin[number], spare[origin.len() + number], share);
+                z[number] = (reached - free_x[number]) / affine.ax;
             }
         }
     }
@@ -108,6 +115,14 @@ pub(super) fn step(
     state.x.copy_from_slice(end_x);
     state.v.copy_from_slice(end_v);
     StepCounts { newton: counts, ..StepCounts::ONE }
+}
+
+/// The share of the ways from `origin` to `free` after which the first of them ends at a wall, if any gets some way: where the
+/// others are then is a start for Newton's method from which nothing has to find its way back through what is held.
+fn first_touch(origin: &[f64], end: &[f64], free: &[f64]) -> Option<f64> {
+    let shares = origin.iter().zip(end).zip(free).filter(|((_, end), free)| end != free);
+    let shares = shares.map(|((origin, end), free)| (end - origin) / (free - origin));
+    shares.filter(|share| *share > SHORTEST && *share < 1.0).min_by(f64::total_cmp)
 }
 
 /// From `origin`, so many times the way to `stage`.

@@ -91,7 +91,8 @@ impl SecondOrder for PositionVerlet {
         for (number, before) in before.iter().enumerate() {
             // Where a wall acted, the way of the next step begins with the velocity that the wall left.
             let past = if touched(&state.x, &state.v, spare, number) {
-                state.x[number] - h * state.v[number]
+                let a = force[number] * system.inverse_mass()[number];
+                state.x[number] - h * (state.v[number] - 0.5 * h * a)
             } else {
                 *before
             };

@@ -62,6 +62,13 @@ impl<S: Shape> Solid<S> {
     }
 }
 
+/// A direction along an axis is so exactly: what is not moved along the other axis is then not touched there.
+fn snapped(normal: Vector) -> Vector {
+    const ROUND_OFF: f64 = 1e-9;
+    let kept = |value: f64| if value.abs() < ROUND_OFF { 0.0 } else { value };
+    Vector::new(kept(normal.x), kept(normal.y))
+}
+
 impl<S: Shape> Obstacle for Solid<S> {
     fn contact(&self, point: [f64; 2]) -> Option<Contact> {
         let point = Vector::new(point[0], point[1]);
@@ -73,7 +80,7 @@ impl<S: Shape> Obstacle for Solid<S> {
             return None;
         }
         let near = distance.abs() < 1e-7 * self.near.half_extents().length();
-        let normal = if near { self.slope(point) } else { away.try_normalize() }?;
+        let normal = snapped(if near { self.slope(point) } else { away.try_normalize() }?);
         Some(Contact { distance, normal: [normal.x, normal.y] })
     }
 
@@ -98,7 +105,8 @@ impl<S: Shape> Obstacle for Solid<S> {
         let sides = self.rim.iter().filter(|side| side.local_aabb().intersects(&path));
         let touches = sides.filter_map(|side| advance::point(side, self.radius, self.skin(), from, way));
         let first = touches.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-        Some((first.0, [first.1.x, first.1.y]))
+        let normal = snapped(first.1);
+        Some((first.0, [normal.x, normal.y]))
     }
 
     fn corners(&self) -> &[Corner] {

@@ -2,8 +2,10 @@
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
 mod net;
+mod touching;
 
 pub use net::Net;
+use touching::Touching;
 
 use crate::{
     effects::{Effect, Motion},
@@ -12,7 +14,6 @@ use crate::{
     level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Side, Switch, When},
     materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
-    obstacles::Surface,
     quantity::Point,
     state::State,
     toys::ToyKind,
@@ -210,21 +211,6 @@ impl Scene {
         Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
     }
 
-    /// Writes a vector outwards from the body at each vertex of a boundary, as long as the edges beside it: zero inside bodies,
-    /// and not a number for the particles of nets, which have no inside.
-    pub fn outward(&self, x: &[f64], outward: &mut Vec<f64>) {
-        outward.clear();
-        outward.resize(2 * self.bodies.last().map_or(0, |body| body.vertices.end), 0.0);
-        outward.resize(x.len(), f64::NAN);
-        for [a, b] in self.boundary.iter().map(|edge| edge.map(|vertex| 2 * vertex as usize)) {
-            let right = [x[b + 1] - x[a + 1], x[a] - x[b]];
-            for at in [a, b] {
-                outward[at] += right[0];
-                outward[at + 1] += right[1];
-            }
-        }
-    }
-
     /// The body or net that a vertex belongs to, and the vertex's number in it.
     pub fn owner_of(&self, vertex: usize) -> Option<(Owner, usize)> {
         let (bodies, nets) = (&self.bodies, &self.nets);
@@ -300,27 +286,17 @@ impl Scene {
         };
         self.effects.extend(elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
         self.effects.extend(elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn Effect>));
-        let mut coatings = Vec::new();
-        let mut collides = false;
+        let mut touching = Touching::default();
         for listed in &level.effects {
             let name = listed.effect.name();
             // Built even when it is off, so that a level with a mistake in it is never half accepted.
             let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
-            let mut surface = Surface::default();
-            effect.coat(&mut surface);
-            if surface != Surface::default() {
-                coatings.push(effect.name());
-            }
-            collides |= effect.constrains();
+            touching.add(effect.as_ref());
             if listed.switch == Switch::On && (listed.when == When::Always || mode == RunMode::Collide) {
                 self.effects.push(Arc::from(effect));
             }
         }
-        if !collides {
-            let nothing =
-                |name: &&str| format!("{name} needs walls or edges of the world: add them, or nothing touches");
-            self.messages.extend(coatings.iter().map(nothing));
-        }
+        self.messages.extend(touching.messages());
         Ok(())
     }
 }

@@ -291,7 +291,7 @@ impl Dynamics for System<'_> {
         }
     }
 
-    /// Walls and edges of the world may push where the others do not allow: they take turns until none has anything to say.
+    /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         let scene = self.scene;
         let mut surface = Surface::default();
@@ -304,17 +304,16 @@ impl Dynamics for System<'_> {
         let start = Start { x: before_x, v: before_v, inverse_mass: &scene.inverse_mass, surface, outward: outward_of };
         let constraints = scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains());
         let count = constraints.clone().count();
-        for turn in 0..TURNS {
-            let before = self.scratch.counts.constrained;
-            for (number, effect) in constraints.clone() {
-                let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
-                let elements = (turn == 0).then(|| effect.elements(motion));
-                let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
-                self.scratch.counts.constrained += touched as u64;
-            }
-            if count < 2 || self.scratch.counts.constrained == before {
+        let mut quiet = 0;
+        for (turn, (number, effect)) in constraints.cycle().take(TURNS * count).enumerate() {
+            if turn >= count && quiet + 1 >= count {
                 break;
             }
+            let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+            let elements = (turn < count).then(|| effect.elements(motion));
+            let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
+            quiet = if touched == 0 { quiet + 1 } else { 0 };
+            self.scratch.counts.constrained += touched as u64;
         }
         self.scratch.outward = outward;
     }

@@ -273,7 +273,7 @@ fn what_is_dropped_comes_to_rest_and_no_contact_gains_energy() {
             let mut simulation = simulation(&block(kind.name(), substeps, 4, [-0.13, 0.05], [0.0, 0.0], &effects));
             let mut before = simulation.energies().total();
             let first = before;
-            for _ in 0..600 {
+            for _ in 0..400 {
                 simulation.advance(u64::from(substeps), &mut || true);
                 let now = simulation.energies().total();
                 let tolerance = if short { 1e-4 } else { 1e-2 };

@@ -69,6 +69,11 @@ impl Effect for Edges {
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let ([left, bottom], [right, top]) = (self.least, self.greatest);
+        let beyond = |p: &[f64]| p[0] <= left || p[0] >= right || p[1] <= bottom || p[1] >= top;
+        if !x.chunks_exact(2).any(beyond) {
+            return 0;
+        }
         let mut touched = 0;
         for (vertex, (x, v)) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).enumerate() {
             for axis in (0..2).filter(|axis| start.inverse_mass[2 * vertex + axis] != 0.0) {

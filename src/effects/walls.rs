@@ -1,7 +1,7 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Ball, Corner, Obstacle, ObstacleKind, Start, press_edges, room, stop_edges},
+    obstacles::{Ball, Obstacle, ObstacleKind, Start, press_edges, room, stop_edges},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
@@ -68,32 +68,18 @@ struct Contacts {
 const ROUNDS: usize = 8;
 
 impl Contacts {
-    /// The obstacles that are near enough to the box around the ways of all vertices to be worth a look at each of them.
-    fn near<'a>(&'a self, before: &[f64], after: &[f64]) -> impl Iterator<Item = &'a dyn Obstacle> + Clone + use<'a> {
-        let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-        for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
-            for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
-                least[axis] = if value < least[axis] { value } else { least[axis] };
-                greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
-            }
-        }
-        let least = [0, 1].map(|axis| f64::min(least[axis], least[axis + 2]));
-        let greatest = [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2]));
+    /// The obstacles that are near enough to a box to be worth a look at each vertex in it.
+    fn near(&self, [least, greatest]: [[f64; 2]; 2]) -> impl Iterator<Item = &dyn Obstacle> + Clone {
         self.obstacles.iter().map(AsRef::as_ref).filter(move |obstacle| obstacle.is_near(least, greatest))
     }
 
     /// Edges stop at corners, and vertices that this turned aside at obstacles, until nothing touches any more; what still
     /// would stays where it was when the step began, where nothing touched.
-    fn stop_edges<'a>(
-        &self,
-        near: &(impl Iterator<Item = &'a dyn Obstacle> + Clone),
-        start: &Start<'_>,
-        x: &mut [f64],
-        v: &mut [f64],
-    ) -> usize {
+    fn stop_edges(&self, bounds: [[f64; 2]; 2], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let near = self.near(bounds);
         let mut touched = 0;
         let stop = |x: &mut [f64], v: &mut [f64]| -> usize {
-            near.clone().map(|obstacle| stop_edges((obstacle.corners(), &self.boundary), start, x, v)).sum()
+            near.clone().map(|obstacle| stop_edges((obstacle.corners(), &self.boundary, bounds), start, x, v)).sum()
         };
         for _ in 0..ROUNDS {
             let stopped = stop(x, v);
@@ -134,15 +120,29 @@ impl Effect for Contacts {
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let near = self.near(start.x, x);
+        let bounds = around(start.x, x);
         let mut touched = 0;
-        for obstacle in near.clone() {
-            let corners: &[Corner] = obstacle.corners();
-            touched += press_edges((corners, &self.boundary), start, x, v);
+        for obstacle in self.near(bounds) {
+            touched += press_edges((obstacle.corners(), &self.boundary, bounds), start, x, v);
         }
-        for obstacle in near.clone() {
+        for obstacle in self.near(bounds) {
             touched += obstacle.constrain(start, x, v);
         }
-        touched + self.stop_edges(&near, start, x, v)
+        touched + self.stop_edges(bounds, start, x, v)
     }
+}
+
+/// Least and greatest corner of the box around the ways of all vertices.
+fn around(before: &[f64], after: &[f64]) -> [[f64; 2]; 2] {
+    let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
+        for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
+            least[axis] = if value < least[axis] { value } else { least[axis] };
+            greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
+        }
+    }
+    [
+        [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
+        [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
+    ]
 }

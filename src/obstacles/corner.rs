@@ -17,6 +17,14 @@ pub struct Corner {
     pub skin: f64,
 }
 
+impl Corner {
+    /// Whether it is within its reach of a box.
+    fn is_near(&self, [least, greatest]: [Vector; 2]) -> bool {
+        let (middle, reach) = (Vector::from(self.middle), Vector::splat(self.radius + self.reach));
+        middle.cmpge(least - reach).all() && middle.cmple(greatest + reach).all()
+    }
+}
+
 /// An edge of a body in a step, from one vertex to another, with the body on its left.
 struct Edge<'a> {
     start: &'a Start<'a>,
@@ -47,11 +55,9 @@ impl<'a> Edge<'a> {
 
     /// Whether a corner is within its reach of the box around the edge's way.
     fn is_near(&self, corner: &Corner) -> bool {
-        let middle = Vector::from(corner.middle);
-        let reach = Vector::splat(corner.radius + corner.reach);
-        let least = self.from[0].min(self.from[1]).min(self.to[0].min(self.to[1])) - reach;
-        let greatest = self.from[0].max(self.from[1]).max(self.to[0].max(self.to[1])) + reach;
-        middle.cmpge(least).all() && middle.cmple(greatest).all()
+        let least = self.from[0].min(self.from[1]).min(self.to[0].min(self.to[1]));
+        let greatest = self.from[0].max(self.from[1]).max(self.to[0].max(self.to[1]));
+        corner.is_near([least, greatest])
     }
 
     /// The point `along` the edge as a mean of its ends' values.
@@ -129,16 +135,19 @@ impl<'a> Edge<'a> {
     }
 }
 
+/// The corners of an obstacle, the edges of bodies, and least and greatest corner of a box around the ways of all edges.
+pub type Bodies<'a> = (&'a [Corner], &'a [[u32; 2]], [[f64; 2]; 2]);
+
 /// Calls `act` for every edge and every corner near its way; returns how many edges it changed.
 fn each<'a>(
-    (corners, edges): (&[Corner], &[[u32; 2]]),
+    (corners, edges, bounds): Bodies<'_>,
     start: &'a Start<'a>,
     x: &mut [f64],
     v: &mut [f64],
     act: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
 ) -> usize {
     let mut touched = 0;
-    for corner in corners {
+    for corner in corners.iter().filter(|corner| corner.is_near(bounds.map(Vector::from))) {
         let mut free = None;
         for &vertices in edges {
             let edge = Edge::new(start, vertices, x);
@@ -162,12 +171,12 @@ fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
 
 /// Where a corner is within its reach of an edge, the point of the edge nearest to it may not move towards it: an impulse on
 /// both ends, as their masses share it, takes that velocity and that way. Returns the number of edges touched.
-pub fn press_edges(bodies: (&[Corner], &[[u32; 2]]), start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+pub fn press_edges(bodies: Bodies<'_>, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::press)
 }
 
 /// Stops the ends of edges where a corner would first touch between them, and takes the velocity towards it. Returns the
 /// number of edges touched; as they share vertices, another look may find more.
-pub fn stop_edges(bodies: (&[Corner], &[[u32; 2]]), start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+pub fn stop_edges(bodies: Bodies<'_>, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::stop)
 }

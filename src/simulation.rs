@@ -11,6 +11,7 @@ use crate::{
     scene::Scene,
     state::State,
 };
+use pulp::Arch;
 use system::{Scratch, System, ToySystem};
 
 /// A running scene.
@@ -278,18 +279,21 @@ impl Simulation {
 
     /// Energy of motion [J].
     fn kinetic_energy(&self) -> f64 {
-        // Four sums side by side, as one would wait for itself.
-        let (mut sums, mut rest) = ([0.0; 4], 0.0);
-        let (v, mass) = (self.state.v.chunks_exact(4), self.scene.mass.chunks_exact(4));
-        for (v, mass) in v.remainder().iter().zip(mass.remainder()) {
-            rest += mass * v * v;
-        }
-        for (v, mass) in v.zip(mass) {
-            for lane in 0..4 {
-                sums[lane] += mass[lane] * v[lane] * v[lane];
+        // Many sums side by side, as one would wait for itself; as many on every processor, so that they are the same bits.
+        const SUMS: usize = 32;
+        let (v, v_rest) = self.state.v.as_chunks::<SUMS>();
+        let (mass, mass_rest) = self.scene.mass.as_chunks::<SUMS>();
+        let sums = Arch::new().dispatch(|| {
+            let mut sums = [0.0; SUMS];
+            for (v, mass) in v.iter().zip(mass) {
+                for ((sum, v), mass) in sums.iter_mut().zip(v).zip(mass) {
+                    *sum += mass * v * v;
+                }
             }
-        }
-        0.5 * (sums[0] + sums[1] + sums[2] + sums[3] + rest)
+            sums
+        });
+        let rest = v_rest.iter().zip(mass_rest).map(|(v, mass)| mass * v * v);
+        0.5 * sums.into_iter().chain(rest).sum::<f64>()
     }
 
     /// Energies now [J].

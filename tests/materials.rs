@@ -167,9 +167,19 @@ fn a_clamped_strip_pulls_as_its_closed_form_says() {
             ("Corotated", (2.0 * mu + lambda) * (s - 1.0)),
             ("St. Venant-Kirchhoff", (mu + 0.5 * lambda) * s * (s * s - 1.0)),
             ("Neo-Hookean", mu * (s - 1.0 / s) + lambda * s.ln() / s),
+            ("Stable neo-Hookean", stable_pull(s, 1.0)),
+            ("Fixed corotated", (2.0 * mu + lambda) * (s - 1.0)),
+            ("Hencky", (2.0 * mu + lambda) * s.ln() / s),
         ];
         check_strip(s, 1.0, &expected);
     }
+}
+
+/// P11 of the stable neo-Hookean model at diag(s, w), as Smith, de Goes and Kim write it.
+fn stable_pull(s: f64, w: f64) -> f64 {
+    let (m, l) = (1.5 * LAME.mu, LAME.lambda + 2.0 / 3.0 * LAME.mu);
+    let a = 1.0 + 2.0 / 3.0 * m / l;
+    m * (1.0 - 1.0 / (s * s + w * w + 1.0)) * s + l * (s * w - a) * w
 }
 
 /// P11 and the width of a strip stretched by s whose sides are free.
@@ -179,15 +189,10 @@ fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
     let ratio = lambda / (2.0 * mu + lambda);
     let corotated = |s: f64| 1.0 - ratio * (s - 1.0);
     let kirchhoff = |s: f64| (1.0 - ratio * (s * s - 1.0)).sqrt();
-    // mu (w² - 1) + lambda ln(s w) = 0 by bisection.
-    let neo_hookean = |s: f64| {
-        let (mut low, mut high) = (1e-6_f64, 10.0_f64);
-        for _ in 0..200 {
-            let w = 0.5 * (low + high);
-            if mu * (w * w - 1.0) + lambda * (s * w).ln() > 0.0 { high = w } else { low = w }
-        }
-        0.5 * (low + high)
-    };
+    let neo_hookean = |s: f64| root(&|w| mu * (w * w - 1.0) + lambda * (s * w).ln());
+    // P22 is P11 with s and w exchanged.
+    let stable = |s: f64| root(&|w| stable_pull(w, s));
+    let fixed = |s: f64| (2.0 * mu + lambda * s) / (2.0 * mu + lambda * s * s);
     let young_of = 4.0 * mu * (mu + lambda) / (2.0 * mu + lambda);
     for s in [0.6_f64, 1.4] {
         check_strip(s, corotated(s), &[("Corotated", young_of * (s - 1.0))]);
@@ -197,6 +202,12 @@ fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
     for s in [0.6_f64, 2.0] {
         let w = neo_hookean(s);
         check_strip(s, w, &[("Neo-Hookean", mu * (s - 1.0 / s) + lambda * (s * w).ln() / s)]);
+        let w = stable(s);
+        check_strip(s, w, &[("Stable neo-Hookean", stable_pull(s, w))]);
+        let w = fixed(s);
+        check_strip(s, w, &[("Fixed corotated", 2.0 * mu * (s - 1.0) + lambda * (s * w - 1.0) * w)]);
+        // As in Hooke's law, with logarithmic strain: ln w = -ratio ln s, and the force per present width is E ln s.
+        check_strip(s, s.powf(-ratio), &[("Hencky", young_of * s.ln() / s)]);
     }
     for_every_model(|material| {
         for s in [0.6, 1.0, 1.4] {
@@ -205,6 +216,16 @@ fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
             assert!(side.abs() < 1e-12, "{} at {s}: {side:e}", material.title());
         }
     });
+}
+
+/// The root of a growing function of a width, by bisection.
+fn root(function: &dyn Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (1e-6_f64, 10.0_f64);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if function(middle) > 0.0 { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
 }
 
 fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {

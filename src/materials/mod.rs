@@ -9,14 +9,20 @@
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 
 mod corotated;
+mod fixed_corotated;
+mod hencky;
 mod neo_hookean;
 mod parameters;
 mod st_venant_kirchhoff;
+mod stable_neo_hookean;
 
 pub use corotated::{Corotated, nearest_rotation};
+pub use fixed_corotated::FixedCorotated;
+pub use hencky::Hencky;
 pub use neo_hookean::NeoHookean;
 pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
+pub use stable_neo_hookean::StableNeoHookean;
 
 use crate::{
     lanes::{Real, Square},
@@ -30,6 +36,9 @@ registry! {
         Corotated(Corotated),
         StVenantKirchhoff(StVenantKirchhoff),
         NeoHookean(NeoHookean),
+        StableNeoHookean(StableNeoHookean),
+        FixedCorotated(FixedCorotated),
+        Hencky(Hencky),
     }
 }
 
@@ -133,3 +142,12 @@ impl Model {
 fn outer(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix4<f64> {
     Matrix4::from_fn(|i, j| a.as_slice()[i] * b.as_slice()[j])
 }
+
+/// The derivative of the cofactor matrix (4 x 4), as in [`Material::stiffness`]: dG has the entries of dF, turned around.
+#[rustfmt::skip]
+const COFACTOR: Matrix4<f64> = Matrix4::new(
+    0.0,  0.0,  0.0, 1.0,
+    0.0,  0.0, -1.0, 0.0,
+    0.0, -1.0,  0.0, 0.0,
+    1.0,  0.0,  0.0, 0.0,
+);

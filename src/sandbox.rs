@@ -215,7 +215,7 @@ impl Sandbox {
             Command::SetSideBySide(on) => {
                 document.level.test.ok_or(NO_TEST)?;
                 document.level.state = None;
-                document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.middle()));
+                document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.sides()));
                 then = Then::Restart;
             }
             _ => {}
@@ -272,13 +272,13 @@ impl Sandbox {
         Ok(())
     }
 
-    /// The x of the middle of the first body at rest [m].
-    fn middle(&self) -> f64 {
+    /// The least and the greatest x of the first body at rest [m].
+    fn sides(&self) -> [f64; 2] {
         let scene = self.simulation.scene();
-        scene.bodies.first().map_or(0.0, |body| {
-            let (left, right) = extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], 0);
-            0.5 * (left + right)
-        })
+        scene
+            .bodies
+            .first()
+            .map_or([0.0; 2], |body| extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], 0).into())
     }
 
     fn effect_mode(&self, document: &Document) -> RunMode {

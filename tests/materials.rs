@@ -243,6 +243,25 @@ fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {
     }
 }
 
+/// Pressed, flat and turned over, for the models that are defined there: the height is pushed to grow.
+#[test]
+fn a_model_defined_for_inverted_triangles_pushes_them_back() {
+    for model in [Model::StableNeoHookean, Model::FixedCorotated] {
+        for height in [-1.5, -1.0, -0.1, 0.0, 0.1] {
+            for width in [0.3, 1.0] {
+                let f = Matrix2::new(width, 0.0, 0.0, height);
+                let stress = model.visit(LAME, StressOf(f));
+                assert!(stress.m22 < -0.1, "{model:?} at {width} x {height}: {stress}");
+            }
+        }
+        let folded = model.visit(LAME, StressOf(Matrix2::new(1e-9, 0.0, 0.0, 1e-9)));
+        assert!(folded.iter().all(|entry| entry.is_finite()), "{model:?}");
+    }
+    for model in [Model::NeoHookean, Model::Hencky] {
+        assert!(model.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, -0.1))).m22.is_nan(), "{model:?}");
+    }
+}
+
 #[test]
 fn an_inverted_corotated_triangle_is_pushed_back_and_its_frame_is_a_rotation() {
     let mut random = Random(4);
@@ -313,6 +332,13 @@ fn a_model_without_an_answer_says_so() {
     assert!(caution(Model::StVenantKirchhoff, 1.733).is_some());
     assert!(caution(Model::NeoHookean, 2.0).is_none());
     assert!(caution(Model::Corotated, 2.0).is_none());
+    // The force of a logarithmic strip goes as ln(s)/s: it falls from s = e on.
+    assert!(caution(Model::Hencky, 2.71).is_none());
+    assert!(caution(Model::Hencky, 2.73).unwrap().contains("gives way"));
+    // Flat is no barrier for the model that takes an inverted triangle: a strip pressed far enough collapses.
+    assert!(caution(Model::StableNeoHookean, 0.3).is_none());
+    assert!(caution(Model::StableNeoHookean, 0.2).unwrap().contains("gives way"));
+    assert!([0.01, 0.6, 2.0].iter().all(|&stretch| caution(Model::FixedCorotated, stretch).is_none()));
     let strain = parameters(100.0, 0.25, Plane::Strain).unwrap().lame();
     // nu >= 1/s² in plane strain: from s = 2 on.
     assert!(Model::StVenantKirchhoff.caution(strain, 1.999).is_none());

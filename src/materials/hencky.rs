@@ -127,6 +127,7 @@ impl Material for Hencky {
     /// (2 mu + lambda) ln w + lambda ln s = 0.
     fn free_width(&self, stretch: f64) -> Option<f64> {
         let Lame { mu, lambda } = self.lame;
-        Some(libm::pow(stretch, -lambda / (2.0 * mu + lambda)))
+        let width = libm::pow(stretch, -lambda / (2.0 * mu + lambda));
+        (width > 0.0).then_some(width)
     }
 }

@@ -79,13 +79,19 @@ pub trait Material: Copy + Send + Sync {
     /// `None` where there is no positive one.
     fn free_width(&self, stretch: f64) -> Option<f64>;
 
-    /// What a user should know before trusting a strip of this stretch: where the model has no honest answer.
+    /// What a user should know before trusting a strip of this stretch: where the model has no honest answer, or gives way,
+    /// `dP11/ds < 0` along the strip.
     fn caution(&self, stretch: f64) -> Option<String> {
-        self.free_width(stretch).is_none().then(|| {
-            format!(
+        let Some(width) = self.free_width(stretch) else {
+            return Some(format!(
                 "{} has no answer here: with free sides, no positive width balances at {stretch:.2} x.",
                 Self::TITLE
-            )
+            ));
+        };
+        let stiffness = self.stiffness(&Matrix2::new(stretch, 0.0, 0.0, width));
+        let along = stiffness.m11 - stiffness.m14 * stiffness.m41 / stiffness.m44;
+        (along < 0.0).then(|| {
+            format!("{} gives way here: with free sides, going on from {stretch:.2} x needs less force.", Self::TITLE)
         })
     }
 }

@@ -246,7 +246,7 @@ fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {
 /// Pressed, flat and turned over, for the models that are defined there: the height is pushed to grow.
 #[test]
 fn a_model_defined_for_inverted_triangles_pushes_them_back() {
-    for model in [Model::StableNeoHookean, Model::FixedCorotated] {
+    for model in [Model::NeoHookean, Model::StableNeoHookean, Model::FixedCorotated] {
         for height in [-1.5, -1.0, -0.1, 0.0, 0.1] {
             for width in [0.3, 1.0] {
                 let f = Matrix2::new(width, 0.0, 0.0, height);
@@ -257,9 +257,58 @@ fn a_model_defined_for_inverted_triangles_pushes_them_back() {
         let folded = model.visit(LAME, StressOf(Matrix2::new(1e-9, 0.0, 0.0, 1e-9)));
         assert!(folded.iter().all(|entry| entry.is_finite()), "{model:?}");
     }
-    for model in [Model::NeoHookean, Model::Hencky] {
-        assert!(model.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, -0.1))).m22.is_nan(), "{model:?}");
+    assert!(Model::Hencky.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, -0.1))).m22.is_nan(), "it has no answer");
+}
+
+/// Also where they are pressed flat, and where the neo-Hookean logarithm passes into its series.
+#[test]
+fn models_defined_for_every_gradient_have_derivatives_there_and_no_jump() {
+    for_every_model(|material| {
+        if ["Hencky", "Corotated"].contains(&material.title()) {
+            return;
+        }
+        let mut random = Random(5);
+        for _ in 0..1000 {
+            let f = random.gradient(-5.0, 0.2);
+            // Where a reflection is all there is, corotated frames jump.
+            if (f.m11 + f.m22).hypot(f.m21 - f.m12) < 0.3 {
+                continue;
+            }
+            let (stress, stiffness) = (material.stress(&f), material.stiffness(&f));
+            let (stress_scale, scale) = (stress.norm().max(1.0), stiffness.norm().max(1.0));
+            for entry in 0..4 {
+                let along = |by: f64| [material.energy(&moved(&f, entry, by))];
+                let error = best_difference([stress.as_slice()[entry]], along, stress_scale);
+                assert!(error < 1e-8, "{} at {f}: {error:e}", material.title());
+                let exact: [f64; 4] = stiffness.column(entry).into_owned().into();
+                let along =
+                    |by: f64| Vector4::from_column_slice(material.stress(&moved(&f, entry, by)).as_slice()).into();
+                let error = best_difference(exact, along, scale);
+                assert!(error < 1e-7, "{} at {f}: {error:e}", material.title());
+            }
+        }
+        for width in [0.2, 1.0, 3.0] {
+            let at = |j: f64| Matrix2::new(width, 0.3, 0.0, j / width);
+            let (under, over) = (at(0.1 * (1.0 - 1e-9)), at(0.1 * (1.0 + 1e-9)));
+            let title = material.title();
+            let scale = material.stiffness(&over).norm();
+            assert!((material.energy(&under) - material.energy(&over)).abs() < 1e-7 * scale, "{title}");
+            assert!((material.stress(&under) - material.stress(&over)).norm() < 1e-7 * scale, "{title}");
+            assert!((material.stiffness(&under) - material.stiffness(&over)).norm() < 1e-7 * scale, "{title}");
+        }
+    });
+}
+
+#[test]
+fn neo_hookean_rubber_follows_its_logarithm_down_to_a_tenth_of_its_area() {
+    let Lame { mu, lambda } = LAME;
+    for j in [0.1_f64, 0.100_001, 0.5, 3.0] {
+        let pull = Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, j))).m22;
+        assert!((pull - (mu * (j - 1.0 / j) + lambda * j.ln() / j)).abs() < 1e-13 * pull.abs().max(1.0), "{j}");
     }
+    // At J = 0 the series is ln 0.1 - 3/2, and its slope 20.
+    let pull = Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, 0.0))).m22;
+    assert!((pull - 20.0 * (lambda * (0.1_f64.ln() - 1.5) - mu)).abs() < 1e-12 * pull.abs());
 }
 
 #[test]

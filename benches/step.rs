@@ -1,17 +1,21 @@
-//! What a step costs, in nanoseconds per triangle: `cargo bench`. The figures criterion prints are times per triangle and
-//! step, so that meshes of different sizes can be compared.
+//! What a step costs, in nanoseconds per triangle: `cargo bench`. The figures criterion prints are times per triangle (or
+//! spring) and step, so that meshes of different sizes can be compared. Beside each stands the same step written plainly, one
+//! triangle after another: the ratio of the two says more than either on a machine that is busy or slow.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
-    files, levels,
-    materials::Model,
+    files,
+    lanes::Square,
+    levels,
+    materials::{Material, Model, Visitor},
     meshes::NoFiles,
     sandbox::Sandbox,
     scene::Scene,
     simulation::Simulation,
     snapshot::{Field, Snapshot},
 };
+use nalgebra::Matrix2;
 use std::time::{Duration, Instant};
 
 /// A unit square of n x n quads, density 1, E = 1e3, nu = 0.3 in plane strain, stretched 1.2 in x.
@@ -30,10 +34,74 @@ fn sheet(n: u32, model: Model) -> Simulation {
     Simulation::new(scene, state)
 }
 
-/// Time of `steps` steps divided by the number of triangles.
-fn per_triangle(simulation: &mut Simulation, steps: u64) -> Duration {
-    let triangles = simulation.scene().triangles.len() as u32;
-    laps(simulation, steps, 2000) / triangles
+/// The same step as a course would write it: symplectic Euler, forces scattered triangle by triangle.
+struct Plain {
+    model: Model,
+    /// Corners, D0⁻¹ and area.
+    triangles: Vec<([usize; 3], Square<f64>, f64)>,
+    x: Vec<[f64; 2]>,
+    v: Vec<[f64; 2]>,
+    force: Vec<[f64; 2]>,
+    inverse_mass: Vec<f64>,
+    h: f64,
+}
+
+fn edges(x: &[[f64; 2]], [a, b, c]: [usize; 3]) -> Square<f64> {
+    Square::new(x[b][0] - x[a][0], x[c][0] - x[a][0], x[b][1] - x[a][1], x[c][1] - x[a][1])
+}
+
+impl Plain {
+    fn new(simulation: &Simulation) -> Self {
+        let scene = simulation.scene();
+        let pairs = |flat: &[f64]| flat.as_chunks::<2>().0.to_vec();
+        let rest = pairs(&scene.rest);
+        let triangle = |corners: &[u32; 3]| {
+            let corners = corners.map(|corner| corner as usize);
+            let edges = Matrix2::from(edges(&rest, corners));
+            (corners, Square::from(&edges.try_inverse().unwrap()), 0.5 * edges.determinant())
+        };
+        Self {
+            model: scene.bodies[0].elements.model(),
+            triangles: scene.triangles.iter().map(triangle).collect(),
+            x: pairs(&scene.start.x),
+            v: pairs(&scene.start.v),
+            force: rest.clone(),
+            inverse_mass: scene.inverse_mass.iter().step_by(2).copied().collect(),
+            h: scene.step,
+        }
+    }
+
+    fn steps(&mut self, simulation: &Simulation, steps: u64) -> Duration {
+        let lame = simulation.scene().bodies[0].elements.lame();
+        let begin = Instant::now();
+        for _ in 0..steps {
+            self.model.visit(lame, &mut *self);
+        }
+        begin.elapsed()
+    }
+}
+
+impl Visitor for &mut Plain {
+    type Output = ();
+    fn visit<M: Material>(self, material: &M) {
+        self.force.fill([0.0; 2]);
+        for &(corners, inverse, area) in &self.triangles {
+            let stress = material.piola(edges(&self.x, corners).times(inverse));
+            let h = stress.times(inverse.transpose()) * -area;
+            let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
+            for (corner, [x, y]) in corners.into_iter().zip(forces) {
+                self.force[corner][0] += x;
+                self.force[corner][1] += y;
+            }
+        }
+        let moving = self.x.iter_mut().zip(&mut self.v).zip(self.force.iter().zip(&self.inverse_mass));
+        for ((x, v), (force, inverse_mass)) in moving {
+            for axis in 0..2 {
+                v[axis] += self.h * force[axis] * inverse_mass;
+                x[axis] += self.h * v[axis];
+            }
+        }
+    }
 }
 
 /// Time of `steps` steps. Starts over after each `lap`, so that what is measured is always the same motion.
@@ -55,11 +123,31 @@ fn steps(criterion: &mut Criterion) {
     for n in [22, 71, 224] {
         for &model in Model::ALL {
             let mut simulation = sheet(n, model);
+            let mut plain = Plain::new(&simulation);
             let name = format!("{} triangles, {}", 2 * n * n, model.name());
-            group.bench_function(name, |bencher| bencher.iter_custom(|count| per_triangle(&mut simulation, count)));
+            group.bench_function(&name, |bencher| {
+                bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+            });
+            group.bench_function(format!("{name}, plain"), |bencher| {
+                bencher.iter_custom(|count| plain.steps(&simulation, count) / (2 * n * n));
+            });
         }
     }
     group.finish();
+}
+
+/// A sheet of 128 x 128 particles with structural, shear and flexion springs.
+fn springs(criterion: &mut Criterion) {
+    let text = "(name: \"net\", substeps: 1000, nets: [(name: \"net\", mass: 0.001, net: Sheet(width: 1, height: 1,
+        columns: 127, rows: 127, structural: 100, shear: 50, flexion: 20, corner: (0, 0)))])";
+    let level = files::parse(text, "net.ron").unwrap();
+    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+    let count = scene.nets[0].springs.links().len() as u32;
+    let state = scene.start.clone();
+    let mut simulation = Simulation::new(scene, state);
+    criterion.bench_function(&format!("step, per spring/{count} springs"), |bencher| {
+        bencher.iter_custom(|steps| laps(&mut simulation, steps, 2000) / count);
+    });
 }
 
 /// What a frame of the window asks of the simulation: 100 steps, and a snapshot of 2,000 triangles.
@@ -107,6 +195,6 @@ fn implicit(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = steps, frame, implicit
+    targets = steps, springs, frame, implicit
 }
 criterion_main!(benches);

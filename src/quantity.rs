@@ -224,6 +224,10 @@ quantities! {
     Swing: "start angle" ["°"] in Excluded(0.0), Included(179.9); slider 1.0 to 179.0, linear;
     /// eps: how near a wall a vertex feels it.
     Reach: "contact reach" ["m"] in Included(0.0), Included(1e6); slider 0.0 to 0.05, linear;
+    /// mu: the greatest friction force as a share of the force that presses a vertex to a wall.
+    FrictionCoefficient: "friction" [""] in Included(0.0), Included(1e3); slider 0.0 to 1.0, linear;
+    /// e: the share of its velocity towards a wall that a vertex gets back.
+    RestitutionCoefficient: "restitution" [""] in Included(0.0), Included(1.0); slider 0.0 to 1.0, linear;
     /// About how many triangles a mesh should have: more are more accurate, and cost more.
     Triangles: "number of triangles" [""] in Included(100.0), Included(2e5); slider 200.0 to 20000.0, logarithmic;
     /// Equal cells along a side of a rectangle.

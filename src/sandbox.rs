@@ -1,10 +1,12 @@
 //! The document, the running simulation and what a person did to them: everything of the program but the window.
 
+mod edit;
+
 use crate::{
     command::{Command, Mode},
     document::{Document, Gesture, History, saved},
     effects::Grab,
-    level::{EffectLevel, Level, RunMode, Switch, When},
+    level::{Level, RunMode, Switch},
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
@@ -130,100 +132,6 @@ impl Sandbox {
             edit => self.edit(edit)?,
         }
         Ok(())
-    }
-
-    /// Changes to the document that can be undone.
-    fn edit(&mut self, command: Command) -> Result<(), Refused> {
-        const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
-        let mut document = self.document.clone();
-        let mut then = Then::Keep;
-        let mut gesture = None;
-        match command {
-            Command::SetModel(model) => {
-                document.side_by_side = None;
-                document.level.state = None;
-                document.level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
-                then = Then::Restart;
-            }
-            Command::SetMaterial(body, material) => {
-                let body = document.source(body);
-                let model = if document.side_by_side.is_some() {
-                    document.level.bodies[0].material.model()
-                } else {
-                    material.model()
-                };
-                get(&mut document.level.bodies, body)?.material = material.with_model(model);
-                gesture = Some(Gesture::Material(body));
-            }
-            Command::SetMesh(body, mesh) => {
-                let (body, rest) = (document.source(body), self.rest_points(body));
-                if get(&mut document.level.bodies, body)?.mesh != mesh {
-                    document.set_mesh(body, mesh, &rest);
-                    then = Then::Restart;
-                }
-                gesture = Some(Gesture::Mesh(body));
-            }
-            Command::SetMass(body, mass) => {
-                let body = document.source(body);
-                get(&mut document.level.bodies, body)?.mass = mass;
-                gesture = Some(Gesture::Mass(body));
-            }
-            Command::SetNet(number, net, mass) => {
-                let listed = get(&mut document.level.nets, number)?;
-                (listed.net, listed.mass) = (net, mass);
-                gesture = Some(Gesture::Net(number));
-            }
-            Command::SetToy(toy) => {
-                document.level.toy.as_ref().ok_or(Refused::NotHere("this level is not about a toy"))?;
-                document.level.state = None;
-                document.level.toy = Some(toy);
-                gesture = Some(Gesture::Toy);
-                then = Then::Restart;
-            }
-            Command::SetSubsteps(substeps) => {
-                document.level.substeps = substeps;
-                gesture = Some(Gesture::Substeps);
-            }
-            Command::SetIntegrator(integrator) => {
-                gesture = Some(Gesture::Integrator(integrator.name()));
-                document.level.integrator = integrator;
-            }
-            Command::SetGuard(guard) => document.level.guard = guard,
-            Command::SetEffect(number, effect) => {
-                *get(&mut document.level.effects, number)? = effect;
-                gesture = Some(Gesture::Effect(number));
-            }
-            Command::AddEffect(effect) => {
-                if document.level.toy.is_some() {
-                    return Err(Refused::NotHere("nothing acts on a toy but its own law"));
-                }
-                let listed = EffectLevel { effect, switch: Switch::On, when: When::Always };
-                document.level.effects.push(listed);
-            }
-            Command::SetDamping(on) => document.set_damping(on),
-            Command::TogglePin(vertex) => {
-                let scene = self.simulation.scene();
-                let (owner, local) = scene.owner_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
-                document.toggle_pin(owner, local as u32, &self.pins_of(owner));
-            }
-            Command::ClearPins => document.clear_pins(),
-            Command::SetPose(pose) => {
-                let test = document.level.test.ok_or(NO_TEST)?;
-                document.set_pose(pose, test);
-                then = Then::Restart;
-            }
-            Command::SetSideBySide(on) => {
-                document.level.test.ok_or(NO_TEST)?;
-                document.level.state = None;
-                document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.sides()));
-                then = Then::Restart;
-            }
-            _ => {}
-        }
-        if document == self.document {
-            return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
-        }
-        self.change(document, then, gesture)
     }
 
     fn change(&mut self, document: Document, then: Then, gesture: Option<Gesture>) -> Result<(), Refused> {
@@ -425,10 +333,6 @@ impl Sandbox {
         let mode = self.effect_mode(&self.document);
         Level { state: saved(self.simulation.state()), mode, ..Level::clone(&self.shown) }
     }
-}
-
-fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
-    list.get_mut(number).ok_or(Refused::NotHere("there is no such body or effect"))
 }
 
 fn without_state(level: &Level) -> Level {

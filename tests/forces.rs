@@ -23,7 +23,7 @@ fn elements(simulation: &Simulation) -> &Triangles {
 }
 
 fn of(scene: &Scene) -> Elements {
-    Elements { triangles: vec![std::sync::Arc::clone(&scene.bodies[0].elements)], springs: Vec::new() }
+    Elements { triangles: vec![std::sync::Arc::clone(&scene.bodies[0].elements)], ..Elements::default() }
 }
 
 fn forces(body: &Triangles, x: &[f64]) -> Vec<f64> {

@@ -13,7 +13,10 @@ use gingerbread::{
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
 };
-use proptest::{prelude::*, test_runner::FileFailurePersistence};
+use proptest::{
+    prelude::*,
+    test_runner::{FileFailurePersistence, RngSeed},
+};
 
 /// A number anywhere between two powers of ten.
 fn decades(from: i32, to: i32) -> impl Strategy<Value = f64> {
@@ -86,6 +89,7 @@ fn scene() -> impl Strategy<Value = (Level, Vec<(usize, [f64; 2])>)> {
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 2000,
+        rng_seed: RngSeed::Fixed(1),
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct("tests/random_levels.regressions"))),
         ..ProptestConfig::default()
     })]

@@ -38,7 +38,7 @@ fn at<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
 
 fn forces(springs: &Springs, x: &[f64]) -> Vec<f64> {
     let mut force = vec![0.0; x.len()];
-    springs.force(at(x, x), &mut [], &mut force);
+    springs.force(at(x, x), &mut vec![0.0; springs.scratch()], &mut force);
     force
 }
 

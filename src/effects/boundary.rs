@@ -1,6 +1,7 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
+    obstacles::Start,
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -67,22 +68,46 @@ impl Effect for Edges {
         true
     }
 
-    fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
+    fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let ([left, bottom], [right, top]) = (self.least, self.greatest);
+        let beyond = |p: &[f64]| p[0] <= left || p[0] >= right || p[1] <= bottom || p[1] >= top;
+        if !x.chunks_exact(2).any(beyond) {
+            return 0;
+        }
         let mut touched = 0;
-        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
-        {
-            for axis in (0..2).filter(|axis| inverse_mass[*axis] != 0.0) {
-                if x[axis] <= self.least[axis] {
-                    x[axis] = self.least[axis];
-                    v[axis] = v[axis].max(0.0);
-                    touched += 1;
-                } else if x[axis] >= self.greatest[axis] {
-                    x[axis] = self.greatest[axis];
-                    v[axis] = v[axis].min(0.0);
-                    touched += 1;
-                }
+        for (vertex, (x, v)) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).enumerate() {
+            for axis in (0..2).filter(|axis| start.inverse_mass[2 * vertex + axis] != 0.0) {
+                touched += usize::from(self.put_back(start, (vertex, axis), x, v));
             }
         }
         touched
+    }
+}
+
+impl Edges {
+    /// Puts one vertex back on the edges across one axis.
+    #[inline]
+    fn put_back(&self, start: &Start<'_>, (vertex, axis): (usize, usize), x: &mut [f64], v: &mut [f64]) -> bool {
+        let (edge, inwards) = if x[axis] < self.least[axis] || (x[axis] == self.least[axis] && v[axis] < 0.0) {
+            (self.least[axis], 1.0)
+        } else if x[axis] > self.greatest[axis] || (x[axis] == self.greatest[axis] && v[axis] > 0.0) {
+            (self.greatest[axis], -1.0)
+        } else {
+            return false;
+        };
+        let mut normal = [0.0; 2];
+        normal[axis] = inwards;
+        if !start.faces(vertex, normal) {
+            return false;
+        }
+        let (from, before) = (&start.x[2 * vertex..][..2], &start.v[2 * vertex..][..2]);
+        let mut after = [v[0], v[1]];
+        let kept = start.surface.answer(normal, [before[0], before[1]], &mut after);
+        v.copy_from_slice(&after);
+        x[axis] = edge;
+        if let Some(kept) = kept.filter(|kept| *kept < 1.0) {
+            x[1 - axis] = from[1 - axis] + kept * (x[1 - axis] - from[1 - axis]);
+        }
+        true
     }
 }

@@ -3,20 +3,25 @@
 
 mod boundary;
 mod drag;
+mod friction;
 mod gravity;
 mod mouse_spring;
 mod rayleigh;
+mod restitution;
 mod walls;
 
 pub use boundary::Boundary;
 pub use drag::Drag;
+pub use friction::Friction;
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
 pub use rayleigh::Rayleigh;
+pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
     elements::Elements,
+    obstacles::{Start, Surface},
     quantity::Quantity,
     registry::registry,
     solvers::{BlockMatrix, Weights},
@@ -31,6 +36,8 @@ registry! {
         MouseSpring(MouseSpring),
         Boundary(Boundary),
         Walls(Walls),
+        Restitution(Restitution),
+        Friction(Friction),
     }
 }
 
@@ -134,17 +141,16 @@ pub trait Effect: Send + Sync {
         [0.0; 2]
     }
 
-    /// Changes velocities that are not allowed, before positions move by them. Returns how many vertices were touched.
-    fn constrain_velocity(&self, _x: &[f64], _v: &mut [f64], _inverse_mass: &[f64]) -> usize {
+    /// Changes positions and velocities at the end of a step that are not allowed, seen from its start. What it left once it
+    /// leaves unchanged. Returns how many vertices were touched.
+    fn constrain(&self, _start: &Start<'_>, _x: &mut [f64], _v: &mut [f64]) -> usize {
         0
     }
 
-    /// Changes positions that are not allowed, after they have moved. Returns how many vertices were touched.
-    fn constrain_position(&self, _x: &mut [f64], _v: &mut [f64], _inverse_mass: &[f64]) -> usize {
-        0
-    }
+    /// Changes what happens where constraints touch a vertex.
+    fn coat(&self, _surface: &mut Surface) {}
 
-    /// Whether it changes velocities or positions. Such an effect has no force.
+    /// Whether it constrains. Such an effect has no force.
     fn constrains(&self) -> bool {
         false
     }

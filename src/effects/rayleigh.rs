@@ -56,7 +56,7 @@ impl EffectParameters for Rayleigh {
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let (alpha, beta) = (self.mass.get(), self.stiffness.get());
-        let Elements { triangles: bodies, springs: nets } =
+        let Elements { triangles: bodies, springs: nets, .. } =
             if beta > 0.0 { elements.clone() } else { Elements::default() };
         Ok(Box::new(Damping { alpha, beta, bodies, nets }))
     }

@@ -1,10 +1,11 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Ball, Obstacle, ObstacleKind, room},
+    obstacles::{Ball, Obstacle, ObstacleKind, Start, press_edges, room, stop_edges},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Obstacles that vertices bump into: planes that make a room, and solids inside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,7 +27,7 @@ impl EffectParameters for Walls {
     }
 
     fn about(&self) -> &'static str {
-        "A vertex within ε of a wall that moves inwards: v ← v − min(0, v·n) n. One that got inside is put back."
+        "A vertex within ε of a wall that moves inwards: v ← v − min(0, v·n) n. At any speed it stops where it first touches, and so does an edge at a corner."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -48,28 +49,60 @@ impl EffectParameters for Walls {
         room.into_iter().chain(solids.map(Shape::Solid)).collect()
     }
 
-    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
+    fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let build = |(number, kind): (usize, &ObstacleKind)| {
             kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))
         };
-        let obstacles = self.obstacles.iter().enumerate().map(build).collect::<Result<_, _>>()?;
-        Ok(Box::new(Contacts(obstacles)))
+        let obstacles = self.obstacles.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>()?;
+        Ok(Box::new(Contacts { obstacles, boundary: Arc::clone(&elements.boundary) }))
     }
 }
 
-struct Contacts(Vec<Box<dyn Obstacle>>);
+struct Contacts {
+    obstacles: Vec<Box<dyn Obstacle>>,
+    /// Edges of the bodies' boundaries, with the body on their left.
+    boundary: Arc<Vec<[u32; 2]>>,
+}
+
+/// How often what was stopped is looked at again, as that may make others touch, before it stays where the step began.
+const ROUNDS: usize = 8;
 
 impl Contacts {
-    /// The obstacles that are near enough to the box around all vertices to be worth a look at each of them.
-    fn near<'a>(&'a self, x: &[f64]) -> impl Iterator<Item = &'a dyn Obstacle> + use<'a> {
-        let (mut least, mut greatest) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in x.chunks_exact(2) {
-            for axis in 0..2 {
-                least[axis] = if point[axis] < least[axis] { point[axis] } else { least[axis] };
-                greatest[axis] = if point[axis] > greatest[axis] { point[axis] } else { greatest[axis] };
+    /// The obstacles that are near enough to a box to be worth a look at each vertex in it.
+    fn near(&self, [least, greatest]: [[f64; 2]; 2]) -> impl Iterator<Item = &dyn Obstacle> + Clone {
+        self.obstacles.iter().map(AsRef::as_ref).filter(move |obstacle| obstacle.is_near(least, greatest))
+    }
+
+    /// Edges stop at corners, and vertices that this turned aside at obstacles, until nothing touches any more; what still
+    /// would stays where it was when the step began, where nothing touched.
+    fn stop_edges(&self, bounds: [[f64; 2]; 2], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let near = self.near(bounds);
+        let mut touched = 0;
+        let stop = |x: &mut [f64], v: &mut [f64]| -> usize {
+            near.clone().map(|obstacle| stop_edges((obstacle.corners(), &self.boundary, bounds), start, x, v)).sum()
+        };
+        for _ in 0..ROUNDS {
+            let stopped = stop(x, v);
+            if stopped == 0 {
+                return touched;
+            }
+            touched += stopped;
+            near.clone().for_each(|obstacle| touched += obstacle.constrain(start, x, v));
+        }
+        let mut held = x.to_vec();
+        for _ in 0..self.boundary.len() {
+            if stop(x, v) == 0 {
+                break;
+            }
+            let changed = x.chunks_exact_mut(2).zip(held.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate();
+            for (vertex, ((x, held), v)) in changed.filter(|(_, ((x, held), _))| x != held) {
+                let from = &start.x[2 * vertex..][..2];
+                x.copy_from_slice(from);
+                held.copy_from_slice(from);
+                v.fill(0.0);
             }
         }
-        self.0.iter().map(AsRef::as_ref).filter(move |obstacle| obstacle.is_near(least, greatest))
+        touched
     }
 }
 
@@ -79,18 +112,37 @@ impl Effect for Contacts {
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {
-        self.0.len() * motion.x.len() / 2
+        self.obstacles.len() * motion.x.len() / 2
     }
 
     fn constrains(&self) -> bool {
         true
     }
 
-    fn constrain_velocity(&self, x: &[f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
-        self.near(x).map(|obstacle| obstacle.constrain_velocity(x, v, inverse_mass)).sum()
+    fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let bounds = around(start.x, x);
+        let mut touched = 0;
+        for obstacle in self.near(bounds) {
+            touched += press_edges((obstacle.corners(), &self.boundary, bounds), start, x, v);
+        }
+        for obstacle in self.near(bounds) {
+            touched += obstacle.constrain(start, x, v);
+        }
+        touched + self.stop_edges(bounds, start, x, v)
     }
+}
 
-    fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
-        self.near(x).map(|obstacle| obstacle.constrain_position(x, v, inverse_mass)).sum()
+/// Least and greatest corner of the box around the ways of all vertices.
+fn around(before: &[f64], after: &[f64]) -> [[f64; 2]; 2] {
+    let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
+        for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
+            least[axis] = if value < least[axis] { value } else { least[axis] };
+            greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
+        }
     }
+    [
+        [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
+        [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
+    ]
 }

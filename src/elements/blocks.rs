@@ -76,6 +76,11 @@ impl Blocks {
         self.blocks.len()
     }
 
+    /// The blocks from one on.
+    pub fn stage(&self, first: usize) -> &[Block] {
+        &self.blocks[first..]
+    }
+
     /// The rest shape of one triangle.
     #[inline]
     pub fn rest(&self, triangle: usize) -> Rest {
@@ -111,7 +116,7 @@ fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
 pub struct Forces<'a, L> {
     pub law: L,
     pub corners: &'a [[u32; 3]],
-    pub blocks: &'a Blocks,
+    pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
     pub out: &'a mut [CornerForces],
@@ -125,9 +130,7 @@ impl<L: Law> WithSimd for Forces<'_, L> {
         let Self { law, corners, blocks, x, v, out } = self;
         let (x, v) = (x.as_chunks().0, v.as_chunks().0);
         let (mut now, mut rates) = ([Quads::default(); RUN], [Quads::default(); RUN]);
-        for ((corners, blocks), out) in
-            corners.chunks(RUN * LANES).zip(blocks.blocks.chunks(RUN)).zip(out.chunks_mut(RUN))
-        {
+        for ((corners, blocks), out) in corners.chunks(RUN * LANES).zip(blocks.chunks(RUN)).zip(out.chunks_mut(RUN)) {
             collect(x, corners, &mut now);
             if L::RATE {
                 collect(v, corners, &mut rates);

@@ -3,9 +3,9 @@
 use crate::lanes::{LANES, Order, Pairs};
 use std::ops::Range;
 
-/// How many vertices are put in order of their number of corners at a time: enough for long runs of an equal number, and
-/// little enough for their forces to be near each other.
-const WINDOW: usize = 512;
+/// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
+/// vertices with as many corners as each other, and little enough for the forces to be still near the processor.
+pub const STAGE: usize = 128;
 
 /// For each vertex the corners that meet there.
 ///
@@ -14,8 +14,8 @@ const WINDOW: usize = 512;
 /// are summed one after another, so that the processor never has to guess how many there are.
 #[derive(Debug)]
 pub struct Gather {
-    /// Runs of vertices with as many corners as each other: how many corners, and how many vertices.
-    runs: Vec<[u32; 2]>,
+    /// Runs of vertices with as many corners as each other: the stage, how many corners, and how many vertices.
+    runs: Vec<[u32; 3]>,
     /// The vertices, counted from the first of the body or net.
     vertices: Vec<u32>,
     /// The places of their corners' forces in the buffer, one vertex after another.
@@ -33,29 +33,50 @@ impl Gather {
                 meeting[corner as usize - vertices.start].push(place as u32);
             }
         }
+        // The last place of a vertex is in its last block.
+        let key = |vertex: &u32| {
+            let meeting = &meeting[*vertex as usize];
+            (meeting.last().map_or(0, |last| *last as usize / (N * LANES * STAGE)) as u32, meeting.len() as u32)
+        };
         let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
-        let mut runs: Vec<[u32; 2]> = Vec::new();
-        for window in ordered.chunks_mut(WINDOW) {
-            window.sort_by_key(|&vertex| meeting[vertex as usize].len());
-            for &vertex in &*window {
-                let degree = meeting[vertex as usize].len() as u32;
-                match runs.last_mut() {
-                    Some([last, count]) if *last == degree => *count += 1,
-                    _ => runs.push([degree, 1]),
-                }
-            }
-        }
+        ordered.sort_by_key(key);
+        let runs = ordered.chunk_by(|one, other| key(one) == key(other)).map(|run| {
+            let (stage, degree) = key(&run[0]);
+            [stage, degree, run.len() as u32]
+        });
+        let runs = runs.collect();
         let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).copied().collect();
         Self { runs, vertices: ordered, places }
     }
 
-    /// Adds what is at the corners to the forces on the vertices.
-    pub fn add(&self, corners: &[Pairs], force: &mut [[f64; 2]]) {
+    /// The sums of each stage, in order.
+    pub const fn stages(&self) -> Stages<'_> {
+        Stages {
+            runs: self.runs.as_slice(),
+            vertices: self.vertices.as_slice(),
+            places: self.places.as_slice(),
+            stage: 0,
+        }
+    }
+}
+
+/// What is left to be summed.
+pub struct Stages<'a> {
+    runs: &'a [[u32; 3]],
+    vertices: &'a [u32],
+    places: &'a [u32],
+    stage: u32,
+}
+
+impl Stages<'_> {
+    /// Adds what is at the corners to the forces on the vertices of the next stage.
+    pub fn add(&mut self, corners: &[Pairs], force: &mut [[f64; 2]]) {
         let corners = corners.as_flattened();
-        let (mut vertices, mut places) = (self.vertices.as_slice(), self.places.as_slice());
-        for &[degree, count] in &self.runs {
-            let (now, later) = vertices.split_at(count as usize);
-            let (of_now, of_later) = places.split_at((degree * count) as usize);
+        while let Some((&[stage, degree, count], runs)) = self.runs.split_first()
+            && stage == self.stage
+        {
+            let (now, vertices) = self.vertices.split_at(count as usize);
+            let (of_now, places) = self.places.split_at((degree * count) as usize);
             /// One loop for each of these numbers of corners, with nothing to count inside; one for all others.
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
@@ -66,8 +87,9 @@ impl Gather {
                 };
             }
             loops!(1 2 3 4 5 6 7 8 9 10 11 12);
-            (vertices, places) = (later, of_later);
+            (self.runs, self.vertices, self.places) = (runs, vertices, places);
         }
+        self.stage += 1;
     }
 }
 

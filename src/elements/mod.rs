@@ -21,4 +21,6 @@ pub struct Elements {
     pub triangles: Vec<Arc<Triangles>>,
     /// The springs of each net.
     pub springs: Vec<Arc<Springs>>,
+    /// Edges of the boundaries of all bodies, with the body on their left.
+    pub boundary: Arc<Vec<[u32; 2]>>,
 }

@@ -1,9 +1,12 @@
+use super::gather::{Gather, STAGE, pairs, room};
 use crate::{
     effects::{Effect, Motion},
+    lanes::{LANES, Pairs, Quads, Real, Wide},
     nets::{Link, Net},
     solvers::{BlockMatrix, Weights},
 };
 use nalgebra::Matrix2;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// The springs of one net: linear in their length.
@@ -12,11 +15,13 @@ use std::ops::Range;
 /// end by `k (|d| - r) d/|d|`, its other end by the opposite. Its stiffness is `k (u uᵀ + (1 - r/|d|) (I - u uᵀ))` for
 /// u = d/|d|: across a compressed spring it is negative, which is why it buckles.
 ///
-/// A spring whose ends coincide has no direction: it gives no force. Springs are summed in the order of the net.
+/// A spring whose ends coincide has no direction: it gives no force. Springs are summed at each particle in the order of
+/// the net.
 #[derive(Debug)]
 pub struct Springs {
     vertices: Range<usize>,
     links: Vec<Link>,
+    gather: Gather,
 }
 
 impl Springs {
@@ -24,7 +29,9 @@ impl Springs {
     pub fn new(net: &Net, vertices: Range<usize>) -> Self {
         let first = vertices.start as u32;
         let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
-        Self { links: links.collect(), vertices }
+        let links: Vec<_> = links.collect();
+        let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
+        Self { gather: Gather::new(&ends, &vertices), links, vertices }
     }
 
     /// Scene numbers of the net's particles.
@@ -113,6 +120,43 @@ fn block(x: &[f64], link: &Link) -> [f64; 3] {
     [across + along * ux * ux, along * ux * uy, across + along * uy * uy].map(|entry| link.stiffness * entry)
 }
 
+/// How many springs have their ends collected at a time.
+const RUN: usize = 8 * LANES;
+
+/// Computes the forces at both ends of all springs.
+struct Pulls<'a> {
+    links: &'a [Link],
+    x: &'a [[f64; 2]],
+    out: &'a mut [[Pairs; 2]],
+}
+
+impl WithSimd for Pulls<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) {
+        // From the first end to the second, stiffness and rest length.
+        let mut now = [Quads::default(); RUN / LANES];
+        for (links, out) in self.links.chunks(RUN).zip(self.out.chunks_mut(RUN / LANES)) {
+            for (to, link) in now.as_flattened_mut().iter_mut().zip(links) {
+                let [a, b] = link.ends.map(|end| self.x[end as usize]);
+                *to = [b[0] - a[0], b[1] - a[1], link.stiffness, link.rest];
+            }
+            for (now, [first, second]) in now.iter().zip(out) {
+                for part in 0..Wide::<S>::PARTS {
+                    let [dx, dy, stiffness, rest] = Wide::load_quads(set, now, part);
+                    let length = (dx * dx + dy * dy).sqrt();
+                    let (zero, one) = (length.of(0.0), length.of(1.0));
+                    let pull = stiffness * (length - rest) / zero.if_less(length, length, one);
+                    let (fx, fy) = (pull * dx, pull * dy);
+                    Wide::store_pairs(fx, fy, first, part);
+                    Wide::store_pairs(-fx, -fy, second, part);
+                }
+            }
+        }
+    }
+}
+
 impl Effect for Springs {
     fn name(&self) -> &'static str {
         "Springs"
@@ -126,11 +170,18 @@ impl Effect for Springs {
         self.elastic_energy(motion.x)
     }
 
-    fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
-        for link in &self.links {
-            let Some(([ux, uy], length)) = direction(motion.x, link) else { continue };
-            let pull = link.stiffness * (length - link.rest);
-            add_pair(force, link, [pull * ux, pull * uy]);
+    fn scratch(&self) -> usize {
+        room(2 * self.links.len().div_ceil(LANES))
+    }
+
+    fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
+        let pairs = pairs(scratch);
+        let own = force[2 * self.vertices.start..2 * self.vertices.end].as_chunks_mut().0;
+        let (mut stages, arch) = (self.gather.stages(), Arch::new());
+        for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
+            let out = pairs[2 * STAGE * stage..].as_chunks_mut().0;
+            arch.dispatch(Pulls { links, x: motion.x.as_chunks().0, out });
+            stages.add(pairs, own);
         }
     }
 

@@ -1,9 +1,10 @@
 use super::{
     blocks::{self, Blocks, CornerForces, Elastic, Forces, Law},
-    gather::{Gather, pairs, room},
+    gather::{Gather, STAGE, pairs, room},
 };
 use crate::{
     effects::{Effect, Motion},
+    lanes::LANES,
     materials::{Lame, Material, Model, Visitor},
     solvers::{BlockMatrix, Weights},
 };
@@ -127,10 +128,14 @@ impl Triangles {
     pub(crate) fn add_stress(&self, law: impl Law, (x, v): (&[f64], &[f64]), scratch: &mut [f64], force: &mut [f64]) {
         let Self { corners, blocks, .. } = self;
         let pairs = pairs(scratch);
-        let out: &mut [CornerForces] = pairs.as_chunks_mut().0;
-        Arch::new().dispatch(Forces { law, corners, blocks, x, v, out });
-        let own = &mut force[2 * self.vertices.start..2 * self.vertices.end];
-        self.gather.add(pairs, own.as_chunks_mut().0);
+        let own = force[2 * self.vertices.start..2 * self.vertices.end].as_chunks_mut().0;
+        let (mut stages, arch) = (self.gather.stages(), Arch::new());
+        for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
+            let blocks = blocks.stage(stage * STAGE);
+            let out: &mut [CornerForces] = pairs[3 * STAGE * stage..].as_chunks_mut().0;
+            arch.dispatch(Forces { law, corners, blocks, x, v, out });
+            stages.add(pairs, own);
+        }
     }
 
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.

@@ -129,7 +129,7 @@ impl FirstOrder for DormandPrince {
             first.swap_with_slice(seventh);
         }
         memory::own(&mut state.memory).copy_from_slice(&[length, before]);
-        system.settle(start, x, spare, h);
+        system.settle(start, x, spare);
         scatter(x, state);
         counts
     }

@@ -46,7 +46,7 @@ impl FirstOrder for ForwardEuler {
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
         }
-        system.settle(x, next, spare, h);
+        system.settle(x, next, spare);
         scatter(next, state);
         StepCounts::ONE
     }

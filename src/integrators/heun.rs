@@ -49,7 +49,7 @@ impl FirstOrder for Heun {
         for (((next, x), rate), end_rate) in next.iter_mut().zip(&*x).zip(&*rate).zip(&*end_rate) {
             *next = x + 0.5 * h * (rate + end_rate);
         }
-        system.settle(x, next, spare, h);
+        system.settle(x, next, spare);
         scatter(next, state);
         StepCounts::ONE
     }

@@ -17,6 +17,9 @@ const RELATIVE: f64 = 1e-8;
 /// The same as a share of the largest coordinate: what round-off leaves of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
+/// A way to a wall that is a smaller share of the whole is none: what rests there is held where it is.
+const SHORTEST: f64 = 1e-3;
+
 /// How often a step is solved again, at most, with more numbers held by walls.
 const PASSES: usize = 8;
 
@@ -51,7 +54,10 @@ pub(super) fn step(
     }
     z.fill(0.0);
     let mut counts = NewtonCounts::NONE;
-    for _ in 0..PASSES {
+    // First only what faces a wall is stopped by it: of a body that would be far beyond the wall, its front. Where that
+    // stops, the rest need not get there.
+    let mut faces = true;
+    for pass in 1..=PASSES {
         let origin = &state.x;
         let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, x, v, affine };
         counts.add(&newton.solve(&mut stage, z));
@@ -63,13 +69,20 @@ pub(super) fn step(
                 end_v[number] = along(state.v[number], v[number], affine.end);
             }
         }
-        settle(system, origin, (end_x, end_v), spare, h);
         let mut more = false;
-        for number in 0..origin.len() {
-            if inverse[number] != 0.0 && touched(end_x, end_v, spare, number) && end_x[number].is_finite() {
-                inverse[number] = 0.0;
-                more = true;
+        while !more {
+            faces &= pass < PASSES;
+            settle(system, [origin, &state.v], (end_x, end_v), spare, faces);
+            for number in 0..origin.len() {
+                if inverse[number] != 0.0 && touched(end_x, end_v, spare, number) && end_x[number].is_finite() {
+                    inverse[number] = 0.0;
+                    more = true;
+                }
             }
+            if !faces {
+                break;
+            }
+            faces = more;
         }
         if !more {
             break;
@@ -83,13 +96,14 @@ pub(super) fn step(
                 z[number] *= 0.5;
             }
         }
-        for number in 0..origin.len() {
-            if inverse[number] == 0.0 && system.inverse_mass()[number] != 0.0 {
+        let share = first_touch(origin, end_x, &spare[origin.len()..]);
+        for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
+            if inverse[number] == 0.0 {
                 z[number] = (end_x[number] - free_x[number]) / affine.ax;
+            } else if let Some(share) = share {
+                let reached = along(origin[number], spare[origin.len() + number], share);
+                z[number] = (reached - free_x[number]) / affine.ax;
             }
-        }
-        if !more {
-            break;
         }
     }
     for (number, inverse) in inverse.iter().enumerate() {
@@ -101,6 +115,14 @@ pub(super) fn step(
     state.x.copy_from_slice(end_x);
     state.v.copy_from_slice(end_v);
     StepCounts { newton: counts, ..StepCounts::ONE }
+}
+
+/// The share of the ways from `origin` to `free` after which the first of them ends at a wall, if any gets some way: where the
+/// others are then is a start for Newton's method from which nothing has to find its way back through what is held.
+fn first_touch(origin: &[f64], end: &[f64], free: &[f64]) -> Option<f64> {
+    let shares = origin.iter().zip(end).zip(free).filter(|((_, end), free)| end != free);
+    let shares = shares.map(|((origin, end), free)| (end - origin) / (free - origin));
+    shares.filter(|share| *share > SHORTEST && *share < 1.0).min_by(f64::total_cmp)
 }
 
 /// From `origin`, so many times the way to `stage`.

@@ -1,8 +1,8 @@
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Work,
     implicit::{Affine, Stage},
     parts,
-    system::settle,
+    system::{settle, touched},
 };
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 /// First order. For linear forces it is implicit Euler, and L-stable; for others a long step follows the tangent too far and
 /// may throw vertices about (Baraff and Witkin, *Large Steps in Cloth Simulation*, SIGGRAPH 1998; Deuflhard, *Recent Progress
 /// in Extrapolation Methods*, SIAM Review 27, 1985). Where K makes the matrix indefinite, the masses in it are raised.
+/// A step with an impact is one of implicit Euler, which solves for the body with what hit a wall held there.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinearlyImplicitEuler {}
@@ -39,6 +40,9 @@ impl Integrator for LinearlyImplicitEuler {
     }
 }
 
+/// The share of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
+const IMPACT: f64 = 0.1;
+
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let Work { numbers, spare, newton, .. } = work;
@@ -63,7 +67,14 @@ impl SecondOrder for LinearlyImplicitEuler {
             state.v[number] += h * z;
             state.x[number] += h * state.v[number];
         }
-        settle(system, before, (&mut state.x, &mut state.v), spare, h);
+        settle(system, [before, free_v], (&mut state.x, &mut state.v), spare, false);
+        let fastest = free_v.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+        let stopped = |number: usize| (state.v[number] - free_v[number]).abs() > IMPACT * fastest;
+        if (0..state.x.len()).any(|number| touched(&state.x, &state.v, spare, number) && stopped(number)) {
+            state.x.copy_from_slice(before);
+            state.v.copy_from_slice(free_v);
+            return ImplicitEuler::default().step(system, state, work, h);
+        }
         StepCounts { newton, ..StepCounts::ONE }
     }
 }

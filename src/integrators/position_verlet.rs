@@ -72,10 +72,11 @@ impl SecondOrder for PositionVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let Work { numbers, spare, .. } = work;
         let count = state.x.len();
-        let [before, force] = parts(numbers, count);
+        let [before, before_v, force] = parts(numbers, count);
         let goes_on = memory::recall(state, TAG, h, count);
         system.force(&state.x, &state.v, force);
         before.copy_from_slice(&state.x);
+        before_v.copy_from_slice(&state.v);
         let keep = 1.0 - self.damping.get();
         memory::open(state, TAG, h, count);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
@@ -86,11 +87,12 @@ impl SecondOrder for PositionVerlet {
             state.x[number] = x + way;
             state.v[number] = if *inverse_mass == 0.0 { 0.0 } else { way / h + 0.5 * h * a };
         }
-        settle(system, before, (&mut state.x, &mut state.v), spare, h);
+        settle(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
         for (number, before) in before.iter().enumerate() {
             // Where a wall acted, the way of the next step begins with the velocity that the wall left.
             let past = if touched(&state.x, &state.v, spare, number) {
-                state.x[number] - h * state.v[number]
+                let a = force[number] * system.inverse_mass()[number];
+                state.x[number] - h * (state.v[number] - 0.5 * h * a)
             } else {
                 *before
             };

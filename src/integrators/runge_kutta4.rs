@@ -52,7 +52,7 @@ impl FirstOrder for RungeKutta4 {
                 *stage = x + h * along * rate;
             }
         }
-        system.settle(x, next, spare, h);
+        system.settle(x, next, spare);
         scatter(next, state);
         StepCounts::ONE
     }

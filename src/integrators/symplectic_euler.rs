@@ -1,4 +1,4 @@
-use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts};
 use crate::state::State;
 use pulp::Arch;
 use serde::{Deserialize, Serialize};
@@ -40,30 +40,22 @@ impl Integrator for SymplecticEuler {
 
 impl SecondOrder for SymplecticEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let force = &mut work.numbers;
-        force.resize(state.x.len(), 0.0);
+        let [force, before_x, before_v] = parts(&mut work.numbers, state.x.len());
         system.force(&state.x, &state.v, force);
         let State { x, v, .. } = state;
-        if system.constrains() {
-            Arch::new().dispatch(|| {
-                for ((v, f), inverse_mass) in v.iter_mut().zip(force.iter()).zip(system.inverse_mass()) {
-                    *v += h * f * inverse_mass;
-                }
-            });
-            system.constrain_velocity(x, v);
-            Arch::new().dispatch(|| {
-                for (x, v) in x.iter_mut().zip(&*v) {
-                    *x += h * v;
-                }
-            });
-            system.constrain_position(x, v);
-        } else {
-            Arch::new().dispatch(|| {
-                for (((x, v), f), inverse_mass) in x.iter_mut().zip(v).zip(force.iter()).zip(system.inverse_mass()) {
-                    *v += h * f * inverse_mass;
-                    *x += h * *v;
-                }
-            });
+        let constrains = system.constrains();
+        if constrains {
+            before_x.copy_from_slice(x);
+            before_v.copy_from_slice(v);
+        }
+        Arch::new().dispatch(|| {
+            for (((x, v), f), inverse_mass) in x.iter_mut().zip(&mut *v).zip(force.iter()).zip(system.inverse_mass()) {
+                *v += h * f * inverse_mass;
+                *x += h * *v;
+            }
+        });
+        if constrains {
+            system.constrain([before_x, before_v], x, v, false);
         }
         StepCounts::ONE
     }

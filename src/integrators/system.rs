@@ -8,8 +8,8 @@ pub trait Ode {
     /// Writes f(X) to `rate`.
     fn rate(&mut self, x: &[f64], rate: &mut [f64]);
 
-    /// Puts right what a step of length `h` from `before` to `after` did that is not allowed. `spare` is scratch.
-    fn settle(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>, _h: f64) {}
+    /// Puts right what a step from `before` to `after` did that is not allowed. `spare` is scratch.
+    fn settle(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
 }
 
 /// A system of second order, `M a = f(x, v)`, with a diagonal mass matrix and constraints on single vertices.
@@ -35,16 +35,15 @@ pub trait Dynamics {
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
 
-    /// Whether the two functions below do anything.
+    /// Whether [`Self::constrain`] does anything.
     fn constrains(&self) -> bool {
         true
     }
 
-    /// Changes velocities that are not allowed, before positions move by them.
-    fn constrain_velocity(&mut self, _x: &[f64], _v: &mut [f64]) {}
-
-    /// Changes positions that are not allowed, after they have moved.
-    fn constrain_position(&mut self, _x: &mut [f64], _v: &mut [f64]) {}
+    /// Changes positions and velocities at the end of a step that are not allowed, seen from those at its beginning.
+    /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the
+    /// solution of the next try to say, in which what faces the wall is held.
+    fn constrain(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64], _faces: bool) {}
 }
 
 /// A [`Dynamics`] seen as an [`Ode`]: X = (x, v), dX/dt = (v, f/m).
@@ -63,30 +62,26 @@ impl Ode for Rates<'_> {
         }
     }
 
-    fn settle(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>, h: f64) {
+    fn settle(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {
         let half = after.len() / 2;
         let (x, v) = after.split_at_mut(half);
-        settle(self.0, &before[..half], (x, v), spare, h);
+        settle(self.0, before.split_at(half).into(), (x, v), spare, false);
     }
 }
 
-/// Applies the constraints to a step of length `h` that began at `before`: velocities first; what they lose, the
-/// positions lose as well (`x += h (v - v_free)`); then the positions. Leaves in `spare` what [`touched`] needs.
+/// Applies the constraints to a step that began at positions and velocities `before`. Leaves in `spare` what [`touched`]
+/// needs.
 pub(super) fn settle(
     system: &mut dyn Dynamics,
-    before: &[f64],
+    before: [&[f64]; 2],
     (x, v): (&mut [f64], &mut [f64]),
     spare: &mut Vec<f64>,
-    h: f64,
+    faces: bool,
 ) {
     spare.clear();
     spare.extend_from_slice(v);
-    system.constrain_velocity(before, v);
-    for ((x, v), free) in x.iter_mut().zip(&*v).zip(&*spare).filter(|((_, v), free)| v != free) {
-        *x += h * (v - free);
-    }
     spare.extend_from_slice(x);
-    system.constrain_position(x, v);
+    system.constrain(before, x, v, faces);
 }
 
 /// Whether [`settle`] changed a number of the state.

@@ -43,7 +43,7 @@ pub trait Real:
     /// Natural logarithm, bit for bit that of `libm`: below 1 unit in the last place.
     #[inline(always)]
     #[must_use]
-    fn log(self) -> Self {
+    fn logarithm(self) -> Self {
         logarithm::log(self)
     }
 }

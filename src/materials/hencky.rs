@@ -67,7 +67,7 @@ impl<R: Real> Stretches<R> {
         let root = y.sqrt();
         // (1 + x)/(1 - x) = (1 + x)²/(1 - y), without the difference.
         let ratio = (root + 1.0) * (root + 1.0) * sum / (j * 4.0);
-        let h = y.if_less(y.of(NEAR), series, ratio.log() / (root * 2.0));
+        let h = y.if_less(y.of(NEAR), series, ratio.logarithm() / (root * 2.0));
         Self { j, sum, y, h, k: minus - plus * y }
     }
 }
@@ -91,7 +91,7 @@ impl Material for Hencky {
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
         let Stretches { j, y, h, .. } = Stretches::of(f);
-        let log = j.log();
+        let log = j.logarithm();
         log * log * (0.5 * self.bulk()) + y * h * h * (2.0 * self.lame.mu)
     }
 
@@ -99,7 +99,7 @@ impl Material for Hencky {
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let Stretches { j, h, k, .. } = Stretches::of(f);
         let inverse = j.of(1.0) / j;
-        f.cofactor() * (j.log() * inverse * self.bulk()) + k * (h * inverse * self.lame.mu)
+        f.cofactor() * (j.logarithm() * inverse * self.bulk()) + k * (h * inverse * self.lame.mu)
     }
 
     /// `J dP = d(J P) - P (G : dF)`. With `dy = 2 (K : dF)/p²` and `(1 - y)(F + G) = K + 2 G` that is

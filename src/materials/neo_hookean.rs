@@ -26,7 +26,7 @@ const FLAT: f64 = 0.1;
 #[inline(always)]
 fn log<R: Real>(j: R) -> (R, R) {
     let t = j * (1.0 / FLAT) - 1.0;
-    (j.if_less(j.of(FLAT), t - t * t * 0.5 - LN_10, j.log()), t)
+    (j.if_less(j.of(FLAT), t - t * t * 0.5 - LN_10, j.logarithm()), t)
 }
 
 /// L with its first and second derivative.

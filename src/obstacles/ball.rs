@@ -23,8 +23,9 @@ impl Default for Ball {
 
 impl ObstacleParameters for Ball {
     fn build(&self) -> Result<Box<dyn Obstacle>, String> {
-        let shape = parry2d::shape::Ball::new(self.radius.get());
-        Ok(Box::new(Solid::new(shape, self.centre.get(), self.eps.get())))
+        let (centre, radius) = (self.centre.get(), self.radius.get());
+        let shape = parry2d::shape::Ball::new(radius);
+        Ok(Box::new(Solid::new(shape, centre, self.eps.get()).with_rim(&[[centre, centre]], radius, &[centre])))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

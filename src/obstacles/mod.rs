@@ -1,18 +1,27 @@
 //! What bodies bump into, realised as shapes of parry2d: the one room that knows that library. Each kind is one file;
 //! [`ObstacleKind`] lists them all. Points leave this room as `[f64; 2]`.
 //!
-//! Every obstacle has a reach eps: a vertex nearer than that to the surface may not move towards it.
+//! Every obstacle has a reach eps: a vertex nearer than that to the surface may not move towards it. Beside that no speed
+//! gets a vertex through a surface, nor a corner of an obstacle through an edge of a body: where they would meet within a
+//! step is found by conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996,
+//! section 2.3), which never passes the first touch, and there they stop.
 
+mod advance;
 mod ball;
+mod corner;
 mod cuboid;
+mod meet;
 mod plane;
 mod polygon;
 mod solid;
+mod surface;
 
 pub use ball::Ball;
+pub use corner::{Corner, press_edges, stop_edges};
 pub use cuboid::Cuboid;
 pub use plane::{Plane, room};
 pub use polygon::Polygon;
+pub use surface::Surface;
 
 use crate::{quantity::Quantity, registry::registry};
 
@@ -51,6 +60,43 @@ pub struct Contact {
     pub normal: [f64; 2],
 }
 
+/// What a step began with, flat: two numbers a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    /// Positions [m].
+    pub x: &'a [f64],
+    /// Velocities [m/s].
+    pub v: &'a [f64],
+    /// 1/mass [1/kg]; zero for coordinates that are held.
+    pub inverse_mass: &'a [f64],
+    /// What touching does.
+    pub surface: Surface,
+    /// If only what faces an obstacle is to be stopped: the outward normal of each vertex on the boundary of a body, zero
+    /// inside it, and not a number where there is no inside.
+    pub outward: Option<&'a [f64]>,
+}
+
+impl Start<'_> {
+    /// Whether a vertex is to be stopped by a surface with this normal.
+    pub fn faces(&self, vertex: usize, [nx, ny]: [f64; 2]) -> bool {
+        self.outward.is_none_or(|outward| {
+            let along = outward[2 * vertex] * nx + outward[2 * vertex + 1] * ny;
+            along < 0.0 || along.is_nan()
+        })
+    }
+
+    /// The direction in which a vertex can be pushed by a surface with this normal: without the coordinates that are held.
+    pub fn movable(&self, vertex: usize, normal: [f64; 2]) -> Option<[f64; 2]> {
+        let free = |axis: usize| self.inverse_mass[2 * vertex + axis] != 0.0;
+        if free(0) && free(1) {
+            return Some(normal);
+        }
+        let [x, y] = [0, 1].map(|axis| if free(axis) { normal[axis] } else { 0.0 });
+        let length = (x * x + y * y).sqrt();
+        (length > 0.0).then(|| [x / length, y / length])
+    }
+}
+
 /// An obstacle ready for stepping.
 pub trait Obstacle: Send + Sync {
     /// The nearest surface, if the point is within eps of it or inside.
@@ -59,45 +105,41 @@ pub trait Obstacle: Send + Sync {
     /// Whether any point between two corners could be within eps; false only if none is.
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
 
-    /// Velocities of vertices within eps that move inwards lose that part: `v <- v - min(0, v . n) n`. Tangential motion
-    /// stays, and so does motion outwards, so that nothing sticks. Returns the number of vertices touched.
-    fn constrain_velocity(&self, x: &[f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
-        let mut touched = 0;
-        for ((x, v), inverse_mass) in x.chunks_exact(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2)) {
-            let Some(Contact { normal: [nx, ny], .. }) = self.contact([x[0], x[1]]) else { continue };
-            let inwards = v[0] * nx + v[1] * ny;
-            let [nx, ny] = movable([nx, ny], inverse_mass);
-            if inwards < 0.0 && (nx, ny) != (0.0, 0.0) {
-                v[0] -= inwards * nx;
-                v[1] -= inwards * ny;
-                touched += 1;
-            }
-        }
-        touched
+    /// eps [m].
+    fn reach(&self) -> f64;
+
+    /// How far from the surface a vertex is put that would be nearer or inside [m].
+    fn skin(&self) -> f64 {
+        0.0
     }
 
-    /// Vertices inside are put back on the surface and lose their velocity inwards. They get none outwards: kinetic
-    /// energy never grows. Returns the number of vertices touched.
-    fn constrain_position(&self, x: &mut [f64], v: &mut [f64], inverse_mass: &[f64]) -> usize {
+    /// Where a point outside that goes a way first touches, as a share of the way and the normal there. What is not there
+    /// for a half-plane: whoever ends outside it never was inside.
+    fn cast(&self, _from: [f64; 2], _way: [f64; 2]) -> Option<(f64, [f64; 2])> {
+        None
+    }
+
+    /// Its corners that point outwards, which can touch between two vertices of a body.
+    fn corners(&self) -> &[Corner] {
+        &[]
+    }
+
+    /// Stops vertices that would come too near in a step that would end at positions x with velocities v: the velocity
+    /// inwards is removed, and so is the way inwards, as [`Surface::answer`] says. Motion outwards stays, so that nothing
+    /// sticks. Returns the number of vertices touched.
+    fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let reach = self.reach() * self.reach();
         let mut touched = 0;
-        for ((x, v), inverse_mass) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).zip(inverse_mass.chunks_exact(2))
+        for (vertex, ((from, x), v)) in
+            start.x.chunks_exact(2).zip(x.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate()
         {
-            let Some(Contact { distance, normal: [nx, ny] }) = self.contact([x[0], x[1]]) else { continue };
-            let inwards = (v[0] * nx + v[1] * ny).min(0.0);
-            let [nx, ny] = movable([nx, ny], inverse_mass);
-            if distance < 0.0 && (nx, ny) != (0.0, 0.0) {
-                x[0] -= distance * nx;
-                x[1] -= distance * ny;
-                v[0] -= inwards * nx;
-                v[1] -= inwards * ny;
-                touched += 1;
+            let begun = self.contact([from[0], from[1]]);
+            let way = [x[0] - from[0], x[1] - from[1]];
+            // From beyond eps, a shorter way does not reach the surface.
+            if begun.is_some() || way[0] * way[0] + way[1] * way[1] >= reach {
+                touched += usize::from(meet::meet(self, start, (vertex, begun), x, v));
             }
         }
         touched
     }
-}
-
-/// A push without the coordinates that are held.
-fn movable(push: [f64; 2], inverse_mass: &[f64]) -> [f64; 2] {
-    [0, 1].map(|axis| if inverse_mass[axis] == 0.0 { 0.0 } else { push[axis] })
 }

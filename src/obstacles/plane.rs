@@ -68,6 +68,10 @@ impl Obstacle for Wall {
         let y = if normal.y > 0.0 { least[1] } else { greatest[1] };
         self.contact([x, y]).is_some()
     }
+
+    fn reach(&self) -> f64 {
+        self.eps
+    }
 }
 
 /// The part of a rectangle that the planes leave free, eps kept clear: a convex polygon, counter-clockwise.

@@ -52,9 +52,15 @@ impl ObstacleParameters for Polygon {
         }
         let count = corners.len() as u32;
         let sides = (0..count).map(|i| [i, (i + 1) % count]).collect();
-        let points = corners.into_iter().map(|[x, y]| Vector::new(x, y)).collect();
+        let points = corners.iter().map(|[x, y]| Vector::new(*x, *y)).collect();
         let shape = Polyline::with_flags(points, Some(sides), PolylineFlags::ORIENTED);
-        Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get())))
+        let around: Vec<_> = (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]).collect();
+        let turns_left = |i: &usize| {
+            let ([a, b], [_, c]) = (around[(i + around.len() - 1) % around.len()], around[*i]);
+            signed_area(&[a, b, c]) > 0.0
+        };
+        let outer: Vec<_> = (0..corners.len()).filter(turns_left).map(|i| corners[i]).collect();
+        Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get()).with_rim(&around, 0.0, &outer)))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,9 +1,9 @@
-use super::{Contact, Obstacle};
+use super::{Contact, Corner, Obstacle, advance};
 use parry2d::{
     bounding_volume::{Aabb, BoundingVolume},
     math::{Pose, Vector},
     query::PointQuery,
-    shape::Shape,
+    shape::{Segment, Shape},
 };
 
 /// A bounded shape in world coordinates.
@@ -11,15 +11,37 @@ pub struct Solid<S> {
     shape: S,
     pose: Pose,
     near: Aabb,
+    /// eps, or what is left of it where it is so small that round-off matters [m].
     eps: f64,
+    /// The surface: all points at `radius` from one of these.
+    rim: Vec<Segment>,
+    radius: f64,
+    corners: Vec<Corner>,
 }
+
+/// The least eps as a share of the size.
+const LEAST: f64 = 1e-4;
+/// How far from the surface vertices are kept, as a share of eps.
+const SKIN: f64 = 1e-3;
 
 impl<S: Shape> Solid<S> {
     /// The shape moved to a point, with its reach [m].
     pub fn new(shape: S, [x, y]: [f64; 2], eps: f64) -> Self {
         let pose = Pose::from_translation(Vector::new(x, y));
-        let near = shape.compute_aabb(&pose).loosened(eps);
-        Self { shape, pose, near, eps }
+        let bounds = shape.compute_aabb(&pose);
+        let eps = eps.max(LEAST * bounds.half_extents().length());
+        let near = bounds.loosened(eps);
+        Self { shape, pose, near, eps, rim: Vec::new(), radius: 0.0, corners: Vec::new() }
+    }
+
+    /// The same with its surface, all points at a radius from one of the segments, and the middles of its corners.
+    pub fn with_rim(mut self, rim: &[[[f64; 2]; 2]], radius: f64, corners: &[[f64; 2]]) -> Self {
+        let point = |[x, y]: [f64; 2]| Vector::new(x, y);
+        self.rim = rim.iter().map(|ends| Segment::new(point(ends[0]), point(ends[1]))).collect();
+        self.radius = radius;
+        let corner = |&middle: &[f64; 2]| Corner { middle, radius, reach: self.eps, skin: SKIN * self.eps };
+        self.corners = corners.iter().map(corner).collect();
+        self
     }
 }
 
@@ -40,6 +62,13 @@ impl<S: Shape> Solid<S> {
     }
 }
 
+/// A direction along an axis is so exactly: what is not moved along the other axis is then not touched there.
+fn snapped(normal: Vector) -> Vector {
+    const ROUND_OFF: f64 = 1e-9;
+    let kept = |value: f64| if value.abs() < ROUND_OFF { 0.0 } else { value };
+    Vector::new(kept(normal.x), kept(normal.y))
+}
+
 impl<S: Shape> Obstacle for Solid<S> {
     fn contact(&self, point: [f64; 2]) -> Option<Contact> {
         let point = Vector::new(point[0], point[1]);
@@ -51,11 +80,40 @@ impl<S: Shape> Obstacle for Solid<S> {
             return None;
         }
         let near = distance.abs() < 1e-7 * self.near.half_extents().length();
-        let normal = if near { self.slope(point) } else { away.try_normalize() }?;
+        let normal = snapped(if near { self.slope(point) } else { away.try_normalize() }?);
         Some(Contact { distance, normal: [normal.x, normal.y] })
     }
 
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         self.near.intersects(&Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1])))
+    }
+
+    fn reach(&self) -> f64 {
+        self.eps
+    }
+
+    fn skin(&self) -> f64 {
+        SKIN * self.eps
+    }
+
+    fn cast(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<(f64, [f64; 2])> {
+        let (from, way) = (Vector::new(x, y), Vector::new(dx, dy));
+        // A step that blew up is for others to notice; geometry has no answer for it.
+        if !(from + way).is_finite() {
+            return None;
+        }
+        let path = Aabb::new(from.min(from + way), from.max(from + way)).loosened(self.radius + self.skin());
+        if !self.near.intersects(&path) {
+            return None;
+        }
+        let sides = self.rim.iter().filter(|side| side.local_aabb().intersects(&path));
+        let touches = sides.filter_map(|side| advance::point(side, self.radius, self.skin(), from, way));
+        let first = touches.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let normal = snapped(first.1);
+        Some((first.0, [normal.x, normal.y]))
+    }
+
+    fn corners(&self) -> &[Corner] {
+        &self.corners
     }
 }

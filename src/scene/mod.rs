@@ -2,8 +2,10 @@
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
 mod net;
+mod touching;
 
 pub use net::Net;
+use touching::Touching;
 
 use crate::{
     effects::{Effect, Motion},
@@ -41,6 +43,8 @@ pub struct Scene {
     pub slides: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
+    /// Edges of all boundaries, with the body on their left.
+    pub boundary: Arc<Vec<[u32; 2]>>,
     /// Everything that acts, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
     /// The time-stepping scheme.
@@ -158,6 +162,7 @@ impl Scene {
             pins: Arc::default(),
             slides: Arc::default(),
             triangles: Arc::default(),
+            boundary: Arc::default(),
             effects: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
@@ -261,6 +266,7 @@ impl Scene {
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe, rest_height) = (level.name.clone(), level.mesh.clone(), greatest - least);
         let boundary = mesh.boundary_edges();
+        Arc::make_mut(&mut self.boundary).extend(boundary.iter().map(|edge| edge.map(|i| i + first as u32)));
         self.bodies.push(Body { name, recipe, mesh, vertices, elements, boundary, top, rest_height });
         Ok(())
     }
@@ -279,17 +285,21 @@ impl Scene {
         let elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
+            boundary: Arc::clone(&self.boundary),
         };
         self.effects.extend(elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
         self.effects.extend(elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn Effect>));
+        let mut touching = Touching::default();
         for listed in &level.effects {
             let name = listed.effect.name();
             // Built even when it is off, so that a level with a mistake in it is never half accepted.
             let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
+            touching.add(effect.as_ref());
             if listed.switch == Switch::On && (listed.when == When::Always || mode == RunMode::Collide) {
                 self.effects.push(Arc::from(effect));
             }
         }
+        self.messages.extend(touching.messages());
         Ok(())
     }
 }

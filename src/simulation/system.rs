@@ -3,6 +3,7 @@
 use crate::{
     effects::{Effect, Grab, Motion},
     integrators::{Dynamics, Ode, Work},
+    obstacles::{Start, Surface},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
@@ -11,6 +12,9 @@ use crate::{
 use std::time::Duration;
 use web_time::Instant;
 
+/// Most turns that constraints take in a step.
+const TURNS: usize = 4;
+
 /// Everything that stepping writes to beside the state.
 #[derive(Default)]
 pub(super) struct Scratch {
@@ -18,6 +22,8 @@ pub(super) struct Scratch {
     pub work: Work,
     /// For the effects.
     pub effects: Vec<f64>,
+    /// Outward normals of the vertices.
+    pub outward: Vec<f64>,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -116,23 +122,31 @@ impl Dynamics for System<'_> {
         self.scene.effects.iter().any(|effect| effect.constrains())
     }
 
-    fn constrain_velocity(&mut self, x: &[f64], v: &mut [f64]) {
-        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
-            let touched =
-                self.scratch.booked(number, None, |_| effect.constrain_velocity(x, v, &self.scene.inverse_mass));
+    /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
+    fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
+        let scene = self.scene;
+        let mut surface = Surface::default();
+        scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
+        let mut outward = std::mem::take(&mut self.scratch.outward);
+        if faces {
+            scene.outward(before_x, &mut outward);
+        }
+        let outward_of = faces.then_some(outward.as_slice());
+        let start = Start { x: before_x, v: before_v, inverse_mass: &scene.inverse_mass, surface, outward: outward_of };
+        let constraints = scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains());
+        let count = constraints.clone().count();
+        let mut quiet = 0;
+        for (turn, (number, effect)) in constraints.cycle().take(TURNS * count).enumerate() {
+            if turn >= count && quiet + 1 >= count {
+                break;
+            }
+            let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+            let elements = (turn < count).then(|| effect.elements(motion));
+            let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
+            quiet = if touched == 0 { quiet + 1 } else { 0 };
             self.scratch.counts.constrained += touched as u64;
         }
-    }
-
-    fn constrain_position(&mut self, x: &mut [f64], v: &mut [f64]) {
-        for (number, effect) in self.scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains()) {
-            let scene = self.scene;
-            let elements =
-                effect.elements(Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab });
-            let touched =
-                self.scratch.booked(number, Some(elements), |_| effect.constrain_position(x, v, &scene.inverse_mass));
-            self.scratch.counts.constrained += touched as u64;
-        }
+        self.scratch.outward = outward;
     }
 }
 

@@ -7,7 +7,7 @@ use crate::{
     effects::{Drag, EffectKind},
     files,
     integrators::IntegratorKind,
-    level::{Level, MassLevel, Substeps},
+    level::{Level, MassLevel, Substeps, Switch},
     levels,
     materials::Model,
     meshes::{MeshKind, NoFiles},
@@ -284,6 +284,7 @@ fn a_fault_in_one_stops_both_at_one_time_and_turns_the_panels_to_it() {
         panes.choose(Pane::A);
         panes.apply(&mut a, Pane::B, Command::SetModel(Model::NeoHookean)).unwrap();
         panes.apply(&mut a, Pane::B, substeps(count)).unwrap();
+        panes.apply(&mut a, Pane::B, Command::SetGuard(Switch::Off)).unwrap();
         panes.apply(&mut a, Pane::A, Command::SetMode(Mode::Collide)).unwrap();
         for _ in 0..600 {
             panes.advance(&mut a, 1, &mut || true);

@@ -114,8 +114,14 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
     [Mode::Edit, Mode::Simulate, Mode::Collide].get(clicked).copied()
 }
 
-/// Play, step and start over.
+/// Turn back, play, step and start over.
 fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(now.rewind_reach > 0.0, |ui| {
+        let about = "Turns time back by 0.5 s, and pauses. [Backspace, held, for less or more]";
+        if icon_button(ui, Icon::Back, "Turn time back", about, false).clicked() {
+            commands.push(Command::Rewind(0.5));
+        }
+    });
     let runs = now.running && now.mode != Mode::Edit;
     let (icon, name) = if runs { (Icon::Pause, "Pause") } else { (Icon::Play, "Run") };
     if icon_button(ui, icon, name, "[Space]", false).clicked() {
@@ -124,12 +130,6 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Step, "Single step", "Pauses, and takes one step.", false).clicked() {
         commands.push(Command::StepOnce);
     }
-    ui.add_enabled_ui(now.rewind_reach > 0.0, |ui| {
-        let about = "Turns time back by 0.5 s, and pauses. [Backspace, held, for less or more]";
-        if icon_button(ui, Icon::Back, "Turn time back", about, false).clicked() {
-            commands.push(Command::Rewind(0.5));
-        }
-    });
     let about = "Positions and velocities go back to the start. [R while simulating]";
     if icon_button(ui, Icon::Reset, "Start over", about, false).clicked() {
         commands.push(Command::Reset);

@@ -1,0 +1,59 @@
+use super::{Effect, EffectParameters, Motion};
+use crate::{
+    elements::Elements,
+    obstacles::Surface,
+    quantity::{Quantity, RestitutionCoefficient},
+};
+use serde::{Deserialize, Serialize};
+
+/// Restitution at walls, obstacles and edges of the world (Newton's law of impact): a vertex that hits gets back the share e of
+/// its velocity across the surface.
+///
+/// It acts on vertices. A body bounces by its own elasticity as well, and the more so the more of it is away from the surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Restitution {
+    /// e.
+    pub coefficient: RestitutionCoefficient,
+}
+
+impl Default for Restitution {
+    fn default() -> Self {
+        Self { coefficient: RestitutionCoefficient::literal(0.5) }
+    }
+}
+
+impl EffectParameters for Restitution {
+    fn title(&self) -> &'static str {
+        "Restitution"
+    }
+
+    fn about(&self) -> &'static str {
+        "v′·n = −e v·n where a vertex hits a wall or an edge of the world; a body bounces by its own elasticity as well."
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        vec![&mut self.coefficient]
+    }
+
+    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
+        Ok(Box::new(Coating(self.coefficient.get())))
+    }
+}
+
+/// e.
+struct Coating(f64);
+
+impl Effect for Coating {
+    fn name(&self) -> &'static str {
+        "Restitution"
+    }
+
+    fn elements(&self, _: Motion<'_>) -> usize {
+        0
+    }
+
+    fn coat(&self, surface: &mut Surface) {
+        surface.restitution = self.0;
+    }
+}

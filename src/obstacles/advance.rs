@@ -1,0 +1,93 @@
+//! Conservative advancement: how far something may move before it touches. At the nearest points a line across separates
+//! the two; nothing can touch before one of them reaches the other's side of it, so that far is safe, and so on from there.
+
+use parry2d::{
+    math::Vector,
+    query::{PointQuery, PointQueryWithLocation},
+    shape::{Segment, SegmentPointLocation},
+};
+
+/// Most advances for one way; to stop at any of them is safe. Straight sides need one or two, round ones a few more.
+const MOST: usize = 32;
+
+/// The share of the way `from + t way` at which a point comes within half a skin of all points at `radius` from a segment,
+/// and the normal there; `None` if it does not.
+pub fn point(side: &Segment, radius: f64, skin: f64, from: Vector, way: Vector) -> Option<(f64, Vector)> {
+    let mut t = 0.0;
+    let mut touch = None;
+    for _ in 0..MOST {
+        let at = from + way * t;
+        let away = at - side.project_local_point(at, false).point;
+        let normal = away.try_normalize()?;
+        let gap = away.dot(normal) - radius - 0.5 * skin;
+        let (ends, next) = ahead(gap, -way.dot(normal), skin, t)?;
+        touch = Some((t, normal));
+        if ends {
+            break;
+        }
+        t = next;
+    }
+    touch
+}
+
+/// The same for an edge, whose ends move from one place to another, that comes within half a skin of all points at `radius`
+/// from a point; the normal points from the edge to the point.
+pub fn edge(from: [Vector; 2], to: [Vector; 2], middle: Vector, radius: f64, skin: f64) -> Option<(f64, Vector)> {
+    let way = [to[0] - from[0], to[1] - from[1]];
+    let mut t = 0.0;
+    let mut touch = None;
+    for _ in 0..MOST {
+        let at = [from[0] + way[0] * t, from[1] + way[1] * t];
+        let normal = seen(at, middle)?.normal;
+        // Both ends stay behind the line across until the first of them gets there.
+        let next = |end: usize| {
+            let gap = (middle - at[end]).dot(normal) - radius - 0.5 * skin;
+            ahead(gap, way[end].dot(normal), skin, t)
+        };
+        let first = match (next(0), next(1)) {
+            (Some(a), Some(b)) => Some(if a.1 < b.1 { a } else { b }),
+            (a, b) => a.or(b),
+        };
+        let (ends, next) = first?;
+        touch = Some((t, normal));
+        if ends {
+            break;
+        }
+        t = next;
+    }
+    touch
+}
+
+/// A point seen from the nearest one of an edge.
+pub struct Seen {
+    /// Unit vector to the point.
+    pub normal: Vector,
+    /// Distance [m].
+    pub distance: f64,
+    /// How far along the edge the nearest point is (0 to 1).
+    pub along: f64,
+}
+
+/// Looks from an edge to a point; `None` if the point is on it. Within the edge the direction is that across it, which is
+/// exact however near the point.
+pub fn seen(ends: [Vector; 2], point: Vector) -> Option<Seen> {
+    let (projection, location) = Segment::new(ends[0], ends[1]).project_local_point_and_get_location(point, false);
+    let from = |normal: Vector, along: f64, end: Vector| Seen { normal, distance: normal.dot(point - end), along };
+    match location {
+        SegmentPointLocation::OnVertex(end) => {
+            let normal = (point - projection.point).try_normalize()?;
+            Some(from(normal, f64::from(end), projection.point))
+        }
+        SegmentPointLocation::OnEdge(shares) => {
+            let left = (ends[1] - ends[0]).perp().try_normalize()?;
+            let side = left.dot(point - ends[0]);
+            (side != 0.0).then(|| from(left * side.signum(), shares[1], ends[0]))
+        }
+    }
+}
+
+/// Whether the way ends here, a tenth of a skin before the touch, and the next safe share; `None` if the end is safe.
+fn ahead(gap: f64, approach: f64, skin: f64, t: f64) -> Option<(bool, f64)> {
+    let next = t + gap.max(0.0) / approach;
+    (approach > 0.0 && next < 1.0).then_some((gap <= 0.1 * skin, next))
+}

@@ -1,0 +1,182 @@
+use super::{
+    Start,
+    advance::{self, Seen},
+};
+use parry2d::math::Vector;
+
+/// A corner of an obstacle that points outwards, round or sharp: it can touch an edge of a body between two vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// The middle of its rounding [m].
+    pub middle: [f64; 2],
+    /// Radius of its rounding [m].
+    pub radius: f64,
+    /// How near an edge feels it [m].
+    pub reach: f64,
+    /// How near an edge may come [m].
+    pub skin: f64,
+}
+
+impl Corner {
+    /// Whether it is within its reach of a box.
+    fn is_near(&self, [least, greatest]: [Vector; 2]) -> bool {
+        let (middle, reach) = (Vector::from(self.middle), Vector::splat(self.radius + self.reach));
+        middle.cmpge(least - reach).all() && middle.cmple(greatest + reach).all()
+    }
+}
+
+/// An edge of a body in a step, from one vertex to another, with the body on its left.
+struct Edge<'a> {
+    start: &'a Start<'a>,
+    vertices: [usize; 2],
+    from: [Vector; 2],
+    to: [Vector; 2],
+}
+
+fn at(values: &[f64], vertex: usize) -> Vector {
+    Vector::new(values[2 * vertex], values[2 * vertex + 1])
+}
+
+fn put(values: &mut [f64], vertex: usize, value: Vector) {
+    values[2 * vertex] = value.x;
+    values[2 * vertex + 1] = value.y;
+}
+
+impl<'a> Edge<'a> {
+    fn new(start: &'a Start<'a>, edge: [u32; 2], x: &[f64]) -> Self {
+        let vertices = edge.map(|vertex| vertex as usize);
+        Self {
+            start,
+            vertices,
+            from: vertices.map(|vertex| at(start.x, vertex)),
+            to: vertices.map(|vertex| at(x, vertex)),
+        }
+    }
+
+    /// Whether a corner is within its reach of the box around the edge's way.
+    fn is_near(&self, corner: &Corner) -> bool {
+        let least = self.from[0].min(self.from[1]).min(self.to[0].min(self.to[1]));
+        let greatest = self.from[0].max(self.from[1]).max(self.to[0].max(self.to[1]));
+        corner.is_near([least, greatest])
+    }
+
+    /// The point `along` the edge as a mean of its ends' values.
+    fn mean(&self, values: &[f64], along: f64) -> Vector {
+        at(values, self.vertices[0]) * (1.0 - along) + at(values, self.vertices[1]) * along
+    }
+
+    /// How far a unit impulse in a direction moves that point in that direction [1/kg].
+    fn mobility(&self, along: f64, direction: Vector) -> f64 {
+        let shares = [1.0 - along, along];
+        let of = |end: usize| (at(self.start.inverse_mass, self.vertices[end]) * direction * direction).element_sum();
+        shares[0] * shares[0] * of(0) + shares[1] * shares[1] * of(1)
+    }
+
+    /// Moves that point by a length in a direction, as an impulse at it would.
+    fn shift(&self, values: &mut [f64], along: f64, direction: Vector, by: f64) {
+        let mobility = self.mobility(along, direction);
+        if by == 0.0 || mobility == 0.0 {
+            return;
+        }
+        for (vertex, share) in self.vertices.into_iter().zip([1.0 - along, along]) {
+            let moved = at(self.start.inverse_mass, vertex) * direction * (share * by / mobility);
+            put(values, vertex, at(values, vertex) + moved);
+        }
+    }
+
+    /// Takes the velocity towards a corner from that point, which friction and restitution share in; returns the share of
+    /// tangential velocity that is left.
+    fn answer(&self, v: &mut [f64], along: f64, normal: Vector) -> Option<f64> {
+        let free = self.mean(v, along);
+        let mut after: [f64; 2] = free.into();
+        let kept = self.start.surface.answer((-normal).into(), self.mean(self.start.v, along).into(), &mut after)?;
+        let change = Vector::from(after) - free;
+        let tangent = normal.perp();
+        self.shift(v, along, normal, change.dot(normal));
+        self.shift(v, along, tangent, change.dot(tangent));
+        Some(kept)
+    }
+
+    /// Stops the edge where a corner is near from the beginning.
+    fn press(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
+        let Some(Seen { normal, distance, along }) = advance::seen(self.from, Vector::from(corner.middle)) else {
+            return false;
+        };
+        let gap = distance - corner.radius;
+        // The ends are vertices, which the obstacle stops itself.
+        if gap >= corner.reach || along <= 0.0 || along >= 1.0 {
+            return false;
+        }
+        let kept = self.answer(v, along, normal);
+        let way = self.mean(x, along) - self.mean(self.start.x, along);
+        let excess = way.dot(normal) - (gap - corner.skin).min(0.0);
+        if let Some(kept) = kept {
+            let tangent = normal.perp();
+            self.shift(x, along, tangent, (kept - 1.0) * way.dot(tangent));
+        }
+        self.shift(x, along, normal, -excess.max(0.0));
+        kept.is_some() || excess > 0.0
+    }
+
+    /// Stops the edge where it would first touch a corner on its way.
+    fn stop(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
+        let middle = Vector::from(corner.middle);
+        let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.skin) else {
+            return false;
+        };
+        let reached = [0, 1].map(|end| self.from[end] + (self.to[end] - self.from[end]) * share);
+        if let Some(Seen { along, .. }) = advance::seen(reached, middle) {
+            self.answer(v, along, normal);
+        }
+        for (vertex, reached) in self.vertices.into_iter().zip(reached) {
+            put(x, vertex, reached);
+        }
+        true
+    }
+}
+
+/// The corners of an obstacle, the edges of bodies, and least and greatest corner of a box around the ways of all edges.
+pub type Bodies<'a> = (&'a [Corner], &'a [[u32; 2]], [[f64; 2]; 2]);
+
+/// Calls `act` for every edge and every corner near its way; returns how many edges it changed.
+fn each<'a>(
+    (corners, edges, bounds): Bodies<'_>,
+    start: &'a Start<'a>,
+    x: &mut [f64],
+    v: &mut [f64],
+    act: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
+) -> usize {
+    let mut touched = 0;
+    for corner in corners.iter().filter(|corner| corner.is_near(bounds.map(Vector::from))) {
+        let mut free = None;
+        for &vertices in edges {
+            let edge = Edge::new(start, vertices, x);
+            if edge.is_near(corner) && *free.get_or_insert_with(|| !is_inside(corner.middle, edges, start.x)) {
+                touched += usize::from(act(&edge, corner, x, v));
+            }
+        }
+    }
+    touched
+}
+
+/// Whether a point is inside the bodies with these edges: a ray from it crosses an odd number of them, whichever way round
+/// they are. A body that was put over a corner may leave it.
+fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
+    let crosses = |edge: &&[u32; 2]| {
+        let [a, b] = edge.map(|vertex| at(x, vertex as usize));
+        (a.y > py) != (b.y > py) && px < a.x + (py - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
+    edges.iter().filter(crosses).count() % 2 == 1
+}
+
+/// Where a corner is within its reach of an edge, the point of the edge nearest to it may not move towards it: an impulse on
+/// both ends, as their masses share it, takes that velocity and that way. Returns the number of edges touched.
+pub fn press_edges(bodies: Bodies<'_>, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+    each(bodies, start, x, v, Edge::press)
+}
+
+/// Stops the ends of edges where a corner would first touch between them, and takes the velocity towards it. Returns the
+/// number of edges touched; as they share vertices, another look may find more.
+pub fn stop_edges(bodies: Bodies<'_>, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+    each(bodies, start, x, v, Edge::stop)
+}

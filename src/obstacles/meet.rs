@@ -1,0 +1,90 @@
+use super::{Contact, Obstacle, Start};
+
+/// Most times a vertex is put back at the end of a step.
+const NOOK: usize = 3;
+
+/// Stops one vertex, by its number and what it touches where the step begins: first where it is near from the beginning,
+/// then where it gets on its way, and last where it would end too near. Returns whether anything changed.
+pub(super) fn meet<O: Obstacle + ?Sized>(
+    obstacle: &O,
+    start: &Start<'_>,
+    (vertex, begun): (usize, Option<Contact>),
+    x: &mut [f64],
+    v: &mut [f64],
+) -> bool {
+    let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
+    let mut moved = Moved { start, vertex, to: [x[0], x[1]], v: [v[0], v[1]] };
+    if let Some(contact) = begun.filter(|contact| start.faces(vertex, contact.normal)) {
+        moved.press(contact.normal, from);
+    }
+    let free = begun.map_or(obstacle.reach(), |contact| contact.distance) - obstacle.skin();
+    let way = [moved.to[0] - from[0], moved.to[1] - from[1]];
+    if free <= 0.0 || way[0] * way[0] + way[1] * way[1] > free * free {
+        if begun.is_none_or(|contact| contact.distance >= 0.0) {
+            moved.travel(obstacle, from);
+        }
+        moved.leave(obstacle);
+    }
+    let touched = moved.to != [x[0], x[1]] || moved.v != [v[0], v[1]];
+    x.copy_from_slice(&moved.to);
+    v.copy_from_slice(&moved.v);
+    touched
+}
+
+/// A vertex on its way through a step.
+struct Moved<'a> {
+    start: &'a Start<'a>,
+    vertex: usize,
+    to: [f64; 2],
+    v: [f64; 2],
+}
+
+impl Moved<'_> {
+    /// Takes away what moves into a surface with this normal, from a place on.
+    fn press(&mut self, normal: [f64; 2], from: [f64; 2]) {
+        let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };
+        let before = [self.start.v[2 * self.vertex], self.start.v[2 * self.vertex + 1]];
+        let kept = self.start.surface.answer([nx, ny], before, &mut self.v);
+        let way = [self.to[0] - from[0], self.to[1] - from[1]];
+        let across = way[0] * nx + way[1] * ny;
+        let inwards = across.min(0.0);
+        match kept {
+            Some(kept) if kept < 1.0 => {
+                let along = [way[0] - across * nx, way[1] - across * ny];
+                let outwards = across - inwards;
+                self.to = [from[0] + kept * along[0] + outwards * nx, from[1] + kept * along[1] + outwards * ny];
+            }
+            _ => self.to = [self.to[0] - inwards * nx, self.to[1] - inwards * ny],
+        }
+    }
+
+    /// Stops where the way first touches; what is left of the way goes on along the surface until it touches again.
+    fn travel<O: Obstacle + ?Sized>(&mut self, obstacle: &O, mut from: [f64; 2]) {
+        for slides in [true, false] {
+            let way = [self.to[0] - from[0], self.to[1] - from[1]];
+            let Some((share, normal)) = obstacle.cast(from, way) else { return };
+            if !self.start.faces(self.vertex, normal) {
+                return;
+            }
+            from = [from[0] + share * way[0], from[1] + share * way[1]];
+            self.press(normal, from);
+            if !slides {
+                self.to = from;
+            }
+        }
+    }
+
+    /// Puts back on the surface what ends inside; in a nook, from one side to the other if need be.
+    fn leave<O: Obstacle + ?Sized>(&mut self, obstacle: &O) {
+        for _ in 0..NOOK {
+            let Some(Contact { distance, normal }) = obstacle.contact(self.to) else { return };
+            if distance >= 0.5 * obstacle.skin() || !self.start.faces(self.vertex, normal) {
+                return;
+            }
+            let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };
+            let depth = obstacle.skin() - distance;
+            self.to = [self.to[0] + depth * nx, self.to[1] + depth * ny];
+            self.press(normal, self.to);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! What steps eight triangles or springs at a time is what the formula says for one, to the last bit.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{Random, rotation, simulation};
+use gingerbread::{
+    effects::{Effect, Motion},
+    lanes::{LANES, Order, Quads, Real, Square, Wide},
+    materials::{Material, Model, Visitor},
+    simulation::Simulation,
+};
+use nalgebra::Matrix2;
+use pulp::{Arch, Scalar, Simd, WithSimd};
+
+/// Numbers of every size and kind: whole range of exponents, dense near 1, subnormal, special.
+fn numbers() -> Vec<f64> {
+    let mut random = Random(1);
+    let mut numbers = vec![0.0, -0.0, 1.0, -1.0, 2.0, 0.5, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX];
+    numbers.extend([f64::MIN_POSITIVE, f64::from_bits(1), f64::from_bits(0x000f_ffff_ffff_ffff), -f64::from_bits(7)]);
+    numbers.extend([f64::MIN_POSITIVE.next_down(), 1.0_f64.next_up(), 1.0_f64.next_down(), 0.5_f64.sqrt(), -f64::MAX]);
+    for exponent in -1074..1024 {
+        numbers.push(random.between(1.0, 2.0) * 2.0_f64.powi(exponent));
+        numbers.push(1.0 + random.between(-1.0, 1.0) * 2.0_f64.powi(-(exponent.abs() % 53)));
+    }
+    numbers.extend((0..20_000).map(|_| random.between(0.5, 2.0)));
+    numbers.extend((0..20_000).map(|_| f64::from_bits(random.between(0.0, 1.8e19) as u64)));
+    numbers.resize(numbers.len().next_multiple_of(LANES), 1.0);
+    numbers
+}
+
+#[test]
+fn the_logarithm_has_the_bits_of_libm_over_the_whole_range() {
+    struct Logs<'a>(&'a [[f64; LANES]]);
+    impl WithSimd for Logs<'_> {
+        type Output = Vec<f64>;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, set: S) -> Vec<f64> {
+            let mut logs = vec![[0.0; LANES]; self.0.len()];
+            for (log, x) in logs.iter_mut().zip(self.0) {
+                for part in 0..Wide::<S>::PARTS {
+                    Wide::load(set, x, part).logarithm().store(log, part);
+                }
+            }
+            logs.into_flattened()
+        }
+    }
+    let numbers = numbers();
+    let wide = Arch::new().dispatch(Logs(numbers.as_chunks().0));
+    for (x, wide) in numbers.iter().zip(wide) {
+        let (one, expected) = (x.logarithm(), libm::log(*x));
+        let same = |log: f64| log.to_bits() == expected.to_bits() || (log.is_nan() && expected.is_nan());
+        assert!(same(one) && same(wide), "ln {x:e} = {expected:e}, not {one:e} or {wide:e}");
+    }
+}
+
+#[test]
+fn eight_elements_are_found_where_the_order_says() {
+    fn check<S: Simd>(set: S, order: Order) {
+        let quads: Quads = std::array::from_fn(|element| [0, 10, 20, 30].map(|number| (number + element) as f64));
+        let (mut lanes, mut pairs) = ([[0.0; LANES]; 4], [[0.0; 2]; LANES]);
+        for part in 0..Wide::<S>::PARTS {
+            let loaded = Wide::load_quads(set, &quads, part);
+            loaded.iter().zip(&mut lanes).for_each(|(loaded, lanes)| loaded.store(lanes, part));
+            Wide::store_pairs(loaded[1], loaded[2], &mut pairs, part);
+        }
+        for element in 0..LANES {
+            let read = lanes.map(|lanes| lanes[order.lane[element]]);
+            assert_eq!(read, quads[element]);
+            assert_eq!(pairs[order.place[element]], [quads[element][1], quads[element][2]]);
+        }
+    }
+    struct Check(Order);
+    impl WithSimd for Check {
+        type Output = ();
+        fn with_simd<S: Simd>(self, set: S) {
+            check(set, self.0);
+        }
+    }
+    Arch::new().dispatch(Check(Order::new()));
+    let natural = std::array::from_fn(|element| element);
+    check(Scalar, Order { lane: natural, place: natural });
+}
+
+/// A sheet of 2 x 5 x 7 triangles, which leaves lanes over, of every model and for each map of its points.
+fn for_every_sheet(check: impl Fn(&Simulation, &[f64], Model)) {
+    let mut random = Random(2);
+    let far = random.gradient(0.3, 3.0);
+    let maps = [Matrix2::identity(), rotation(2.0), rotation(-0.7) * 1.5, Matrix2::new(1.2, 0.0, 0.0, 1.0), far];
+    for &model in Model::ALL {
+        for (map, noise) in maps.iter().flat_map(|map| [0.0, 1e-9, 0.01].map(|noise| (map, noise))) {
+            let simulation = simulation(&common::level(&format!(
+                "(name: \"\", bodies: [(name: \"\", mass: Density(1), material: (model: {}, young: 100, poisson: 0.3),
+                  mesh: Rectangle(width: 0.5, height: 0.7, columns: 5, rows: 7, diagonals: Alternating))])",
+                model.name()
+            )));
+            let rest = simulation.scene().rest.chunks_exact(2);
+            let x: Vec<_> = rest
+                .flat_map(|point| [0, 1].map(|row| map[(row, 0)] * point[0] + map[(row, 1)] * point[1]))
+                .map(|coordinate| coordinate + random.between(-noise, noise))
+                .collect();
+            check(&simulation, &x, model);
+        }
+    }
+}
+
+/// Energies, and the forces `[f1 f2] = -A P D0⁻ᵀ` of one triangle after another.
+struct OneByOne<'a>(&'a Simulation, &'a [f64]);
+
+impl Visitor for OneByOne<'_> {
+    type Output = (f64, Vec<f64>);
+    fn visit<M: Material>(self, material: &M) -> Self::Output {
+        let Self(simulation, x) = self;
+        let elements = &simulation.scene().bodies[0].elements;
+        let (mut energy, mut force) = (0.0, vec![0.0; x.len()]);
+        let rest = &simulation.scene().rest;
+        let at = |i: u32| nalgebra::Vector2::new(rest[2 * i as usize], rest[2 * i as usize + 1]);
+        for (&[a, b, c], (f, area)) in elements.corners().iter().zip(elements.gradients(x)) {
+            energy += material.energy(&f) * area;
+            let edges = Matrix2::from_columns(&[at(b) - at(a), at(c) - at(a)]);
+            let corners = material.stress(&f) * edges.try_inverse().unwrap().transpose() * -area;
+            let (one, two) = (corners.column(0).into_owned(), corners.column(1).into_owned());
+            for (corner, corner_force) in [(a, -one - two), (b, one), (c, two)] {
+                force[2 * corner as usize] += corner_force.x;
+                force[2 * corner as usize + 1] += corner_force.y;
+            }
+        }
+        (energy, force)
+    }
+}
+
+#[test]
+fn eight_triangles_at_a_time_are_one_after_another_for_every_model() {
+    for_every_sheet(|simulation, x, model| {
+        let elements = &simulation.scene().bodies[0].elements;
+        let (energy, expected) = model.visit(elements.lame(), OneByOne(simulation, x));
+        let motion = Motion { x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
+        let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
+        elements.force(motion, &mut scratch, &mut force);
+        // Stresses of 100 Pa on edges of 0.1 m.
+        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let scale = expected.iter().fold(10.0, |most: f64, force| most.max(force.abs()));
+        assert!(error < 1e-14 * scale, "{}: {error:e} of {scale}", model.title());
+        let found = elements.energy(motion);
+        assert!((found - energy).abs() <= 1e-13 * energy.abs().max(1.0), "{}: {found} against {energy}", model.title());
+    });
+}
+
+/// Lanes as wide as the processor has them give the very bits of `f64`.
+#[test]
+fn the_stress_in_lanes_has_the_bits_of_the_stress_of_one_gradient() {
+    struct Stresses<'a, M>(&'a M, &'a [[[f64; LANES]; 4]]);
+    impl<M: Material> WithSimd for Stresses<'_, M> {
+        type Output = Vec<[[f64; LANES]; 5]>;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, set: S) -> Self::Output {
+            let mut out = vec![[[0.0; LANES]; 5]; self.1.len()];
+            for (out, f) in out.iter_mut().zip(self.1) {
+                for part in 0..Wide::<S>::PARTS {
+                    let [m11, m12, m21, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &f[entry], part));
+                    let f = Square::new(m11, m12, m21, m22);
+                    let p = self.0.piola(f);
+                    let results = [p.m11, p.m12, p.m21, p.m22, self.0.psi(f)];
+                    results.iter().zip(out.iter_mut()).for_each(|(result, out)| result.store(out, part));
+                }
+            }
+            out
+        }
+    }
+    struct Compare;
+    impl Visitor for Compare {
+        type Output = ();
+        fn visit<M: Material>(self, material: &M) {
+            let mut random = Random(3);
+            let mut gradients: Vec<_> = (0..1000).map(|_| random.gradient(0.01, 8.0)).collect();
+            gradients.extend((0..1000).map(|_| random.gradient(-8.0, 8.0)));
+            gradients.extend((0..1000).map(|i| rotation(f64::from(i)) + random.gradient(0.1, 8.0) * 1e-9));
+            gradients.extend([Matrix2::identity(), Matrix2::zeros(), Matrix2::new(1.0, 0.0, 0.0, -1.0)]);
+            gradients.resize(gradients.len().next_multiple_of(LANES), Matrix2::identity());
+            let blocks: Vec<_> = gradients
+                .chunks(LANES)
+                .map(|eight| {
+                    let lanes = |entry: fn(&Matrix2<f64>) -> f64| std::array::from_fn(|lane| entry(&eight[lane]));
+                    [lanes(|f| f.m11), lanes(|f| f.m12), lanes(|f| f.m21), lanes(|f| f.m22)]
+                })
+                .collect();
+            let found = Arch::new().dispatch(Stresses(material, &blocks));
+            for (number, f) in gradients.iter().enumerate() {
+                let found = found[number / LANES].map(|lanes| lanes[number % LANES]);
+                let p = material.stress(f);
+                let expected = [p.m11, p.m12, p.m21, p.m22, material.energy(f)];
+                for (found, expected) in found.iter().zip(expected) {
+                    let same = found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan());
+                    assert!(same, "{} at {f}: {found:e} against {expected:e}", M::TITLE);
+                }
+            }
+        }
+    }
+    for &model in Model::ALL {
+        model.visit(gingerbread::materials::Lame { mu: 0.7, lambda: 1.1 }, Compare);
+    }
+}

@@ -17,8 +17,8 @@ pub struct Document {
     pub level: Level,
     /// The pose a test level was last put into.
     pub pose: Option<Pose>,
-    /// Where a test level shows one body for each model: the x of the middle of the first body at rest [m].
-    pub side_by_side: Option<f64>,
+    /// Where a test level shows one body for each model: the least and the greatest x of the first body at rest [m].
+    pub side_by_side: Option<[f64; 2]>,
 }
 
 /// Past and future documents. An entry carries the state that its change replaced, if it did.
@@ -55,6 +55,9 @@ pub enum Gesture {
 
 /// Most changes that are remembered.
 const DEPTH: usize = 200;
+
+/// How far apart strips side by side are at least, middle to middle, in widths: a pressed one bulges.
+const APART: f64 = 1.4;
 
 /// Most numbers that the remembered states may have: 128 MB.
 const STATES: usize = 1 << 24;
@@ -134,13 +137,14 @@ impl Document {
     }
 
     /// The level as it is simulated: for a test shown side by side, the first body once for every model, spread evenly over the
-    /// unit square.
+    /// unit square or, where that is too narrow, beyond it.
     pub fn shown(&self) -> Level {
         let mut level = self.level.clone();
-        if let (Some(middle), Some(body)) = (self.side_by_side, self.level.bodies.first()) {
+        if let (Some([left, right]), Some(body)) = (self.side_by_side, self.level.bodies.first()) {
             let count = Model::ALL.len() as f64;
+            let pitch = (APART * (right - left)).max(1.0 / count);
             let place = |(number, &model): (usize, &Model)| {
-                let by = (number as f64 + 0.5) / count - middle;
+                let by = 0.5 + pitch * (number as f64 - 0.5 * (count - 1.0)) - 0.5 * (left + right);
                 let pins = body.pins.iter().map(|pin| match *pin {
                     Pin::Nearest(point) => Pin::Nearest(moved(point, by)),
                     other => other,

@@ -180,13 +180,13 @@ impl Sandbox {
         Ok(())
     }
 
-    /// The x of the middle of the first body at rest [m].
-    fn middle(&self) -> f64 {
+    /// The least and the greatest x of the first body at rest [m].
+    fn sides(&self) -> [f64; 2] {
         let scene = self.simulation.scene();
-        scene.bodies.first().map_or(0.0, |body| {
-            let (left, right) = extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], 0);
-            0.5 * (left + right)
-        })
+        scene
+            .bodies
+            .first()
+            .map_or([0.0; 2], |body| extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], 0).into())
     }
 
     fn effect_mode(&self, document: &Document) -> RunMode {

@@ -62,6 +62,8 @@ pub struct Snapshot {
     pub pose: Option<Pose>,
     /// Whether all models are shown side by side.
     pub side_by_side: bool,
+    /// How wide the world is about x = 1/2 [m]: 1, or what the strips of a test need at their start.
+    pub width: f64,
     /// Whether any damping effect is switched on.
     pub damping: bool,
     /// How many shorter steps the guard takes for one now.
@@ -155,6 +157,8 @@ impl Sandbox {
         if snapshot.generation != self.generation {
             snapshot.generation = self.generation;
             snapshot.start = Arc::new(if scene.toy.is_none() { scene.start.x.clone() } else { Vec::new() });
+            let (left, right) = extent(&snapshot.start, 0);
+            snapshot.width = if self.shown.test.is_some() { (1.0 - 2.0 * left.min(1.0 - right)).max(1.0) } else { 1.0 };
         }
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);

@@ -167,9 +167,19 @@ fn a_clamped_strip_pulls_as_its_closed_form_says() {
             ("Corotated", (2.0 * mu + lambda) * (s - 1.0)),
             ("St. Venant-Kirchhoff", (mu + 0.5 * lambda) * s * (s * s - 1.0)),
             ("Neo-Hookean", mu * (s - 1.0 / s) + lambda * s.ln() / s),
+            ("Stable neo-Hookean", stable_pull(s, 1.0)),
+            ("Fixed corotated", (2.0 * mu + lambda) * (s - 1.0)),
+            ("Hencky", (2.0 * mu + lambda) * s.ln() / s),
         ];
         check_strip(s, 1.0, &expected);
     }
+}
+
+/// P11 of the stable neo-Hookean model at diag(s, w), as Smith, de Goes and Kim write it.
+fn stable_pull(s: f64, w: f64) -> f64 {
+    let (m, l) = (1.5 * LAME.mu, LAME.lambda + 2.0 / 3.0 * LAME.mu);
+    let a = 1.0 + 2.0 / 3.0 * m / l;
+    m * (1.0 - 1.0 / (s * s + w * w + 1.0)) * s + l * (s * w - a) * w
 }
 
 /// P11 and the width of a strip stretched by s whose sides are free.
@@ -179,15 +189,10 @@ fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
     let ratio = lambda / (2.0 * mu + lambda);
     let corotated = |s: f64| 1.0 - ratio * (s - 1.0);
     let kirchhoff = |s: f64| (1.0 - ratio * (s * s - 1.0)).sqrt();
-    // mu (w² - 1) + lambda ln(s w) = 0 by bisection.
-    let neo_hookean = |s: f64| {
-        let (mut low, mut high) = (1e-6_f64, 10.0_f64);
-        for _ in 0..200 {
-            let w = 0.5 * (low + high);
-            if mu * (w * w - 1.0) + lambda * (s * w).ln() > 0.0 { high = w } else { low = w }
-        }
-        0.5 * (low + high)
-    };
+    let neo_hookean = |s: f64| root(&|w| mu * (w * w - 1.0) + lambda * (s * w).ln());
+    // P22 is P11 with s and w exchanged.
+    let stable = |s: f64| root(&|w| stable_pull(w, s));
+    let fixed = |s: f64| (2.0 * mu + lambda * s) / (2.0 * mu + lambda * s * s);
     let young_of = 4.0 * mu * (mu + lambda) / (2.0 * mu + lambda);
     for s in [0.6_f64, 1.4] {
         check_strip(s, corotated(s), &[("Corotated", young_of * (s - 1.0))]);
@@ -197,6 +202,12 @@ fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
     for s in [0.6_f64, 2.0] {
         let w = neo_hookean(s);
         check_strip(s, w, &[("Neo-Hookean", mu * (s - 1.0 / s) + lambda * (s * w).ln() / s)]);
+        let w = stable(s);
+        check_strip(s, w, &[("Stable neo-Hookean", stable_pull(s, w))]);
+        let w = fixed(s);
+        check_strip(s, w, &[("Fixed corotated", 2.0 * mu * (s - 1.0) + lambda * (s * w - 1.0) * w)]);
+        // As in Hooke's law, with logarithmic strain: ln w = -ratio ln s, and the force per present width is E ln s.
+        check_strip(s, s.powf(-ratio), &[("Hencky", young_of * s.ln() / s)]);
     }
     for_every_model(|material| {
         for s in [0.6, 1.0, 1.4] {
@@ -205,6 +216,16 @@ fn a_free_strip_narrows_and_pulls_as_its_closed_form_says() {
             assert!(side.abs() < 1e-12, "{} at {s}: {side:e}", material.title());
         }
     });
+}
+
+/// The root of a growing function of a width, by bisection.
+fn root(function: &dyn Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (1e-6_f64, 10.0_f64);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if function(middle) > 0.0 { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
 }
 
 fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {
@@ -220,6 +241,74 @@ fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {
         let pull = model.visit(LAME, Pull(stretch, width));
         assert!((pull - force).abs() < 1e-10 * force.abs().max(1.0), "{title} at {stretch}: {pull} against {force}");
     }
+}
+
+/// Pressed, flat and turned over, for the models that are defined there: the height is pushed to grow.
+#[test]
+fn a_model_defined_for_inverted_triangles_pushes_them_back() {
+    for model in [Model::NeoHookean, Model::StableNeoHookean, Model::FixedCorotated] {
+        for height in [-1.5, -1.0, -0.1, 0.0, 0.1] {
+            for width in [0.3, 1.0] {
+                let f = Matrix2::new(width, 0.0, 0.0, height);
+                let stress = model.visit(LAME, StressOf(f));
+                assert!(stress.m22 < -0.1, "{model:?} at {width} x {height}: {stress}");
+            }
+        }
+        let folded = model.visit(LAME, StressOf(Matrix2::new(1e-9, 0.0, 0.0, 1e-9)));
+        assert!(folded.iter().all(|entry| entry.is_finite()), "{model:?}");
+    }
+    assert!(Model::Hencky.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, -0.1))).m22.is_nan(), "it has no answer");
+}
+
+/// Also where they are pressed flat, and where the neo-Hookean logarithm passes into its series.
+#[test]
+fn models_defined_for_every_gradient_have_derivatives_there_and_no_jump() {
+    for_every_model(|material| {
+        if ["Hencky", "Corotated"].contains(&material.title()) {
+            return;
+        }
+        let mut random = Random(5);
+        for _ in 0..1000 {
+            let f = random.gradient(-5.0, 0.2);
+            // Where a reflection is all there is, corotated frames jump.
+            if (f.m11 + f.m22).hypot(f.m21 - f.m12) < 0.3 {
+                continue;
+            }
+            let (stress, stiffness) = (material.stress(&f), material.stiffness(&f));
+            let (stress_scale, scale) = (stress.norm().max(1.0), stiffness.norm().max(1.0));
+            for entry in 0..4 {
+                let along = |by: f64| [material.energy(&moved(&f, entry, by))];
+                let error = best_difference([stress.as_slice()[entry]], along, stress_scale);
+                assert!(error < 1e-8, "{} at {f}: {error:e}", material.title());
+                let exact: [f64; 4] = stiffness.column(entry).into_owned().into();
+                let along =
+                    |by: f64| Vector4::from_column_slice(material.stress(&moved(&f, entry, by)).as_slice()).into();
+                let error = best_difference(exact, along, scale);
+                assert!(error < 1e-7, "{} at {f}: {error:e}", material.title());
+            }
+        }
+        for width in [0.2, 1.0, 3.0] {
+            let at = |j: f64| Matrix2::new(width, 0.3, 0.0, j / width);
+            let (under, over) = (at(0.1 * (1.0 - 1e-9)), at(0.1 * (1.0 + 1e-9)));
+            let title = material.title();
+            let scale = material.stiffness(&over).norm();
+            assert!((material.energy(&under) - material.energy(&over)).abs() < 1e-7 * scale, "{title}");
+            assert!((material.stress(&under) - material.stress(&over)).norm() < 1e-7 * scale, "{title}");
+            assert!((material.stiffness(&under) - material.stiffness(&over)).norm() < 1e-7 * scale, "{title}");
+        }
+    });
+}
+
+#[test]
+fn neo_hookean_rubber_follows_its_logarithm_down_to_a_tenth_of_its_area() {
+    let Lame { mu, lambda } = LAME;
+    for j in [0.1_f64, 0.100_001, 0.5, 3.0] {
+        let pull = Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, j))).m22;
+        assert!((pull - (mu * (j - 1.0 / j) + lambda * j.ln() / j)).abs() < 1e-13 * pull.abs().max(1.0), "{j}");
+    }
+    // At J = 0 the series is ln 0.1 - 3/2, and its slope 20.
+    let pull = Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, 0.0))).m22;
+    assert!((pull - 20.0 * (lambda * (0.1_f64.ln() - 1.5) - mu)).abs() < 1e-12 * pull.abs());
 }
 
 #[test]
@@ -292,6 +381,13 @@ fn a_model_without_an_answer_says_so() {
     assert!(caution(Model::StVenantKirchhoff, 1.733).is_some());
     assert!(caution(Model::NeoHookean, 2.0).is_none());
     assert!(caution(Model::Corotated, 2.0).is_none());
+    // The force of a logarithmic strip goes as ln(s)/s: it falls from s = e on.
+    assert!(caution(Model::Hencky, 2.71).is_none());
+    assert!(caution(Model::Hencky, 2.73).unwrap().contains("gives way"));
+    // Flat is no barrier for the model that takes an inverted triangle: a strip pressed far enough collapses.
+    assert!(caution(Model::StableNeoHookean, 0.3).is_none());
+    assert!(caution(Model::StableNeoHookean, 0.2).unwrap().contains("gives way"));
+    assert!([0.01, 0.6, 2.0].iter().all(|&stretch| caution(Model::FixedCorotated, stretch).is_none()));
     let strain = parameters(100.0, 0.25, Plane::Strain).unwrap().lame();
     // nu >= 1/s² in plane strain: from s = 2 on.
     assert!(Model::StVenantKirchhoff.caution(strain, 1.999).is_none());

@@ -193,15 +193,15 @@ fn a_step_that_blows_up_stops_on_the_last_finite_state_and_says_why() {
 }
 
 #[test]
-fn a_crushed_neo_hookean_triangle_is_named() {
-    let mut simulation = simulation(&sheet("NeoHookean", "", "guard: Off"));
+fn a_crushed_triangle_is_named_where_its_model_has_no_energy() {
+    let mut simulation = simulation(&sheet("Hencky", "", "guard: Off"));
     let mut state = simulation.state().clone();
     // Vertex 12 is in the middle; it is shot through the body.
     state.v[24] = 2000.0;
     simulation.set_state(state);
     simulation.advance(1000, &mut || true);
     let fault = simulation.fault().unwrap().to_string();
-    assert!(fault.contains("crushed inside out, where Neo-Hookean has no energy"), "{fault}");
+    assert!(fault.contains("crushed inside out, where Hencky has no energy"), "{fault}");
 }
 
 #[test]

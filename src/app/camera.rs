@@ -15,16 +15,23 @@ pub struct Camera {
     origin: Pos2,
     /// Points a metre.
     scale: f32,
+    /// How wide the world is [m].
+    width: f32,
 }
 
 impl Camera {
-    /// Shows the square 0..1 x 0..1 as large as fits in the middle of a canvas, above `below` points kept free.
-    pub fn new(canvas: Rect, below: f32) -> Self {
+    /// Shows the world, `width` [m] about x = 1/2 and 0..1 high, as large as fits in the middle of a canvas, above `below`
+    /// points kept free.
+    pub fn new(canvas: Rect, width: f32, below: f32) -> Self {
         let [beside, above, under] = MARGINS;
         let height = canvas.height() - below;
-        let scale = (canvas.width() / (1.0 + 2.0 * beside)).min(height / (1.0 + above + under)).max(1.0);
+        let scale = (canvas.width() / (width + 2.0 * beside)).min(height / (1.0 + above + under)).max(1.0);
         let spare = 0.5 * (height - scale * (1.0 + above + under));
-        Self { origin: pos2(canvas.center().x - 0.5 * scale, canvas.top() + spare + scale * (1.0 + above)), scale }
+        Self {
+            origin: pos2(canvas.center().x - 0.5 * scale, canvas.top() + spare + scale * (1.0 + above)),
+            scale,
+            width,
+        }
     }
 
     /// A point of the world [m] on the screen.
@@ -44,9 +51,10 @@ impl Camera {
         self.scale * metres
     }
 
-    /// The world square on the screen.
-    pub fn square(&self) -> Rect {
-        Rect::from_two_pos(self.screen_from_world([0.0, 0.0]), self.screen_from_world([1.0, 1.0]))
+    /// The world on the screen: a square, unless it is wider than 1 m.
+    pub fn world(&self) -> Rect {
+        let beside = 0.5 * (f64::from(self.width) - 1.0);
+        Rect::from_two_pos(self.screen_from_world([-beside, 0.0]), self.screen_from_world([1.0 + beside, 1.0]))
     }
 }
 
@@ -58,12 +66,15 @@ mod tests {
     #[test]
     fn goes_there_and_back() {
         let canvas = Rect::from_min_max(pos2(240.0, 50.0), pos2(960.0, 770.0));
-        let camera = Camera::new(canvas, 40.0);
-        assert!(canvas.contains_rect(camera.square()));
-        for point in [[0.0, 0.0], [1.0, 1.0], [0.3, -0.7]] {
-            let back = camera.world_from_screen(camera.screen_from_world(point));
-            assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6, "{point:?} {back:?}");
+        for width in [1.0, 2.0] {
+            let camera = Camera::new(canvas, width, 40.0);
+            assert!(canvas.contains_rect(camera.world()));
+            assert!((camera.world().width() - width * camera.world().height()).abs() < 1e-3);
+            for point in [[0.0, 0.0], [1.0, 1.0], [0.3, -0.7]] {
+                let back = camera.world_from_screen(camera.screen_from_world(point));
+                assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6, "{point:?} {back:?}");
+            }
+            assert!(camera.screen_from_world([0.0, 1.0]).y < camera.screen_from_world([0.0, 0.0]).y);
         }
-        assert!(camera.screen_from_world([0.0, 1.0]).y < camera.screen_from_world([0.0, 0.0]).y);
     }
 }

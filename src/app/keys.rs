@@ -123,6 +123,13 @@ pub static TABLE: &[Binding] = &[
         model(Model::StVenantKirchhoff)
     }),
     binding("N", "neo-Hookean model, and start over", When::Bodies, &[key(Key::N)], |_| model(Model::NeoHookean)),
+    binding("S", "stable neo-Hookean model, and start over", When::Bodies, &[key(Key::S)], |_| {
+        model(Model::StableNeoHookean)
+    }),
+    binding("F", "fixed corotated model, and start over", When::Bodies, &[key(Key::F)], |_| {
+        model(Model::FixedCorotated)
+    }),
+    binding("H", "Hencky model, and start over", When::Bodies, &[key(Key::H)], |_| model(Model::Hencky)),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
     Binding {

@@ -129,7 +129,7 @@ impl App {
 
     /// Where a point of the world [m] is on the screen, if the stage fills `stage`.
     pub fn on_screen(&self, stage: egui::Rect, point: [f64; 2]) -> egui::Pos2 {
-        camera::Camera::new(stage, draw::strip_numbers::height(&self.snapshot, stage)).screen_from_world(point)
+        canvas::camera(&self.snapshot, stage).screen_from_world(point)
     }
 
     /// The message that waits to be read, if there is one.

@@ -41,6 +41,13 @@ pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
     (Square::new(c, -s, s, c), length)
 }
 
+/// `factor` dR/dF (4 x 4), as in [`Material::stiffness`]: dR = T (T : dF) / tr(S), with T = R turned by 90 degrees.
+pub(super) fn turn(f: &Matrix2<f64>, factor: f64) -> Matrix4<f64> {
+    let (r, trace) = nearest_rotation(Square::from(f));
+    let turned = Matrix2::new(-r.m21, -r.m11, r.m11, -r.m21);
+    outer(&turned, &turned) * if trace > 0.0 { factor / trace } else { 0.0 }
+}
+
 impl Material for Corotated {
     const TITLE: &'static str = "Corotated";
     const LETTER: &'static str = "C";
@@ -59,14 +66,12 @@ impl Material for Corotated {
         (f - r) * (2.0 * self.lame.mu) + r * ((trace - 2.0) * self.lame.lambda)
     }
 
-    /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR, and dR = T (T : dF) / tr(S) with T = R turned by
-    /// 90 degrees. dR : F vanishes because S is symmetric.
+    /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR. dR : F vanishes because S is symmetric.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        let Lame { mu, lambda } = self.lame;
         let (r, trace) = nearest_rotation(Square::from(f));
         let r = Matrix2::from(r);
-        let turned = Matrix2::new(-r.m21, -r.m11, r.m11, -r.m21);
-        let spin = if trace > 0.0 { (self.lame.lambda * (trace - 2.0) - 2.0 * self.lame.mu) / trace } else { 0.0 };
-        Matrix4::identity() * (2.0 * self.lame.mu) + outer(&r, &r) * self.lame.lambda + outer(&turned, &turned) * spin
+        Matrix4::identity() * (2.0 * mu) + outer(&r, &r) * lambda + turn(f, lambda * (trace - 2.0) - 2.0 * mu)
     }
 
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {

@@ -9,14 +9,20 @@
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 
 mod corotated;
+mod fixed_corotated;
+mod hencky;
 mod neo_hookean;
 mod parameters;
 mod st_venant_kirchhoff;
+mod stable_neo_hookean;
 
 pub use corotated::{Corotated, nearest_rotation};
+pub use fixed_corotated::FixedCorotated;
+pub use hencky::Hencky;
 pub use neo_hookean::NeoHookean;
 pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
+pub use stable_neo_hookean::StableNeoHookean;
 
 use crate::{
     lanes::{Real, Square},
@@ -30,6 +36,9 @@ registry! {
         Corotated(Corotated),
         StVenantKirchhoff(StVenantKirchhoff),
         NeoHookean(NeoHookean),
+        StableNeoHookean(StableNeoHookean),
+        FixedCorotated(FixedCorotated),
+        Hencky(Hencky),
     }
 }
 
@@ -70,13 +79,19 @@ pub trait Material: Copy + Send + Sync {
     /// `None` where there is no positive one.
     fn free_width(&self, stretch: f64) -> Option<f64>;
 
-    /// What a user should know before trusting a strip of this stretch: where the model has no honest answer.
+    /// What a user should know before trusting a strip of this stretch: where the model has no honest answer, or gives way,
+    /// `dP11/ds < 0` along the strip.
     fn caution(&self, stretch: f64) -> Option<String> {
-        self.free_width(stretch).is_none().then(|| {
-            format!(
+        let Some(width) = self.free_width(stretch) else {
+            return Some(format!(
                 "{} has no answer here: with free sides, no positive width balances at {stretch:.2} x.",
                 Self::TITLE
-            )
+            ));
+        };
+        let stiffness = self.stiffness(&Matrix2::new(stretch, 0.0, 0.0, width));
+        let along = stiffness.m11 - stiffness.m14 * stiffness.m41 / stiffness.m44;
+        (along < 0.0).then(|| {
+            format!("{} gives way here: with free sides, going on from {stretch:.2} x needs less force.", Self::TITLE)
         })
     }
 }
@@ -133,3 +148,12 @@ impl Model {
 fn outer(a: &Matrix2<f64>, b: &Matrix2<f64>) -> Matrix4<f64> {
     Matrix4::from_fn(|i, j| a.as_slice()[i] * b.as_slice()[j])
 }
+
+/// The derivative of the cofactor matrix (4 x 4), as in [`Material::stiffness`]: dG has the entries of dF, turned around.
+#[rustfmt::skip]
+const COFACTOR: Matrix4<f64> = Matrix4::new(
+    0.0,  0.0,  0.0, 1.0,
+    0.0,  0.0, -1.0, 0.0,
+    0.0, -1.0,  0.0, 0.0,
+    1.0,  0.0,  0.0, 0.0,
+);

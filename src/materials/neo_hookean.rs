@@ -1,18 +1,38 @@
-use super::{Lame, Material, outer};
+use super::{COFACTOR, Lame, Material, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
+use std::f64::consts::LN_10;
 
-/// Compressible neo-Hookean rubber with a logarithmic barrier against inversion.
+/// Compressible neo-Hookean rubber, with a logarithm that resists being squeezed flat.
 ///
-/// With J = det F:
+/// With `J = det F` and `G = det(F) F⁻ᵀ`:
 ///
-/// `psi = mu/2 (tr FᵀF - 2) - mu ln J + lambda/2 ln² J`, `P = mu (F - F⁻ᵀ) + lambda ln(J) F⁻ᵀ`
+/// `psi = mu/2 (tr FᵀF - 2) - mu L(J) + lambda/2 L(J)²`, `P = mu F + (lambda L(J) - mu) L'(J) G`
 ///
 /// (Bonet and Wood, *Nonlinear Continuum Mechanics for Finite Element Analysis*, 2nd edition, section 6.4.3, in two
-/// dimensions). The energy is defined for J > 0 only; at J <= 0 it and the stress are NaN.
+/// dimensions). The model is `L = ln J`. That is used to the last bit down to `J = J0 = 0.1`, which no honest answer goes
+/// below. From there on L is the Taylor series of the logarithm to second order,
+/// `L = ln J0 + t - t²/2` with `t = J/J0 - 1`: energy, stress and stiffness go on without a jump, and are finite for every F.
+/// While lambda >= 0, a triangle that is flat or inverted is pushed back, the harder the farther.
 #[derive(Clone, Copy, Debug)]
 pub struct NeoHookean {
     lame: Lame,
+}
+
+/// J0: where the logarithm is continued by its Taylor series.
+const FLAT: f64 = 0.1;
+
+/// L and t.
+#[inline(always)]
+fn log<R: Real>(j: R) -> (R, R) {
+    let t = j * (1.0 / FLAT) - 1.0;
+    (j.if_less(j.of(FLAT), t - t * t * 0.5 - LN_10, j.logarithm()), t)
+}
+
+/// L with its first and second derivative.
+fn derivatives(j: f64) -> [f64; 3] {
+    let (log, t) = log(j);
+    if j < FLAT { [log, (1.0 - t) / FLAT, -1.0 / (FLAT * FLAT)] } else { [log, 1.0 / j, -1.0 / (j * j)] }
 }
 
 impl NeoHookean {
@@ -25,12 +45,12 @@ impl NeoHookean {
 impl Material for NeoHookean {
     const TITLE: &'static str = "Neo-Hookean";
     const LETTER: &'static str = "N";
-    const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F";
+    const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
         let Lame { mu, lambda } = self.lame;
-        let log = f.determinant().logarithm();
+        let (log, _) = log(f.determinant());
         (f.norm_squared() - 2.0) * (0.5 * mu) - log * mu + log * log * (0.5 * lambda)
     }
 
@@ -38,41 +58,42 @@ impl Material for NeoHookean {
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        f * mu + f.cofactor() * ((j.logarithm() * lambda - mu) / j)
+        let (log, t) = log(j);
+        let pull = log * lambda - mu;
+        f * mu + f.cofactor() * j.if_less(j.of(FLAT), pull * ((-t + 1.0) * (1.0 / FLAT)), pull / j)
     }
 
-    /// dP = mu dF + lambda (G : dF) G + (mu - lambda ln J) G dFᵀ G, with G = F⁻ᵀ.
+    /// dP = mu dF + (lambda L'² + (lambda L - mu) L'') (G : dF) G + (lambda L - mu) L' dG.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let j = f.determinant();
-        let g = Matrix2::from(Square::from(f).cofactor()) / j;
-        let turn = self.lame.mu - self.lame.lambda * libm::log(j);
-        let mut stiffness = Matrix4::identity() * self.lame.mu + outer(&g, &g) * self.lame.lambda;
-        for column in 0..4 {
-            let mut df = Matrix2::zeros();
-            df.as_mut_slice()[column] = 1.0;
-            let dp = g * df.transpose() * g * turn;
-            for row in 0..4 {
-                stiffness[(row, column)] += dp.as_slice()[row];
-            }
-        }
-        stiffness
+        let Lame { mu, lambda } = self.lame;
+        let [log, slope, bend] = derivatives(f.determinant());
+        let g = Matrix2::from(Square::from(f).cofactor());
+        let pull = lambda * log - mu;
+        Matrix4::identity() * mu + outer(&g, &g) * (lambda * slope * slope + pull * bend) + COFACTOR * (pull * slope)
     }
 
+    /// mu F33 + (lambda L - mu) L' J, which is lambda ln J from J0 on.
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        self.lame.lambda * libm::log(f.determinant())
+        let Lame { mu, lambda } = self.lame;
+        let j = f.determinant();
+        let [log, slope, _] = derivatives(j);
+        mu + (lambda * log - mu) * slope * j
     }
 
-    /// mu (w² - 1) + lambda ln(s w) = 0, by Newton's method on u = ln w from u = 0.
+    /// mu w² + (lambda L - mu) L' s w = 0, which is mu (w² - 1) + lambda ln(s w) = 0 from J0 on, by Newton's method on
+    /// u = ln w from u = 0.
     fn free_width(&self, stretch: f64) -> Option<f64> {
         let Lame { mu, lambda } = self.lame;
-        let log_stretch = libm::log(stretch);
         let mut u = 0.0;
         for _ in 0..60 {
-            let square = libm::exp(2.0 * u);
-            let residual = mu * (square - 1.0) + lambda * (log_stretch + u);
-            let change = residual / (2.0 * mu * square + lambda);
-            u -= change;
-            if change.abs() < 1e-14 {
+            let width = libm::exp(u);
+            let j = stretch * width;
+            let [log, slope, bend] = derivatives(j);
+            let pull = lambda * log - mu;
+            let residual = mu * width * width + pull * slope * j;
+            let growth = 2.0 * mu * width * width + (lambda * slope * slope + pull * bend) * j * j + pull * slope * j;
+            u -= residual / growth;
+            if (residual / growth).abs() < 1e-14 {
                 return Some(libm::exp(u));
             }
         }

@@ -91,7 +91,7 @@ impl Sandbox {
             Command::SetSideBySide(on) => {
                 document.level.test.ok_or(NO_TEST)?;
                 document.level.state = None;
-                document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.middle()));
+                document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.sides()));
                 then = Then::Restart;
             }
             _ => {}

@@ -19,6 +19,9 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("C", _) => models(Model::Corotated),
         ("V", _) => models(Model::StVenantKirchhoff),
         ("N", _) => models(Model::NeoHookean),
+        ("S", _) => models(Model::StableNeoHookean),
+        ("F", _) => models(Model::FixedCorotated),
+        ("H", _) => models(Model::Hencky),
         ("M", Mode::Simulate) | ("T", Mode::Collide) => assert_eq!(now.mode, Mode::Edit, "{what}"),
         ("M", _) => assert_eq!(now.mode, Mode::Simulate, "{what}"),
         ("T", _) => assert_eq!(now.mode, Mode::Collide, "{what}"),
@@ -79,7 +82,14 @@ fn up_and_down_do_nothing_where_there_is_no_stretch_test() {
 
 #[test]
 fn changing_the_model_puts_positions_and_velocities_back() {
-    for (key, label) in [(Key::C, "Corotated"), (Key::V, "St. Venant-Kirchhoff"), (Key::N, "Neo-Hookean")] {
+    for (key, label) in [
+        (Key::C, "Corotated"),
+        (Key::V, "St. Venant-Kirchhoff"),
+        (Key::N, "Neo-Hookean"),
+        (Key::S, "Stable neo-Hookean"),
+        (Key::F, "Fixed corotated"),
+        (Key::H, "Hencky"),
+    ] {
         for by_key in [true, false] {
             let mut window = in_mode("gingerbread_house", Mode::Collide);
             window.run_steps(20);
@@ -159,8 +169,8 @@ fn everything_a_key_does_is_a_button_too() {
         click(&mut window, label);
         assert_eq!(window.state().snapshot().pose, Some(pose));
     }
-    click(&mut window, "All three models side by side");
-    assert_eq!(window.state().snapshot().bodies.len(), 3);
+    click(&mut window, "All models side by side");
+    assert_eq!(window.state().snapshot().bodies.len(), Model::ALL.len());
     click(&mut window, "Edit");
     click(&mut window, "R: remove all pins");
     assert!(window.state().snapshot().pins.is_empty());
@@ -174,8 +184,10 @@ fn everything_a_key_does_is_a_button_too() {
 #[test]
 fn the_table_has_every_promised_key() {
     let labels: Vec<_> = TABLE.iter().map(|binding| binding.label).collect();
-    for key in ["C", "V", "N", "M", "T", "R", "D", "Space", "Up", "Down", "Click", "Drag", "Ctrl+Z", "Ctrl+Y", "B", "?"]
-    {
+    for key in [
+        "C", "V", "N", "S", "F", "H", "M", "T", "R", "D", "Space", "Up", "Down", "Click", "Drag", "Ctrl+Z", "Ctrl+Y",
+        "B", "?",
+    ] {
         assert!(labels.contains(&key), "{key}");
     }
     assert_eq!(

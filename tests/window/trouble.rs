@@ -48,7 +48,7 @@ fn when_time_stops_the_banner_says_why_and_its_buttons_mend_it() {
     let mut wild = level("gingerbread_house");
     wild.substeps = Substeps::new(2).unwrap();
     wild.guard = Switch::Off;
-    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::NeoHookean);
+    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::Hencky);
     for (label, substeps) in [("Reset", 2), ("Halve the step", 4), ("Damp", 2)] {
         let mut window = open_level(wild.clone(), 1280.0, 800.0);
         press(&mut window, Key::T);

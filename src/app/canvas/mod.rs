@@ -181,7 +181,7 @@ fn describe(response: &Response, snapshot: &Snapshot, name: &str) {
 
 /// How a stage that fills `canvas` shows the world, for whoever wants to point at it from outside, such as a test.
 pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
-    Camera::new(canvas, strip_numbers::height(snapshot, canvas))
+    Camera::new(canvas, snapshot.width.max(1.0) as f32, strip_numbers::height(snapshot, canvas))
 }
 
 /// Lets two canvases colour equal values equally.

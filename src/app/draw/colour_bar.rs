@@ -39,7 +39,7 @@ impl Layout {
 
 /// Draws the bar for a field and its scale.
 pub fn colour_bar(painter: &Painter, ink: &mut Ink, view: View, canvas: Rect, field: Field, scale: &Scale) {
-    let (theme, layout, range) = (view.theme, Layout::new(canvas, view.camera.square()), scale.range());
+    let (theme, layout, range) = (view.theme, Layout::new(canvas, view.camera.world()), scale.range());
     let size = layout.font.size;
     painter.rect_filled(layout.card, CornerRadius::same(10), theme.card);
     gradient(ink, layout.bar, scale, field == Field::Volume);

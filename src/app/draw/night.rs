@@ -35,11 +35,11 @@ pub fn sky(ink: &mut Ink, canvas: Rect, view: View) {
     ink.gradient(canvas, view.theme.sky);
 }
 
-/// The world square, where no house stands in it.
+/// The world, where no house stands in it.
 pub fn square(painter: &Painter, view: View, presence: f32) {
     let (theme, corner) = (view.theme, CornerRadius::same(2));
-    let square = view.camera.square();
-    painter.rect_filled(square, corner, theme.world.gamma_multiply(presence));
+    let world = view.camera.world();
+    painter.rect_filled(world, corner, theme.world.gamma_multiply(presence));
     let edge = Stroke::new(1.0, theme.world_edge.gamma_multiply(presence));
-    painter.rect_stroke(square, corner, edge, StrokeKind::Inside);
+    painter.rect_stroke(world, corner, edge, StrokeKind::Inside);
 }

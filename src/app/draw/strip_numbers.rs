@@ -25,10 +25,10 @@ pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Sna
     if snapshot.level.test.is_none() {
         return;
     }
-    let (square, size) = (view.camera.square(), size(canvas));
+    let (world, size) = (view.camera.world(), size(canvas));
     let middles: Vec<f32> = snapshot.bodies.iter().filter_map(|body| middle(view, snapshot, body)).collect();
     let gap = middles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(canvas.width(), f32::min);
-    let top = square.bottom() + 0.8 * size;
+    let top = world.bottom() + 0.8 * size;
     let mut bottom = top;
     for (body, &middle) in snapshot.bodies.iter().zip(&middles) {
         let column = Column { top: pos2(middle, top), width: gap - 0.8 * size, size };

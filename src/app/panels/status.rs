@@ -165,7 +165,7 @@ fn caution(now: &Snapshot) -> Option<Warning> {
     let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.caution.clone()?)))?;
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
     let text = if text.len() < 12 { details.clone() } else { text };
-    let help = "Its energy grows without bound as a triangle is squeezed flat; all bodies start over.";
+    let help = "Its energy grows ever faster as a triangle is squeezed flat; all bodies start over.";
     let mend = ("Use neo-Hookean", vec![Command::SetModel(Model::NeoHookean)], help);
     let possible = body.model != Model::NeoHookean && !now.side_by_side;
     Some(Warning { kind: "caution", text, details, mend: possible.then_some(mend) })

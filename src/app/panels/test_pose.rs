@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     }
     let mut together = now.side_by_side;
     let help = "One body for each constitutive model, so that their answers can be compared.";
-    if ui.checkbox(&mut together, "All three models side by side").on_hover_text(help).changed() {
+    if ui.checkbox(&mut together, "All models side by side").on_hover_text(help).changed() {
         commands.push(Command::SetSideBySide(together));
     }
 }

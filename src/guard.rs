@@ -10,6 +10,8 @@ use crate::{report::Energies, scene::Scene};
 /// may drift slowly, which is a lesson rather than an accident. So a step counts as unstable only if both hold: M is above twice
 /// what is available, and M + P grew by a quarter of M in this one step, as it does near and above the stability limit.
 ///
+/// What came in before it was noticed, up to about twice what there was, is only taken back as far as the last few steps go.
+///
 /// Looking at all energies costs as much as a step. It is only done when the kinetic energy, which is cheap, has grown by half
 /// since the last look.
 #[derive(Clone, Debug, Default)]

@@ -30,9 +30,12 @@ pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Sna
     let gap = middles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(canvas.width(), f32::min);
     let top = world.bottom() + 0.8 * size;
     let mut bottom = top;
-    for (body, &middle) in snapshot.bodies.iter().zip(&middles) {
-        let column = Column { top: pos2(middle, top), width: gap - 0.8 * size, size };
-        bottom = bottom.max(column.write(painter, view, body, snapshot.bodies.len() > 1));
+    let width = gap - 0.8 * size;
+    let names: Vec<_> = snapshot.bodies.iter().map(|body| name(body, snapshot.bodies.len() > 1)).collect();
+    let head = names.iter().map(|name| fitting(painter, name, 1.15 * size, width)).fold(f32::INFINITY, f32::min);
+    for ((body, name), &middle) in snapshot.bodies.iter().zip(&names).zip(&middles) {
+        let column = Column { top: pos2(middle, top), width, size, head };
+        bottom = bottom.max(column.write(painter, view, name, body));
     }
     for caution in snapshot.bodies.iter().filter_map(|body| body.caution.as_deref()) {
         bottom = sentence(
@@ -53,26 +56,38 @@ fn middle(view: View, snapshot: &Snapshot, body: &BodySnapshot) -> Option<f32> {
     Some(view.camera.screen_from_world([0.5 * (least + most), 0.0]).x)
 }
 
+/// What stands above a body's numbers.
+fn name(body: &BodySnapshot, models: bool) -> String {
+    let model = body.model.title();
+    if models { model.to_owned() } else { format!("{}: {model}", body.name) }
+}
+
+/// The size, at most `size`, at which a name is as wide as `width`.
+fn fitting(painter: &Painter, name: &str, size: f32, width: f32) -> f32 {
+    let natural = painter.layout_no_wrap(name.to_owned(), FontId::proportional(size), Color32::PLACEHOLDER).size().x;
+    size * (width / natural.max(1.0)).min(1.0)
+}
+
 /// The place for one strip's numbers.
 struct Column {
     top: Pos2,
     width: f32,
+    /// Size of the text, and of the names: one for all strips.
     size: f32,
+    head: f32,
 }
 
 impl Column {
     /// Writes name and numbers; returns where they end.
-    fn write(&self, painter: &Painter, view: View, body: &BodySnapshot, models: bool) -> f32 {
+    fn write(&self, painter: &Painter, view: View, name: &str, body: &BodySnapshot) -> f32 {
         let color = view.theme.ink;
-        let model = body.model.title();
-        let name = if models { model.to_owned() } else { format!("{}: {model}", body.name) };
         let numbers = [
             format!("width  {}", si_fixed(body.mid_width, "m")),
             format!("force  {}", si_fixed(body.top_force, "N")),
             format!("energy {}", si_fixed(body.energy, "J")),
             format!("min J  {}", si_fixed(body.min_j, "")),
         ];
-        self.fitted(painter, self.top, &name, FontId::proportional(1.15 * self.size), color);
+        self.fitted(painter, self.top, name, FontId::proportional(self.head), color);
         let below = pos2(self.top.x, self.top.y + 1.5 * self.size);
         self.fitted(painter, below, &numbers.join("\n"), FontId::monospace(self.size), color)
     }

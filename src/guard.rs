@@ -8,9 +8,9 @@ use crate::{report::Energies, scene::Scene};
 /// contact take it. With the mechanical energy M (kinetic, elastic) and the potential P, `M + P` can never exceed what was put in.
 /// Schemes err by a bounded share even when they are stable (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones
 /// may drift slowly, which is a lesson rather than an accident. So a step counts as unstable only if both hold: M is above twice
-/// what is available, and M + P grew by a quarter of M in this one step, as it does near and above the stability limit.
+/// what is available, and M + P grew by 8 % of M in this one step, as it does near and above the stability limit.
 ///
-/// What came in before it was noticed, up to about twice what there was, is only taken back as far as the last few steps go.
+/// What came in before it was noticed, up to about twice what there was, is only taken back as far as the last 10 to 20 steps go.
 ///
 /// Looking at all energies costs as much as a step. It is only done when the kinetic energy, which is cheap, has grown by half
 /// since the last look.
@@ -94,7 +94,7 @@ impl Guard {
         }
         let known = before.map(|before| [before.kinetic + before.elastic, before.total()]).or(self.last);
         let Some([was, total]) = known else { return Verdict::Unknown };
-        if after.total() - total > 0.25 * was + slack || after.total().is_nan() {
+        if after.total() - total > 0.08 * was + slack || after.total().is_nan() {
             return Verdict::Unstable;
         }
         self.last = Some([mechanical, after.total()]);

@@ -18,16 +18,26 @@ use system::{Scratch, System, ToySystem};
 pub struct Simulation {
     scene: Scene,
     state: State,
-    /// A state of a few steps ago, to go back to when a step fails.
-    checkpoint: State,
+    /// A few steps ago, to go back to when a step fails.
+    checkpoint: Checkpoint,
+    /// The one before, and whether nothing but steps of one length lies between.
+    older: Checkpoint,
+    joined: bool,
     /// Whether something other than a step has changed since.
     stale: bool,
-    /// What had been counted and booked then.
-    booked: (Counts, Vec<EffectCost>),
     scratch: Scratch,
     grab: Option<Grab>,
     guard: Guard,
     fault: Option<Fault>,
+}
+
+/// A moment to go back to.
+#[derive(Clone, Default)]
+struct Checkpoint {
+    state: State,
+    /// What had been counted and booked then.
+    counts: Counts,
+    costs: Vec<EffectCost>,
 }
 
 /// Steps between two checkpoints, and between two looks at the clock.
@@ -39,9 +49,10 @@ impl Simulation {
         let mut scratch = Scratch::default();
         scratch.fit(&scene);
         Self {
-            checkpoint: state.clone(),
+            checkpoint: Checkpoint::default(),
+            older: Checkpoint::default(),
+            joined: false,
             stale: true,
-            booked: (Counts::default(), Vec::new()),
             scene,
             state,
             scratch,
@@ -168,10 +179,11 @@ impl Simulation {
     }
 
     fn set_checkpoint(&mut self) {
-        self.stale = false;
-        self.checkpoint.clone_from(&self.state);
-        self.booked.0 = self.scratch.counts;
-        self.booked.1.clone_from(&self.scratch.costs);
+        std::mem::swap(&mut self.checkpoint, &mut self.older);
+        self.joined = !std::mem::take(&mut self.stale);
+        self.checkpoint.state.clone_from(&self.state);
+        self.checkpoint.counts = self.scratch.counts;
+        self.checkpoint.costs.clone_from(&self.scratch.costs);
     }
 
     /// One step, in as many shorter ones as the guard wants.
@@ -227,9 +239,9 @@ impl Simulation {
 
     /// Back to a step since the checkpoint: the same steps from there give the same bits again.
     fn go_back_to(&mut self, step: u64) {
-        self.state.clone_from(&self.checkpoint);
-        self.scratch.counts = self.booked.0;
-        self.scratch.costs.clone_from(&self.booked.1);
+        self.state.clone_from(&self.checkpoint.state);
+        self.scratch.counts = self.checkpoint.counts;
+        self.scratch.costs.clone_from(&self.checkpoint.costs);
         self.scratch.work.forget();
         while self.state.steps < step {
             self.step();
@@ -243,12 +255,17 @@ impl Simulation {
     /// supplied it, such as a wall that begins inside a body.
     fn retake(&mut self) -> bool {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
-        let began = self.checkpoint.steps;
+        // Energy from nowhere was there before it was noticed.
+        if finite && self.joined {
+            std::mem::swap(&mut self.checkpoint, &mut self.older);
+            self.joined = false;
+        }
+        let began = self.checkpoint.state.steps;
         let mut gains = vec![(failed, self.energies().total())];
         while self.is_guarded() && self.guard.refine() {
             self.go_back_to(began);
             self.scratch.counts.retaken += failed - began;
-            self.booked.0 = self.scratch.counts;
+            self.checkpoint.counts = self.scratch.counts;
             let start = self.energies().total();
             let mut sound = true;
             while sound && self.state.steps < failed {
@@ -270,7 +287,7 @@ impl Simulation {
                 return true;
             }
         }
-        let earlier = self.checkpoint.clone();
+        let earlier = self.checkpoint.state.clone();
         self.guard.give_up(level);
         self.go_back_to(failed - 1);
         self.fault = Some(Fault::find(&self.scene, &self.state, &earlier, finite));

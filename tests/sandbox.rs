@@ -228,7 +228,7 @@ fn reset_goes_back_to_the_start_and_keeps_the_edits() {
 #[test]
 fn a_fault_pauses_and_reset_takes_it_away() {
     let mut sandbox = small();
-    sandbox.apply(Command::SetMaterial(0, material(1e9))).unwrap();
+    sandbox.apply(Command::SetMaterial(0, material(1e13))).unwrap();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     sandbox.advance(100_000, &mut || true);
     let fault = seen(&sandbox).fault.unwrap().to_string();

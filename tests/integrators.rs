@@ -3,72 +3,19 @@
 
 mod common;
 
-use common::{Random, sheet};
+use common::{
+    Random, sheet,
+    systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control},
+};
 use gingerbread::{
     document, files,
-    integrators::{Class, Dynamics, IntegratorKind, Ode, Scheme, Work},
+    integrators::{Class, IntegratorKind, Ode, Scheme, Work},
     level::Level,
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
-    solvers::{BlockMatrix, Weights},
     state::State,
-    toys::ToyKind,
 };
-use nalgebra::Matrix2;
-
-/// One particle in the plane on a spring to the origin, `f = -m w² (1 + cubic |x|²) x - m c v`.
-struct Oscillator {
-    square: f64,
-    cubic: f64,
-    damping: f64,
-    evaluations: u64,
-}
-
-const MASS: f64 = 2.0;
-
-impl Oscillator {
-    fn linear(w: f64) -> Self {
-        Self { square: w * w, cubic: 0.0, damping: 0.0, evaluations: 0 }
-    }
-
-    fn stiffness(&self, x: &[f64]) -> Matrix2<f64> {
-        let point = nalgebra::Vector2::new(x[0], x[1]);
-        let round = 1.0 + self.cubic * point.norm_squared();
-        (Matrix2::identity() * round + point * point.transpose() * (2.0 * self.cubic)) * (MASS * self.square)
-    }
-}
-
-impl Dynamics for Oscillator {
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
-        self.evaluations += 1;
-        let stiffness = self.square * (1.0 + self.cubic * (x[0] * x[0] + x[1] * x[1]));
-        for axis in 0..2 {
-            force[axis] = -MASS * (stiffness * x[axis] + self.damping * v[axis]);
-        }
-    }
-
-    fn mass(&self) -> &[f64] {
-        &[MASS; 2]
-    }
-
-    fn inverse_mass(&self) -> &[f64] {
-        &[1.0 / MASS; 2]
-    }
-
-    fn stiffness_times(&mut self, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
-        let force = self.stiffness(x) * nalgebra::Vector2::new(d[0], d[1]);
-        product[0] += force.x;
-        product[1] += force.y;
-    }
-
-    fn couples(&self, _: &mut dyn FnMut(u32, u32)) {}
-
-    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
-        let damping = Matrix2::from_diagonal_element(weights.velocity * MASS * self.damping);
-        matrix.diagonal(0, &(self.stiffness(x) * weights.position + damping));
-    }
-}
 
 /// `dx/dt = -y, dy/dt = x`.
 struct Circle;
@@ -76,39 +23,6 @@ struct Circle;
 impl Ode for Circle {
     fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
         rate.copy_from_slice(&[-x[1], x[0]]);
-    }
-}
-
-/// A toy as a system of rates.
-struct Rate<'a>(&'a ToyKind);
-
-impl Ode for Rate<'_> {
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
-        rate.copy_from_slice(&self.0.kind().rate([x[0], x[1]]));
-    }
-}
-
-fn named(name: &str) -> IntegratorKind {
-    IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
-}
-
-/// The kind with an error control that never bites, so that its step is h.
-fn without_control(mut kind: IntegratorKind) -> IntegratorKind {
-    if kind.kind().class() == Class::ErrorControlled {
-        kind.kind_mut().parameters().into_iter().for_each(|parameter| parameter.set(1.0).unwrap());
-    }
-    kind
-}
-
-fn particle() -> State {
-    State { x: vec![0.6, -0.3], v: vec![0.5, 0.8], ..State::default() }
-}
-
-fn run(kind: &IntegratorKind, system: &mut Oscillator, state: &mut State, h: f64, steps: u64) {
-    let mut work = Work::default();
-    for _ in 0..steps {
-        let counts = kind.kind().step(system, state, &mut work, h);
-        assert_eq!(counts.newton.unconverged, 0, "{}", kind.name());
     }
 }
 
@@ -180,138 +94,6 @@ fn symplectic_euler_keeps_its_modified_energy_exactly() {
     assert!((kept(&state) / before - 1.0).abs() < 1e-11, "{} of {before}", kept(&state));
 }
 
-/// Declared order against the slope over four halvings, by position errors at a fixed time.
-fn assert_order(kind: &IntegratorKind, what: &str, error: impl Fn(u64) -> f64) {
-    let errors: Vec<f64> = (0..5).map(|halvings| error(1 << halvings)).collect();
-    let slope = (errors[0] / errors[4]).log2() / 4.0;
-    let declared = f64::from(kind.kind().order());
-    println!("{what} {}: order {slope:.3}, declared {declared}; {:.1e} to {:.1e}", kind.name(), errors[0], errors[4]);
-    assert!((slope - declared).abs() < 0.15, "{what} {}: order {slope}, errors {errors:?}", kind.name());
-}
-
-#[test]
-fn the_declared_order_is_the_measured_one_on_a_nonlinear_oscillator_with_and_without_damping() {
-    for damping in [0.0, 0.7] {
-        let system = || Oscillator { square: 4.0, cubic: 0.8, damping, evaluations: 0 };
-        let mut exact = particle();
-        run(&without_control(named("DormandPrince")), &mut system(), &mut exact, 1e-3, 3000);
-        for kind in IntegratorKind::all().into_iter().map(without_control) {
-            // Low orders need short steps to be in their asymptotic range, high ones long steps to stay above round-off.
-            let first = [0, 600, 150, 150, 40, 45][kind.kind().order() as usize];
-            assert_order(&kind, &format!("oscillator, damping {damping},"), |refine| {
-                let mut state = particle();
-                run(&kind, &mut system(), &mut state, 3.0 / (first * refine) as f64, first * refine);
-                (state.x[0] - exact.x[0]).hypot(state.x[1] - exact.x[1])
-            });
-        }
-    }
-}
-
-fn built(level: &Level, step: f64) -> Simulation {
-    let mut scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
-    scene.step = step;
-    let state = scene.start.clone();
-    Simulation::new(scene, state)
-}
-
-/// A free sheet in a smooth oscillation, with a few of its slowest shapes and none of its fastest.
-fn swinging(kind: &IntegratorKind, step: f64) -> Simulation {
-    let level = Level { integrator: kind.clone(), ..sheet("NeoHookean", "", "") };
-    let mut simulation = built(&level, step);
-    let mut state = simulation.state().clone();
-    for (point, v) in state.x.chunks_exact_mut(2).zip(state.v.chunks_exact_mut(2)) {
-        let (x, y) = (point[0] - 0.5, point[1] - 0.5);
-        // Out of its rest shape too: where there is no force at first, symplectic Euler is better than its order.
-        point[0] += 0.1 * x + 0.2 * x * y;
-        point[1] -= 0.1 * y - 0.1 * x * x;
-        v.copy_from_slice(&[1.5 * x - 2.0 * y + 4.0 * x * y, 2.0 * x - 1.2 * y + 3.0 * x * x]);
-    }
-    simulation.set_state(state);
-    simulation
-}
-
-fn advance(simulation: &mut Simulation, steps: u64) {
-    assert_eq!(simulation.advance(steps, &mut || true), steps, "{:?}", simulation.fault());
-    assert_eq!(simulation.counts().unconverged, 0);
-}
-
-#[test]
-fn the_declared_order_is_the_measured_one_on_a_free_sheet() {
-    let time = 0.1;
-    let end = |kind: &IntegratorKind, steps: u64| {
-        let mut simulation = swinging(kind, time / steps as f64);
-        advance(&mut simulation, steps);
-        simulation.state().x.clone()
-    };
-    let exact = end(&without_control(named("DormandPrince")), 3000);
-    for kind in IntegratorKind::all().into_iter().map(without_control) {
-        let first = [0, 400, 100, 100, 50, 50][kind.kind().order() as usize];
-        assert_order(&kind, "sheet,", |refine| {
-            let difference = end(&kind, first * refine).into_iter().zip(&exact).map(|(a, b)| (a - b) * (a - b));
-            difference.sum::<f64>().sqrt()
-        });
-    }
-}
-
-/// `theta'' = -(g/L) sin theta` with g = L, as a point whose x is the angle.
-struct Pendulum;
-
-impl Dynamics for Pendulum {
-    fn force(&mut self, x: &[f64], _: &[f64], force: &mut [f64]) {
-        force.copy_from_slice(&[-libm::sin(x[0]), 0.0]);
-    }
-
-    fn mass(&self) -> &[f64] {
-        &[1.0; 2]
-    }
-
-    fn inverse_mass(&self) -> &[f64] {
-        &[1.0; 2]
-    }
-
-    fn stiffness_times(&mut self, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
-        product[0] += libm::cos(x[0]) * d[0];
-    }
-
-    fn couples(&self, _: &mut dyn FnMut(u32, u32)) {}
-
-    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
-        matrix.diagonal(0, &(Matrix2::new(libm::cos(x[0]), 0.0, 0.0, 0.0) * weights.position));
-    }
-}
-
-/// Against the exact angle in Jacobi's elliptic functions, as the toy knows it.
-#[test]
-fn the_declared_order_is_the_measured_one_on_the_exact_pendulum() {
-    let text = "(name: \"p\", integrator: Heun(), toy: Pendulum(length: 1, gravity: 1, start: 90))";
-    let toy = files::parse(text, "pendulum").unwrap().toy.unwrap();
-    let time = 3.0;
-    let start = toy.kind().exact(0.0);
-    let exact = toy.kind().exact(time)[0];
-    for kind in IntegratorKind::all().into_iter().map(without_control) {
-        let first = [0, 800, 150, 150, 40, 14][kind.kind().order() as usize];
-        assert_order(&kind, "pendulum,", |refine| {
-            let mut state = State { x: vec![start[0], 0.0], v: vec![start[1], 0.0], ..State::default() };
-            let mut work = Work::default();
-            let steps = first * refine;
-            for _ in 0..steps {
-                kind.kind().step(&mut Pendulum, &mut state, &mut work, time / steps as f64);
-            }
-            (state.x[0] - exact).abs()
-        });
-        let Scheme::First(scheme) = kind.kind().scheme() else { continue };
-        assert_order(&kind, "pendulum as a toy,", |refine| {
-            let mut state = State { x: start.to_vec(), ..State::default() };
-            let mut work = Work::default();
-            let steps = first * refine;
-            for _ in 0..steps {
-                scheme.step(&mut Rate(&toy), &mut state, &mut work, time / steps as f64);
-            }
-            (state.x[0] - exact).abs()
-        });
-    }
-}
-
 /// T/T0 = 2 K(sin(theta0/2))/pi from tables. After the period the angle is back and at rest; a period that were wrong by dT
 /// would leave it turning at (g/L) sin(theta0) dT.
 #[test]
@@ -329,39 +111,6 @@ fn dormand_prince_swings_as_long_as_the_elliptic_integral_says() {
         let wrong = state.x[1] / (libm::sin(start) * period);
         assert!(wrong.abs() < 1e-7 && (state.x[0] - start).abs() < 1e-8, "{degrees}: {wrong:e}");
     }
-}
-
-/// Where a level ends after a time, with steps of one length.
-fn end(level: &Level, kind: &IntegratorKind, time: f64, steps: u64) -> Vec<f64> {
-    let level = Level { integrator: kind.clone(), ..level.clone() };
-    let mut simulation = built(&level, time / steps as f64);
-    advance(&mut simulation, steps);
-    simulation.state().x.clone()
-}
-
-/// The order of every scheme at the end of a time, against a far finer run.
-fn assert_orders(what: &str, level: &Level, time: f64, first: [u64; 6], finest: u64) {
-    let exact = end(level, &without_control(named("DormandPrince")), time, finest);
-    for kind in IntegratorKind::all().into_iter().map(without_control) {
-        assert_order(&kind, what, |refine| {
-            let steps = first[kind.kind().order() as usize] * refine;
-            let difference = end(level, &kind, time, steps).into_iter().zip(&exact).map(|(a, b)| (a - b) * (a - b));
-            difference.sum::<f64>().sqrt()
-        });
-    }
-}
-
-#[test]
-fn the_declared_order_is_the_measured_one_on_the_chain() {
-    let text = gingerbread::levels::built_in("chain").unwrap();
-    assert_orders("chain,", &files::parse(text, "chain").unwrap(), 1.0, [0, 3000, 600, 600, 150, 80], 6000);
-}
-
-#[test]
-fn the_declared_order_is_the_measured_one_on_a_free_gingerbread_man() {
-    let text =
-        gingerbread::levels::built_in("gingerbread_pulled").unwrap().replace("resolution: 2000", "resolution: 100");
-    assert_orders("gingerbread,", &files::parse(&text, "man").unwrap(), 0.1, [0, 400, 100, 100, 60, 20], 1000);
 }
 
 fn dormand_prince(tolerance: f64) -> IntegratorKind {

@@ -1,6 +1,8 @@
 //! What several test files share: random numbers that are the same on every run, and small scenes.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
 
+pub mod systems;
+
 use gingerbread::{
     files,
     level::{Level, RunMode},
@@ -57,6 +59,20 @@ pub fn sheet(model: &str, body: &str, rest: &str) -> Level {
         "(name: \"sheet\", bodies: [(name: \"sheet\",
             mesh: Rectangle(width: 0.4, height: 0.4, columns: 4, rows: 4, diagonals: Alternating, corner: (0.3, 0.3)),
             material: (model: {model}, young: 100, poisson: 0.3, plane: Strain), mass: Density(1), {body})], {rest})"
+    ))
+}
+
+/// A small sheet that is let go from a smooth stretch.
+pub fn released(rest: &str) -> Level {
+    released_of(1000, rest)
+}
+
+/// The same, of a stuff of this Young's modulus.
+pub fn released_of(young: u32, rest: &str) -> Level {
+    level(&format!(
+        "(name: \"released\", substeps: 20, bodies: [(name: \"sheet\", stretch: (1.1, 0.95), mass: Density(1),
+            mesh: Rectangle(width: 0.4, height: 0.3, columns: 4, rows: 3, diagonals: Alternating, corner: (0.3, 0.3)),
+            material: (model: NeoHookean, young: {young}, poisson: 0.3, plane: Stress))], {rest})"
     ))
 }
 

@@ -20,6 +20,20 @@ pub fn log_y<'a>(name: &'static str, theme: &Theme) -> Plot<'a> {
         .show_y(false)
 }
 
+/// A small plot of the last seconds, which follows time by itself and cannot be moved.
+pub fn still<'a>(name: &'static str, height: f32, theme: &Theme) -> Plot<'a> {
+    Plot::new(name)
+        .height(height)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .grid_color(theme.line)
+        .show_x(false)
+        .show_y(false)
+}
+
 /// A line for every power of ten, or for every second, third, ... one.
 fn decades(GridInput { bounds: (from, to), .. }: GridInput) -> Vec<GridMark> {
     let every = ((to - from) / 8.0).ceil().max(1.0);

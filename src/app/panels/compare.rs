@@ -1,7 +1,7 @@
 //! Two panes: the switch in the strip, which of them the panels edit, and how far they are apart.
 
 use super::{
-    Desk, Side, View,
+    Desk, Side, View, axes,
     energy::{marks, nice_range},
     export::{self, Figure},
     fixed, heading_here,
@@ -17,7 +17,7 @@ use crate::app::{
 };
 use crate::study::Apart;
 use eframe::egui::{self, Button, Rect, RichText, Ui, vec2};
-use egui_plot::{GridMark, Line, Plot, PlotPoints};
+use egui_plot::{GridMark, Line, PlotPoints};
 
 /// Height of a plot [points].
 const PLOT: f32 = 92.0;
@@ -164,16 +164,7 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
     let format = move |value: f64| {
         if unit.is_empty() { format!("{} %", numbers::si(value, "")) } else { numbers::si(value, unit) }
     };
-    let response = Plot::new(curve.name)
-        .height(PLOT)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .grid_color(theme.line)
-        .show_x(false)
-        .show_y(false)
+    let response = axes::still(curve.name, PLOT, theme)
         .y_axis_min_width(58.0)
         .x_grid_spacer(move |input| {
             let mut marks = marks(input.bounds, span);

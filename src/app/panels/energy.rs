@@ -1,7 +1,7 @@
 //! Where the energy is, now and in the last seconds.
 
 use super::{
-    Desk, View,
+    Desk, View, axes,
     export::{self, Figure},
     fixed, heading_here,
     history::{History, WINDOW},
@@ -12,7 +12,7 @@ use crate::{
     snapshot::Energies,
 };
 use eframe::egui::{self, Align2, Color32, RichText, Ui};
-use egui_plot::{GridMark, Line, Plot, PlotPoint, PlotPoints, Text};
+use egui_plot::{GridMark, Line, PlotPoint, PlotPoints, Text};
 
 /// Largest energy that is plotted [J].
 const FARTHEST: f64 = 1e60;
@@ -99,16 +99,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     let span = (end - begin).max(1.0);
     let height = (ui.clip_rect().bottom() - ui.cursor().top() - 12.0).clamp(HEIGHTS.0, HEIGHTS.1);
     let apart = (high - low) * 13.0 / f64::from(height - 22.0);
-    let response = Plot::new("energy")
-        .height(height)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .grid_color(theme.line)
-        .show_x(false)
-        .show_y(false)
+    let response = axes::still("energy", height, theme)
         .y_axis_min_width(52.0)
         .x_grid_spacer(move |input| marks(input.bounds, span))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))

@@ -118,8 +118,8 @@ pub struct RunReport {
     pub line_search_cuts: u64,
     /// Sparse factorisations.
     pub factorisations: u64,
-    /// Factorisations repeated with a heavier diagonal, as the matrix was not positive definite.
-    pub shifts: u64,
+    /// Factorisations repeated with another matrix, as it was not positive definite.
+    pub indefinite: u64,
     /// Steps whose equations were not solved to tolerance.
     pub unconverged_steps: u64,
     /// Steps that the guard had taken in shorter ones.
@@ -293,7 +293,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         newton_iterations: counts.newton_iterations,
         line_search_cuts: counts.line_search_cuts,
         factorisations: counts.factorisations,
-        shifts: counts.shifts,
+        indefinite: counts.indefinite,
         unconverged_steps: counts.unconverged,
         guarded_steps: counts.guarded,
         retaken_steps: counts.retaken,

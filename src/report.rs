@@ -20,8 +20,8 @@ pub struct Counts {
     pub line_search_cuts: u64,
     /// Sparse factorisations.
     pub factorisations: u64,
-    /// Factorisations repeated with a heavier diagonal, as the matrix was not positive definite.
-    pub shifts: u64,
+    /// Factorisations repeated with another matrix, as it was not positive definite.
+    pub indefinite: u64,
     /// Steps whose equations were not solved to tolerance.
     pub unconverged: u64,
     /// Vertices whose velocity or position an effect changed.
@@ -40,7 +40,7 @@ impl Counts {
         self.newton_iterations += step.newton.iterations;
         self.line_search_cuts += step.newton.cuts;
         self.factorisations += step.newton.factorisations;
-        self.shifts += step.newton.shifts;
+        self.indefinite += step.newton.indefinite;
         self.unconverged += step.newton.unconverged;
     }
 }

@@ -141,6 +141,12 @@ pub trait Effect: Send + Sync {
         [0.0; 2]
     }
 
+    /// How many times the displacement `d` [m] from the positions `x` may be gone, at most, for an energy with a barrier not to be
+    /// left; infinite if there is nothing in the way.
+    fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
     /// Changes positions and velocities at the end of a step that are not allowed, seen from its start. What it left once it
     /// leaves unchanged. Returns how many vertices were touched.
     fn constrain(&self, _start: &Start<'_>, _x: &mut [f64], _v: &mut [f64]) -> usize {

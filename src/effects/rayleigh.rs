@@ -4,7 +4,7 @@ use crate::{
     lanes::{Real, Square},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
-    solvers::{BlockMatrix, Weights},
+    solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
 use serde::{Deserialize, Serialize};
@@ -156,6 +156,11 @@ impl Effect for Damping {
         for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));
         }
+        // What damping changes with x need not be positive; what it changes with v is.
+        let weights = match weights.tangent {
+            Tangent::Exact => weights,
+            _ => Weights { position: 0.0, ..weights },
+        };
         for body in &self.bodies {
             let lame = body.lame();
             let (mu, lambda) = (self.beta * lame.mu, self.beta * lame.lambda);

@@ -3,7 +3,7 @@ use crate::{
     effects::{Effect, Motion},
     lanes::{LANES, Pairs, Quads, Real, Wide},
     nets::{Link, Net},
-    solvers::{BlockMatrix, Weights},
+    solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
@@ -113,9 +113,14 @@ fn add_pair(values: &mut [f64], link: &Link, [fx, fy]: [f64; 2]) {
 /// Where the ends coincide it is k in every direction: the limit for a spring without a rest length, and for others a
 /// finite stand-in that holds the ends together.
 #[inline]
-fn block(x: &[f64], link: &Link) -> [f64; 3] {
+fn block(x: &[f64], link: &Link, tangent: Tangent) -> [f64; 3] {
     let Some(([ux, uy], length)) = direction(x, link) else { return [link.stiffness, 0.0, link.stiffness] };
-    let across = 1.0 - link.rest / length;
+    let mut across = 1.0 - link.rest / length;
+    match tangent {
+        Tangent::Exact => {}
+        Tangent::Definite => across = across.max(0.0),
+        Tangent::Absolute => across = across.abs(),
+    }
     let along = 1.0 - across;
     [across + along * ux * ux, along * ux * uy, across + along * uy * uy].map(|entry| link.stiffness * entry)
 }
@@ -187,7 +192,7 @@ impl Effect for Springs {
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
         for link in &self.links {
-            let ([xx, xy, yy], [dx, dy]) = (block(motion.x, link), between(d, link));
+            let ([xx, xy, yy], [dx, dy]) = (block(motion.x, link, Tangent::Exact), between(d, link));
             add_pair(product, link, [-xx * dx - xy * dy, -xy * dx - yy * dy]);
         }
     }
@@ -200,7 +205,7 @@ impl Effect for Springs {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
         for link in &self.links {
-            add_block(matrix, link, block(motion.x, link).map(|entry| weights.position * entry));
+            add_block(matrix, link, block(motion.x, link, weights.tangent).map(|entry| weights.position * entry));
         }
     }
 }

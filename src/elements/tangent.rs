@@ -2,8 +2,8 @@
 
 use super::{Triangles, triangle::Rest};
 use crate::{
-    materials::{Material, Visitor},
-    solvers::BlockMatrix,
+    materials::{Material, Visitor, with_eigenvalues},
+    solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
 
@@ -17,9 +17,9 @@ impl Triangles {
         }
     }
 
-    /// Adds the elastic stiffness, geometric part included: `weight` times the second derivative of the energy.
-    pub(crate) fn add_elastic_tangent(&self, x: &[f64], weight: f64, matrix: &mut BlockMatrix) {
-        self.model().visit(self.lame(), Elastic { of: self, x, weight, matrix });
+    /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.
+    pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+        self.model().visit(self.lame(), Elastic { of: self, x, weights, matrix });
     }
 
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
@@ -70,13 +70,21 @@ impl Rest {
 struct Elastic<'a> {
     of: &'a Triangles,
     x: &'a [f64],
-    weight: f64,
+    weights: Weights,
     matrix: &'a mut BlockMatrix,
 }
 
 impl Visitor for Elastic<'_> {
     type Output = ();
     fn visit<M: Material>(self, material: &M) {
-        self.of.add_tangent(self.x, self.weight, self.matrix, |_, f| material.stiffness(f));
+        let Self { of, x, weights, matrix } = self;
+        match weights.tangent {
+            Tangent::Exact => of.add_tangent(x, weights.position, matrix, |_, f| material.stiffness(f)),
+            Tangent::Definite => of.add_tangent(x, weights.position, matrix, |_, f| {
+                with_eigenvalues(&material.stiffness(f), f, |eigenvalue| eigenvalue.max(0.0))
+            }),
+            Tangent::Absolute => of
+                .add_tangent(x, weights.position, matrix, |_, f| with_eigenvalues(&material.stiffness(f), f, f64::abs)),
+        }
     }
 }

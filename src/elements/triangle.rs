@@ -156,6 +156,26 @@ fn edge_matrix(x: &[f64], corners: [u32; 3]) -> Matrix2<f64> {
     Matrix2::from_column_slice(&edges(x.as_chunks().0, corners))
 }
 
+/// A triangle of so small a share of its area at rest counts as flat: less of it could be round-off.
+const FLAT: f64 = 1e-6;
+
+/// The least t >= 0 after which `det(D + t D') = c + b t + a t²` is less than `least`; infinite if there is none.
+fn until_flat(edges: &Matrix2<f64>, change: &Matrix2<f64>, least: f64) -> f64 {
+    let (a, c) = (change.determinant(), edges.determinant() - least);
+    let b = edges.m11 * change.m22 + change.m11 * edges.m22 - edges.m12 * change.m21 - change.m12 * edges.m21;
+    // The reciprocals 1/t solve c s² + b s + a = 0; the first t is the greatest s, which is written so that nothing cancels.
+    if c <= 0.0 {
+        return if b < 0.0 { 0.0 } else { f64::INFINITY };
+    }
+    let square = b * b - 4.0 * a * c;
+    if square < 0.0 {
+        return f64::INFINITY;
+    }
+    let root = square.sqrt();
+    let greatest = if b <= 0.0 { (root - b) / (2.0 * c) } else { -2.0 * a / (b + root) };
+    if greatest > 0.0 { 1.0 / greatest } else { f64::INFINITY }
+}
+
 struct StiffnessTimes<'a> {
     of: &'a Triangles,
     x: &'a [f64],
@@ -201,6 +221,29 @@ impl Effect for Triangles {
         self.elastic_force(motion.x, scratch, force);
     }
 
+    /// Of a body in which no triangle is turned over none shall be, if its material has a barrier.
+    fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
+        struct Barrier;
+        impl Visitor for Barrier {
+            type Output = bool;
+            fn visit<M: Material>(self, _: &M) -> bool {
+                M::BARRIER
+            }
+        }
+        if !self.model.visit(self.lame, Barrier) {
+            return f64::INFINITY;
+        }
+        let mut longest = f64::INFINITY;
+        for (number, &triangle) in self.corners.iter().enumerate() {
+            let (edges, change) = (edge_matrix(x, triangle), edge_matrix(d, triangle));
+            if edges.determinant() <= 0.0 {
+                return f64::INFINITY;
+            }
+            longest = longest.min(until_flat(&edges, &change, 2.0 * FLAT * self.rest(number).area));
+        }
+        longest
+    }
+
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
         self.model.visit(self.lame, StiffnessTimes { of: self, x: motion.x, d, product });
     }
@@ -210,6 +253,6 @@ impl Effect for Triangles {
     }
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
-        self.add_elastic_tangent(motion.x, weights.position, matrix);
+        self.add_elastic_tangent(motion.x, weights, matrix);
     }
 }

@@ -6,7 +6,7 @@ use super::{
     system::{settle, touched},
 };
 use crate::{
-    solvers::{BlockMatrix, Equations, NewtonCounts, Weights},
+    solvers::{BlockMatrix, Equations, NewtonCounts, Tangent, Weights},
     state::State,
 };
 use nalgebra::Matrix2;
@@ -164,9 +164,9 @@ impl Equations for Stage<'_, '_> {
         }
     }
 
-    fn derivative(&mut self, z: &[f64], matrix: &mut BlockMatrix) {
+    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix) {
         self.evaluate(z);
-        let weights = Weights { position: self.affine.ax, velocity: self.affine.av };
+        let weights = Weights { position: self.affine.ax, velocity: self.affine.av, tangent };
         self.system.add_stiffness(self.x, self.v, weights, matrix);
         for (vertex, mass) in self.system.mass().chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::new(mass[0], 0.0, 0.0, mass[1]));
@@ -175,6 +175,14 @@ impl Equations for Stage<'_, '_> {
 
     fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
         self.system.couples(add);
+    }
+
+    fn longest_step(&mut self, z: &[f64], step: &[f64]) -> f64 {
+        self.evaluate(z);
+        // What z would make of velocities is not needed here.
+        let displacement = &mut *self.v;
+        displacement.iter_mut().zip(step).for_each(|(displacement, step)| *displacement = self.affine.ax * step);
+        self.system.longest_step(self.x, displacement)
     }
 
     fn inverse_weight(&self) -> &[f64] {

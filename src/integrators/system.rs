@@ -35,6 +35,12 @@ pub trait Dynamics {
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
 
+    /// How many times the displacement `d` [m] from the positions `x` [m] may be gone, at most, for no energy to be left that
+    /// has a barrier.
+    fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
     /// Whether [`Self::constrain`] does anything.
     fn constrains(&self) -> bool {
         true

@@ -87,6 +87,7 @@ impl Material for Hencky {
     const TITLE: &'static str = "Hencky";
     const LETTER: &'static str = "H";
     const FORMULA: &'static str = "ψ = μ (ln² s₁ + ln² s₂) + λ/2 ln² J,  J = s₁ s₂";
+    const BARRIER: bool = true;
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {

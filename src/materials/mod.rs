@@ -13,6 +13,7 @@ mod fixed_corotated;
 mod hencky;
 mod neo_hookean;
 mod parameters;
+mod projection;
 mod st_venant_kirchhoff;
 mod stable_neo_hookean;
 
@@ -21,6 +22,7 @@ pub use fixed_corotated::FixedCorotated;
 pub use hencky::Hencky;
 pub use neo_hookean::NeoHookean;
 pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
+pub use projection::with_eigenvalues;
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
@@ -52,6 +54,9 @@ pub trait Material: Copy + Send + Sync {
     const LETTER: &'static str;
     /// The energy density in plain characters, for tooltips.
     const FORMULA: &'static str;
+    /// Whether the energy of a triangle that is squeezed flat grows without end in the model itself, so that no honest answer turns
+    /// one over.
+    const BARRIER: bool = false;
 
     /// Energy density psi [J/m²]; zero at rest.
     fn psi<R: Real>(&self, f: Square<R>) -> R;

@@ -46,6 +46,7 @@ impl Material for NeoHookean {
     const TITLE: &'static str = "Neo-Hookean";
     const LETTER: &'static str = "N";
     const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
+    const BARRIER: bool = true;
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {

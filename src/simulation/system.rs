@@ -118,6 +118,10 @@ impl Dynamics for System<'_> {
         }
     }
 
+    fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
+        self.scene.effects.iter().map(|effect| effect.longest_step(x, d)).fold(f64::INFINITY, f64::min)
+    }
+
     fn constrains(&self) -> bool {
         self.scene.effects.iter().any(|effect| effect.constrains())
     }

@@ -8,6 +8,22 @@ pub struct Weights {
     pub position: f64,
     /// Factor of `-df/dv` [N s/m].
     pub velocity: f64,
+    /// Which derivative is meant.
+    pub tangent: Tangent,
+}
+
+/// Which derivative of the forces is taken: the true one, or one whose eigenvalues are changed, element by element, so that
+/// every Newton step leads downhill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tangent {
+    /// The true one, with which Newton's method converges quadratically.
+    Exact,
+    /// Negative eigenvalues become zero: the nearest positive semidefinite matrix (Teran et al., *Robust quasistatic finite
+    /// elements and flesh simulation*, SCA 2005). Steps are bold where there is no stiffness.
+    Definite,
+    /// All become positive: steps are no longer downhill than they would be uphill (Chen et al., *Stabler Neo-Hookean
+    /// Simulation: Absolute Eigenvalue Filtering for Projected Newton*, SIGGRAPH 2024).
+    Absolute,
 }
 
 /// A symmetric sparse matrix of 2 x 2 blocks.

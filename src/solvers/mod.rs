@@ -5,6 +5,6 @@ mod block_matrix;
 mod cholesky;
 mod newton;
 
-pub use block_matrix::{BlockMatrix, Weights};
+pub use block_matrix::{BlockMatrix, Tangent, Weights};
 pub use cholesky::Factor;
 pub use newton::{Equations, Newton, NewtonCounts};

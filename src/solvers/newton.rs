@@ -1,20 +1,26 @@
-use super::{BlockMatrix, Factor};
+use super::{BlockMatrix, Factor, Tangent};
 
 /// Equations `g(z) = 0` whose matrix of derivatives is symmetric, or taken to be.
 pub trait Equations {
     /// Writes g(z); whatever is fixed has none.
     fn residual(&mut self, z: &[f64], g: &mut [f64]);
 
-    /// Adds dg/dz to a cleared matrix.
-    fn derivative(&mut self, z: &[f64], matrix: &mut BlockMatrix);
+    /// Adds dg/dz, or the part of it that is asked for, to a cleared matrix.
+    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix);
 
     /// Names the couples of vertices that the derivative has, in the order in which it adds them.
     fn couples(&self, add: &mut dyn FnMut(u32, u32));
 
+    /// How many times a step from z may be gone, at most.
+    fn longest_step(&mut self, _z: &[f64], _step: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
     /// 1/weight of each number, zero where z must stay: residuals are measured by `sum g²/weight`.
     fn inverse_weight(&self) -> &[f64];
 
-    /// Changes z to another start, which is taken if its residual is smaller. What is fixed must stay.
+    /// Changes z to another start, which is taken if its residual is smaller, or the way from it to z is longer than
+    /// [`Self::longest_step`] allows. What is fixed must stay.
     fn other_start(&self, z: &mut [f64]);
 
     /// How far any number of z may be from the solution.
@@ -30,22 +36,22 @@ pub struct NewtonCounts {
     pub cuts: u64,
     /// Factorisations of the matrix, failed ones included.
     pub factorisations: u64,
-    /// Factorisations that had to be repeated with a heavier diagonal, as the matrix was not positive definite.
-    pub shifts: u64,
+    /// Factorisations that had to be repeated with another matrix, as it was not positive definite.
+    pub indefinite: u64,
     /// Solves that stopped before they reached their tolerance.
     pub unconverged: u64,
 }
 
 impl NewtonCounts {
     /// Nothing to solve.
-    pub const NONE: Self = Self { iterations: 0, cuts: 0, factorisations: 0, shifts: 0, unconverged: 0 };
+    pub const NONE: Self = Self { iterations: 0, cuts: 0, factorisations: 0, indefinite: 0, unconverged: 0 };
 
     /// Adds what another solve took.
     pub fn add(&mut self, other: &Self) {
         self.iterations += other.iterations;
         self.cuts += other.cuts;
         self.factorisations += other.factorisations;
-        self.shifts += other.shifts;
+        self.indefinite += other.indefinite;
         self.unconverged += other.unconverged;
     }
 }
@@ -74,12 +80,10 @@ impl Newton {
     pub const ITERATIONS: usize = 50;
     /// Most halvings of one step: below 1e-9 of it nothing is gained.
     const CUTS: u32 = 30;
+    /// Share of the longest step that is taken at most.
+    const NEAR: f64 = 0.9;
     /// Share of the slope at the start up to which a step may point back.
     const BACK: f64 = 0.9;
-    /// First factor of the weights that is added to an indefinite matrix; each next one is ten times the last.
-    const SHIFT: f64 = 1.0;
-    /// Most factorisations for one step.
-    const SHIFTS: u32 = 16;
 
     /// Forgets which vertices are coupled.
     pub fn forget(&mut self) {
@@ -97,22 +101,24 @@ impl Newton {
         self.resize(z.len());
         self.start(equations, z);
         let mut last = f64::INFINITY;
+        let mut least = Caution::EXACT;
         for _ in 0..Self::ITERATIONS {
             if self.g.iter().all(|g| *g == 0.0) {
                 return counts;
             }
-            if !self.find_step(equations, z, &mut counts) {
-                break;
-            }
+            let Some(caution) = self.find_step(equations, z, least, &mut counts) else { break };
             counts.iterations += 1;
             let size = greatest(&self.step);
             let tolerance = equations.tolerance(z);
             self.sizes.push(size);
-            if size <= tolerance {
+            // A step made short by a shift says nothing about the way left.
+            if size <= tolerance && !caution.shifts() {
                 z.iter_mut().zip(&self.step).for_each(|(z, step)| *z += step);
                 return counts;
             }
-            let Some(whole) = self.search(equations, z, &mut counts) else { break };
+            let share = self.search(equations, z, &mut counts);
+            least = caution.after(share);
+            let whole = share == 1.0 && !caution.shifts();
             let ratio = size / last;
             if whole && last.is_finite() && ratio < 1.0 && size * ratio / (1.0 - ratio) <= tolerance {
                 return counts;
@@ -128,7 +134,7 @@ impl Newton {
         let mut counts = NewtonCounts::NONE;
         self.resize(z.len());
         self.g.copy_from_slice(g);
-        if self.find_step(equations, at, &mut counts) {
+        if self.find_step(equations, at, Caution::EXACT, &mut counts).is_some() {
             z.copy_from_slice(&self.step);
         } else {
             z.fill(f64::NAN);
@@ -151,9 +157,11 @@ impl Newton {
         self.trial.copy_from_slice(z);
         equations.other_start(&mut self.trial);
         equations.residual(&self.trial, &mut self.trial_g);
+        self.step.iter_mut().zip(&*z).zip(&self.trial).for_each(|((step, z), trial)| *step = z - trial);
+        let is_apart = equations.longest_step(&self.trial, &self.step) <= 1.0;
         let size = |g: &[f64]| g.iter().zip(equations.inverse_weight()).map(|(g, w)| g * g * w).sum::<f64>();
         let (one, other) = (size(&self.g), size(&self.trial_g));
-        if other < one || !one.is_finite() {
+        if other < one || !one.is_finite() || is_apart && other.is_finite() {
             z.copy_from_slice(&self.trial);
             std::mem::swap(&mut self.g, &mut self.trial_g);
             if !other.is_finite() {
@@ -162,36 +170,45 @@ impl Newton {
         }
     }
 
-    /// Writes the Newton step; returns whether there is one.
-    fn find_step(&mut self, equations: &mut dyn Equations, z: &[f64], counts: &mut NewtonCounts) -> bool {
+    /// Writes the Newton step, found with at least so much caution; returns with how much, or `None` if there is no step.
+    fn find_step(
+        &mut self,
+        equations: &mut dyn Equations,
+        z: &[f64],
+        least: Caution,
+        counts: &mut NewtonCounts,
+    ) -> Option<Caution> {
         if self.system.is_none() {
             self.system = analyse(equations, z.len() / 2);
         }
-        let Some((matrix, factor)) = &mut self.system else { return false };
+        let (matrix, factor) = self.system.as_mut()?;
         if !z.iter().all(|z| z.is_finite()) {
-            return false;
+            return None;
         }
-        matrix.clear();
-        equations.derivative(z, matrix);
-        let mut shift = 0.0;
-        for _ in 0..Self::SHIFTS {
+        let mut filled = None;
+        for caution in (least.0..=Caution::MOST).map(Caution) {
+            let tangent = caution.tangent();
+            if filled.replace(tangent) != Some(tangent) {
+                matrix.clear();
+                equations.derivative(z, tangent, matrix);
+            }
+            let weight = equations.inverse_weight();
             counts.factorisations += 1;
-            if factor.factorise(matrix, equations.inverse_weight(), shift) {
+            if factor.factorise(matrix, weight, caution.shift() * heaviest(matrix, weight)) {
                 self.step.iter_mut().zip(&self.g).for_each(|(step, g)| *step = -g);
                 factor.solve(&mut self.step);
-                return self.step.iter().all(|step| step.is_finite());
+                return self.step.iter().all(|step| step.is_finite()).then_some(caution);
             }
-            counts.shifts += 1;
-            shift = if shift == 0.0 { Self::SHIFT } else { 10.0 * shift };
+            counts.indefinite += 1;
         }
-        false
+        None
     }
 
-    /// Takes as much of the step as is good. Returns whether it was the whole, or `None` if nothing was.
-    fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], counts: &mut NewtonCounts) -> Option<bool> {
+    /// Takes as much of the step as is good; returns how much of it that was, which may be nothing.
+    fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], counts: &mut NewtonCounts) -> f64 {
         let along = |g: &[f64], step: &[f64]| g.iter().zip(step).map(|(g, step)| g * step).sum::<f64>();
         let limit = -Self::BACK * along(&self.g, &self.step);
-        let mut share = 1.0;
+        let mut share = (Self::NEAR * equations.longest_step(z, &self.step)).min(1.0);
         for _ in 0..Self::CUTS {
             for ((trial, z), step) in self.trial.iter_mut().zip(&*z).zip(&self.step) {
                 *trial = z + share * step;
@@ -202,12 +219,60 @@ impl Newton {
             if slope <= limit && slope.is_finite() {
                 z.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.g, &mut self.trial_g);
-                return Some(share == 1.0);
+                return share;
             }
             counts.cuts += 1;
             share *= 0.5;
         }
-        None
+        0.0
+    }
+}
+
+/// How a step is found, from bold to careful. Each next way is taken where the one before finds no step, or one that leads
+/// too far.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+struct Caution(i32);
+
+impl Caution {
+    /// With the true derivative.
+    const EXACT: Self = Self(0);
+    /// With its definite part, then with the absolute values of its eigenvalues: where the first leads far away along
+    /// directions that have no stiffness, the second does not.
+    const DEFINITE: Self = Self(1);
+    const ABSOLUTE: Self = Self(2);
+    /// Beyond, with an ever heavier diagonal, for round-off: in the end steps are short and straight down the slope.
+    const MOST: i32 = 12;
+    /// The lightest shift, as a share of the greatest entry of the diagonal over its weight: round-off of that entry.
+    const SHIFT: f64 = 1e-14;
+    /// Each next one is so many times the last.
+    const HEAVIER: f64 = 100.0;
+
+    const fn tangent(self) -> Tangent {
+        match self {
+            Self::EXACT => Tangent::Exact,
+            Self::DEFINITE => Tangent::Definite,
+            _ => Tangent::Absolute,
+        }
+    }
+
+    fn shift(self) -> f64 {
+        let more = f64::from(self.0 - Self::ABSOLUTE.0);
+        if self.shifts() { Self::SHIFT * libm::pow(Self::HEAVIER, more - 1.0) } else { 0.0 }
+    }
+
+    fn shifts(self) -> bool {
+        self > Self::ABSOLUTE
+    }
+
+    /// The least caution of the next step, after this one led as far as `share` of it.
+    fn after(self, share: f64) -> Self {
+        match share {
+            1.0 if self.shifts() => Self(self.0 - 1),
+            1.0 => Self::EXACT,
+            0.0 => Self(self.0.max(Self::DEFINITE.0) + 1),
+            0.5.. if !self.shifts() => Self::EXACT,
+            _ => Self(self.0.max(Self::ABSOLUTE.0)),
+        }
     }
 }
 
@@ -218,6 +283,12 @@ fn analyse(equations: &dyn Equations, vertices: usize) -> Option<(BlockMatrix, F
     let matrix = BlockMatrix::new(vertices, &couples);
     let factor = Factor::new(&matrix)?;
     Some((matrix, factor))
+}
+
+/// The greatest entry of the diagonal over its weight.
+fn heaviest(matrix: &BlockMatrix, inverse_weight: &[f64]) -> f64 {
+    let diagonals = matrix.diagonals().iter().flat_map(|block| [block.m11, block.m22]);
+    diagonals.zip(inverse_weight).fold(0.0, |greatest, (entry, inverse)| greatest.max(entry * inverse))
 }
 
 fn greatest(values: &[f64]) -> f64 {

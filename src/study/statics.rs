@@ -3,7 +3,7 @@
 use crate::{
     effects::Motion,
     scene::Scene,
-    solvers::{BlockMatrix, Equations, Newton, NewtonCounts, Weights},
+    solvers::{BlockMatrix, Equations, Newton, NewtonCounts, Tangent, Weights},
     stability::largest_eigenvalue,
 };
 use nalgebra::Matrix2;
@@ -25,7 +25,7 @@ pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
         counts.iterations += round.iterations;
         counts.factorisations += round.factorisations;
         counts.cuts += round.cuts;
-        counts.shifts += round.shifts;
+        counts.indefinite += round.indefinite;
         // Only the last round must be exact.
         counts.unconverged = round.unconverged;
         if !z.iter().all(|z| z.is_finite()) {
@@ -88,9 +88,9 @@ impl Equations for Balance<'_> {
         }
     }
 
-    fn derivative(&mut self, z: &[f64], matrix: &mut BlockMatrix) {
+    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix) {
         self.move_to(z);
-        let weights = Weights { position: 1.0, velocity: 0.0 };
+        let weights = Weights { position: 1.0, velocity: 0.0, tangent };
         for effect in &self.scene.effects {
             effect.add_stiffness(self.motion(), weights, matrix);
         }

@@ -55,6 +55,8 @@ pub enum Command {
     Reset,
     /// Turns time back by so much [s], as far as the last seconds are kept, and pauses; a fault is forgotten.
     Rewind(f64),
+    /// Puts bodies that lie over themselves where they are free of folds; time goes on from there.
+    Untangle,
     /// Begins to pull a vertex (by its number in the scene) towards a point [m].
     Grab(usize, [f64; 2]),
     /// Moves the point that the grabbed vertex is pulled to [m].
@@ -132,6 +134,7 @@ impl Command {
             | Self::StepOnce
             | Self::Reset
             | Self::Rewind(_)
+            | Self::Untangle
             | Self::Grab(..)
             | Self::Pull(_)
             | Self::Release

@@ -13,6 +13,7 @@ use crate::{
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
+    untangle::{Tangle, untangled},
 };
 use serde::Serialize;
 use std::{
@@ -32,6 +33,9 @@ pub struct Run {
     /// Number of steps to take.
     #[arg(long)]
     pub steps: Option<u64>,
+    /// Put bodies that lie over themselves where they are free of folds, before the first step.
+    #[arg(long)]
+    pub untangle: bool,
     /// Constitutive model for every body, instead of the level's own.
     #[arg(long, value_parser = model)]
     pub model: Option<Model>,
@@ -94,6 +98,8 @@ pub struct RunReport {
     pub min_j: Option<f64>,
     /// Number of triangles with det F <= 0 at the end.
     pub inverted: usize,
+    /// Number of vertices at the end whose triangles do not go round them exactly once: folds.
+    pub wound: usize,
     /// Number of triangles.
     pub triangles: usize,
     /// Number of vertices.
@@ -189,6 +195,11 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
         level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
     }
     let mut simulation = start(&level, &request.level)?;
+    if request.untangle
+        && let Some(free) = untangled(simulation.scene(), simulation.state())
+    {
+        simulation.set_state(free);
+    }
     simulation.set_timed(request.report.is_some());
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
@@ -281,6 +292,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         energy: simulation.energies().into(),
         min_j: (triangles > 0).then_some(min_j),
         inverted,
+        wound: Tangle::of_all(scene, &state.x).wound,
         triangles,
         vertices: scene.rest.len() / 2,
         step_seconds: scene.step,

@@ -36,6 +36,7 @@
 //! | [`level`] | what a file may say |
 //! | [`scene`] | a level made ready for stepping |
 //! | [`stability`] | how long a step may be |
+//! | [`untangle`] | where a body lies over itself, and how it gets out |
 //! | [`report`], [`guard`], [`fault`] | what stepping cost, what keeps it stable, and why it stopped |
 //! | [`simulation`] | scene and state together: taking steps |
 //! | [`rewind`] | the last seconds, to go back to |
@@ -70,6 +71,7 @@ pub mod level;
 pub mod scene;
 
 pub mod stability;
+pub mod untangle;
 
 pub mod fault;
 pub mod guard;

@@ -13,6 +13,7 @@ use crate::{
     scene::{Owner, Scene, SceneError, extent},
     simulation::Simulation,
     state::State,
+    untangle::untangled,
 };
 use std::{rc::Rc, sync::Arc};
 
@@ -115,6 +116,11 @@ impl Sandbox {
                 self.resume(start);
             }
             Command::Rewind(seconds) => self.turn_back(seconds)?,
+            Command::Untangle => {
+                let free = untangled(self.simulation.scene(), self.simulation.state());
+                self.rewind.keep(self.simulation.state());
+                self.resume(free.ok_or(Refused::NotHere("nothing lies over itself: there is nothing to untangle"))?);
+            }
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
             Command::Pull(target) => {
                 if let Some(Grab { vertex, .. }) = self.simulation.grab() {

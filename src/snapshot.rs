@@ -10,6 +10,7 @@ use crate::{
     meshes::Mesh,
     sandbox::Sandbox,
     scene::{Body, extent},
+    untangle::Tangle,
 };
 use std::{ops::Range, sync::Arc};
 
@@ -50,6 +51,8 @@ pub struct Snapshot {
     pub min_j: f64,
     /// Number of triangles that are inside out (det F <= 0).
     pub inverted: usize,
+    /// Number of vertices whose triangles do not go round them exactly once: folds.
+    pub wound: usize,
     /// Simulated time [s].
     pub time: f64,
     /// Steps taken.
@@ -185,6 +188,7 @@ impl Sandbox {
         }));
         snapshot.energies = simulation.energies();
         (snapshot.min_j, snapshot.inverted) = simulation.inversion();
+        snapshot.wound = Tangle::of_all(scene, x).wound;
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());

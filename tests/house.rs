@@ -20,6 +20,7 @@ const ROOMS: &[&[&str]] = &[
     &["level"],
     &["scene"],
     &["stability"],
+    &["untangle"],
     &["report"],
     &["guard"],
     &["fault"],

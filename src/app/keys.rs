@@ -130,6 +130,9 @@ pub static TABLE: &[Binding] = &[
         model(Model::FixedCorotated)
     }),
     binding("H", "Hencky model, and start over", When::Bodies, &[key(Key::H)], |_| model(Model::Hencky)),
+    binding("U", "untangle bodies that lie over themselves", When::Bodies, &[key(Key::U)], |_| {
+        Act::Do(Command::Untangle)
+    }),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
     Binding {

@@ -80,8 +80,9 @@ impl Newton {
     pub const ITERATIONS: usize = 50;
     /// Most halvings of one step: below 1e-9 of it nothing is gained.
     const CUTS: u32 = 30;
-    /// Share of the longest step that is taken at most.
+    /// Share of the longest step that is taken at most, and the share of a step below which it does not count.
     const NEAR: f64 = 0.9;
+    const STUCK: f64 = 1e-6;
     /// Share of the slope at the start up to which a step may point back.
     const BACK: f64 = 0.9;
 
@@ -208,7 +209,9 @@ impl Newton {
     fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], counts: &mut NewtonCounts) -> f64 {
         let along = |g: &[f64], step: &[f64]| g.iter().zip(step).map(|(g, step)| g * step).sum::<f64>();
         let limit = -Self::BACK * along(&self.g, &self.step);
-        let mut share = (Self::NEAR * equations.longest_step(z, &self.step)).min(1.0);
+        let reach = Self::NEAR * equations.longest_step(z, &self.step);
+        // Next to a barrier that still leads on the solution lies beyond it: to stay would be to stand still for ever.
+        let mut share = if reach < Self::STUCK { 1.0 } else { reach.min(1.0) };
         for _ in 0..Self::CUTS {
             for ((trial, z), step) in self.trial.iter_mut().zip(&*z).zip(&self.step) {
                 *trial = z + share * step;

@@ -33,6 +33,9 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("Backspace", _) => assert!(now.time < before.time && !now.running, "{what}"),
         ("Up", _) => assert_eq!(now.pose, Some(Pose::Stretched), "{what}"),
         ("Down", _) => assert_eq!(now.pose, Some(Pose::Compressed), "{what}"),
+        ("U", _) => {
+            assert!(window.state().notice().is_some_and(|notice| notice.contains("nothing to untangle")), "{what}");
+        }
         ("?", _) => assert!(window.query_by_label("Keys and mouse").is_some(), "{what}"),
         ("B", _) => assert!(window.state().comparison().is_some(), "{what}"),
         ("Ctrl+Z" | "Ctrl+Y", _) => {}
@@ -186,7 +189,7 @@ fn the_table_has_every_promised_key() {
     let labels: Vec<_> = TABLE.iter().map(|binding| binding.label).collect();
     for key in [
         "C", "V", "N", "S", "F", "H", "M", "T", "R", "D", "Space", "Up", "Down", "Click", "Drag", "Ctrl+Z", "Ctrl+Y",
-        "B", "?",
+        "B", "U", "?",
     ] {
         assert!(labels.contains(&key), "{key}");
     }

@@ -4,8 +4,11 @@ use crate::harness::*;
 use eframe::egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
-use gingerbread::level::{Substeps, Switch};
+use gingerbread::files::Disk;
+use gingerbread::level::{SavedState, Substeps, Switch};
 use gingerbread::materials::Model;
+use gingerbread::quantity::{Point, Time};
+use gingerbread::scene::Scene;
 
 #[test]
 fn a_broken_level_file_shows_file_line_and_column_and_the_old_scene_goes_on() {
@@ -87,5 +90,35 @@ fn a_body_that_flies_apart_does_not_bring_the_window_down() {
             draw(&window);
         }
         assert!(window.state().snapshot().positions.iter().all(|x| x.is_finite()));
+    }
+}
+
+#[test]
+fn a_body_that_lies_over_itself_is_told_and_untangled_by_key_or_button() {
+    for by_key in [true, false] {
+        let mut tangled = level("gingerbread");
+        let scene = Scene::build(&tangled, tangled.mode, &Disk, None).unwrap();
+        // Laid over itself: mirrored about its middle.
+        let mirrored = scene.rest.chunks_exact(2).map(|at| Point::new([1.0 - at[0], at[1]]).unwrap());
+        let velocities = vec![Point::new([0.0; 2]).unwrap(); scene.rest.len() / 2];
+        tangled.state = Some(SavedState {
+            steps: 0,
+            time: Time::new(0.0).unwrap(),
+            positions: mirrored.collect(),
+            velocities,
+            memory: Vec::new(),
+        });
+        let mut window = open_level(tangled, 1280.0, 800.0);
+        let triangles = window.state().snapshot().triangles.len();
+        assert_eq!(window.state().snapshot().inverted, triangles);
+        assert!(window.query_by_label(&format!("{triangles} triangles are inside out")).is_some());
+        if by_key {
+            press(&mut window, Key::U);
+        } else {
+            click(&mut window, "Untangle");
+        }
+        let now = window.state().snapshot();
+        assert_eq!((now.inverted, now.wound), (0, 0));
+        assert!(window.query_by_label("Untangle").is_none(), "what is mended is not warned of");
     }
 }

@@ -1,6 +1,6 @@
 //! What is done to one pane, in terms of the other: its vertices have other numbers if its mesh is another.
 
-use crate::{command::Command, sandbox::Sandbox, study::counterpart};
+use crate::{command::Command, sandbox::Sandbox, study::counterpart, untangle::Tangle};
 
 /// What to do to `to` when this is about to be done to `from`.
 pub fn twins(command: &Command, from: &Sandbox, to: &Sandbox) -> Vec<Command> {
@@ -22,6 +22,8 @@ pub fn twins(command: &Command, from: &Sandbox, to: &Sandbox) -> Vec<Command> {
             let model = to.shown.bodies.get(body).map_or(material.model(), |body| body.material.model());
             vec![Command::SetMaterial(body, material.with_model(model))]
         }
+        // One may be tangled and the other not.
+        Command::Untangle if !Tangle::of_all(there, &to.simulation().state().x).is_some() => Vec::new(),
         ref same => vec![same.clone()],
     }
 }

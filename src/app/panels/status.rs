@@ -19,9 +19,11 @@ struct Warning {
     kind: &'static str,
     text: String,
     details: String,
-    /// Words on the button, what it does, and a tooltip.
-    mend: Option<(&'static str, Vec<Command>, &'static str)>,
+    mends: Vec<Mend>,
 }
+
+/// Words on a button, what it does, and a tooltip.
+type Mend = (&'static str, Vec<Command>, &'static str);
 
 /// Time slower than this is worth a warning; faster than the other it is forgotten.
 const SLOW: (f64, f64) = (0.85, 0.95);
@@ -105,10 +107,10 @@ fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<
     if ui.button("Hide").on_hover_text("Puts this warning away.").clicked() {
         view.dismissed.push(warning.kind);
     }
-    if let Some((words, mend, help)) = &warning.mend
-        && ui.button(*words).on_hover_text(*help).clicked()
-    {
-        commands.extend_from_slice(mend);
+    for (words, mend, help) in warning.mends.iter().rev() {
+        if ui.button(*words).on_hover_text(*help).clicked() {
+            commands.extend_from_slice(mend);
+        }
     }
     let text = RichText::new(&warning.text).color(ui.visuals().warn_fg_color);
     // In a wide window the keys keep some room of their own; in a narrow one the warning has it all.
@@ -129,12 +131,13 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     let factor = desk.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let mut all = Vec::new();
-    all.extend(inside_out(now));
+    all.extend(inside_out(now).or_else(|| folded(now)));
     all.extend(caution(now));
     if view.slow {
         all.extend(desk.rates.and_then(|rates| slow(now, rates.physics)));
     }
-    let message = |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), mend: None };
+    let message =
+        |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), mends: Vec::new() };
     all.extend(now.messages.first().map(message));
     view.dismissed.retain(|kind| all.iter().any(|warning| warning.kind == *kind));
     all.into_iter().find(|warning| !view.dismissed.contains(&warning.kind))
@@ -148,7 +151,7 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
     };
     let details = format!("Least J = det F is {}: below 0 a triangle is turned over.", numbers::si(now.min_j, ""));
     let finer = Substeps::new(now.level.substeps.get().saturating_mul(2)).ok();
-    let mend = match finer.filter(|_| now.inverted > now.triangles.len() / 20) {
+    let mend: Mend = match finer.filter(|_| now.inverted > now.triangles.len() / 20) {
         // Not a fold here and there but a burst: the step is too long.
         Some(finer) => (
             "Halve the step",
@@ -157,7 +160,26 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
         ),
         None => ("Start over", vec![Command::Reset], "Positions and velocities go back to the start."),
     };
-    Some(Warning { kind: "inside out", text, details, mend: Some(mend) })
+    Some(Warning { kind: "inside out", text, details, mends: vec![untangle(), mend] })
+}
+
+/// All triangles are the right way up again, but not at home.
+fn folded(now: &Snapshot) -> Option<Warning> {
+    let text = match now.wound {
+        0 => return None,
+        1 => "1 fold that cannot open by itself".to_owned(),
+        many => format!("{many} folds that cannot open by themselves"),
+    };
+    let details =
+        "The triangles around a vertex go round it twice. No small motion undoes that: the body is in a true \
+                   local minimum of its energy."
+            .to_owned();
+    Some(Warning { kind: "folded", text, details, mends: vec![untangle()] })
+}
+
+fn untangle() -> Mend {
+    let help = "Puts bodies that lie over themselves into a shape without folds, as near as can be; they keep their momentum. [U]";
+    ("Untangle", vec![Command::Untangle], help)
 }
 
 /// A model that has no honest answer at this stretch; the stage writes it out.
@@ -166,20 +188,20 @@ fn caution(now: &Snapshot) -> Option<Warning> {
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
     let text = if text.len() < 12 { details.clone() } else { text };
     let help = "Its energy grows ever faster as a triangle is squeezed flat; all bodies start over.";
-    let mend = ("Use neo-Hookean", vec![Command::SetModel(Model::NeoHookean)], help);
+    let mend: Mend = ("Use neo-Hookean", vec![Command::SetModel(Model::NeoHookean)], help);
     let possible = body.model != Model::NeoHookean && !now.side_by_side;
-    Some(Warning { kind: "caution", text, details, mend: possible.then_some(mend) })
+    Some(Warning { kind: "caution", text, details, mends: possible.then_some(mend).into_iter().collect() })
 }
 
 fn slow(now: &Snapshot, physics: f64) -> Option<Warning> {
     let details = "Simulated time runs slower than real time: no step is skipped or lengthened.".to_owned();
     if physics < MUCH {
-        return Some(Warning { kind: "slow", text: "Frames come too seldom".to_owned(), details, mend: None });
+        return Some(Warning { kind: "slow", text: "Frames come too seldom".to_owned(), details, mends: Vec::new() });
     }
     let steps = now.level.substeps.get();
     let text = format!("This machine cannot afford {steps} steps a frame");
     let fewer = Substeps::new(steps / 2).ok()?;
     let fewer = vec![Command::SetSubsteps(fewer), Command::EndGesture];
-    let mend = ("Halve the steps", fewer, "Longer steps: cheaper, and less stable.");
-    Some(Warning { kind: "slow", text, details, mend: Some(mend) })
+    let mend: Mend = ("Halve the steps", fewer, "Longer steps: cheaper, and less stable.");
+    Some(Warning { kind: "slow", text, details, mends: vec![mend] })
 }

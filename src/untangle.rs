@@ -1,0 +1,181 @@
+//! Folds: where a body lies over itself, and how it gets out.
+//!
+//! An inverted triangle pushes back, and as a rule a tangled body finds home by itself. It may also end in a true local minimum
+//! of its energy with every triangle the right way up: a vertex whose triangles go round it twice, which no small motion can
+//! undo. [`untangled`] puts such a body where it would be without.
+
+use crate::{
+    materials::nearest_rotation,
+    scene::{Body, Scene},
+    solvers::{BlockMatrix, Factor},
+    state::State,
+};
+use nalgebra::{Matrix2, Matrix4, Vector2};
+
+/// What is wrong with the shape of bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tangle {
+    /// Triangles that are inside out, det F <= 0.
+    pub inverted: usize,
+    /// Vertices inside a body whose triangles do not go round them exactly once.
+    pub wound: usize,
+}
+
+impl Tangle {
+    /// Of a body at flat positions of the whole scene [m].
+    ///
+    /// How often the triangles of a vertex go round it is how often their edges pass a fixed ray from it: one more for each
+    /// passed counter-clockwise, one less for each passed clockwise.
+    pub fn of(body: &Body, x: &[f64]) -> Self {
+        // What is on the boundary need not be gone round.
+        const BOUNDARY: i32 = i32::MIN / 2;
+        let mut rounds = vec![0; body.vertices.len()];
+        for vertex in body.boundary.as_flattened() {
+            rounds[*vertex as usize] = BOUNDARY;
+        }
+        let mut inverted = 0;
+        for triangle in body.elements.corners() {
+            let points = triangle.map(|corner| Vector2::new(x[2 * corner as usize], x[2 * corner as usize + 1]));
+            let area = (points[1] - points[0]).perp(&(points[2] - points[0]));
+            inverted += usize::from(area <= 0.0);
+            for corner in 0..3 {
+                let [one, other] = [1, 2].map(|next| points[(corner + next) % 3].y >= points[corner].y);
+                let passed = i32::from(!one && other && area > 0.0) - i32::from(one && !other && area < 0.0);
+                rounds[triangle[corner] as usize - body.vertices.start] += passed;
+            }
+        }
+        let wound = rounds.iter().filter(|rounds| **rounds != 1 && **rounds > BOUNDARY / 2).count();
+        Self { inverted, wound }
+    }
+
+    /// Of all bodies together.
+    pub fn of_all(scene: &Scene, x: &[f64]) -> Self {
+        let bodies = scene.bodies.iter().map(|body| Self::of(body, x));
+        bodies.fold(Self::default(), |a, b| Self { inverted: a.inverted + b.inverted, wound: a.wound + b.wound })
+    }
+
+    /// Whether anything is wrong.
+    pub fn is_some(self) -> bool {
+        self != Self::default()
+    }
+}
+
+/// The state with every tangled body in a shape without folds; the others stay. `None` if none is tangled.
+///
+/// A body without pins takes its rest shape, placed and turned to fit best where it is, and keeps its momentum and angular
+/// momentum. One with pins takes the shape that minimises `sum of A |F - R|²` with one turn R for all its triangles, which is a
+/// convex problem and so has one answer, and stops. If its pins themselves are crossed, even that has folds.
+pub fn untangled(scene: &Scene, state: &State) -> Option<State> {
+    let mut found = None;
+    for body in scene.bodies.iter().filter(|body| Tangle::of(body, &state.x).is_some()) {
+        let state = found.get_or_insert_with(|| State { memory: Vec::new(), ..state.clone() });
+        let numbers = 2 * body.vertices.start..2 * body.vertices.end;
+        if scene.inverse_mass[numbers].contains(&0.0) {
+            spread(scene, body, state);
+        } else {
+            lay_out(scene, body, state);
+        }
+    }
+    found
+}
+
+/// A rigid motion of the rest shape: points `centre + R (X - rest)`.
+struct Fit {
+    centre: Vector2<f64>,
+    rest: Vector2<f64>,
+    turn: Matrix2<f64>,
+}
+
+impl Fit {
+    /// The one nearest to the positions of these vertices, by the sum of squares with these weights (Kabsch's algorithm, whose
+    /// rotation in two dimensions has a closed form).
+    fn new(scene: &Scene, x: &[f64], weights: impl Iterator<Item = (usize, f64)> + Clone) -> Self {
+        let mut sums = (0.0, Vector2::zeros(), Vector2::zeros());
+        for (vertex, weight) in weights.clone() {
+            sums = (sums.0 + weight, sums.1 + at(x, vertex) * weight, sums.2 + at(&scene.rest, vertex) * weight);
+        }
+        let (centre, rest) = (sums.1 / sums.0, sums.2 / sums.0);
+        let products = weights
+            .map(|(vertex, weight)| (at(x, vertex) - centre) * (at(&scene.rest, vertex) - rest).transpose() * weight);
+        let (turn, _) = nearest_rotation((&products.sum::<Matrix2<f64>>()).into());
+        Self { centre, rest, turn: turn.into() }
+    }
+
+    fn place(&self, rest: Vector2<f64>) -> Vector2<f64> {
+        self.centre + self.turn * (rest - self.rest)
+    }
+}
+
+/// Puts a body that nothing holds into its rest shape, moving as a whole.
+fn lay_out(scene: &Scene, body: &Body, state: &mut State) {
+    let masses = body.vertices.clone().map(|vertex| (vertex, scene.mass[2 * vertex]));
+    let fit = Fit::new(scene, &state.x, masses.clone());
+    let (mut mass, mut momentum, mut spin, mut inertia) = (0.0, Vector2::zeros(), 0.0, 0.0);
+    for (vertex, own) in masses {
+        let velocity = at(&state.v, vertex);
+        mass += own;
+        momentum += velocity * own;
+        spin += own * (at(&state.x, vertex) - fit.centre).perp(&velocity);
+        inertia += own * (at(&scene.rest, vertex) - fit.rest).norm_squared();
+    }
+    let (velocity, spin) = (momentum / mass, spin / inertia);
+    for vertex in body.vertices.clone() {
+        let place = fit.place(at(&scene.rest, vertex));
+        let arm = place - fit.centre;
+        put(&mut state.x, vertex, place);
+        put(&mut state.v, vertex, velocity + Vector2::new(-arm.y, arm.x) * spin);
+    }
+}
+
+/// Spreads a body that is held somewhere evenly between what holds it.
+fn spread(scene: &Scene, body: &Body, state: &mut State) {
+    let free = |vertex: usize| [scene.inverse_mass[2 * vertex], scene.inverse_mass[2 * vertex + 1]];
+    let held = body.vertices.clone().filter(|vertex| free(*vertex) == [0.0; 2]).map(|vertex| (vertex, 1.0));
+    let all = body.vertices.clone().map(|vertex| (vertex, 1.0));
+    // One point says nothing about the turn.
+    let fit =
+        if held.clone().nth(1).is_some() { Fit::new(scene, &state.x, held) } else { Fit::new(scene, &state.x, all) };
+    let count = scene.rest.len();
+    let mut matrix = {
+        let mut couples = Vec::new();
+        body.elements.name_couples(&mut |a, b| couples.push([a, b]));
+        BlockMatrix::new(count / 2, &couples)
+    };
+    // The second derivative of A |F - R|² / 2, which is the same everywhere.
+    body.elements.add_tangent(&scene.rest, 1.0, &mut matrix, |_, _| Matrix4::identity());
+    let (mut away, mut weight) = (vec![0.0; count], vec![0.0; count]);
+    for vertex in body.vertices.clone() {
+        let place = fit.place(at(&scene.rest, vertex));
+        for (axis, inverse_mass) in free(vertex).into_iter().enumerate() {
+            let number = 2 * vertex + axis;
+            state.v[number] = 0.0;
+            if inverse_mass == 0.0 {
+                // What is held is away from where the fit has it; all else follows.
+                away[number] = state.x[number] - place[axis];
+            } else {
+                weight[number] = 1.0;
+                state.x[number] = place[axis];
+            }
+        }
+    }
+    let mut change = vec![0.0; count];
+    matrix.add_product(&away, &mut change);
+    change.iter_mut().for_each(|change| *change = -*change);
+    let Some(mut factor) = Factor::new(&matrix) else { return };
+    // A body on rollers may be moved along them: by nothing, then.
+    let holding = 1e-9;
+    if factor.factorise(&matrix, &weight, holding) {
+        factor.solve(&mut change);
+        for number in (0..count).filter(|number| weight[*number] > 0.0) {
+            state.x[number] += change[number];
+        }
+    }
+}
+
+fn at(flat: &[f64], vertex: usize) -> Vector2<f64> {
+    Vector2::new(flat[2 * vertex], flat[2 * vertex + 1])
+}
+
+fn put(flat: &mut [f64], vertex: usize, value: Vector2<f64>) {
+    (flat[2 * vertex], flat[2 * vertex + 1]) = (value.x, value.y);
+}

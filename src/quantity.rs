@@ -228,6 +228,8 @@ quantities! {
     FrictionCoefficient: "friction" [""] in Included(0.0), Included(1e3); slider 0.0 to 1.0, linear;
     /// e: the share of its velocity towards a wall that a vertex gets back.
     RestitutionCoefficient: "restitution" [""] in Included(0.0), Included(1.0); slider 0.0 to 1.0, linear;
+    /// s: how hard squeezed triangles push back, as a share of 2 mu + lambda.
+    CompressionStrength: "compression guard" [""] in Included(0.0), Included(1e6); slider 0.0 to 4.0, linear;
     /// About how many triangles a mesh should have: more are more accurate, and cost more.
     Triangles: "number of triangles" [""] in Included(100.0), Included(2e5); slider 200.0 to 20000.0, logarithmic;
     /// Equal cells along a side of a rectangle.

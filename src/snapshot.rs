@@ -102,6 +102,8 @@ pub struct BodySnapshot {
     pub energy: f64,
     /// Least det F.
     pub min_j: f64,
+    /// How many of its triangles are beyond where the model's formula is used to the letter.
+    pub continued: usize,
     /// Width at mid height [m], in test levels.
     pub mid_width: f64,
     /// Vertical force that holds the top row [N], in test levels; positive pulls up.
@@ -219,6 +221,7 @@ impl Sandbox {
                 triangles,
                 energy: body.elements.elastic_energy(x),
                 min_j: body.elements.volume_ratios(x).fold(f64::INFINITY, f64::min),
+                continued: body.elements.continued(x),
                 mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
                 top_force: if test { body.holding_force(x) } else { 0.0 },
                 height_ratio,

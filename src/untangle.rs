@@ -151,7 +151,7 @@ fn spread(scene: &Scene, body: &Body, state: &mut State) {
             state.v[number] = 0.0;
             if inverse_mass == 0.0 {
                 // What is held is away from where the fit has it; all else follows.
-                away[number] = state.x[number] - place[axis];
+                away[number] = place[axis] - state.x[number];
             } else {
                 weight[number] = 1.0;
                 state.x[number] = place[axis];
@@ -160,7 +160,6 @@ fn spread(scene: &Scene, body: &Body, state: &mut State) {
     }
     let mut change = vec![0.0; count];
     matrix.add_product(&away, &mut change);
-    change.iter_mut().for_each(|change| *change = -*change);
     let Some(mut factor) = Factor::new(&matrix) else { return };
     // A body on rollers may be moved along them: by nothing, then.
     let holding = 1e-9;

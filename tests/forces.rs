@@ -175,9 +175,9 @@ fn the_force_of_every_effect_with_energy_is_minus_its_derivative() {
         effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);
         for number in 0..x.len() {
             let (mut ahead, mut behind) = (x.clone(), x.clone());
-            ahead[number] += 1e-4;
-            behind[number] -= 1e-4;
-            let slope = (energy(&ahead) - energy(&behind)) / 2e-4;
+            ahead[number] += 1e-6;
+            behind[number] -= 1e-6;
+            let slope = (energy(&ahead) - energy(&behind)) / 2e-6;
             assert!((force[number] + slope).abs() < 1e-8, "{} {number}", kind.name());
         }
     }

@@ -17,7 +17,7 @@ use gingerbread::{
 };
 use nalgebra::Matrix2;
 
-const DAMPED: &str = "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.01)), (effect: MouseSpring(stiffness: 5))]";
+const DAMPED: &str = "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.01)), (effect: MouseSpring(stiffness: 5)), (effect: Compression(strength: 2))]";
 
 fn built(level: &Level, step: Option<f64>) -> Simulation {
     let mut scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();

@@ -2,6 +2,7 @@
 //! which a level lists, and what is built from them to take part in a step. [`EffectKind`] lists them all.
 
 mod boundary;
+mod compression;
 mod drag;
 mod friction;
 mod gravity;
@@ -11,6 +12,7 @@ mod restitution;
 mod walls;
 
 pub use boundary::Boundary;
+pub use compression::Compression;
 pub use drag::Drag;
 pub use friction::Friction;
 pub use gravity::Gravity;
@@ -38,6 +40,7 @@ registry! {
         Walls(Walls),
         Restitution(Restitution),
         Friction(Friction),
+        Compression(Compression),
     }
 }
 

@@ -46,6 +46,21 @@ impl Triangles {
         self.model().visit(self.lame(), Values { of: self, field, x, out: values });
     }
 
+    /// How many triangles are beyond where the model's formula is used to the letter.
+    pub fn continued(&self, x: &[f64]) -> usize {
+        struct Continued<'a>(&'a Triangles, &'a [f64]);
+        impl Visitor for Continued<'_> {
+            type Output = usize;
+            fn visit<M: Material>(self, material: &M) -> usize {
+                if M::CONTINUATION.is_empty() {
+                    return 0;
+                }
+                self.0.gradients(self.1).filter(|(f, _)| material.is_continued(f)).count()
+            }
+        }
+        self.model().visit(self.lame(), Continued(self, x))
+    }
+
     /// det F of each triangle.
     pub fn volume_ratios(&self, x: &[f64]) -> impl Iterator<Item = f64> {
         self.gradients(x).map(|(f, _)| f.determinant())

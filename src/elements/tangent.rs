@@ -22,6 +22,27 @@ impl Triangles {
         self.model().visit(self.lame(), Elastic { of: self, x, weights, matrix });
     }
 
+    /// Adds blocks for every triangle from `stiffness`, the second derivative of an isotropic energy density by F (4 x 4) [Pa], or
+    /// what is asked for of it.
+    pub(crate) fn add_energy_tangent(
+        &self,
+        x: &[f64],
+        weights: Weights,
+        matrix: &mut BlockMatrix,
+        stiffness: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+    ) {
+        let weight = weights.position;
+        match weights.tangent {
+            Tangent::Exact => self.add_tangent(x, weight, matrix, |_, f| stiffness(f)),
+            Tangent::Definite => self.add_tangent(x, weight, matrix, |_, f| {
+                with_eigenvalues(&stiffness(f), f, |eigenvalue| eigenvalue.max(0.0))
+            }),
+            Tangent::Absolute => {
+                self.add_tangent(x, weight, matrix, |_, f| with_eigenvalues(&stiffness(f), f, f64::abs));
+            }
+        }
+    }
+
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
     /// (4 x 4, entries column by column, symmetric) [Pa or Pa s], times `weight`.
     #[inline]
@@ -77,14 +98,6 @@ struct Elastic<'a> {
 impl Visitor for Elastic<'_> {
     type Output = ();
     fn visit<M: Material>(self, material: &M) {
-        let Self { of, x, weights, matrix } = self;
-        match weights.tangent {
-            Tangent::Exact => of.add_tangent(x, weights.position, matrix, |_, f| material.stiffness(f)),
-            Tangent::Definite => of.add_tangent(x, weights.position, matrix, |_, f| {
-                with_eigenvalues(&material.stiffness(f), f, |eigenvalue| eigenvalue.max(0.0))
-            }),
-            Tangent::Absolute => of
-                .add_tangent(x, weights.position, matrix, |_, f| with_eigenvalues(&material.stiffness(f), f, f64::abs)),
-        }
+        self.of.add_energy_tangent(self.x, self.weights, self.matrix, |f| material.stiffness(f));
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     materials::{Lame, Material, Model, Visitor},
     solvers::{BlockMatrix, Weights},
 };
-use nalgebra::{Matrix2, Vector4};
+use nalgebra::{Matrix2, Matrix4, Vector4};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -138,6 +138,28 @@ impl Triangles {
         }
     }
 
+    /// Adds the derivative of the force of a stress, the other way round, times a displacement `d` [m] to `product` [N]; `tangent`
+    /// is the derivative of that stress by F (4 x 4) [Pa].
+    pub(crate) fn add_tangent_times(
+        &self,
+        x: &[f64],
+        d: &[f64],
+        product: &mut [f64],
+        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+    ) {
+        for (number, (&triangle, (f, _))) in self.corners.iter().zip(self.gradients(x)).enumerate() {
+            let Rest { inverse, area } = self.rest(number);
+            let df = edge_matrix(d, triangle) * inverse;
+            let dp = tangent(&f) * Vector4::from_column_slice(df.as_slice());
+            let forces = Matrix2::from_column_slice(dp.as_slice()) * inverse.transpose() * area;
+            let [one, two] = [forces.column(0), forces.column(1)];
+            for (corner, force) in triangle.iter().zip([-one - two, one.into(), two.into()]) {
+                product[2 * *corner as usize] += force.x;
+                product[2 * *corner as usize + 1] += force.y;
+            }
+        }
+    }
+
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
         edge_matrix(field, self.corners[number]) * self.rest(number).inverse
@@ -186,17 +208,7 @@ struct StiffnessTimes<'a> {
 impl Visitor for StiffnessTimes<'_> {
     type Output = ();
     fn visit<M: Material>(self, material: &M) {
-        for (number, (&triangle, (f, _))) in self.of.corners.iter().zip(self.of.gradients(self.x)).enumerate() {
-            let Rest { inverse, area } = self.of.rest(number);
-            let df = edge_matrix(self.d, triangle) * inverse;
-            let dp = material.stiffness(&f) * Vector4::from_column_slice(df.as_slice());
-            let product = Matrix2::from_column_slice(dp.as_slice()) * inverse.transpose() * area;
-            let [one, two] = [product.column(0), product.column(1)];
-            for (corner, product) in triangle.iter().zip([-one - two, one.into(), two.into()]) {
-                self.product[2 * *corner as usize] += product.x;
-                self.product[2 * *corner as usize + 1] += product.y;
-            }
-        }
+        self.of.add_tangent_times(self.x, self.d, self.product, |f| material.stiffness(f));
     }
 }
 

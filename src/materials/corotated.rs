@@ -24,19 +24,24 @@ impl Corotated {
     }
 }
 
+/// tr(RᵀF) that could be round-off of zero.
+const UNDECIDED: f64 = 1e-12;
+
 /// The rotation R that maximises tr(RᵀF), in closed form.
 ///
 /// With a = F11 + F22 and b = F21 - F12, `R = [[a, -b], [b, a]] / sqrt(a² + b²)`: the conformal part of F, normalised.
-/// Where a = b = 0 (F is a reflection times a scale) every rotation is equally near and the identity is taken.
+/// Where a = b = 0 (F is a reflection times a scale, or zero) every rotation is equally near. There, and as far around as round-off
+/// reaches (`tr(RᵀF) <= 1e-12`), the identity is taken: all triangles of a body that is mirrored then agree on where to go, and
+/// as they go there it stays the nearest.
 /// Also returns sqrt(a² + b²) = tr(RᵀF).
 #[inline(always)]
 pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
     let a = f.m11 + f.m22;
     let b = f.m21 - f.m12;
     let length = (a * a + b * b).sqrt();
-    let (zero, one) = (a.of(0.0), a.of(1.0));
-    let (c, s) = (zero.if_less(length, a, one), zero.if_less(length, b, zero));
-    let inverse = one / zero.if_less(length, length, one);
+    let (zero, one, least) = (a.of(0.0), a.of(1.0), a.of(UNDECIDED));
+    let (c, s) = (least.if_less(length, a, one), least.if_less(length, b, zero));
+    let inverse = one / least.if_less(length, length, one);
     let (c, s) = (c * inverse, s * inverse);
     (Square::new(c, -s, s, c), length)
 }
@@ -45,13 +50,14 @@ pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
 pub(super) fn turn(f: &Matrix2<f64>, factor: f64) -> Matrix4<f64> {
     let (r, trace) = nearest_rotation(Square::from(f));
     let turned = Matrix2::new(-r.m21, -r.m11, r.m11, -r.m21);
-    outer(&turned, &turned) * if trace > 0.0 { factor / trace } else { 0.0 }
+    outer(&turned, &turned) * if trace > UNDECIDED { factor / trace } else { 0.0 }
 }
 
 impl Material for Corotated {
     const TITLE: &'static str = "Corotated";
     const LETTER: &'static str = "C";
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 tr(RᵀF − I)²";
+    const CONTINUATION: &'static str = "tr(RᵀF) = 0: every rotation is equally near, and R = I is taken";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
@@ -72,6 +78,10 @@ impl Material for Corotated {
         let (r, trace) = nearest_rotation(Square::from(f));
         let r = Matrix2::from(r);
         Matrix4::identity() * (2.0 * mu) + outer(&r, &r) * lambda + turn(f, lambda * (trace - 2.0) - 2.0 * mu)
+    }
+
+    fn is_continued(&self, f: &Matrix2<f64>) -> bool {
+        nearest_rotation(Square::from(f)).1 <= UNDECIDED
     }
 
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {

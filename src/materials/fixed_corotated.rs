@@ -1,4 +1,4 @@
-use super::{COFACTOR, Lame, Material, corotated::turn, nearest_rotation, outer};
+use super::{COFACTOR, Corotated, Lame, Material, corotated::turn, nearest_rotation, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -27,6 +27,7 @@ impl Material for FixedCorotated {
     const TITLE: &'static str = "Fixed corotated";
     const LETTER: &'static str = "F";
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 (J − 1)²,  J = det F";
+    const CONTINUATION: &'static str = Corotated::CONTINUATION;
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
@@ -49,6 +50,10 @@ impl Material for FixedCorotated {
             + turn(f, -2.0 * mu)
             + outer(&g, &g) * lambda
             + COFACTOR * (lambda * (f.determinant() - 1.0))
+    }
+
+    fn is_continued(&self, f: &Matrix2<f64>) -> bool {
+        Corotated::new(self.lame).is_continued(f)
     }
 
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {

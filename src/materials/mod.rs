@@ -57,6 +57,8 @@ pub trait Material: Copy + Send + Sync {
     /// Whether the energy of a triangle that is squeezed flat grows without end in the model itself, so that no honest answer turns
     /// one over.
     const BARRIER: bool = false;
+    /// Where and how the formula is continued, if it is: see [`Self::is_continued`].
+    const CONTINUATION: &'static str = "";
 
     /// Energy density psi [J/m²]; zero at rest.
     fn psi<R: Real>(&self, f: Square<R>) -> R;
@@ -76,6 +78,11 @@ pub trait Material: Copy + Send + Sync {
 
     /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
+
+    /// Whether this gradient is beyond where the formula is used to the letter.
+    fn is_continued(&self, _f: &Matrix2<f64>) -> bool {
+        false
+    }
 
     /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none.
     fn thickness_stress(&self, f: &Matrix2<f64>) -> f64;
@@ -125,12 +132,17 @@ impl Model {
         self.words()[2]
     }
 
-    fn words(self) -> [&'static str; 3] {
+    /// Where and how the formula is continued; empty if it is not.
+    pub fn continuation(self) -> &'static str {
+        self.words()[3]
+    }
+
+    fn words(self) -> [&'static str; 4] {
         struct Words;
         impl Visitor for Words {
-            type Output = [&'static str; 3];
+            type Output = [&'static str; 4];
             fn visit<M: Material>(self, _: &M) -> Self::Output {
-                [M::TITLE, M::LETTER, M::FORMULA]
+                [M::TITLE, M::LETTER, M::FORMULA, M::CONTINUATION]
             }
         }
         self.visit(Lame { mu: 1.0, lambda: 0.0 }, Words)

@@ -47,6 +47,7 @@ impl Material for NeoHookean {
     const LETTER: &'static str = "N";
     const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
     const BARRIER: bool = true;
+    const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
@@ -71,6 +72,10 @@ impl Material for NeoHookean {
         let g = Matrix2::from(Square::from(f).cofactor());
         let pull = lambda * log - mu;
         Matrix4::identity() * mu + outer(&g, &g) * (lambda * slope * slope + pull * bend) + COFACTOR * (pull * slope)
+    }
+
+    fn is_continued(&self, f: &Matrix2<f64>) -> bool {
+        f.determinant() < FLAT
     }
 
     /// mu F33 + (lambda L - mu) L' J, which is lambda ln J from J0 on.

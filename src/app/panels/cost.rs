@@ -13,6 +13,7 @@ use crate::{
     snapshot::{Field, Snapshot},
 };
 use eframe::egui::{Rect, Sense, Ui, vec2};
+use std::collections::BTreeSet;
 
 /// A frame of 60 Hz [s].
 const FRAME: f64 = 1.0 / 60.0;
@@ -131,6 +132,14 @@ fn size(ui: &mut Ui, now: &Snapshot) {
     if !now.triangles.is_empty() {
         row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
         row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
+        let continued: usize = now.bodies.iter().map(|body| body.continued).sum();
+        if continued > 0 {
+            let rules = now.bodies.iter().filter(|body| body.continued > 0);
+            let rules: BTreeSet<_> =
+                rules.map(|body| format!("\n{}: {}.", body.model.title(), body.model.continuation())).collect();
+            let help = "Triangles beyond where their model is used to the letter.".to_owned();
+            row(ui, "Continued", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
+        }
         row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
     }
 }

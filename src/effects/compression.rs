@@ -1,0 +1,142 @@
+use super::{Effect, EffectParameters, Motion};
+use crate::{
+    elements::{Elements, Law, Triangles},
+    lanes::{Real, Square},
+    quantity::{CompressionStrength, Quantity},
+    solvers::{BlockMatrix, Weights},
+};
+use nalgebra::{Matrix2, Matrix4, Vector4};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Resistance to compression, beside whatever the material itself does: what St. Venant-Kirchhoff lacks.
+///
+/// `psi = s (2 mu + lambda)/3 (1 - J)³` where `J = det F < 1`, and nothing elsewhere, so
+/// `P = -s (2 mu + lambda) (1 - J)² G` with `G = det(F) F⁻ᵀ`: twice continuously differentiable
+/// (Kikuuwe, Tabuchi and Yamamoto, *An edge-based computationally efficient formulation of Saint Venant-Kirchhoff tetrahedral
+/// finite elements*, ACM Transactions on Graphics 28, 2009, section 4). St. Venant-Kirchhoff pressed to a share t of its width
+/// then resists with `dP11/dt = (2 mu + lambda) ((3 t² - 1)/2 + 2 s (1 - t))`, which is positive for all t from
+/// `s = (3 - sqrt(6))/2 = 0.276` on: it never gives way, and what is mirrored is pushed back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compression {
+    /// s.
+    pub strength: CompressionStrength,
+}
+
+impl Default for Compression {
+    fn default() -> Self {
+        Self { strength: CompressionStrength::literal(1.0) }
+    }
+}
+
+impl EffectParameters for Compression {
+    fn title(&self) -> &'static str {
+        "Compression guard"
+    }
+
+    fn about(&self) -> &'static str {
+        "ψ = s (2μ + λ)/3 (1 − J)³ where J < 1: squeezed triangles push back, and mirrored ones turn again."
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        vec![&mut self.strength]
+    }
+
+    fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
+        if elements.triangles.is_empty() {
+            return Err("it acts on triangles, and the level has no body".to_owned());
+        }
+        Ok(Box::new(Resistance { strength: self.strength.get(), bodies: elements.triangles.clone() }))
+    }
+}
+
+/// s (2 mu + lambda) of one body [Pa].
+#[derive(Clone, Copy)]
+struct Squeezed(f64);
+
+impl Law for Squeezed {
+    const RATE: bool = false;
+
+    #[inline(always)]
+    fn stress<R: Real>(&self, f: Square<R>, _: Square<R>) -> Square<R> {
+        let j = f.determinant();
+        let missing = j.if_less(j.of(1.0), -j + 1.0, j.of(0.0));
+        f.cofactor() * (missing * missing * -self.0)
+    }
+}
+
+impl Squeezed {
+    fn energy(self, f: &Matrix2<f64>) -> f64 {
+        let missing = (1.0 - f.determinant()).max(0.0);
+        self.0 / 3.0 * missing * missing * missing
+    }
+
+    /// dP = 2 k (1 - J) (G : dF) G - k (1 - J)² dG.
+    fn stiffness(self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        let missing = (1.0 - f.determinant()).max(0.0);
+        let g = Vector4::new(f.m22, -f.m12, -f.m21, f.m11);
+        let mut turned = Matrix4::zeros();
+        for (row, sign) in [1.0, -1.0, -1.0, 1.0].into_iter().enumerate() {
+            turned[(row, 3 - row)] = sign;
+        }
+        g * g.transpose() * (2.0 * self.0 * missing) - turned * (self.0 * missing * missing)
+    }
+}
+
+struct Resistance {
+    strength: f64,
+    bodies: Vec<Arc<Triangles>>,
+}
+
+impl Resistance {
+    fn law(&self, body: &Triangles) -> Squeezed {
+        Squeezed(self.strength * (2.0 * body.lame().mu + body.lame().lambda))
+    }
+}
+
+impl Effect for Resistance {
+    fn name(&self) -> &'static str {
+        "Compression guard"
+    }
+
+    fn elements(&self, _: Motion<'_>) -> usize {
+        self.bodies.iter().map(|body| body.corners().len()).sum()
+    }
+
+    fn scratch(&self) -> usize {
+        self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
+    }
+
+    fn energy(&self, motion: Motion<'_>) -> f64 {
+        let of = |body: &Arc<Triangles>| {
+            let law = self.law(body);
+            body.gradients(motion.x).map(|(f, area)| area * law.energy(&f)).sum::<f64>()
+        };
+        self.bodies.iter().map(of).sum()
+    }
+
+    fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
+        for body in &self.bodies {
+            body.add_stress(self.law(body), (motion.x, &[]), &mut scratch[..body.scratch()], force);
+        }
+    }
+
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
+        for body in &self.bodies {
+            let law = self.law(body);
+            body.add_tangent_times(motion.x, d, product, |f| law.stiffness(f));
+        }
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.bodies.iter().for_each(|body| body.name_couples(add));
+    }
+
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+        for body in &self.bodies {
+            let law = self.law(body);
+            body.add_energy_tangent(motion.x, weights, matrix, |f| law.stiffness(f));
+        }
+    }
+}

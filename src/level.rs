@@ -171,9 +171,10 @@ impl StartShape {
     pub const fn seed_mut(&mut self) -> Option<&mut u32> {
         match self {
             Self::Rest => None,
-            Self::Scrambled { seed } | Self::Line { seed, .. } | Self::Point { seed, .. } | Self::Mirrored { seed, .. } => {
-                Some(seed)
-            }
+            Self::Scrambled { seed }
+            | Self::Line { seed, .. }
+            | Self::Point { seed, .. }
+            | Self::Mirrored { seed, .. } => Some(seed),
         }
     }
 }

@@ -5,7 +5,7 @@ mod common;
 
 use gingerbread::{
     files,
-    hard::{COLUMNS, Case, Failure, Ledger, Lasts, Method, Run, Sweep, Trial, Verdict, row},
+    hard::{COLUMNS, Case, Failure, Lasts, Ledger, Method, Run, Sweep, Trial, Verdict, row},
     level::Level,
     levels::HARD,
     materials::Model,
@@ -47,7 +47,7 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], record: &str) {
         }
     }
     let mut sweep = Sweep::new(trials, threads());
-    while !sweep.advance(Duration::from_secs(3600)).finished {}
+    while !sweep.advance(Duration::from_hours(1)).finished {}
     let results: Vec<_> =
         sweep.entries().map(|(trial, entry)| (trial, entry.verdict.clone().unwrap().unwrap())).collect();
     let table: Vec<_> = results.iter().map(|(trial, verdict)| row(trial, verdict)).collect();
@@ -62,7 +62,7 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], record: &str) {
     let changed: Vec<_> = table.iter().filter(|line| before(line) != Some(line.as_str())).collect();
     let list = |of: &dyn Fn(&str, Option<&str>) -> bool| {
         let lines = changed.iter().filter(|line| of(line, before(line)));
-        lines.map(|line| format!("\n  {line}")).collect::<String>()
+        lines.fold(String::new(), |text, line| text + "\n  " + line)
     };
     let worse = list(&|now, old| !held(now) && old.is_none_or(held));
     let better = list(&|now, old| held(now) && old.is_some_and(|old| !held(old)));
@@ -70,14 +70,18 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], record: &str) {
     let unexplained: Vec<_> = table.iter().filter(|line| line.contains("UNEXPLAINED")).collect();
     assert!(
         unexplained.is_empty(),
-        "not held, and the file of the case does not say why it cannot be: {unexplained:#?}\nworse than recorded:{worse}"
+        "not held, and the file of the case does not say why it cannot be: {unexplained:#?}"
     );
     for (name, case) in sweep.entries().map(|(trial, _)| (&trial.name, &trial.case)) {
         for reason in &case.cannot {
             let used = results.iter().any(|(trial, verdict)| {
                 trial.name == *name && !verdict.held() && case.cannot(trial.model, trial.method) == Some(&reason.why)
             });
-            assert!(used || methods.len() < 3, "{name}: take this reason away, as everything it names is held: {}", reason.why);
+            assert!(
+                used || methods.len() < 3,
+                "{name}: take this reason away, as everything it names is held: {}",
+                reason.why
+            );
         }
     }
     assert!(worse.is_empty(), "worse than recorded in {record}:{worse}");
@@ -110,7 +114,7 @@ fn a_step_above_the_stability_limit_is_judged_unstable() {
     let case = case("stretch_2");
     let stable = Run::new(&case, Model::Corotated, Method::SymplecticEuler).unwrap().unguarded_at(Method::SHARE);
     assert!(to_the_end(stable).held());
-    let unstable = Run::new(&case, Model::Corotated, Method::SymplecticEuler).unwrap().unguarded_at(1.5);
+    let unstable = Run::new(&case, Model::Corotated, Method::SymplecticEuler).unwrap().unguarded_at(4.0);
     let verdict = to_the_end(unstable);
     assert!(matches!(verdict.failure, Some(Failure::Energy | Failure::Stopped)), "{verdict:?}");
 }
@@ -179,7 +183,12 @@ fn a_sweep_comes_to_the_same_in_small_parts_and_on_any_number_of_threads() {
     let case = Arc::new(case("stiff"));
     let trials: Vec<_> = Model::ALL
         .iter()
-        .map(|&model| Trial { name: "stiff".to_owned(), case: Arc::clone(&case), model, method: Method::SymplecticEuler })
+        .map(|&model| Trial {
+            name: "stiff".to_owned(),
+            case: Arc::clone(&case),
+            model,
+            method: Method::SymplecticEuler,
+        })
         .collect();
     let rows = |threads: usize, budget: Duration| {
         let mut sweep = Sweep::new(trials.clone(), threads);
@@ -187,5 +196,5 @@ fn a_sweep_comes_to_the_same_in_small_parts_and_on_any_number_of_threads() {
         let verdict = |(_, entry): (&Trial, &gingerbread::hard::Entry)| entry.verdict.clone();
         sweep.entries().map(verdict).collect::<Vec<_>>()
     };
-    assert_eq!(rows(1, Duration::ZERO), rows(3, Duration::from_secs(60)));
+    assert_eq!(rows(1, Duration::ZERO), rows(3, Duration::from_mins(1)));
 }

@@ -78,8 +78,8 @@ impl Run {
         })
     }
 
-    /// The same at another share of the longest stable step than [`Method::SHARE`], and without the guard: from 1 on an explicit
-    /// scheme has to fail.
+    /// The same at another share of the longest stable step than [`Method::SHARE`], and without the guard. Steps are up to twice as
+    /// short as that: from 2 on an explicit scheme has to fail.
     #[must_use]
     pub fn unguarded_at(mut self, share: f64) -> Self {
         self.level.guard = Switch::Off;
@@ -126,7 +126,9 @@ impl Run {
     pub fn verdict(&self) -> Verdict {
         let state = self.simulation.state();
         let ratios = || self.simulation.scene().bodies.iter().flat_map(|body| body.elements.volume_ratios(&state.x));
-        let off = || ratios().map(|ratio| (ratio - 1.0).abs()).fold(0.0, |worst: f64, off| if off > worst { off } else { worst });
+        let off = || {
+            ratios().map(|ratio| (ratio - 1.0).abs()).fold(0.0, |worst: f64, off| if off > worst { off } else { worst })
+        };
         let numbers = Numbers {
             gain: self.ledger.gain(),
             outside: self.outside,

@@ -1,4 +1,4 @@
-use super::{Failure, Numbers, Trial, Verdict};
+use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
 
 /// The columns of the table, separated by commas.
 pub const COLUMNS: &str = "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,reason";
@@ -36,8 +36,8 @@ impl Failure {
             Self::Stopped => format!("stopped at {:.2} s", numbers.time),
             Self::Energy => "energy from nowhere".to_owned(),
             Self::Outside => "through a wall".to_owned(),
-            Self::Inverted => format!("{} triangles inverted", numbers.inverted),
-            Self::Wound => format!("{} vertices wound twice", numbers.wound),
+            Self::Inverted => format!("{} inverted", Count(numbers.inverted, "triangle", "triangles")),
+            Self::Wound => format!("{} wound twice", Count(numbers.wound, "vertex", "vertices")),
             Self::Area => "not in its rest shape".to_owned(),
         }
     }

@@ -86,11 +86,21 @@ impl Verdict {
         match (self.failure, area) {
             (Some(Failure::Stopped), _) => format!("stopped at {time:.2} s"),
             (Some(Failure::Outside), _) => format!("{} through a wall", Share(outside)),
-            (Some(Failure::Inverted), _) => format!("{inverted} inverted"),
-            (Some(Failure::Wound), _) => format!("{wound} wound twice"),
+            (Some(Failure::Inverted), _) => format!("{} inverted", Count(inverted, "triangle", "triangles")),
+            (Some(Failure::Wound), _) => format!("{} wound twice", Count(wound, "vertex", "vertices")),
             (Some(Failure::Area) | None, Some(area)) => format!("area off by {}", Share(area)),
             (Some(Failure::Energy | Failure::Area) | None, _) => format!("energy up by {}", Share(gain)),
         }
+    }
+}
+
+/// So many of something.
+pub(super) struct Count(pub usize, pub &'static str, pub &'static str);
+
+impl std::fmt::Display for Count {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self(count, one, many) = self;
+        write!(out, "{count} {}", if *count == 1 { one } else { many })
     }
 }
 

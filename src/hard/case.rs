@@ -1,12 +1,13 @@
 use super::{Act, Method};
 use crate::{
     files::{self, FileError},
-    level::{BodyLevel, Level},
+    level::{BodyLevel, Level, Substeps},
     levels,
     materials::Model,
     meshes::NoFiles,
     quantity::{Point, Time},
-    scene::Scene,
+    scene::{Scene, SceneError},
+    stability::critical_step,
     study::{StudyError, with_triangles},
 };
 use serde::{Deserialize, Serialize};
@@ -89,6 +90,20 @@ impl Case {
         let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
         let bodies = self.level.bodies.iter().map(body).collect();
         Level { bodies, integrator: method.integrator(), ..self.level.clone() }
+    }
+
+    /// The same with the step that the method begins with, to be watched outside the gallery.
+    ///
+    /// # Errors
+    /// If the level cannot be built.
+    pub fn watched(&self, model: Model, method: Method) -> Result<Level, SceneError> {
+        let level = Level { substeps: Substeps::nearest(1.0), ..self.level(model, method) };
+        if !method.is_explicit() {
+            return Ok(level);
+        }
+        let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+        let limit = critical_step(&scene, &scene.start).unwrap_or(f64::INFINITY);
+        Ok(Level { substeps: Substeps::nearest(1.0 / (60.0 * Method::SHARE * limit)), ..level })
     }
 
     /// Why a model and a method cannot hold this case, if they cannot.

@@ -31,6 +31,23 @@ impl Method {
         }
     }
 
+    /// The name as it is said.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::SymplecticEuler => "Symplectic Euler",
+            Self::ImplicitEuler => "Implicit Euler",
+            Self::Bdf2 => "BDF2",
+        }
+    }
+
+    /// How it steps, for a tooltip.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::SymplecticEuler => "A quarter of its longest stable step, measured anew at every frame.",
+            Self::ImplicitEuler | Self::Bdf2 => "Steps of 1/60 s, however stiff the scene is.",
+        }
+    }
+
     /// The scheme.
     pub fn integrator(self) -> IntegratorKind {
         match self {

@@ -44,6 +44,14 @@ fn options() -> ron::Options {
 /// # Errors
 /// [`FileError::Text`] with line, column and what was expected.
 pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
+    parse_as(text, file)
+}
+
+/// Reads anything that is written like a level from text; `file` is its name in messages.
+///
+/// # Errors
+/// [`FileError::Text`] with line, column and what was expected.
+pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, FileError> {
     options().from_str(text).map_err(|error| FileError::Text {
         file: file.to_owned(),
         line: error.span.start.line,
@@ -124,7 +132,11 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     })
 }
 
-fn read_text(path: &Path) -> Result<String, FileError> {
+/// The text of a file.
+///
+/// # Errors
+/// [`FileError::Access`] if it cannot be read, or is too large.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
     let fail = |why: String| FileError::Access { file: path.display().to_string(), why };
     let said = |error: std::io::Error| fail(error.to_string());
     if !std::fs::metadata(path).map_err(said)?.is_file() {

@@ -1,8 +1,10 @@
 //! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong,
-//! `study` tells what accuracy costs.
+//! `study` tells what accuracy costs, `hard` runs the gallery of hard cases.
 
+mod hard;
 mod study;
 
+pub use hard::{Hard, Hardness, hard};
 pub use study::{Study, study};
 
 use crate::{

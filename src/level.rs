@@ -9,7 +9,7 @@ use crate::{
     materials::MaterialParameters,
     meshes::MeshKind,
     nets::NetKind,
-    quantity::{Angle, Coordinate, Density, Factor, Mass, ParticleMass, Point, Spin, Time, Velocity},
+    quantity::{Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Spin, Time, Velocity},
     toys::ToyKind,
 };
 use serde::{Deserialize, Serialize};
@@ -73,6 +73,9 @@ pub struct BodyLevel {
     /// Factors in x and y applied at the start about the middle of its bottom edge: the body starts out of its rest shape.
     #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
     pub stretch: (Factor, Factor),
+    /// Where its vertices are then put.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub start: StartShape,
     /// Velocity at the start [m/s].
     #[serde(default = "no_velocity", skip_serializing_if = "is_at_rest")]
     pub velocity: (Velocity, Velocity),
@@ -122,6 +125,62 @@ impl Default for Place {
         let zero = Coordinate::literal(0.0);
         Self { scale: Factor::literal(1.0), turn: Angle::literal(0.0), offset: Point(zero, zero) }
     }
+}
+
+/// The shape a body starts in, seen from its rest shape. What is pinned stays, and what slides stays on its side. Whatever is
+/// irregular comes from the seed: the same number, the same shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum StartShape {
+    /// Its rest shape.
+    #[default]
+    Rest,
+    /// Every vertex anywhere in the box around the body, all places equally likely.
+    Scrambled {
+        /// Which of all such shapes.
+        seed: u32,
+    },
+    /// Pressed flat onto a line through its middle, of any direction.
+    Line {
+        /// Which direction, and which noise.
+        seed: u32,
+        /// How far from it vertices lie at most.
+        #[serde(default = "slight")]
+        noise: Noise,
+    },
+    /// Shrunk to the point in its middle.
+    Point {
+        /// Which noise.
+        seed: u32,
+        /// How far from it vertices lie at most.
+        #[serde(default = "slight")]
+        noise: Noise,
+    },
+    /// Turned inside out: its mirror image across a line through its middle, of any direction.
+    Mirrored {
+        /// Which direction, and which noise.
+        seed: u32,
+        /// How far from it vertices lie at most.
+        #[serde(default = "slight")]
+        noise: Noise,
+    },
+}
+
+impl StartShape {
+    /// The seed, to be changed, if there is one.
+    pub const fn seed_mut(&mut self) -> Option<&mut u32> {
+        match self {
+            Self::Rest => None,
+            Self::Scrambled { seed }
+            | Self::Line { seed, .. }
+            | Self::Point { seed, .. }
+            | Self::Mirrored { seed, .. } => Some(seed),
+        }
+    }
+}
+
+const fn slight() -> Noise {
+    Noise::literal(0.001)
 }
 
 /// How a body's mass is lumped to its vertices.

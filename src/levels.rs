@@ -1,11 +1,20 @@
-//! The levels that come with the program: every file of `levels/`, found when the program is built.
+//! The levels and the hard cases that come with the program: every file of `levels/` and `levels/hard/`, found when the program is built.
 
 include!(concat!(env!("OUT_DIR"), "/levels.rs"));
 
 /// The name of the built-in level the program starts with.
 pub const FIRST: &str = "gingerbread";
 
+/// The text of a built-in hard case, by its file name without `.ron`.
+pub fn hard_case(name: &str) -> Option<&'static str> {
+    find(HARD, name)
+}
+
 /// The text of a built-in level, by its file name without `.ron`.
 pub fn built_in(name: &str) -> Option<&'static str> {
-    BUILT_IN.iter().find(|(file, _)| file.strip_suffix(".ron") == Some(name)).map(|(_, text)| *text)
+    find(BUILT_IN, name)
+}
+
+fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
+    list.iter().find(|(file, _)| file.strip_suffix(".ron") == Some(name)).map(|(_, text)| *text)
 }

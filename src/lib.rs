@@ -23,6 +23,7 @@
 //! |---|---|
 //! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
 //! | `registry` | the macro behind every list of kinds |
+//! | `chance` | fixed numbers that look like chance |
 //! | [`lanes`] | formulas for one number or for several at once, the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
@@ -44,11 +45,14 @@
 //! | [`snapshot`] | what a frame of the window is drawn from |
 //! | [`study`] | what accuracy costs in time: references, work-precision diagrams, mesh studies, drift |
 //! | [`levels`], [`files`] | the levels that come along; reading and saving |
-//! | `headless` | `gingerbread run`, `check` and `study` (not in browsers) |
+//! | [`hard`] | what is hard to hold: the gallery of hard cases, and what decides them |
+//! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers) |
 //! | [`app`] | the window; the one room that says egui |
 
 pub mod quantity;
 mod registry;
+
+mod chance;
 
 pub mod lanes;
 
@@ -91,6 +95,8 @@ pub mod study;
 
 pub mod files;
 pub mod levels;
+
+pub mod hard;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod headless;

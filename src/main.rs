@@ -20,6 +20,8 @@ enum Command {
     Run(headless::Run),
     /// Tells what accuracy costs: errors against times for many integrators and steps, or for many meshes.
     Study(headless::Study),
+    /// Runs the gallery of hard cases and tells which are held; ends with 1 if one is not that should be.
+    Hard(headless::Hard),
     /// Reads level files and says what is wrong with them.
     Check {
         /// Level files, or names of built-in levels.
@@ -42,6 +44,13 @@ fn main() -> ExitCode {
             Ok(table) => {
                 println!("{table}");
                 ExitCode::SUCCESS
+            }
+            Err(error) => fail(&error, error.exit_code()),
+        },
+        Some(Command::Hard(hard)) => match headless::hard(&hard) {
+            Ok(hardness) => {
+                println!("{}", hardness.table);
+                if hardness.unexplained == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
             }
             Err(error) => fail(&error, error.exit_code()),
         },

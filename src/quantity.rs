@@ -184,6 +184,8 @@ quantities! {
     Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// A factor that multiplies lengths.
     Factor: "factor" [""] in Excluded(0.0), Included(1e9); slider 0.5 to 2.0, logarithmic;
+    /// How far vertices are moved irregularly at most, as a share of the size of their body.
+    Noise: "noise" [""] in Included(0.0), Included(1.0); slider 0.0 to 0.1, linear;
     /// An angle, counter-clockwise.
     Angle: "angle" ["°"] in Included(-3600.0), Included(3600.0); slider -180.0 to 180.0, linear;
     /// Rate of change of a coordinate.

@@ -1,6 +1,6 @@
 //! How long a step may be: the highest natural frequency of a scene, by Lanczos iteration on the stiffness.
 
-use crate::{scene::Scene, state::State};
+use crate::{chance::irregular, scene::Scene, state::State};
 
 /// The longest stable step of symplectic Euler near a state [s], or `None` if nothing is stiff there or the stiffness is
 /// not a number. The same holds for both Verlet schemes without damping.
@@ -187,12 +187,4 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 fn norm(vector: &[f64]) -> f64 {
     dot(vector, vector).sqrt()
-}
-
-/// A fixed irregular sequence in [-1, 1): the high half of a 64-bit mix (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).
-fn irregular(number: u64) -> f64 {
-    let mut z = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 32) as f64 / f64::from(1_u32 << 31) - 1.0
 }

@@ -145,3 +145,35 @@ fn without_a_display_the_window_says_so_and_names_run() {
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.lines().count() == 1 && message.contains("gingerbread run"), "{message}");
 }
+
+#[test]
+fn hard_tells_which_cases_are_held_and_ends_with_1_if_one_should_be_and_is_not() {
+    let folder = Folder::new("hard");
+    let (csv, unexplained) = (folder.file("table.csv"), folder.file("unexplained.ron"));
+    let output = gingerbread(&["hard", "stretch_2", "--integrator", "ImplicitEuler", "--csv", &csv]);
+    let table = said(&output.stdout);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    assert!(table.contains("StVenantKirchhoff ImplicitEuler") && table.contains("not held, as expected: "), "{table}");
+    let lines = fs::read_to_string(csv).unwrap();
+    assert!(lines.starts_with("case,model,method,held,") && lines.contains("stretch_2,Corotated,ImplicitEuler,held,"));
+
+    let text = fs::read_to_string("levels/hard/mirror.ron").unwrap();
+    let at = text.find("    cannot:").unwrap();
+    fs::write(&unexplained, format!("{})\n", &text[..at])).unwrap();
+    let one = ["--model", "StVenantKirchhoff", "--integrator", "bdf2"];
+    let output = gingerbread(&[&["hard", unexplained.as_str()][..], &one].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output.stdout).contains("NOT HELD (130 triangles inverted)"), "{}", said(&output.stdout));
+    assert_eq!(gingerbread(&[&["hard", "mirror"][..], &one].concat()).status.code(), Some(0), "it is listed there");
+    let output = gingerbread(&["hard", "no_such_case"]);
+    assert!(output.status.code() == Some(2) && said(&output.stderr).contains("no_such_case"));
+}
+
+#[test]
+fn hard_counts_how_many_of_many_irregular_starts_come_home() {
+    let request = ["hard", "line", "stretch_2", "--seeds", "3", "--triangles", "100", "--integrator", "Bdf2"];
+    let output = gingerbread(&[&request[..], &["--model", "FixedCorotated"]].concat());
+    let table = said(&output.stdout);
+    let rows: Vec<_> = table.lines().skip(1).collect();
+    assert!(rows.len() == 1 && rows[0].starts_with("line") && rows[0].contains(" of 3"), "{table}");
+}

@@ -7,6 +7,7 @@ use std::{fs, path::Path};
 const ROOMS: &[&[&str]] = &[
     &["quantity"],
     &["registry"],
+    &["chance"],
     &["lanes"],
     &["materials"],
     &["meshes"],
@@ -32,6 +33,7 @@ const ROOMS: &[&[&str]] = &[
     &["snapshot"],
     &["study"],
     &["levels", "files"],
+    &["hard"],
     &["headless"],
     &["app"],
 ];

@@ -22,6 +22,13 @@ impl App {
                 Ok(level) => self.start(level),
                 Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
+            Some(FileWish::Hard(name, model, method)) => match self.gallery.hard_level(name, model, method) {
+                Ok(level) => {
+                    self.start(level);
+                    self.apply(None, Command::SetRunning(true));
+                }
+                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
+            },
             Some(FileWish::Open) => self.dialogs.ask(Purpose::Open),
             Some(FileWish::Save) => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
             Some(FileWish::Export(export)) => self.dialogs.ask(Purpose::Export(export)),

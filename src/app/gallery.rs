@@ -1,6 +1,13 @@
-//! The levels that come with the program, by name.
+//! The levels and the hard cases that come with the program, by name.
 
-use crate::{files, level::Level, levels};
+use crate::{
+    files,
+    hard::{Case, Method},
+    level::Level,
+    levels,
+    materials::Model,
+};
+use std::path::Path;
 
 /// One level of the picker.
 pub struct Entry {
@@ -15,6 +22,7 @@ pub struct Entry {
 /// All of them.
 pub struct Gallery {
     entries: Vec<Entry>,
+    hard: Vec<(&'static str, Case)>,
 }
 
 impl Default for Gallery {
@@ -24,7 +32,8 @@ impl Default for Gallery {
                 .map_or_else(|error| ((*file).to_owned(), error.to_string()), |level| (level.name, level.about));
             Entry { name, about, file, text }
         };
-        Self { entries: levels::BUILT_IN.iter().map(entry).collect() }
+        let hard = Case::names().filter_map(|name| Some((name, Case::read(Path::new(name)).ok()?)));
+        Self { entries: levels::BUILT_IN.iter().map(entry).collect(), hard: hard.collect() }
     }
 }
 
@@ -32,6 +41,20 @@ impl Gallery {
     /// The levels, in the order of the picker.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
+    }
+
+    /// The hard cases with their names, in the order of their gallery.
+    pub fn hard(&self) -> &[(&'static str, Case)] {
+        &self.hard
+    }
+
+    /// The level of a hard case, ready to be watched with a model and a method.
+    ///
+    /// # Errors
+    /// In words, if it is not there.
+    pub fn hard_level(&self, name: &str, model: Model, method: Method) -> Result<Level, String> {
+        let (_, case) = self.hard.iter().find(|(known, _)| *known == name).ok_or("there is no such hard case")?;
+        case.watched(model, method).map_err(|error| error.to_string())
     }
 
     /// Reads the level that the program starts with.

@@ -207,7 +207,9 @@ impl Study {
 }
 
 /// Works until a job is finished, with a bar where there is a terminal.
-fn with_progress(mut advance: impl FnMut(Duration) -> Result<Progress, StudyError>) -> Result<(), StudyError> {
+pub(super) fn with_progress(
+    mut advance: impl FnMut(Duration) -> Result<Progress, StudyError>,
+) -> Result<(), StudyError> {
     let bar = indicatif::ProgressBar::new(1000);
     if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:40} {percent} %, {elapsed}") {
         bar.set_style(style);

@@ -2,6 +2,7 @@
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
 mod net;
+mod start;
 mod touching;
 
 pub use net::Net;
@@ -255,7 +256,8 @@ impl Scene {
         let masses = lumped(level.mass, &elements);
         let pins = pinned(&level.pins, rest)?;
         let slides: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
-        let start = stretched(level, rest);
+        let mut start = stretched(level, rest);
+        start::reshape(level.start, &pins, &slides, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));

@@ -7,7 +7,7 @@ use web_time::Instant;
 
 /// When to stop working for now.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Deadline(Option<Instant>);
+pub struct Deadline(Option<Instant>);
 
 impl Deadline {
     /// After so much time; never, if that is out of all bounds.

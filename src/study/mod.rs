@@ -43,6 +43,7 @@ pub use sweep::{Curve, Plan, Point, WorkPrecision};
 pub use trial::{Outcome, Run, Status, Trial};
 pub use twin::Twin;
 pub use workers::threads;
+pub(crate) use {march::Deadline, refine::with_triangles, workers::spread};
 
 use crate::{fault::Fault, scene::SceneError};
 

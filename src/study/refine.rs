@@ -8,7 +8,7 @@ use crate::{
 
 /// The level with `share` times as many triangles, as nearly as its meshes allow: each number of a recipe that is a resolution is
 /// scaled, numbers of triangles by the share, of cells and rings by its square root.
-pub(super) fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
+pub fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
     let mut level = level.clone();
     let mut refined = false;
     for body in &mut level.bodies {

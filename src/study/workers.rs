@@ -14,7 +14,7 @@ pub fn threads() -> usize {
 /// Hands out tasks in their order, each to the next thread that is free. `work` returns false to hand out no more.
 /// Tasks know nothing of each other, so what comes out does not depend on the number of threads.
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
+pub fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
     if threads <= 1 || tasks.len() <= 1 {
         tasks.into_iter().all(work);
         return;
@@ -31,6 +31,6 @@ pub(super) fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) ->
 
 /// Works through tasks in their order. `work` returns false to stop.
 #[cfg(target_arch = "wasm32")]
-pub(super) fn spread<T: Send>(_: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
+pub fn spread<T: Send>(_: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
     tasks.into_iter().all(work);
 }

@@ -4,6 +4,7 @@
 
 mod accuracy;
 mod compare;
+mod hard;
 mod harness;
 mod keys;
 mod panels;

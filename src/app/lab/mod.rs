@@ -1,8 +1,11 @@
-//! What is measured beside the running scene: the stability limit, the error now, and the studies of accuracy, meshes and drift.
+//! What is measured beside the running scene: the stability limit, the error now, the studies of accuracy, meshes and drift, and the
+//! hard cases.
 
+mod hard;
 mod job;
 mod studies;
 
+pub use hard::{Choice, Hard, Known};
 pub use job::{Findings, Study};
 pub use studies::{Course, Courses, Diagram, Mesh, MeshFindings, Meshes, SECONDS, TARGETS};
 
@@ -34,6 +37,8 @@ pub enum Wish {
     Meshes(Measure),
     /// Follow energy and momentum from the present state for so long [s].
     Drift(f64),
+    /// Run hard cases.
+    Hard(Choice),
     /// Stop the study that is worked on; what is known stays.
     Cancel,
     /// Run a twin beside the scene, or stop it.
@@ -52,6 +57,8 @@ pub struct Lab {
     pub meshes: Study<Meshes>,
     /// Energy and momentum over time.
     pub drift: Study<Drift>,
+    /// The gallery of hard cases.
+    pub hard: Study<Hard>,
 }
 
 impl Lab {
@@ -76,7 +83,7 @@ impl Lab {
 
     /// Whether any study is being worked on.
     pub const fn is_busy(&self) -> bool {
-        self.accuracy.is_running() || self.meshes.is_running() || self.drift.is_running()
+        self.accuracy.is_running() || self.meshes.is_running() || self.drift.is_running() || self.hard.is_running()
     }
 
     /// How much of a study is done, if it was ever begun.
@@ -108,6 +115,10 @@ impl Lab {
                 let level = level();
                 self.drift.start(move || studies::drift(&level, seconds));
             }
+            Wish::Hard(choice) => {
+                let known = self.hard.findings().map(|findings| findings.results.clone()).unwrap_or_default();
+                self.hard.start(move || Hard::new(choice, known));
+            }
             Wish::Cancel => {}
             Wish::Twin(on) => self.twin = on.then(|| Twin::new(sandbox.simulation())),
         }
@@ -117,6 +128,7 @@ impl Lab {
         self.accuracy.cancel();
         self.meshes.cancel();
         self.drift.cancel();
+        self.hard.cancel();
     }
 
     /// Takes note of what the scene does; call it before anything is changed from outside.
@@ -138,6 +150,7 @@ impl Lab {
         self.accuracy.collect();
         self.meshes.collect();
         self.drift.collect();
-        behind || [Topic::Accuracy, Topic::Meshes, Topic::Drift].into_iter().any(|topic| self.is_running(topic))
+        self.hard.collect();
+        behind || self.is_busy()
     }
 }

@@ -19,7 +19,7 @@ pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
 pub const SECONDS: f64 = 1.0;
 
 /// Threads for a study: one is left for the scene, which goes on.
-fn threads() -> usize {
+pub(super) fn threads() -> usize {
     crate::study::threads().saturating_sub(1).max(1)
 }
 

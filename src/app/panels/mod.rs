@@ -11,6 +11,7 @@ mod drift_plot;
 mod effects;
 mod energy;
 mod export;
+mod hard;
 mod help;
 mod history;
 mod icons;
@@ -41,7 +42,7 @@ use super::{
     numbers,
     theme::Theme,
 };
-use crate::{command::Command, quantity::Quantity, snapshot::Snapshot};
+use crate::{command::Command, hard::Method, materials::Model, quantity::Quantity, snapshot::Snapshot};
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 
 /// How things are looked at: nothing in here changes the simulation.
@@ -69,6 +70,8 @@ pub struct View {
     pub pressed: Vec<&'static Binding>,
     /// What is wanted of the file system.
     pub file: Option<FileWish>,
+    /// How the hard cases are looked at.
+    pub hard: hard::Look,
     /// What is wanted of the studies.
     pub wishes: Vec<Wish>,
     /// How the studies are looked at.
@@ -117,6 +120,8 @@ pub enum Side {
 pub enum FileWish {
     /// A level of the gallery, by number.
     BuiltIn(usize),
+    /// A hard case, by its name, with a model and a method.
+    Hard(&'static str, Model, Method),
     /// Choose a level file and open it.
     Open,
     /// Choose a name and save.
@@ -168,6 +173,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<
         drawer(ui, stage, side, desk, view, commands);
     }
     studies::show(ui.ctx(), desk, view, commands);
+    hard::show(ui.ctx(), desk, view);
     // Nothing may lie over a plot while its picture is taken.
     if !view.is_posing() {
         banner::show(ui.ctx(), stage, desk, view, commands);

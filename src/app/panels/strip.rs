@@ -77,7 +77,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
         ui.set_min_width(180.0);
-        let room = ui.ctx().content_rect().height() - 140.0;
+        let room = ui.ctx().content_rect().height() - 170.0;
         let list = ScrollArea::vertical().max_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
@@ -90,6 +90,12 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
             });
         });
         ui.separator();
+        let about =
+            "What breaks careless simulations: collapsed, inside out, stretched, crushed, and what is held of it.";
+        if ui.button("Hard cases…").on_hover_text(about).clicked() {
+            view.hard.open = true;
+            view.drawer = None;
+        }
         if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
             view.file = Some(FileWish::Open);
         }

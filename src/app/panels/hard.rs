@@ -1,0 +1,349 @@
+//! The gallery of hard cases in a window of its own: every case with what it tries, and how it goes with the chosen materials and
+//! methods. They run in the background while the scene goes on.
+
+use super::{
+    Desk, FileWish, View,
+    export::Export,
+    segmented::{Segment, segmented},
+};
+use crate::{
+    app::{
+        lab::{Choice, Known, Wish},
+        theme::Theme,
+    },
+    hard::{Case, Entry, Method, Trial},
+    materials::Model,
+};
+use eframe::egui::{
+    Align, Button, Color32, Context, Frame, Id, Label, Layout, ProgressBar, RichText, ScrollArea, Sense, Shape, Stroke,
+    Ui, Vec2, WidgetInfo, Window, epaint::PathShape, pos2, vec2,
+};
+use std::f32::consts::TAU;
+
+/// How the hard cases are looked at.
+pub struct Look {
+    /// Whether the window is shown.
+    pub open: bool,
+    /// The materials and methods that are shown and run.
+    choice: Choice,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { open: false, choice: Choice { method: Some(Method::ImplicitEuler), ..Choice::default() } }
+    }
+}
+
+/// How a run stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mark {
+    /// Not begun.
+    Waiting,
+    /// So far.
+    Going(f32),
+    /// It was held.
+    Held,
+    /// It was not, and the file of the case says why.
+    Cannot,
+    /// It was not, and should have been.
+    Failed,
+}
+
+pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View) {
+    if !view.hard.open || view.is_posing() {
+        return;
+    }
+    let mut open = view.hard.open;
+    let size = ctx.content_rect().size();
+    Window::new("Hard cases")
+        .id(Id::unique("hard cases"))
+        .open(&mut open)
+        .default_pos(ctx.content_rect().left_top() + vec2(((size.x - 820.0) / 2.0).max(12.0), 60.0))
+        .default_size(vec2((size.x - 48.0).min(660.0), (size.y - 130.0).min(640.0)))
+        .min_size(Vec2::new(300.0, 240.0))
+        .constrain(true)
+        .show(ctx, |ui| {
+            let nothing = Known::default();
+            let known = desk.lab.hard.findings().map_or(&nothing, |findings| &findings.results);
+            top(ui, desk, view, known);
+            ui.separator();
+            ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+                ui.set_max_width(ui.available_width() - 10.0);
+                for (name, case) in desk.gallery.hard() {
+                    row(ui, (name, case), desk, view, known);
+                }
+            });
+        });
+    view.hard.open = open;
+}
+
+/// What is chosen, the button that runs it, and how many are held.
+fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, known: &Known) {
+    let choice = &mut view.hard.choice;
+    ui.horizontal_wrapped(|ui| {
+        let mut parts = vec![Segment { text: "All", name: "All materials", about: "", on: choice.model.is_none() }];
+        parts.extend(Model::ALL.iter().map(|model| Segment {
+            text: model.letter(),
+            name: model.title(),
+            about: model.formula(),
+            on: choice.model == Some(*model),
+        }));
+        if let Some(clicked) = segmented(ui, "hard materials", &parts, false) {
+            choice.model = clicked.checked_sub(1).and_then(|number| Model::ALL.get(number).copied());
+        }
+        let mut parts = vec![Segment { text: "All", name: "All methods", about: "", on: choice.method.is_none() }];
+        parts.extend(Method::ALL.iter().map(|method| Segment {
+            text: method.title(),
+            name: method.title(),
+            about: method.about(),
+            on: choice.method == Some(*method),
+        }));
+        if let Some(clicked) = segmented(ui, "hard methods", &parts, false) {
+            choice.method = clicked.checked_sub(1).and_then(|number| Method::ALL.get(number).copied());
+        }
+    });
+    let choice = *choice;
+    ui.horizontal(|ui| {
+        if desk.lab.hard.is_running() {
+            if ui.button("Cancel").on_hover_text("Stops; what is known stays.").clicked() {
+                view.wishes.push(Wish::Cancel);
+            }
+            let done = desk.lab.hard.findings().map_or(0.0, |findings| findings.progress.done);
+            ui.add(ProgressBar::new(done as f32).desired_width(90.0));
+        } else if ui
+            .button("Run all")
+            .on_hover_text("Runs every case with what is chosen, in the background.")
+            .clicked()
+        {
+            view.wishes.push(Wish::Hard(choice));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if known.runs.iter().any(|(_, entry)| entry.verdict.is_some()) {
+                let button = Button::new(RichText::new("CSV").small()).small().min_size(Vec2::new(34.0, 20.0));
+                let help = "Saves everything that is known as comma-separated values.";
+                if ui.add(button).on_hover_text(help).accessible_name("Hard cases as CSV").clicked() {
+                    let (name, bytes) = ("hard-cases.csv".to_owned(), known.csv().into_bytes());
+                    view.file = Some(FileWish::Export(Export { name, bytes }));
+                }
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(RichText::new(summary(known, &choice, desk)).small().weak()).wrap());
+            });
+        });
+    });
+}
+
+/// How many of the chosen runs were held, in a sentence.
+fn summary(known: &Known, choice: &Choice, desk: &Desk<'_>) -> String {
+    let of = |wanted: Mark| chosen(known, choice).filter(|(trial, entry)| mark(trial, entry, true) == wanted).count();
+    let [held, cannot, failed] = [Mark::Held, Mark::Cannot, Mark::Failed].map(of);
+    let models = if choice.model.is_some() { 1 } else { Model::ALL.len() };
+    let methods = if choice.method.is_some() { 1 } else { Method::ALL.len() };
+    let all = desk.gallery.hard().len() * models * methods;
+    if held + cannot + failed == 0 {
+        return format!("{all} runs: each is held, or says why it cannot be.");
+    }
+    let cannot = if cannot > 0 { format!(", {cannot} cannot be") } else { String::new() };
+    let failed = if failed > 0 { format!(", {failed} should have been") } else { String::new() };
+    format!("{held} of {all} held{cannot}{failed}.")
+}
+
+/// What is known of the chosen runs.
+fn chosen<'a>(known: &'a Known, choice: &'a Choice) -> impl Iterator<Item = &'a (Trial, Entry)> {
+    known.runs.iter().filter(|(trial, _)| choice.takes(trial))
+}
+
+fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
+    match &entry.verdict {
+        Some(Ok(verdict)) if verdict.held() => Mark::Held,
+        Some(_) if trial.case.cannot(trial.model, trial.method).is_some() => Mark::Cannot,
+        Some(_) => Mark::Failed,
+        None if running && entry.done > 0.0 => Mark::Going(entry.done as f32),
+        None => Mark::Waiting,
+    }
+}
+
+/// One case.
+fn row(ui: &mut Ui, (name, case): (&'static str, &Case), desk: &Desk<'_>, view: &mut View, known: &Known) {
+    let running = desk.lab.hard.is_running();
+    let choice = Choice { case: Some(name), ..view.hard.choice };
+    let runs: Vec<_> = chosen(known, &choice).collect();
+    let marks: Vec<_> = runs.iter().map(|(trial, entry)| mark(trial, entry, running)).collect();
+    let theme = Theme::of(ui.ctx());
+    ui.push_id(name, |ui| {
+        Frame::new().inner_margin(vec2(2.0, 5.0)).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let sum = together(&marks);
+                paint(ui, sum, 18.0, theme, &format!("{}: {}", case.level.name, words(sum)));
+                ui.label(RichText::new(&case.level.name).strong());
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    buttons(ui, &choice, &case.level.name, view);
+                    let (text, seconds) = numbers(&runs, &marks);
+                    if seconds > 0.0 {
+                        ui.label(RichText::new(time(seconds)).small().weak()).on_hover_text("Time spent on it");
+                    }
+                    if ui.available_width() > 60.0 {
+                        ui.add(
+                            Label::new(RichText::new(text).monospace().size(12.0).color(color(sum, theme))).truncate(),
+                        );
+                    }
+                });
+            });
+            ui.horizontal(|ui| {
+                ui.add_space(26.0);
+                ui.vertical(|ui| {
+                    ui.add(Label::new(RichText::new(&case.level.about).small()).wrap());
+                    if runs.len() > 1 {
+                        dots(ui, &runs, &marks, theme);
+                    }
+                    for why in reasons(&runs, &marks) {
+                        ui.add(Label::new(RichText::new(why).small().weak()).wrap());
+                    }
+                });
+            });
+        });
+    });
+}
+
+/// Runs one case, or opens it in the sandbox.
+fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
+    let button = |text: &str| Button::new(RichText::new(text).small()).small().min_size(Vec2::new(40.0, 20.0));
+    let model = choice.model.unwrap_or(Model::Corotated);
+    let method = choice.method.unwrap_or(Method::ImplicitEuler);
+    let help = format!(
+        "Shows it on the stage, running, with {} and {}. What the case does to it with mouse and gravity is left to you.",
+        model.title(),
+        method.title()
+    );
+    if ui.add(button("Open")).on_hover_text(help).accessible_name(format!("Open {title}")).clicked() {
+        view.file = choice.case.map(|name| FileWish::Hard(name, model, method));
+    }
+    let help = "Runs this case alone with what is chosen.";
+    if ui.add(button("Run")).on_hover_text(help).accessible_name(format!("Run {title}")).clicked() {
+        view.wishes.push(Wish::Hard(*choice));
+    }
+}
+
+/// What the runs of a case came to, and the time they took [s].
+fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
+    let seconds = runs.iter().map(|(_, entry)| entry.seconds).sum();
+    let over = runs.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
+    let text = match (runs, over) {
+        (_, 0) => String::new(),
+        ([(_, Entry { verdict: Some(Ok(verdict)), .. })], _) => verdict.decided_by(),
+        ([(_, Entry { verdict: Some(Err(why)), .. })], _) => why.to_string(),
+        _ => format!("{} of {} held", marks.iter().filter(|mark| **mark == Mark::Held).count(), runs.len()),
+    };
+    (text, seconds)
+}
+
+/// Why runs of a case cannot be held, each reason once, with the materials that it is about.
+fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
+    let mut found: Vec<(&str, Vec<&str>)> = Vec::new();
+    for ((trial, _), _) in runs.iter().zip(marks).filter(|(_, mark)| **mark == Mark::Cannot) {
+        let why = trial.case.cannot(trial.model, trial.method).unwrap_or_default();
+        let at = found.iter().position(|(known, _)| *known == why).unwrap_or(found.len());
+        if at == found.len() {
+            found.push((why, Vec::new()));
+        }
+        if !found[at].1.contains(&trial.model.title()) {
+            found[at].1.push(trial.model.title());
+        }
+    }
+    found.into_iter().map(|(why, models)| format!("Cannot be held by {}. {why}", models.join(", "))).collect()
+}
+
+/// A small mark for every run, in a line for every method.
+fn dots(ui: &mut Ui, runs: &[&(Trial, Entry)], marks: &[Mark], theme: &Theme) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
+        for ((trial, entry), mark) in runs.iter().zip(marks) {
+            let number = match &entry.verdict {
+                Some(Ok(verdict)) => format!("\n{}", verdict.decided_by()),
+                _ => String::new(),
+            };
+            let about = format!("{}, {}: {}{number}", trial.model.title(), trial.method.title(), words(*mark));
+            paint(ui, *mark, 13.0, theme, &about);
+        }
+    });
+}
+
+/// The mark of several runs.
+fn together(marks: &[Mark]) -> Mark {
+    let any = |wanted: Mark| marks.contains(&wanted);
+    let share = marks.iter().map(|mark| match mark {
+        Mark::Going(share) => *share,
+        Mark::Waiting => 0.0,
+        _ => 1.0,
+    });
+    let done = share.sum::<f32>() / marks.len().max(1) as f32;
+    if any(Mark::Failed) {
+        Mark::Failed
+    } else if done > 0.0 && done < 1.0 {
+        Mark::Going(done)
+    } else if marks.is_empty() || any(Mark::Waiting) {
+        Mark::Waiting
+    } else if any(Mark::Cannot) {
+        Mark::Cannot
+    } else {
+        Mark::Held
+    }
+}
+
+const fn words(mark: Mark) -> &'static str {
+    match mark {
+        Mark::Waiting => "not run yet",
+        Mark::Going(_) => "running",
+        Mark::Held => "held",
+        Mark::Cannot => "cannot be held, for a known reason",
+        Mark::Failed => "not held",
+    }
+}
+
+const fn color(mark: Mark, theme: &Theme) -> Color32 {
+    match mark {
+        Mark::Held => theme.good,
+        Mark::Failed => theme.bad,
+        Mark::Going(_) => theme.accent_line,
+        Mark::Waiting | Mark::Cannot => theme.faint_text,
+    }
+}
+
+/// Draws a mark: a ring that fills, a tick, a dash for what cannot be, a cross for what should have been.
+fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(size), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Image, true, about));
+    response.on_hover_text(about);
+    let (painter, color, centre, radius) = (ui.painter(), color(mark, theme), rect.center(), 0.5 * size - 1.0);
+    let at = |x: f32, y: f32| pos2(centre.x + x * radius, centre.y + y * radius);
+    let thick = Stroke::new(size / 9.0, color);
+    let thin = Stroke::new(1.0, theme.line);
+    let line = |points: Vec<_>| Shape::Path(PathShape::line(points, thick));
+    match mark {
+        Mark::Waiting => drop(painter.circle_stroke(centre, radius, thin)),
+        Mark::Going(share) => {
+            painter.circle_stroke(centre, radius, thin);
+            let steps = (48.0 * share).ceil() as u32;
+            let angle = |step: u32| TAU * (share * step as f32 / steps.max(1) as f32 - 0.25);
+            painter.add(line((0..=steps).map(|step| at(angle(step).cos(), angle(step).sin())).collect()));
+        }
+        Mark::Held => {
+            painter.circle_filled(centre, radius, color.gamma_multiply(0.22));
+            painter.add(line(vec![at(-0.45, 0.02), at(-0.12, 0.38), at(0.48, -0.36)]));
+        }
+        Mark::Cannot => {
+            painter.circle_filled(centre, radius, color.gamma_multiply(0.18));
+            painter.add(line(vec![at(-0.4, 0.0), at(0.4, 0.0)]));
+        }
+        Mark::Failed => {
+            painter.circle_filled(centre, radius, color.gamma_multiply(0.22));
+            painter.add(line(vec![at(-0.36, -0.36), at(0.36, 0.36)]));
+            painter.add(line(vec![at(-0.36, 0.36), at(0.36, -0.36)]));
+        }
+    }
+}
+
+/// A time that was spent, short.
+fn time(seconds: f64) -> String {
+    if seconds < 0.9995 { format!("{:.0} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
+}

@@ -1,0 +1,138 @@
+use super::{Act, Method};
+use crate::{
+    files::{self, FileError},
+    level::{BodyLevel, Level, Substeps},
+    levels,
+    materials::Model,
+    meshes::NoFiles,
+    quantity::{Point, Time},
+    scene::{Scene, SceneError},
+    stability::critical_step,
+    study::{StudyError, with_triangles},
+};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A level that is hard to hold, what is done to it, and what is expected of it. The level's text says what it tries; its step,
+/// integrator and models do not matter, as every one of them has to hold it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// What there is at the start.
+    pub level: Level,
+    /// What is done to it.
+    #[serde(default)]
+    pub acts: Vec<Act>,
+    /// How long it goes on.
+    pub lasts: Lasts,
+    /// What decides beside numbers, energy and walls.
+    pub expects: Expects,
+    /// Corners of a box that nothing may leave, beside the walls of the level: what is thrown at a thin wall stays before it [m].
+    #[serde(default)]
+    pub within: Option<(Point, Point)>,
+    /// What cannot be held, and why.
+    #[serde(default)]
+    pub cannot: Vec<Cannot>,
+}
+
+/// How long a case goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Lasts {
+    /// For a time [s].
+    Seconds(Time),
+    /// For a number of steps, however long they are.
+    Steps(u32),
+}
+
+/// What is expected of a case at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Expects {
+    /// Bodies are back in their rest shapes.
+    Home,
+    /// Nothing beyond what is expected all the time.
+    Bounded,
+}
+
+/// What cannot be held, and why.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cannot {
+    /// By which constitutive models; all, if none is named.
+    #[serde(default)]
+    pub models: Vec<Model>,
+    /// By which methods; all, if none is named.
+    #[serde(default)]
+    pub methods: Vec<Method>,
+    /// Why, in a sentence for people.
+    pub why: String,
+}
+
+impl Case {
+    /// The names of all that come with the program, in the order of the gallery.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        levels::HARD.iter().map(|(file, _)| file.strip_suffix(".ron").unwrap_or(file))
+    }
+
+    /// Reads a case that comes with the program by its name, or one from a file.
+    ///
+    /// # Errors
+    /// [`FileError`] with the place and the reason.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let name = path.display().to_string();
+        match levels::hard_case(&name) {
+            Some(text) => files::parse_as(text, &format!("{name}.ron")),
+            None => files::parse_as(&files::read_text(path)?, &name),
+        }
+    }
+
+    /// The level with one model for every body, as a method steps it.
+    pub fn level(&self, model: Model, method: Method) -> Level {
+        let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
+        let bodies = self.level.bodies.iter().map(body).collect();
+        Level { bodies, integrator: method.integrator(), ..self.level.clone() }
+    }
+
+    /// The same with the step that the method begins with, to be watched outside the gallery.
+    ///
+    /// # Errors
+    /// If the level cannot be built.
+    pub fn watched(&self, model: Model, method: Method) -> Result<Level, SceneError> {
+        let level = Level { substeps: Substeps::nearest(1.0), ..self.level(model, method) };
+        if !method.is_explicit() {
+            return Ok(level);
+        }
+        let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+        let limit = critical_step(&scene, &scene.start).unwrap_or(f64::INFINITY);
+        Ok(Level { substeps: Substeps::nearest(1.0 / (60.0 * Method::SHARE * limit)), ..level })
+    }
+
+    /// Why a model and a method cannot hold this case, if they cannot.
+    pub fn cannot(&self, model: Model, method: Method) -> Option<&str> {
+        let listed = |cannot: &&Cannot| {
+            (cannot.models.is_empty() || cannot.models.contains(&model))
+                && (cannot.methods.is_empty() || cannot.methods.contains(&method))
+        };
+        self.cannot.iter().find(listed).map(|cannot| cannot.why.as_str())
+    }
+
+    /// The same on meshes with about so many triangles in all.
+    ///
+    /// # Errors
+    /// If the level cannot be built, or a pin names a vertex that another mesh has elsewhere.
+    pub fn with_triangles(&self, triangles: u32) -> Result<Self, StudyError> {
+        let scene = Scene::build(&self.level, self.level.mode, &NoFiles, None)?;
+        let share = f64::from(triangles) / scene.triangles.len().max(1) as f64;
+        Ok(Self { level: with_triangles(&self.level, share)?, ..self.clone() })
+    }
+
+    /// The same from another start: the seeds of its start shapes go on by so many. `None` if it has no such start.
+    pub fn with_seed(&self, by: u32) -> Option<Self> {
+        let mut case = self.clone();
+        let mut seeded = false;
+        for seed in case.level.bodies.iter_mut().filter_map(|body| body.start.seed_mut()) {
+            *seed = seed.wrapping_add(by);
+            seeded = true;
+        }
+        seeded.then_some(case)
+    }
+}

@@ -1,0 +1,72 @@
+use crate::integrators::{Bdf2, ImplicitEuler, IntegratorKind, SymplecticEuler};
+use serde::{Deserialize, Serialize};
+
+/// How time passes in a hard case: a scheme and the length of its step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Method {
+    /// Symplectic Euler at [`Self::SHARE`] of its longest stable step, which is measured anew at every frame.
+    SymplecticEuler,
+    /// Implicit Euler with steps of 1/60 s.
+    ImplicitEuler,
+    /// BDF2 with steps of 1/60 s.
+    Bdf2,
+}
+
+impl Method {
+    /// All of them, in the order of the table.
+    pub const ALL: [Self; 3] = [Self::SymplecticEuler, Self::ImplicitEuler, Self::Bdf2];
+
+    /// The share of the longest stable step that an explicit scheme takes at most.
+    pub const SHARE: f64 = 0.25;
+
+    /// How far the energy of an implicit scheme may be above what was put in, as a share of it.
+    const IMPLICIT: f64 = 0.02;
+
+    /// The name in case files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SymplecticEuler => "SymplecticEuler",
+            Self::ImplicitEuler => "ImplicitEuler",
+            Self::Bdf2 => "Bdf2",
+        }
+    }
+
+    /// The name as it is said.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::SymplecticEuler => "Symplectic Euler",
+            Self::ImplicitEuler => "Implicit Euler",
+            Self::Bdf2 => "BDF2",
+        }
+    }
+
+    /// How it steps, for a tooltip.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::SymplecticEuler => "A quarter of its longest stable step, measured anew at every frame.",
+            Self::ImplicitEuler | Self::Bdf2 => "Steps of 1/60 s, however stiff the scene is.",
+        }
+    }
+
+    /// The scheme.
+    pub fn integrator(self) -> IntegratorKind {
+        match self {
+            Self::SymplecticEuler => IntegratorKind::SymplecticEuler(SymplecticEuler::default()),
+            Self::ImplicitEuler => IntegratorKind::ImplicitEuler(ImplicitEuler::default()),
+            Self::Bdf2 => IntegratorKind::Bdf2(Bdf2::default()),
+        }
+    }
+
+    /// Whether its step has to be shorter than the fastest vibration allows.
+    pub const fn is_explicit(self) -> bool {
+        matches!(self, Self::SymplecticEuler)
+    }
+
+    /// How far the energy may be above what was put in, as a share of what there could be.
+    ///
+    /// Symplectic Euler keeps `E - h/2 v . dU/dx`, not E: of a vibration w at a step `h = s 2/w`, E swings by up to
+    /// `s / (1 - s)` above where it started at rest (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, section I.1).
+    pub fn energy_tolerance(self) -> f64 {
+        if self.is_explicit() { Self::SHARE / (1.0 - Self::SHARE) } else { Self::IMPLICIT }
+    }
+}

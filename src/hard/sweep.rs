@@ -1,0 +1,99 @@
+use super::{Case, Method, Run, Verdict};
+use crate::{
+    materials::Model,
+    scene::SceneError,
+    study::{Deadline, Progress, spread},
+};
+use std::{sync::Arc, time::Duration};
+use web_time::Instant;
+
+/// A case with what is to hold it.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Name of the case.
+    pub name: String,
+    /// The case.
+    pub case: Arc<Case>,
+    /// Every body follows this model.
+    pub model: Model,
+    /// How time passes.
+    pub method: Method,
+}
+
+/// What is known of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Share of it done.
+    pub done: f64,
+    /// Time spent on it [s].
+    pub seconds: f64,
+    /// How it ended, if it did, or why it cannot be run.
+    pub verdict: Option<Result<Verdict, SceneError>>,
+}
+
+/// Many runs on several threads. What comes out does not depend on their number, except for the measured times.
+pub struct Sweep {
+    works: Vec<Work>,
+    threads: usize,
+}
+
+struct Work {
+    trial: Trial,
+    run: Option<Box<Run>>,
+    entry: Entry,
+}
+
+impl Sweep {
+    /// Prepares trials for a number of threads.
+    pub fn new(trials: Vec<Trial>, threads: usize) -> Self {
+        let waiting = Entry { done: 0.0, seconds: 0.0, verdict: None };
+        let works = trials.into_iter().map(|trial| Work { trial, run: None, entry: waiting.clone() });
+        Self { works: works.collect(), threads }
+    }
+
+    /// Goes on for about `budget`.
+    pub fn advance(&mut self, budget: Duration) -> Progress {
+        let deadline = Deadline::after(budget);
+        let open: Vec<_> = self.works.iter_mut().filter(|work| work.entry.verdict.is_none()).collect();
+        spread(self.threads, open, |work| {
+            work.advance(deadline);
+            !deadline.passed()
+        });
+        let done: f64 = self.works.iter().map(|work| work.entry.done).sum();
+        let finished = self.works.iter().all(|work| work.entry.verdict.is_some());
+        Progress { done: done / self.works.len().max(1) as f64, finished }
+    }
+
+    /// The trials, with what is known of each, in their order.
+    pub fn entries(&self) -> impl Iterator<Item = (&Trial, &Entry)> {
+        self.works.iter().map(|work| (&work.trial, &work.entry))
+    }
+}
+
+impl Work {
+    /// Runs until the deadline or the end, whichever comes first.
+    fn advance(&mut self, deadline: Deadline) {
+        let begin = Instant::now();
+        self.entry.verdict = self.until(deadline).transpose();
+        self.entry.seconds += begin.elapsed().as_secs_f64();
+        self.entry.done = self.run.as_ref().map_or(0.0, |run| run.done());
+        if self.entry.verdict.is_some() {
+            self.entry.done = 1.0;
+            self.run = None;
+        }
+    }
+
+    fn until(&mut self, deadline: Deadline) -> Result<Option<Verdict>, SceneError> {
+        let Trial { case, model, method, .. } = &self.trial;
+        let run = match &mut self.run {
+            Some(run) => run,
+            none => none.insert(Box::new(Run::new(case, *model, *method)?)),
+        };
+        loop {
+            let verdict = run.advance()?;
+            if verdict.is_some() || deadline.passed() {
+                return Ok(verdict);
+            }
+        }
+    }
+}

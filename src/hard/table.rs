@@ -1,0 +1,44 @@
+use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
+
+/// The columns of the table, separated by commas.
+pub const COLUMNS: &str = "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,reason";
+
+/// A line of the table for a trial: what decided, rounded, and why it is not held if that is known.
+pub fn row(trial: &Trial, verdict: &Verdict) -> String {
+    let Trial { name, case, model, method } = trial;
+    let Numbers { gain, outside, area, unsolved, .. } = verdict.numbers;
+    let held = if verdict.held() { "held" } else { "not held" };
+    let area = area.map_or(String::new(), rounded);
+    let mut reason = String::new();
+    if let Some(failure) = verdict.failure {
+        let why = case.cannot(*model, *method).unwrap_or("UNEXPLAINED");
+        reason = format!("\"{}: {}\"", failure.words(&verdict.numbers), why.replace('"', "'"));
+    }
+    let (model, method) = (model.name(), method.name());
+    format!("{name},{model},{method},{held},{area},{},{},{unsolved},{reason}", rounded(gain), rounded(outside))
+}
+
+/// Two digits; what is far below every limit is not worth a change of the table.
+fn rounded(share: f64) -> String {
+    if share <= 0.0 {
+        "0".to_owned()
+    } else if share < 1e-6 {
+        "<1e-6".to_owned()
+    } else {
+        format!("{share:.1e}")
+    }
+}
+
+impl Failure {
+    /// What happened, in words.
+    fn words(self, numbers: &Numbers) -> String {
+        match self {
+            Self::Stopped => format!("stopped at {:.2} s", numbers.time),
+            Self::Energy => "energy from nowhere".to_owned(),
+            Self::Outside => "through a wall".to_owned(),
+            Self::Inverted => format!("{} inverted", Count(numbers.inverted, "triangle", "triangles")),
+            Self::Wound => format!("{} wound twice", Count(numbers.wound, "vertex", "vertices")),
+            Self::Area => "not in its rest shape".to_owned(),
+        }
+    }
+}

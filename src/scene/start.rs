@@ -1,0 +1,54 @@
+//! Shapes that a body may start in.
+
+use super::extent;
+use crate::{chance, level::StartShape};
+
+/// Puts the free vertices of a body, flat [m], where its start shape says.
+pub(super) fn reshape(shape: StartShape, pins: &[u32], slides: &[(u32, usize)], x: &mut [f64]) {
+    let held: Vec<(usize, f64)> = {
+        let pinned = pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
+        let numbers = pinned.chain(slides.iter().copied()).map(|(vertex, axis)| 2 * vertex as usize + axis);
+        numbers.map(|number| (number, x[number])).collect()
+    };
+    let bounds = [extent(x, 0), extent(x, 1)];
+    let middle = bounds.map(|(least, greatest)| 0.5 * (least + greatest));
+    let half = bounds.map(|(least, greatest)| 0.5 * (greatest - least));
+    match shape {
+        StartShape::Rest => return,
+        StartShape::Scrambled { seed } => {
+            let mut chance = chance::stream(seed);
+            for point in x.chunks_exact_mut(2) {
+                for axis in 0..2 {
+                    point[axis] = middle[axis] + half[axis] * chance.next().unwrap_or(0.0);
+                }
+            }
+        }
+        StartShape::Line { seed, noise } => map(x, middle, [1.0, 0.0], (seed, noise.get() * size(half))),
+        StartShape::Point { seed, noise } => map(x, middle, [0.0, 0.0], (seed, noise.get() * size(half))),
+        StartShape::Mirrored { seed, noise } => map(x, middle, [1.0, -1.0], (seed, noise.get() * size(half))),
+    }
+    for (number, value) in held {
+        x[number] = value;
+    }
+}
+
+/// Length of the longer side of a box, from its halves.
+fn size([width, height]: [f64; 2]) -> f64 {
+    2.0 * width.max(height)
+}
+
+/// Multiplies what lies along a direction of the seed and what lies across it, both seen from the middle; then adds noise of up
+/// to so many metres along each axis.
+fn map(x: &mut [f64], middle: [f64; 2], factors: [f64; 2], (seed, noise): (u32, f64)) {
+    let mut chance = chance::stream(seed);
+    let angle = std::f64::consts::PI * chance.next().unwrap_or(0.0);
+    let (c, s) = (libm::cos(angle), libm::sin(angle));
+    for point in x.chunks_exact_mut(2) {
+        let away = [point[0] - middle[0], point[1] - middle[1]];
+        let along = factors[0] * (c * away[0] + s * away[1]);
+        let across = factors[1] * (c * away[1] - s * away[0]);
+        for (axis, moved) in [c * along - s * across, s * along + c * across].into_iter().enumerate() {
+            point[axis] = middle[axis] + moved + noise * chance.next().unwrap_or(0.0);
+        }
+    }
+}

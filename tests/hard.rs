@@ -1,0 +1,200 @@
+//! The gallery of hard cases: every one is held by every material and method, or its file says why it cannot be.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
+
+mod common;
+
+use gingerbread::{
+    files,
+    hard::{COLUMNS, Case, Failure, Lasts, Ledger, Method, Run, Sweep, Trial, Verdict, row},
+    level::Level,
+    levels::HARD,
+    materials::Model,
+    report::Energies,
+    scene::Scene,
+    study::threads,
+};
+use std::{fs, path::Path, sync::Arc, time::Duration};
+
+fn case(name: &str) -> Case {
+    Case::read(Path::new(name)).unwrap()
+}
+
+fn to_the_end(mut run: Run) -> Verdict {
+    loop {
+        if let Some(verdict) = run.advance().unwrap() {
+            return verdict;
+        }
+    }
+}
+
+fn verdict(case: &Case, model: Model, method: Method) -> Verdict {
+    to_the_end(Run::new(case, model, method).unwrap())
+}
+
+fn held(line: &str) -> bool {
+    line.split(',').nth(3) == Some("held")
+}
+
+/// Runs every case with every model and method, and compares what decided with the record. A case that is not held needs a
+/// reason in its file, always; every other change asks for a new record, which is written with `GINGERBREAD_RENEW=1`.
+fn compare(cases: Vec<(&str, Case)>, methods: &[Method], record: &str) {
+    let mut trials = Vec::new();
+    for (name, case) in cases {
+        let case = Arc::new(case);
+        for &model in Model::ALL {
+            let trial = |&method| Trial { name: name.to_owned(), case: Arc::clone(&case), model, method };
+            trials.extend(methods.iter().map(trial));
+        }
+    }
+    let mut sweep = Sweep::new(trials, threads());
+    while !sweep.advance(Duration::from_hours(1)).finished {}
+    let results: Vec<_> =
+        sweep.entries().map(|(trial, entry)| (trial, entry.verdict.clone().unwrap().unwrap())).collect();
+    let table: Vec<_> = results.iter().map(|(trial, verdict)| row(trial, verdict)).collect();
+    let text = format!("{COLUMNS}\n{}\n", table.join("\n"));
+    if std::env::var_os("GINGERBREAD_RENEW").is_some() {
+        fs::write(record, &text).unwrap();
+    }
+    let known = fs::read_to_string(record).unwrap_or_default();
+    let known: Vec<_> = known.lines().skip(1).collect();
+    let run_of = |line: &str| line.split(',').take(3).collect::<Vec<_>>().join(",");
+    let before = |line: &str| known.iter().find(|old| run_of(old) == run_of(line)).copied();
+    let changed: Vec<_> = table.iter().filter(|line| before(line) != Some(line.as_str())).collect();
+    let list = |of: &dyn Fn(&str, Option<&str>) -> bool| {
+        let lines = changed.iter().filter(|line| of(line, before(line)));
+        lines.fold(String::new(), |text, line| text + "\n  " + line)
+    };
+    let worse = list(&|now, old| !held(now) && old.is_none_or(held));
+    let better = list(&|now, old| held(now) && old.is_some_and(|old| !held(old)));
+    let moved = list(&|now, old| old.is_some_and(|old| held(old) == held(now)) || (old.is_none() && held(now)));
+    let unexplained: Vec<_> = table.iter().filter(|line| line.contains("UNEXPLAINED")).collect();
+    assert!(
+        unexplained.is_empty(),
+        "not held, and the file of the case does not say why it cannot be: {unexplained:#?}"
+    );
+    for (name, case) in sweep.entries().map(|(trial, _)| (&trial.name, &trial.case)) {
+        for reason in &case.cannot {
+            let used = results.iter().any(|(trial, verdict)| {
+                trial.name == *name && !verdict.held() && case.cannot(trial.model, trial.method) == Some(&reason.why)
+            });
+            assert!(
+                used || methods.len() < 3,
+                "{name}: take this reason away, as everything it names is held: {}",
+                reason.why
+            );
+        }
+    }
+    assert!(worse.is_empty(), "worse than recorded in {record}:{worse}");
+    assert!(
+        better.is_empty() && moved.is_empty() && known.len() == table.len(),
+        "renew {record} with GINGERBREAD_RENEW=1; better now:{better}\nother numbers:{moved}"
+    );
+}
+
+#[test]
+fn every_hard_case_is_held_or_its_file_says_why_it_cannot_be() {
+    compare(Case::names().map(|name| (name, case(name))).collect(), &Method::ALL, "tests/hard_cases.csv");
+}
+
+#[test]
+fn every_case_says_what_it_tries_and_reads_back_as_it_was_written() {
+    for (file, text) in HARD {
+        let case: Case = files::parse_as(text, file).unwrap();
+        assert!(!case.level.name.is_empty() && case.level.about.len() > 30, "{file} should say what it tries");
+        let level: Level = files::parse(&files::write(&case.level).unwrap(), file).unwrap();
+        assert_eq!(level, case.level, "{file}");
+    }
+    let message = Case::read(Path::new("no_such_case")).unwrap_err().to_string();
+    assert!(message.contains("no_such_case"), "{message}");
+}
+
+/// The gallery would notice if something went wrong: here it does.
+#[test]
+fn a_step_above_the_stability_limit_is_judged_unstable() {
+    let case = case("stretch_2");
+    let stable = Run::new(&case, Model::Corotated, Method::SymplecticEuler).unwrap().unguarded_at(Method::SHARE);
+    assert!(to_the_end(stable).held());
+    let unstable = Run::new(&case, Model::Corotated, Method::SymplecticEuler).unwrap().unguarded_at(4.0);
+    let verdict = to_the_end(unstable);
+    assert!(matches!(verdict.failure, Some(Failure::Energy | Failure::Stopped)), "{verdict:?}");
+}
+
+#[test]
+fn energy_from_nowhere_is_noticed_even_after_more_was_lost() {
+    let scene = |name: &str| common::simulation(&case(name).level).scene().clone();
+    let scene: Scene = scene("stretch_2");
+    let energies = |kinetic, elastic, potential| Energies { kinetic, elastic, potential };
+    let mut ledger = Ledger::new(&scene, energies(0.0, 10.0, 5.0));
+    ledger.look(energies(10.0, 0.0, 5.0));
+    ledger.look(energies(4.0, 0.0, 5.0));
+    assert_eq!(ledger.gain(), 0.0);
+    // A pull from outside puts 6 J in; what was lost before is not there any more.
+    ledger.changed(energies(4.0, 0.0, 5.0), energies(4.0, 0.0, 11.0));
+    ledger.look(energies(10.0, 0.0, 5.0));
+    assert_eq!(ledger.gain(), 0.0);
+    ledger.look(energies(11.0, 0.0, 5.0));
+    assert!((ledger.gain() - 0.1).abs() < 1e-12, "{}", ledger.gain());
+    ledger.look(energies(f64::NAN, 0.0, 5.0));
+    assert_eq!(ledger.gain(), f64::INFINITY);
+}
+
+#[test]
+fn a_body_that_ends_inside_out_is_not_home() {
+    let verdict = verdict(&case("mirror"), Model::StVenantKirchhoff, Method::ImplicitEuler);
+    assert_eq!(verdict.failure, Some(Failure::Inverted));
+    assert!(verdict.numbers.inverted > 100 && verdict.numbers.gain < 1e-6);
+}
+
+/// Five triangles around a vertex, each right way round and nearly in its rest shape, that go twice around it.
+#[test]
+fn a_vertex_whose_triangles_go_around_it_twice_is_not_home() {
+    let star = |turns: f64| {
+        let point = |k: u32| {
+            let angle = std::f64::consts::TAU * turns * f64::from(k) / 5.0;
+            format!("({:.9}, {:.9})", angle.cos(), angle.sin())
+        };
+        (0..5).map(point).collect::<Vec<_>>().join(", ")
+    };
+    let still = ["(0, 0)"; 6].join(", ");
+    let text = format!(
+        "(level: (name: \"star\", bodies: [(name: \"star\", mass: Density(1),
+            mesh: Points(points: [(0, 0), {}], triangles: [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5), (0, 5, 1)]),
+            material: (model: Corotated, young: 1, poisson: 0.3))],
+            state: (steps: 0, time: 0, positions: [(0, 0), {}], velocities: [{still}])),
+          lasts: Seconds(0.02), expects: Home)",
+        star(1.0),
+        star(2.0)
+    );
+    let case: Case = files::parse_as(&text, "star.ron").unwrap();
+    let verdict = verdict(&case, Model::Corotated, Method::ImplicitEuler);
+    assert_eq!((verdict.failure, verdict.numbers.inverted), (Some(Failure::Wound), 0), "{verdict:?}");
+}
+
+#[test]
+fn what_leaves_the_box_of_its_case_is_outside() {
+    let mut case = case("thin_wall");
+    (case.lasts, case.level.effects) = (Lasts::Steps(20), Vec::new());
+    let verdict = verdict(&case, Model::Corotated, Method::ImplicitEuler);
+    assert_eq!(verdict.failure, Some(Failure::Outside), "without its wall it falls through: {verdict:?}");
+}
+
+#[test]
+fn a_sweep_comes_to_the_same_in_small_parts_and_on_any_number_of_threads() {
+    let case = Arc::new(case("stiff"));
+    let trials: Vec<_> = Model::ALL
+        .iter()
+        .map(|&model| Trial {
+            name: "stiff".to_owned(),
+            case: Arc::clone(&case),
+            model,
+            method: Method::SymplecticEuler,
+        })
+        .collect();
+    let rows = |threads: usize, budget: Duration| {
+        let mut sweep = Sweep::new(trials.clone(), threads);
+        while !sweep.advance(budget).finished {}
+        let verdict = |(_, entry): (&Trial, &gingerbread::hard::Entry)| entry.verdict.clone();
+        sweep.entries().map(verdict).collect::<Vec<_>>()
+    };
+    assert_eq!(rows(1, Duration::ZERO), rows(3, Duration::from_mins(1)));
+}

@@ -1,0 +1,111 @@
+//! The gallery of hard cases in the window.
+
+use crate::harness::*;
+use eframe::egui::Key;
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::{
+    command::Mode,
+    integrators::{Class, IntegratorKind},
+    level::StartShape,
+    materials::Model,
+};
+
+fn open_gallery(window: &mut Window) {
+    click(window, "Level");
+    click(window, "Hard cases…");
+}
+
+/// A button of a case, which may be farther down the list than the window shows.
+fn ask(window: &mut Window, label: &str) {
+    window.get_by_label(label).click_accesskit();
+    window.run_steps(3);
+}
+
+/// Goes on drawing until nothing is run any more.
+fn wait(window: &mut Window) {
+    for _ in 0..1_000_000 {
+        if window.query_by_label("Cancel").is_none() {
+            return;
+        }
+        window.run_steps(1);
+    }
+    panic!("the hard cases do not end");
+}
+
+#[test]
+fn a_case_is_run_with_every_material_while_the_scene_goes_on_and_says_what_cannot_be_held_and_why() {
+    let mut window = in_mode("chain", Mode::Simulate);
+    let time = window.state().snapshot().time;
+    open_gallery(&mut window);
+    assert!(window.query_by_label("Stretched to twice its height: not run yet").is_some());
+    ask(&mut window, "Run Stretched to twice its height");
+    wait(&mut window);
+    draw(&window);
+    assert!(window.query_by_label("5 of 6 held").is_some());
+    assert!(window.query_by_label_contains("Cannot be held by St. Venant-Kirchhoff. Its energy depends on").is_some());
+    assert!(
+        window.query_by_label_contains("Stretched to twice its height: cannot be held, for a known reason").is_some()
+    );
+    assert!(window.query_by_label_contains("Corotated, Implicit Euler: held").is_some());
+    assert!(window.query_by_label_contains("5 of 156 held, 1 cannot be.").is_some());
+    assert!(window.state().snapshot().time > time, "time goes on");
+}
+
+#[test]
+fn materials_and_method_are_chosen_and_what_was_run_before_stays_known() {
+    let mut window = open("circle");
+    open_gallery(&mut window);
+    click(&mut window, "Neo-Hookean");
+    ask(&mut window, "Run Young's modulus 1 GPa");
+    wait(&mut window);
+    assert!(window.query_by_label("area off by < 0.0001 %").is_some(), "the number that decided");
+    assert!(window.query_by_label_contains("1 of 26 held.").is_some());
+    click(&mut window, "Symplectic Euler");
+    assert!(window.query_by_label("area off by < 0.0001 %").is_none(), "that was another method");
+    ask(&mut window, "Run Young's modulus 1 GPa");
+    wait(&mut window);
+    click(&mut window, "All methods");
+    assert!(window.query_by_label("2 of 2 held").is_some());
+}
+
+#[test]
+fn all_cases_can_be_begun_and_cancelled_and_one_can_be_watched_on_the_stage() {
+    let mut window = open("gingerbread");
+    open_gallery(&mut window);
+    click(&mut window, "Run all");
+    assert!(window.query_by_label("Run all").is_none());
+    click(&mut window, "Cancel");
+    window.run_steps(5);
+    assert!(window.query_by_label("Run all").is_some());
+    window.get_all_by_label("Fixed corotated").last().unwrap().click();
+    window.run_steps(3);
+    ask(&mut window, "Open Mirror image");
+    let level = &window.state().snapshot().level;
+    assert!(matches!(level.bodies[0].start, StartShape::Mirrored { .. }));
+    assert_eq!(level.bodies[0].material.model(), Model::FixedCorotated);
+    assert!(matches!(level.integrator, IntegratorKind::ImplicitEuler(_)) && level.substeps.get() == 1);
+    window.run_steps(10);
+    assert!(window.state().snapshot().time > 0.0, "it runs at once");
+    window.get_all_by_label("Symplectic Euler").last().unwrap().click();
+    window.run_steps(3);
+    ask(&mut window, "Open Stretched to twice its height");
+    let level = &window.state().snapshot().level;
+    assert!(level.integrator.kind().class() == Class::Explicit && level.substeps.get() > 1);
+    press(&mut window, Key::Space);
+}
+
+#[test]
+fn the_gallery_fits_into_a_small_window_with_a_name_on_every_widget() {
+    for (width, height) in [(1280.0, 800.0), (420.0, 480.0)] {
+        let mut window = open_level(level("circle"), width, height);
+        open_gallery(&mut window);
+        ask(&mut window, "Run Dragged by a thousand windows");
+        wait(&mut window);
+        window.check_accessibility();
+        draw(&window);
+        for label in ["Hard cases as CSV", "Run all", "Open Wedged into a corner"] {
+            let rect = window.get_by_label(label).rect();
+            assert!(rect.left() >= 0.0 && rect.right() < width && rect.top() >= 0.0, "{label} at {rect:?}");
+        }
+    }
+}

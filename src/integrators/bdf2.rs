@@ -1,8 +1,8 @@
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    axes::{pair, put},
     implicit::{self, Affine},
     memory,
-    system::touched,
 };
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -62,12 +62,13 @@ impl SecondOrder for Bdf2 {
             [x + share * v, v]
         });
         memory::open(state, TAG, h, 2 * count).copy_from_slice(&work.past);
-        for number in 0..count {
+        for vertex in 0..count / 2 {
             // Where a wall acted there is no smooth past: the formula then goes on from what the wall left.
-            if touched(&state.x, &state.v, &work.spare, number) {
-                let (x, v) = (state.x[number], state.v[number]);
-                let past = memory::own(&mut state.memory);
-                (past[number], past[count + number]) = (x - h * v, v);
+            let (axis, held) = implicit::held(state, work, vertex);
+            let (x, v) = (pair(&state.x, vertex), pair(&state.v, vertex));
+            let past = memory::own(&mut state.memory);
+            for (at, gone) in [(vertex, [0, 1].map(|k| x[k] - h * v[k])), (count / 2 + vertex, v)] {
+                put(past, at, axis.mix(held, gone, pair(past, at)));
             }
         }
         memory::close(state);

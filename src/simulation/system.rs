@@ -71,6 +71,13 @@ impl Scratch {
 }
 
 impl System<'_> {
+    /// What touching does here.
+    fn surface(&self) -> Surface {
+        let mut surface = Surface::default();
+        self.scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
+        surface
+    }
+
     fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
         Motion { x, v, mass, inverse_mass, grab: self.grab }
@@ -122,11 +129,14 @@ impl Dynamics for System<'_> {
         self.scene.effects.iter().any(|effect| effect.constrains())
     }
 
+    fn grips(&self) -> bool {
+        self.surface().friction != 0.0
+    }
+
     /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         let scene = self.scene;
-        let mut surface = Surface::default();
-        scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
+        let surface = self.surface();
         let mut outward = std::mem::take(&mut self.scratch.outward);
         if faces {
             scene.outward(before_x, &mut outward);

@@ -17,7 +17,7 @@ pub trait Equations {
     /// Changes z to another start, which is taken if its residual is smaller. What is fixed must stay.
     fn other_start(&self, z: &mut [f64]);
 
-    /// How far any number of z may be from the solution.
+    /// How far the vector of any vertex may be from the solution.
     fn tolerance(&self, z: &[f64]) -> f64;
 }
 
@@ -86,7 +86,7 @@ impl Newton {
         self.system = None;
     }
 
-    /// Largest change of z in each iteration of the last solve.
+    /// Largest change of any vertex's z in each iteration of the last solve.
     pub fn sizes(&self) -> &[f64] {
         &self.sizes
     }
@@ -220,6 +220,8 @@ fn analyse(equations: &dyn Equations, vertices: usize) -> Option<(BlockMatrix, F
     Some((matrix, factor))
 }
 
+/// The greatest length of the vector of any vertex: no other than after a turn.
 fn greatest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |greatest, value| value.abs().max(greatest))
+    let squares = values.chunks(2).map(|vector| vector.iter().map(|value| value * value).sum());
+    squares.fold(0.0, f64::max).sqrt()
 }

@@ -110,7 +110,7 @@ impl Telling {
         for (point, &number) in shape.points.iter().zip(&self.number) {
             points[number] = at_rest(point);
             let from = point - MIDDLE;
-            let bent = deformed * from + Vector2::new(2.0 * from.y * from.y, -1.0 * from.x * from.y);
+            let bent = deformed * from + Vector2::new(2.0 * from.y * from.y, -from.x * from.y);
             let x = MIDDLE + self.turn * bent;
             let v = self.turn * (Vector2::new(0.9, -1.7) + Vector2::new(-3.0 * bent.y, 3.0 * bent.x));
             state.x[2 * number..][..2].copy_from_slice(x.as_slice());

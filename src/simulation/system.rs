@@ -9,7 +9,7 @@ use crate::{
     solvers::{BlockMatrix, Weights},
     toys::Toy,
 };
-use std::time::Duration;
+use std::{cell::Cell, time::Duration};
 use web_time::Instant;
 
 /// Most turns that constraints take in a step.
@@ -24,6 +24,8 @@ pub(super) struct Scratch {
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
+    /// Work of moving obstacles where constraints were last applied [J].
+    pub supplied: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -51,6 +53,8 @@ pub(super) struct System<'a> {
     pub scene: &'a Scene,
     pub scratch: &'a mut Scratch,
     pub grab: Option<Grab>,
+    /// Simulated time where the step begins and where it ends [s].
+    pub time: [f64; 2],
 }
 
 impl Scratch {
@@ -141,8 +145,17 @@ impl Dynamics for System<'_> {
         if faces {
             scene.outward(before_x, &mut outward);
         }
+        let (time, supplied) = (self.time, Cell::new(0.0));
         let outward_of = faces.then_some(outward.as_slice());
-        let start = Start { x: before_x, v: before_v, inverse_mass: &scene.inverse_mass, surface, outward: outward_of };
+        let start = Start {
+            x: before_x,
+            v: before_v,
+            inverse_mass: &scene.inverse_mass,
+            surface,
+            outward: outward_of,
+            time,
+            supplied: &supplied,
+        };
         let constraints = scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains());
         let count = constraints.clone().count();
         let mut quiet = 0;
@@ -157,6 +170,7 @@ impl Dynamics for System<'_> {
             self.scratch.counts.constrained += touched as u64;
         }
         self.scratch.outward = outward;
+        self.scratch.supplied = supplied.get();
     }
 }
 

@@ -204,8 +204,8 @@ fn an_impact_on_a_moving_wall_is_that_on_a_resting_one_seen_from_it() {
             let seen = |[wx, wy]: [f64; 2], motions: &str| {
                 let effects = format!("{}, {coats}", walls(shape, motions));
                 let mut run = simulation(&block(kind.name(), 200, [0.12, 0.4], [wx - 4.0, wy + 0.5], &effects));
-                assert_eq!(run.advance(400, &mut || true), 400);
-                assert!(run.counts().constrained > 0);
+                assert_eq!(run.advance(900, &mut || true), 900);
+                assert!(run.counts().constrained > 0, "{} {shape}", kind.name());
                 let time = run.state().time;
                 let shift = |number: usize| if number % 2 == 0 { wx } else { wy };
                 let x = run.state().x.iter().enumerate().map(|(number, x)| x - time * shift(number));
@@ -306,7 +306,7 @@ fn a_guard_that_watches_lets_walls_push_and_still_sees_what_is_unstable() {
     {
         for speed in [1.0, 10.0, 100.0] {
             let motion = format!("Swing(way: (0.05, 0), period: {:?})", 0.1 * std::f64::consts::PI / speed);
-            let mut run = particle(kind.name(), 1000, [0.06, 0.5], [0.0, 0.0], &walls(PISTONS[1], &motion));
+            let mut run = particle(kind.name(), 1000, [0.02, 0.5], [0.0, 0.0], &walls(PISTONS[1], &motion));
             run.advance(2000, &mut || true);
             assert!(run.fault().is_none() && run.state().v[0] > 0.5 * speed, "{} {speed}", kind.name());
             assert_eq!((run.counts().guarded, run.counts().retaken), (0, 0), "{} {speed}", kind.name());

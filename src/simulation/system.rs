@@ -24,7 +24,7 @@ pub(super) struct Scratch {
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
-    /// Work of moving obstacles where constraints were last applied [J].
+    /// Work of moving obstacles in this step [J].
     pub supplied: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
@@ -170,7 +170,7 @@ impl Dynamics for System<'_> {
             self.scratch.counts.constrained += touched as u64;
         }
         self.scratch.outward = outward;
-        self.scratch.supplied = supplied.get();
+        self.scratch.supplied += supplied.get();
     }
 }
 

@@ -209,7 +209,7 @@ fn an_impact_on_a_moving_wall_is_that_on_a_resting_one_seen_from_it() {
                 assert_eq!(run.advance(900, &mut || true), 900);
                 assert!(run.counts().constrained > 0, "{} {shape}", kind.name());
                 let time = run.state().time;
-                let shift = |number: usize| if number % 2 == 0 { wx } else { wy };
+                let shift = |number: usize| if number.is_multiple_of(2) { wx } else { wy };
                 let x = run.state().x.iter().enumerate().map(|(number, x)| x - time * shift(number));
                 let v = run.state().v.iter().enumerate().map(|(number, v)| v - shift(number));
                 x.chain(v).collect::<Vec<_>>()

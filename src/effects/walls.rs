@@ -46,7 +46,7 @@ impl EffectParameters for Walls {
             planes.extend(kind.plane().map(|plane| if moves { plane.moved(&at) } else { plane.clone() }));
             let mut outline = kind.outline();
             if moves {
-                outline.iter_mut().for_each(|point| *point = at.point(*point));
+                outline = outline.into_iter().map(|point| at.point(point)).collect();
             }
             if !outline.is_empty() {
                 shapes.push(Shape::Solid(outline));

@@ -6,7 +6,7 @@ mod common;
 use common::{level, simulation};
 use gingerbread::{
     command::{Command, Mode},
-    effects::{EffectKind, EffectParameters, Shape},
+    effects::{EffectKind, Shape},
     files,
     integrators::{Class, IntegratorKind},
     level::Level,
@@ -108,16 +108,12 @@ fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
-/// What is drawn of the moving obstacles, without its reach: it must be where they are.
+/// What is drawn of the first wall at a time, without its reach: it must be where the wall is.
 fn outline(level: &Level, time: f64) -> Vec<[f64; 2]> {
-    let EffectKind::Walls(mut walls) = level.effects[0].effect.clone() else { return Vec::new() };
-    let text = files::write(&Level { effects: vec![level.effects[0].clone()], ..Level::default() }).unwrap();
-    let bare = text.replace("eps: 0.002", "eps: 0");
-    if let EffectKind::Walls(other) = self::level(&bare).effects.remove(0).effect {
-        walls = other;
-    }
-    let shapes = walls.shapes(time);
+    let bare = files::write(level).unwrap().replace("eps: 0.002", "eps: 0");
+    let shapes = self::level(&bare).effects[0].effect.kind().shapes(time);
     let Some(Shape::Solid(outline)) = shapes.into_iter().next() else { return Vec::new() };
+    assert!(outline.len() > 2);
     outline
 }
 

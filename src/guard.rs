@@ -6,6 +6,8 @@ use crate::{report::Energies, scene::Scene};
 ///
 /// Between two changes from outside, nothing in a scene supplies energy: gravity and springs only convert it, damping and
 /// contact take it. With the mechanical energy M (kinetic, elastic) and the potential P, `M + P` can never exceed what was put in.
+/// A moving obstacle is outside: what its push on each vertex does, impulse times velocity of the obstacle there, is booked as
+/// put in. Where a scheme solves for the rest of a body with what was pushed held, that is an estimate.
 /// Schemes err by a bounded share even when they are stable (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones
 /// may drift slowly, which is a lesson rather than an accident. So a step counts as unstable only if both hold: M is above twice
 /// what is available, and M + P grew by 8 % of M in this one step, as it does near and above the stability limit.
@@ -66,6 +68,23 @@ impl Guard {
     /// Takes note of the energies at the start.
     pub fn begin(&mut self, energies: Energies) {
         self.put_in = Some(energies.total());
+    }
+
+    /// What was put in so far, if it is known [J].
+    pub const fn put_in(&self) -> Option<f64> {
+        self.put_in
+    }
+
+    /// Goes back to what was put in up to an earlier moment.
+    pub const fn book(&mut self, put_in: Option<f64>) {
+        self.put_in = put_in;
+    }
+
+    /// Takes note of work of moving obstacles [J].
+    pub fn supply(&mut self, work: f64) {
+        if let Some(put_in) = &mut self.put_in {
+            *put_in += work;
+        }
     }
 
     /// Takes note of a change from outside, such as a pull: what it added to the energies, or took, was put in.

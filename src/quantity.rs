@@ -180,6 +180,8 @@ quantities! {
     Coordinate: "coordinate" ["m"] in Included(-1e15), Included(1e15); slider 0.0 to 1.0, linear;
     /// Simulated time since the start.
     Time: "time" ["s"] in Included(0.0), Included(1e12); slider 0.0 to 10.0, linear;
+    /// Time for one swing to and fro.
+    Period: "period" ["s"] in Excluded(0.0), Included(1e9); slider 0.1 to 10.0, logarithmic;
     /// A length, such as a side or a radius.
     Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// A factor that multiplies lengths.

@@ -38,6 +38,8 @@ struct Checkpoint {
     /// What had been counted and booked then.
     counts: Counts,
     costs: Vec<EffectCost>,
+    /// What the guard had booked.
+    put_in: Option<f64>,
 }
 
 /// Steps between two checkpoints, and between two looks at the clock.
@@ -184,22 +186,27 @@ impl Simulation {
         self.checkpoint.state.clone_from(&self.state);
         self.checkpoint.counts = self.scratch.counts;
         self.checkpoint.costs.clone_from(&self.scratch.costs);
+        self.checkpoint.put_in = self.guard.put_in();
     }
 
     /// One step, in as many shorter ones as the guard wants.
     fn step(&mut self) {
         let parts = self.parts();
         let h = self.scene.step / f64::from(parts);
-        for _ in 0..parts {
-            self.integrate(h);
+        let (start, end) = (self.state.time, self.state.time + self.scene.step);
+        let at = |part: u32| if part == parts { end } else { start + f64::from(part) * h };
+        for part in 0..parts {
+            self.integrate(h, [at(part), at(part + 1)]);
         }
         self.scratch.counts.steps += 1;
         self.scratch.counts.guarded += u64::from(parts > 1);
         self.state.steps += 1;
-        self.state.time += self.scene.step;
+        self.state.time = end;
     }
 
-    fn integrate(&mut self, h: f64) {
+    /// One step of the scheme, of length h, from one time to another [s].
+    fn integrate(&mut self, h: f64, time: [f64; 2]) {
+        self.scratch.supplied = 0.0;
         let mut work = std::mem::take(&mut self.scratch.work);
         let integrator = self.scene.integrator.kind();
         let counts = match (&self.scene.toy, integrator.scheme()) {
@@ -210,12 +217,13 @@ impl Simulation {
             // A toy with another scheme is not built.
             (Some(_), Scheme::Second(_)) => StepCounts::ONE,
             (None, _) => {
-                let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab };
+                let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab, time };
                 integrator.step(&mut system, &mut self.state, &mut work, h)
             }
         };
         self.scratch.work = work;
         self.scratch.counts.add(&counts);
+        self.guard.supply(self.scratch.supplied);
     }
 
     /// Whether the step just taken left numbers, and no energy from nowhere.
@@ -242,6 +250,7 @@ impl Simulation {
         self.state.clone_from(&self.checkpoint.state);
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
+        self.guard.book(self.checkpoint.put_in);
         self.scratch.work.forget();
         while self.state.steps < step {
             self.step();

@@ -9,6 +9,7 @@ use gingerbread::{
     files, levels,
     obstacles::{Obstacle, ObstacleKind, Start, Surface},
 };
+use std::cell::Cell;
 
 fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
     let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{list}]))])");
@@ -18,7 +19,15 @@ fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
 
 /// A vertex that would end a step at x with velocity v, after an obstacle stopped it.
 fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-    let start = Start { x: &from, v: &v, inverse_mass: &[1.0; 2], surface: Surface::default(), outward: None };
+    let start = Start {
+        x: &from,
+        v: &v,
+        inverse_mass: &[1.0; 2],
+        surface: Surface::default(),
+        outward: None,
+        time: [0.0; 2],
+        supplied: &Cell::new(0.0),
+    };
     let (mut x, mut after) = (x, v);
     obstacle.constrain(&start, &mut x, &mut after);
     (x, after)

@@ -49,6 +49,16 @@ fn body() -> impl Strategy<Value = String> {
     )
 }
 
+/// A blade that swings and turns, slowly or madly.
+fn moving() -> impl Strategy<Value = String> {
+    (decades(-2, 3), -1e3..1e3_f64, -0.5..0.5_f64).prop_map(|(period, spin, way)| {
+        format!(
+            "(effect: Walls(obstacles: [Moving(obstacle: Cuboid(centre: (0.5, 0.2), width: 0.4, height: 0.02, eps: 0.01),
+               motions: [Turn(about: (0.5, 0.2), spin: {spin}), Swing(way: ({way}, 0.2), period: {period:e})])])),"
+        )
+    })
+}
+
 fn effects() -> impl Strategy<Value = String> {
     let optional = |text: BoxedStrategy<String>| prop_oneof![Just(String::new()), text];
     (
@@ -59,7 +69,11 @@ fn effects() -> impl Strategy<Value = String> {
                 .boxed(),
         ),
         optional(
-            Just("(effect: Walls(obstacles: [Ball(centre: (0.5, 0.1), radius: 0.15, eps: 0.01)])),".to_owned()).boxed(),
+            prop_oneof![
+                Just("(effect: Walls(obstacles: [Ball(centre: (0.5, 0.1), radius: 0.15, eps: 0.01)])),".to_owned()),
+                moving(),
+            ]
+            .boxed(),
         ),
         decades(0, 6).prop_map(|k| format!("(effect: MouseSpring(stiffness: {k:e})),")),
     )

@@ -36,7 +36,7 @@ impl EffectParameters for Boundary {
         Vec::new()
     }
 
-    fn shapes(&self) -> Vec<Shape> {
+    fn shapes(&self, _: f64) -> Vec<Shape> {
         vec![Shape::Edges(self.least.get(), self.greatest.get())]
     }
 

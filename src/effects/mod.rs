@@ -60,8 +60,8 @@ pub trait EffectParameters {
         false
     }
 
-    /// What a window should draw for it, if it has a place.
-    fn shapes(&self) -> Vec<Shape> {
+    /// What a window should draw for it at a time [s], if it has a place.
+    fn shapes(&self, _time: f64) -> Vec<Shape> {
         Vec::new()
     }
 

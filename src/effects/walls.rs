@@ -1,7 +1,7 @@
 use super::{Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Ball, Obstacle, ObstacleKind, Start, press_edges, room, stop_edges},
+    obstacles::{Ball, Carry, Encounter, MotionKind, Obstacle, ObstacleKind, Rigid, Start, placed, room},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ impl EffectParameters for Walls {
     }
 
     fn about(&self) -> &'static str {
-        "A vertex within ε of a wall that moves inwards: v ← v − min(0, v·n) n. At any speed it stops where it first touches, and so does an edge at a corner."
+        "A vertex within ε of a wall that moves inwards: v ← v − min(0, v·n) n, relative to the wall if that moves. At any speed it stops where it first touches, and so does an edge at a corner."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -38,28 +38,53 @@ impl EffectParameters for Walls {
             .collect()
     }
 
-    fn shapes(&self) -> Vec<Shape> {
-        let planes = || {
-            self.obstacles
-                .iter()
-                .filter_map(|kind| if let ObstacleKind::Plane(plane) = kind { Some(plane) } else { None })
-        };
-        let solids = self.obstacles.iter().map(|kind| kind.kind().outline()).filter(|outline| !outline.is_empty());
-        let room = planes().next().is_some().then(|| Shape::Room(room(planes(), [0.0, 0.0], [1.0, 1.0])));
-        room.into_iter().chain(solids.map(Shape::Solid)).collect()
+    fn shapes(&self, time: f64) -> Vec<Shape> {
+        let (mut planes, mut shapes) = (Vec::new(), Vec::new());
+        for kind in self.obstacles.iter().map(ObstacleKind::kind) {
+            let at = placed(&kind.motions(), time);
+            let moves = at != Rigid::STILL;
+            planes.extend(kind.plane().map(|plane| if moves { plane.moved(&at) } else { plane.clone() }));
+            let mut outline = kind.outline();
+            if moves {
+                outline = outline.into_iter().map(|point| at.point(point)).collect();
+            }
+            if !outline.is_empty() {
+                shapes.push(Shape::Solid(outline));
+            }
+        }
+        if !planes.is_empty() {
+            shapes.insert(0, Shape::Room(room(planes.iter(), [0.0, 0.0], [1.0, 1.0])));
+        }
+        shapes
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let build = |(number, kind): (usize, &ObstacleKind)| {
-            kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))
+            let obstacle = kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
+            Ok::<_, String>(Wall { obstacle, motions: kind.kind().motions() })
         };
         let obstacles = self.obstacles.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>()?;
         Ok(Box::new(Contacts { obstacles, boundary: Arc::clone(&elements.boundary) }))
     }
 }
 
+struct Wall {
+    obstacle: Box<dyn Obstacle>,
+    motions: Vec<MotionKind>,
+}
+
+impl Wall {
+    /// How it moves in a step.
+    fn carry(&self, [start, end]: [f64; 2]) -> Carry {
+        if self.motions.is_empty() {
+            return Carry::STILL;
+        }
+        Carry::new(placed(&self.motions, start), placed(&self.motions, end))
+    }
+}
+
 struct Contacts {
-    obstacles: Vec<Box<dyn Obstacle>>,
+    obstacles: Vec<Wall>,
     /// Edges of the bodies' boundaries, with the body on their left.
     boundary: Arc<Vec<[u32; 2]>>,
 }
@@ -68,41 +93,52 @@ struct Contacts {
 const ROUNDS: usize = 8;
 
 impl Contacts {
-    /// The obstacles that are near enough to a box to be worth a look at each vertex in it.
-    fn near(&self, [least, greatest]: [[f64; 2]; 2]) -> impl Iterator<Item = &dyn Obstacle> + Clone {
-        self.obstacles.iter().map(AsRef::as_ref).filter(move |obstacle| obstacle.is_near(least, greatest))
+    /// The obstacles that are near enough to a box around all ways to be worth a look at each vertex in it.
+    fn near(&self, time: [f64; 2], bounds: [[f64; 2]; 2]) -> impl Iterator<Item = Encounter<'_>> + Clone {
+        let walls = self.obstacles.iter();
+        walls
+            .map(move |wall| Encounter::new(wall.obstacle.as_ref(), wall.carry(time), bounds))
+            .filter(Encounter::is_near)
     }
 
     /// Edges stop at corners, and vertices that this turned aside at obstacles, until nothing touches any more; what still
-    /// would stays where it was when the step began, where nothing touched.
+    /// would stays where the step began, where nothing touched, or is carried along from there.
     fn stop_edges(&self, bounds: [[f64; 2]; 2], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let near = self.near(bounds);
+        let near = self.near(start.time, bounds);
         let mut touched = 0;
-        let stop = |x: &mut [f64], v: &mut [f64]| -> usize {
-            near.clone().map(|obstacle| stop_edges((obstacle.corners(), &self.boundary, bounds), start, x, v)).sum()
-        };
         for _ in 0..ROUNDS {
-            let stopped = stop(x, v);
+            let stopped = near.clone().map(|wall| wall.stop_edges(&self.boundary, start, x, v)).sum::<usize>();
             if stopped == 0 {
                 return touched;
             }
             touched += stopped;
-            near.clone().for_each(|obstacle| touched += obstacle.constrain(start, x, v));
+            near.clone().for_each(|wall| touched += wall.constrain(start, x, v));
         }
         let mut held = x.to_vec();
         for _ in 0..self.boundary.len() {
-            if stop(x, v) == 0 {
+            let stopped = near.clone().map(|wall| {
+                let stopped = wall.stop_edges(&self.boundary, start, x, v);
+                hold_back(wall.carry(), start, &mut held, x, v);
+                stopped
+            });
+            if stopped.sum::<usize>() == 0 {
                 break;
-            }
-            let changed = x.chunks_exact_mut(2).zip(held.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate();
-            for (vertex, ((x, held), v)) in changed.filter(|(_, ((x, held), _))| x != held) {
-                let from = &start.x[2 * vertex..][..2];
-                x.copy_from_slice(from);
-                held.copy_from_slice(from);
-                v.fill(0.0);
             }
         }
         touched
+    }
+}
+
+/// Puts what was stopped where the step began, carried along with what stopped it.
+fn hold_back(carry: &Carry, start: &Start<'_>, held: &mut [f64], x: &mut [f64], v: &mut [f64]) {
+    let changed = x.chunks_exact_mut(2).zip(held.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate();
+    for (vertex, ((x, held), v)) in changed.filter(|(_, ((x, held), _))| x != held) {
+        let from = carry.place([start.x[2 * vertex], start.x[2 * vertex + 1]]);
+        let wall = carry.velocity_at(from);
+        for axis in (0..2).filter(|axis| start.inverse_mass[2 * vertex + axis] != 0.0) {
+            (x[axis], v[axis]) = (from[axis], wall[axis]);
+        }
+        held.copy_from_slice(x);
     }
 }
 
@@ -122,11 +158,12 @@ impl Effect for Contacts {
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let bounds = around(start.x, x);
         let mut touched = 0;
-        for obstacle in self.near(bounds) {
-            touched += press_edges((obstacle.corners(), &self.boundary, bounds), start, x, v);
+        let near = self.near(start.time, bounds);
+        for wall in near.clone() {
+            touched += wall.press_edges(&self.boundary, start, x, v);
         }
-        for obstacle in self.near(bounds) {
-            touched += obstacle.constrain(start, x, v);
+        for wall in near {
+            touched += wall.constrain(start, x, v);
         }
         touched + self.stop_edges(bounds, start, x, v)
     }

@@ -2,7 +2,9 @@
 //! affine in the unknown accelerations z, `x = x^ + ax z` and `v = v^ + av z`, and z solves `M z = f(x, v)`.
 
 use super::{
-    Dynamics, StepCounts, Work, parts,
+    Dynamics, StepCounts, Work,
+    axes::{self, Axis, pair, put},
+    parts,
     system::{settle, touched},
 };
 use crate::{
@@ -11,10 +13,10 @@ use crate::{
 };
 use nalgebra::Matrix2;
 
-/// How far a solved position may be from the exact one, as a share of the longest way of any coordinate in the step.
+/// How far a solved position may be from the exact one, as a share of the longest way of any vertex in the step.
 /// Errors of the scheme itself are hundreds of times larger at any step worth taking.
 const RELATIVE: f64 = 1e-8;
-/// The same as a share of the largest coordinate: what round-off leaves of the forces.
+/// The same as a share of the largest distance from the origin: what round-off leaves of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
 /// A way to a wall that is a smaller share of the whole is none: what rests there is held where it is.
@@ -34,10 +36,11 @@ pub(super) struct Affine {
 /// Solves `M z = f(x^ + ax z, v^ + av z)`, where `free` gives x^ and v^ for each number, and makes the end of the step of
 /// length h the state. What is pinned stays.
 ///
-/// Walls are part of the equations: where constraints change the end of the step, those numbers are held at what the
+/// Walls are part of the equations: where constraints change the end of the step, those vertices are held at what the
 /// constraints say and the rest is solved again, so that a body that meets a wall is pressed flat by its own elasticity
-/// and not by moving vertices through their neighbours. If the scheme does not end at its stage, such a step is one of
-/// implicit Euler. [`touched`] afterwards tells the numbers that were held.
+/// and not by moving vertices through their neighbours. A vertex that one smooth wall pushes is held across that wall alone,
+/// whichever way it faces. If the scheme does not end at its stage, such a step is one of implicit Euler. [`held`] afterwards
+/// tells what was held.
 pub(super) fn step(
     system: &mut dyn Dynamics,
     state: &mut State,
@@ -45,39 +48,38 @@ pub(super) fn step(
     (mut affine, h): (Affine, f64),
     free: impl Fn(&State, usize) -> [f64; 2],
 ) -> StepCounts {
-    let Work { numbers, spare, newton, .. } = work;
+    let Work { numbers, spare, newton, axes, .. } = work;
     let [free_x, free_v, x, v, z, inverse, end_x, end_v] = parts(numbers, state.x.len());
     inverse.copy_from_slice(system.inverse_mass());
+    axes::straighten(axes, state.x.len());
     for number in 0..state.x.len() {
         let pinned = inverse[number] == 0.0;
         [free_x[number], free_v[number]] = if pinned { [state.x[number], 0.0] } else { free(state, number) };
     }
     z.fill(0.0);
+    let smooth = !system.grips();
     let mut counts = NewtonCounts::NONE;
     // First only what faces a wall is stopped by it: of a body that would be far beyond the wall, its front. Where that
     // stops, the rest need not get there.
     let mut faces = true;
     for pass in 1..=PASSES {
         let origin = &state.x;
-        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, x, v, affine };
+        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, axes, x, v, affine };
         counts.add(&newton.solve(&mut stage, z));
         stage.evaluate(z);
-        for number in 0..origin.len() {
-            let held = inverse[number] == 0.0 && system.inverse_mass()[number] != 0.0;
-            if !held {
-                end_x[number] = along(origin[number], x[number], affine.end);
-                end_v[number] = along(state.v[number], v[number], affine.end);
-            }
+        for vertex in 0..origin.len() / 2 {
+            let (axis, held) = (Axis::of(axes, vertex), holds(inverse, system.inverse_mass(), vertex));
+            let reached =
+                |from: &[f64], to: &[f64]| [0, 1].map(|k| along(from[2 * vertex + k], to[2 * vertex + k], affine.end));
+            put(end_x, vertex, axis.mix(held, pair(end_x, vertex), reached(origin, x)));
+            put(end_v, vertex, axis.mix(held, pair(end_v, vertex), reached(&state.v, v)));
         }
         let mut more = false;
         while !more {
             faces &= pass < PASSES;
             settle(system, [origin, &state.v], (end_x, end_v), spare, faces);
-            for number in 0..origin.len() {
-                if inverse[number] != 0.0 && touched(end_x, end_v, spare, number) && end_x[number].is_finite() {
-                    inverse[number] = 0.0;
-                    more = true;
-                }
+            for vertex in 0..origin.len() / 2 {
+                more |= axes::hold(vertex, (axes, inverse, z), [end_x, end_v], spare, smooth);
             }
             if !faces {
                 break;
@@ -97,12 +99,17 @@ pub(super) fn step(
             }
         }
         let share = first_touch(origin, end_x, &spare[origin.len()..]);
-        for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
-            if inverse[number] == 0.0 {
-                z[number] = (end_x[number] - free_x[number]) / affine.ax;
-            } else if let Some(share) = share {
-                let reached = along(origin[number], spare[origin.len() + number], share);
-                z[number] = (reached - free_x[number]) / affine.ax;
+        for vertex in 0..origin.len() / 2 {
+            let (axis, held) = (Axis::of(axes, vertex), holds(inverse, system.inverse_mass(), vertex));
+            let towards = |x: &dyn Fn(usize) -> f64| {
+                axis.into_own([0, 1].map(|k| (x(2 * vertex + k) - free_x[2 * vertex + k]) / affine.ax))
+            };
+            let kept = towards(&|number| end_x[number]);
+            let start =
+                share.map(|share| towards(&|number| along(origin[number], spare[origin.len() + number], share)));
+            for k in (0..2).filter(|k| system.inverse_mass()[2 * vertex + k] != 0.0) {
+                let free = start.map_or(z[2 * vertex + k], |start| start[k]);
+                z[2 * vertex + k] = if held[k] { kept[k] } else { free };
             }
         }
     }
@@ -117,11 +124,26 @@ pub(super) fn step(
     StepCounts { newton: counts, ..StepCounts::ONE }
 }
 
+/// Which of its own coordinates of a vertex a wall holds.
+fn holds(inverse: &[f64], inverse_mass: &[f64], vertex: usize) -> [bool; 2] {
+    [0, 1].map(|k| inverse[2 * vertex + k] == 0.0 && inverse_mass[2 * vertex + k] != 0.0)
+}
+
+/// Along which of its own axes a vertex was touched by walls in the last [`step`], and these axes.
+pub(super) fn held(state: &State, work: &Work, vertex: usize) -> (Axis, [bool; 2]) {
+    let axis = Axis::of(&work.axes, vertex);
+    let touched = |k: usize| touched(&state.x, &state.v, &work.spare, 2 * vertex + k);
+    (axis, [0, 1].map(|k| if axis.is_straight() { touched(k) } else { work.spare[2 * vertex + k].is_nan() }))
+}
+
 /// The share of the ways from `origin` to `free` after which the first of them ends at a wall, if any gets some way: where the
 /// others are then is a start for Newton's method from which nothing has to find its way back through what is held.
 fn first_touch(origin: &[f64], end: &[f64], free: &[f64]) -> Option<f64> {
-    let shares = origin.iter().zip(end).zip(free).filter(|((_, end), free)| end != free);
-    let shares = shares.map(|((origin, end), free)| (end - origin) / (free - origin));
+    let shares = (0..origin.len() / 2).filter(|vertex| pair(end, *vertex) != pair(free, *vertex)).map(|vertex| {
+        let [origin, end, free] = [origin, end, free].map(|values| pair(values, vertex));
+        let across = axes::less(free, end);
+        axes::dot(axes::less(end, origin), across) / axes::dot(axes::less(free, origin), across)
+    });
     shares.filter(|share| *share > SHORTEST && *share < 1.0).min_by(f64::total_cmp)
 }
 
@@ -130,7 +152,7 @@ fn along(origin: f64, stage: f64, times: f64) -> f64 {
     if times == 1.0 { stage } else { origin + times * (stage - origin) }
 }
 
-/// The equations of one stage, `M z - f(x^ + ax z, v^ + av z) = 0`.
+/// The equations of one stage, `M z - f(x^ + ax z, v^ + av z) = 0`, with z along each vertex's own axes.
 pub(super) struct Stage<'s, 'a> {
     pub system: &'s mut dyn Dynamics,
     /// Where the step began.
@@ -139,6 +161,8 @@ pub(super) struct Stage<'s, 'a> {
     pub free_v: &'s [f64],
     /// 1/mass, zero also where a wall holds.
     pub inverse: &'s [f64],
+    /// See [`Axis`].
+    pub axes: &'s [f64],
     pub x: &'a mut [f64],
     pub v: &'a mut [f64],
     pub affine: Affine,
@@ -146,11 +170,13 @@ pub(super) struct Stage<'s, 'a> {
 
 impl Stage<'_, '_> {
     fn evaluate(&mut self, z: &[f64]) {
-        for ((x, free), z) in self.x.iter_mut().zip(self.free_x).zip(z) {
-            *x = free + self.affine.ax * z;
-        }
-        for ((v, free), z) in self.v.iter_mut().zip(self.free_v).zip(z) {
-            *v = free + self.affine.av * z;
+        let vertices = self.x.chunks_exact_mut(2).zip(self.v.chunks_exact_mut(2)).zip(z.chunks_exact(2));
+        for (vertex, ((x, v), z)) in vertices.enumerate() {
+            let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
+            for k in 0..2 {
+                x[k] = self.free_x[2 * vertex + k] + self.affine.ax * z[k];
+                v[k] = self.free_v[2 * vertex + k] + self.affine.av * z[k];
+            }
         }
     }
 }
@@ -159,6 +185,7 @@ impl Equations for Stage<'_, '_> {
     fn residual(&mut self, z: &[f64], g: &mut [f64]) {
         self.evaluate(z);
         self.system.force(self.x, self.v, g);
+        axes::turn(self.axes, g);
         for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(self.system.mass()).zip(self.inverse) {
             *g = if *inverse == 0.0 { 0.0 } else { mass * z - *g };
         }
@@ -168,6 +195,7 @@ impl Equations for Stage<'_, '_> {
         self.evaluate(z);
         let weights = Weights { position: self.affine.ax, velocity: self.affine.av, tangent };
         self.system.add_stiffness(self.x, self.v, weights, matrix);
+        matrix.turn(self.axes);
         for (vertex, mass) in self.system.mass().chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::new(mass[0], 0.0, 0.0, mass[1]));
         }
@@ -180,9 +208,11 @@ impl Equations for Stage<'_, '_> {
     fn longest_step(&mut self, z: &[f64], step: &[f64]) -> f64 {
         self.evaluate(z);
         // What z would make of velocities is not needed here.
-        let displacement = &mut *self.v;
-        displacement.iter_mut().zip(step).for_each(|(displacement, step)| *displacement = self.affine.ax * step);
-        self.system.longest_step(self.x, displacement)
+        for (vertex, displacement) in self.v.chunks_exact_mut(2).enumerate() {
+            let own = pair(step, vertex).map(|step| self.affine.ax * step);
+            displacement.copy_from_slice(&Axis::of(self.axes, vertex).out_of_own(own));
+        }
+        self.system.longest_step(self.x, self.v)
     }
 
     fn inverse_weight(&self) -> &[f64] {
@@ -191,21 +221,25 @@ impl Equations for Stage<'_, '_> {
 
     /// Staying where the step began, which has a force if any place has.
     fn other_start(&self, z: &mut [f64]) {
-        for (((z, origin), free), inverse) in z.iter_mut().zip(self.origin).zip(self.free_x).zip(self.inverse) {
-            if *inverse != 0.0 {
-                *z = (origin - free) / self.affine.ax;
+        for (vertex, z) in z.chunks_exact_mut(2).enumerate() {
+            let way = axes::less(pair(self.origin, vertex), pair(self.free_x, vertex));
+            let stay = Axis::of(self.axes, vertex).into_own(way.map(|way| way / self.affine.ax));
+            for k in (0..2).filter(|k| self.inverse[2 * vertex + k] != 0.0) {
+                z[k] = stay[k];
             }
         }
     }
 
     fn tolerance(&self, z: &[f64]) -> f64 {
-        let mut way = 0.0_f64;
-        let mut reach = 0.0_f64;
-        for ((origin, free), z) in self.origin.iter().zip(self.free_x).zip(z) {
-            let x = free + self.affine.ax * z;
-            way = way.max((x - origin).abs());
-            reach = reach.max(x.abs());
+        let (mut way, mut reach) = (0.0_f64, 0.0_f64);
+        for (vertex, z) in z.chunks_exact(2).enumerate() {
+            let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
+            let free = pair(self.free_x, vertex);
+            let x = [0, 1].map(|k| free[k] + self.affine.ax * z[k]);
+            let moved = axes::less(x, pair(self.origin, vertex));
+            way = way.max(axes::dot(moved, moved));
+            reach = reach.max(axes::dot(x, x));
         }
-        (RELATIVE * way + ROUND_OFF * reach) / self.affine.ax
+        (RELATIVE * way.sqrt() + ROUND_OFF * reach.sqrt()) / self.affine.ax
     }
 }

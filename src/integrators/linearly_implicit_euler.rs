@@ -1,5 +1,5 @@
 use super::{
-    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Work, axes,
     implicit::{Affine, Stage},
     parts,
     system::{settle, touched},
@@ -45,7 +45,7 @@ const IMPACT: f64 = 0.1;
 
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, newton, .. } = work;
+        let Work { numbers, spare, newton, axes, .. } = work;
         let [x, v, free_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
         // Linearised at z = 0 with nothing moved: there x and v are those of the state.
         free_v.copy_from_slice(&state.v);
@@ -59,9 +59,10 @@ impl SecondOrder for LinearlyImplicitEuler {
         }
         let affine = Affine { ax: h * h, av: h, end: 1.0 };
         inverse.copy_from_slice(system.inverse_mass());
+        axes::straighten(axes, state.x.len());
         before.copy_from_slice(&state.x);
         let (origin, free_x): (&[f64], &[f64]) = (before, before);
-        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, x, v, affine };
+        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, axes, x, v, affine };
         let newton = newton.linear(&mut stage, none, g, z);
         for (number, z) in z.iter().enumerate() {
             state.v[number] += h * z;

@@ -1,6 +1,7 @@
 //! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks an [`Ode`] for rates or
 //! a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
+mod axes;
 mod bdf2;
 mod dormand_prince;
 mod forward_euler;
@@ -136,6 +137,7 @@ pub struct Work {
     numbers: Vec<f64>,
     spare: Vec<f64>,
     past: Vec<f64>,
+    axes: Vec<f64>,
     newton: Newton,
 }
 

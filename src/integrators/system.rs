@@ -46,6 +46,11 @@ pub trait Dynamics {
         true
     }
 
+    /// Whether [`Self::constrain`] also acts along the surfaces it stops things at.
+    fn grips(&self) -> bool {
+        true
+    }
+
     /// Changes positions and velocities at the end of a step that are not allowed, seen from those at its beginning.
     /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the
     /// solution of the next try to say, in which what faces the wall is held.

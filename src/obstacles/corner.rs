@@ -1,5 +1,5 @@
 use super::{
-    Start,
+    Carry, Start,
     advance::{self, Seen},
 };
 use parry2d::math::Vector;
@@ -28,7 +28,10 @@ impl Corner {
 /// An edge of a body in a step, from one vertex to another, with the body on its left.
 struct Edge<'a> {
     start: &'a Start<'a>,
+    /// How the corner moves.
+    carry: &'a Carry,
     vertices: [usize; 2],
+    /// The ends at the start, carried along with the corner.
     from: [Vector; 2],
     to: [Vector; 2],
 }
@@ -43,12 +46,13 @@ fn put(values: &mut [f64], vertex: usize, value: Vector) {
 }
 
 impl<'a> Edge<'a> {
-    fn new(start: &'a Start<'a>, edge: [u32; 2], x: &[f64]) -> Self {
+    fn new((start, carry): (&'a Start<'a>, &'a Carry), edge: [u32; 2], x: &[f64]) -> Self {
         let vertices = edge.map(|vertex| vertex as usize);
         Self {
             start,
+            carry,
             vertices,
-            from: vertices.map(|vertex| at(start.x, vertex)),
+            from: vertices.map(|vertex| carry.place(at(start.x, vertex).into()).into()),
             to: vertices.map(|vertex| at(x, vertex)),
         }
     }
@@ -86,14 +90,25 @@ impl<'a> Edge<'a> {
 
     /// Takes the velocity towards a corner from that point, which friction and restitution share in; returns the share of
     /// tangential velocity that is left.
-    fn answer(&self, v: &mut [f64], along: f64, normal: Vector) -> Option<f64> {
-        let free = self.mean(v, along);
+    fn answer(&self, corner: &Corner, v: &mut [f64], along: f64, normal: Vector) -> Option<f64> {
+        let wall = Vector::from(self.carry.velocity_at(corner.middle));
+        let free = self.mean(v, along) - wall;
+        let (start_x, start_v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
+        let before = self.carry.relative(start_v.into(), start_x.into());
         let mut after: [f64; 2] = free.into();
-        let kept = self.start.surface.answer((-normal).into(), self.mean(self.start.v, along).into(), &mut after)?;
+        let kept = self.start.surface.answer((-normal).into(), before, &mut after)?;
         let change = Vector::from(after) - free;
         let tangent = normal.perp();
+        let ends = self.vertices.map(|vertex| at(v, vertex));
         self.shift(v, along, normal, change.dot(normal));
         self.shift(v, along, tangent, change.dot(tangent));
+        if !self.carry.is_still() {
+            for (vertex, end) in self.vertices.into_iter().zip(ends) {
+                let (change, inverse) = (at(v, vertex) - end, at(self.start.inverse_mass, vertex));
+                let impulse = |change: f64, inverse: f64| if inverse == 0.0 { 0.0 } else { change / inverse };
+                self.start.supply(impulse(change.x, inverse.x) * wall.x + impulse(change.y, inverse.y) * wall.y);
+            }
+        }
         Some(kept)
     }
 
@@ -107,8 +122,8 @@ impl<'a> Edge<'a> {
         if gap >= corner.reach || along <= 0.0 || along >= 1.0 {
             return false;
         }
-        let kept = self.answer(v, along, normal);
-        let way = self.mean(x, along) - self.mean(self.start.x, along);
+        let kept = self.answer(corner, v, along, normal);
+        let way = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
         let excess = way.dot(normal) - (gap - corner.skin).min(0.0);
         if let Some(kept) = kept {
             let tangent = normal.perp();
@@ -126,33 +141,38 @@ impl<'a> Edge<'a> {
         };
         let reached = [0, 1].map(|end| self.from[end] + (self.to[end] - self.from[end]) * share);
         if let Some(Seen { along, .. }) = advance::seen(reached, middle) {
-            self.answer(v, along, normal);
+            self.answer(corner, v, along, normal);
         }
         for (vertex, reached) in self.vertices.into_iter().zip(reached) {
-            put(x, vertex, reached);
+            // What is held stays where it is, also when a corner comes to it.
+            let free = at(self.start.inverse_mass, vertex).cmpne(Vector::ZERO);
+            put(x, vertex, Vector::select(free, reached, at(x, vertex)));
         }
         true
     }
 }
 
-/// The corners of an obstacle, the edges of bodies, and least and greatest corner of a box around the ways of all edges.
-pub type Bodies<'a> = (&'a [Corner], &'a [[u32; 2]], [[f64; 2]; 2]);
+/// The corners of an obstacle and how they move, the edges of bodies, and least and greatest corner of a box around the ways
+/// of all edges.
+pub type Bodies<'a> = (&'a [Corner], &'a Carry, &'a [[u32; 2]], [[f64; 2]; 2]);
 
 /// Calls `act` for every edge and every corner near its way; returns how many edges it changed.
 fn each<'a>(
-    (corners, edges, bounds): Bodies<'_>,
+    (corners, carry, edges, bounds): Bodies<'a>,
     start: &'a Start<'a>,
     x: &mut [f64],
     v: &mut [f64],
     act: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
 ) -> usize {
     let mut touched = 0;
-    for corner in corners.iter().filter(|corner| corner.is_near(bounds.map(Vector::from))) {
+    let corners = corners.iter().map(|corner| carry.corner(corner));
+    for corner in corners.filter(|corner| corner.is_near(bounds.map(Vector::from))) {
         let mut free = None;
+        let is_free = || !is_inside(carry.place_back(corner.middle), edges, start.x);
         for &vertices in edges {
-            let edge = Edge::new(start, vertices, x);
-            if edge.is_near(corner) && *free.get_or_insert_with(|| !is_inside(corner.middle, edges, start.x)) {
-                touched += usize::from(act(&edge, corner, x, v));
+            let edge = Edge::new((start, carry), vertices, x);
+            if edge.is_near(&corner) && *free.get_or_insert_with(is_free) {
+                touched += usize::from(act(&edge, &corner, x, v));
             }
         }
     }
@@ -171,12 +191,12 @@ fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
 
 /// Where a corner is within its reach of an edge, the point of the edge nearest to it may not move towards it: an impulse on
 /// both ends, as their masses share it, takes that velocity and that way. Returns the number of edges touched.
-pub fn press_edges(bodies: Bodies<'_>, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+pub fn press_edges<'a>(bodies: Bodies<'a>, start: &'a Start<'a>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::press)
 }
 
 /// Stops the ends of edges where a corner would first touch between them, and takes the velocity towards it. Returns the
 /// number of edges touched; as they share vertices, another look may find more.
-pub fn stop_edges(bodies: Bodies<'_>, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+pub fn stop_edges<'a>(bodies: Bodies<'a>, start: &'a Start<'a>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::stop)
 }

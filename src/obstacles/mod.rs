@@ -4,26 +4,35 @@
 //! Every obstacle has a reach eps: a vertex nearer than that to the surface may not move towards it. Beside that no speed
 //! gets a vertex through a surface, nor a corner of an obstacle through an edge of a body: where they would meet within a
 //! step is found by conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996,
-//! section 2.3), which never passes the first touch, and there they stop.
+//! section 2.3), which never passes the first touch, and there they stop. All that is relative to an obstacle that moves.
 
 mod advance;
 mod ball;
+mod carry;
 mod corner;
 mod cuboid;
+mod encounter;
 mod meet;
+mod motions;
+mod moving;
 mod plane;
 mod polygon;
 mod solid;
 mod surface;
 
 pub use ball::Ball;
-pub use corner::{Corner, press_edges, stop_edges};
+pub use carry::{Carry, Rigid};
+pub use corner::Corner;
 pub use cuboid::Cuboid;
+pub use encounter::Encounter;
+pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
+pub use moving::Moving;
 pub use plane::{Plane, room};
 pub use polygon::Polygon;
 pub use surface::Surface;
 
 use crate::{quantity::Quantity, registry::registry};
+use std::cell::Cell;
 
 registry! {
     /// What can stand in the way.
@@ -32,6 +41,7 @@ registry! {
         Ball(Ball),
         Cuboid(Cuboid),
         Polygon(Polygon),
+        Moving(Moving),
     }
 }
 
@@ -49,6 +59,16 @@ pub trait ObstacleParameters {
     /// The surface at which vertices stop (eps outside the shape), counter-clockwise [m]; empty for planes, which have no
     /// outline of their own.
     fn outline(&self) -> Vec<[f64; 2]>;
+
+    /// How it moves, one motion on top of the other; most stand still.
+    fn motions(&self) -> Vec<MotionKind> {
+        Vec::new()
+    }
+
+    /// The plane, if it is one: several make a room.
+    fn plane(&self) -> Option<&Plane> {
+        None
+    }
 }
 
 /// Where a point is, seen from an obstacle.
@@ -74,9 +94,18 @@ pub struct Start<'a> {
     /// If only what faces an obstacle is to be stopped: the outward normal of each vertex on the boundary of a body, zero
     /// inside it, and not a number where there is no inside.
     pub outward: Option<&'a [f64]>,
+    /// Simulated time at the start and at the end [s].
+    pub time: [f64; 2],
+    /// Where the work of obstacles that move is added up [J].
+    pub supplied: &'a Cell<f64>,
 }
 
 impl Start<'_> {
+    /// Books work of an obstacle on what it pushed [J]. What it takes away is lost like what any contact takes.
+    fn supply(&self, work: f64) {
+        self.supplied.set(self.supplied.get() + work.max(0.0));
+    }
+
     /// Whether a vertex is to be stopped by a surface with this normal.
     pub fn faces(&self, vertex: usize, [nx, ny]: [f64; 2]) -> bool {
         self.outward.is_none_or(|outward| {

@@ -52,6 +52,10 @@ impl ObstacleParameters for Plane {
     fn outline(&self) -> Vec<[f64; 2]> {
         Vec::new()
     }
+
+    fn plane(&self) -> Option<&Plane> {
+        Some(self)
+    }
 }
 
 impl Obstacle for Wall {

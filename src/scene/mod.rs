@@ -253,6 +253,9 @@ impl Scene {
         let material = &level.material;
         let stuff = (material.model(), material.lame(), material.plane() == Plane::Stress);
         let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), corners, stuff));
+        if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
+            return Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"));
+        }
         let masses = lumped(level.mass, &elements);
         let pins = pinned(&level.pins, rest)?;
         let slides: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();

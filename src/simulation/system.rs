@@ -9,7 +9,7 @@ use crate::{
     solvers::{BlockMatrix, Weights},
     toys::Toy,
 };
-use std::time::Duration;
+use std::{cell::Cell, time::Duration};
 use web_time::Instant;
 
 /// Most turns that constraints take in a step.
@@ -24,6 +24,8 @@ pub(super) struct Scratch {
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
+    /// Work of moving obstacles in this step [J].
+    pub supplied: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -51,6 +53,8 @@ pub(super) struct System<'a> {
     pub scene: &'a Scene,
     pub scratch: &'a mut Scratch,
     pub grab: Option<Grab>,
+    /// Simulated time where the step begins and where it ends [s].
+    pub time: [f64; 2],
 }
 
 impl Scratch {
@@ -71,6 +75,13 @@ impl Scratch {
 }
 
 impl System<'_> {
+    /// What touching does here.
+    fn surface(&self) -> Surface {
+        let mut surface = Surface::default();
+        self.scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
+        surface
+    }
+
     fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
         Motion { x, v, mass, inverse_mass, grab: self.grab }
@@ -126,17 +137,29 @@ impl Dynamics for System<'_> {
         self.scene.effects.iter().any(|effect| effect.constrains())
     }
 
+    fn grips(&self) -> bool {
+        self.surface().friction != 0.0
+    }
+
     /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         let scene = self.scene;
-        let mut surface = Surface::default();
-        scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
+        let surface = self.surface();
         let mut outward = std::mem::take(&mut self.scratch.outward);
         if faces {
             scene.outward(before_x, &mut outward);
         }
+        let (time, supplied) = (self.time, Cell::new(0.0));
         let outward_of = faces.then_some(outward.as_slice());
-        let start = Start { x: before_x, v: before_v, inverse_mass: &scene.inverse_mass, surface, outward: outward_of };
+        let start = Start {
+            x: before_x,
+            v: before_v,
+            inverse_mass: &scene.inverse_mass,
+            surface,
+            outward: outward_of,
+            time,
+            supplied: &supplied,
+        };
         let constraints = scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains());
         let count = constraints.clone().count();
         let mut quiet = 0;
@@ -151,6 +174,7 @@ impl Dynamics for System<'_> {
             self.scratch.counts.constrained += touched as u64;
         }
         self.scratch.outward = outward;
+        self.scratch.supplied += supplied.get();
     }
 }
 

@@ -87,6 +87,24 @@ impl BlockMatrix {
         self.cursor += 1;
     }
 
+    /// Takes the matrix to other axes, given by the first of them for each vertex, flat: `Q_aᵀ B_ab Q_b`.
+    pub fn turn(&mut self, axes: &[f64]) {
+        let turned = |vertex: usize| axes[2 * vertex..2 * vertex + 2] != [1.0, 0.0];
+        let q = |vertex: usize| {
+            let (c, s) = (axes[2 * vertex], axes[2 * vertex + 1]);
+            Matrix2::new(c, -s, s, c)
+        };
+        for (vertex, block) in self.diagonal.iter_mut().enumerate().filter(|(vertex, _)| turned(*vertex)) {
+            *block = q(vertex).transpose() * *block * q(vertex);
+        }
+        for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
+            let (row, column) = (*row as usize, *column as usize);
+            if turned(row) || turned(column) {
+                *block = q(row).transpose() * *block * q(column);
+            }
+        }
+    }
+
     /// Whether as many couples were added as were listed.
     pub fn is_full(&self) -> bool {
         self.cursor == self.slots.len()

@@ -23,7 +23,7 @@ pub trait Equations {
     /// [`Self::longest_step`] allows. What is fixed must stay.
     fn other_start(&self, z: &mut [f64]);
 
-    /// How far any number of z may be from the solution.
+    /// How far the vector of any vertex may be from the solution.
     fn tolerance(&self, z: &[f64]) -> f64;
 }
 
@@ -91,7 +91,7 @@ impl Newton {
         self.system = None;
     }
 
-    /// Largest change of z in each iteration of the last solve.
+    /// Largest change of any vertex's z in each iteration of the last solve.
     pub fn sizes(&self) -> &[f64] {
         &self.sizes
     }
@@ -294,6 +294,8 @@ fn heaviest(matrix: &BlockMatrix, inverse_weight: &[f64]) -> f64 {
     diagonals.zip(inverse_weight).fold(0.0, |greatest, (entry, inverse)| greatest.max(entry * inverse))
 }
 
+/// The greatest length of the vector of any vertex: no other than after a turn.
 fn greatest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |greatest, value| value.abs().max(greatest))
+    let squares = values.chunks(2).map(|vector| vector.iter().map(|value| value * value).sum());
+    squares.fold(0.0, f64::max).sqrt()
 }

@@ -40,7 +40,7 @@ impl Scenery {
             self.changed = true;
         }
         for (effect, (shapes, presence)) in snapshot.level.effects.iter().zip(&mut self.effects) {
-            let now = effect.effect.kind().shapes();
+            let now = effect.effect.kind().shapes(snapshot.time);
             let wanted = if now.is_empty() { 0.0 } else { wanted(effect, snapshot.mode) };
             let step = if known { dt / FADE } else { 1.0 };
             let next = *presence + (wanted - *presence).clamp(-step, step);

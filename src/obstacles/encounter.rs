@@ -1,0 +1,122 @@
+//! Bodies and one obstacle in one step.
+
+use super::{Carry, Contact, Corner, Obstacle, Start, corner, meet};
+
+/// An obstacle on its way through a step, and a box around the ways of all vertices.
+#[derive(Clone, Copy)]
+pub struct Encounter<'a> {
+    obstacle: &'a dyn Obstacle,
+    carry: Carry,
+    bounds: [[f64; 2]; 2],
+}
+
+impl<'a> Encounter<'a> {
+    /// `bounds` are the least and the greatest corner of the box around the ways of all vertices in the world.
+    pub fn new(obstacle: &'a dyn Obstacle, carry: Carry, bounds: [[f64; 2]; 2]) -> Self {
+        Self { obstacle, carry, bounds: carry.bounds(bounds) }
+    }
+
+    /// Whether any vertex could touch; false only if none can.
+    pub fn is_near(&self) -> bool {
+        let [least, greatest] = self.carry.built(self.bounds);
+        self.obstacle.is_near(least, greatest)
+    }
+
+    /// The obstacle's motion in this step.
+    pub const fn carry(&self) -> &Carry {
+        &self.carry
+    }
+
+    /// Stops vertices: see [`Obstacle::constrain`].
+    pub fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        if self.carry.is_still() {
+            return self.obstacle.constrain(start, x, v);
+        }
+        let reach = self.obstacle.reach() * self.obstacle.reach();
+        let mut touched = 0;
+        for (vertex, (x, v)) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).enumerate() {
+            let from = start.x[2 * vertex..][..2].try_into().map_or([f64::NAN; 2], |from| self.carry.place(from));
+            let begun = self.contact(from);
+            let way = [x[0] - from[0], x[1] - from[1]];
+            if begun.is_some() || way[0] * way[0] + way[1] * way[1] >= reach {
+                touched += usize::from(self.meet(start, (vertex, from, begun), x, v));
+            }
+        }
+        touched
+    }
+
+    /// Stops one vertex as the obstacle sees it, which itself does not move.
+    fn meet(
+        &self,
+        start: &Start<'_>,
+        (vertex, from, begun): (usize, [f64; 2], Option<Contact>),
+        x: &mut [f64],
+        v: &mut [f64],
+    ) -> bool {
+        let numbers = 2 * vertex..2 * vertex + 2;
+        let inverse_mass = &start.inverse_mass[numbers.clone()];
+        if inverse_mass == [0.0; 2] {
+            return false;
+        }
+        let pair = |values: &[f64]| [values[2 * vertex], values[2 * vertex + 1]];
+        let before = self.carry.relative(pair(start.v), pair(start.x));
+        let outward = start.outward.map(|outward| self.carry.direction(pair(outward)));
+        let seen =
+            Start { x: &from, v: &before, inverse_mass, outward: outward.as_ref().map(<[f64; 2]>::as_slice), ..*start };
+        let wall = self.carry.velocity_at([x[0], x[1]]);
+        let (mut to, mut relative) = ([x[0], x[1]], [v[0] - wall[0], v[1] - wall[1]]);
+        if !meet::meet(self, &seen, (0, begun), &mut to, &mut relative) {
+            return false;
+        }
+        let wall = self.carry.velocity_at(to);
+        let mut work = 0.0;
+        for axis in (0..2).filter(|axis| inverse_mass[*axis] != 0.0) {
+            let after = relative[axis] + wall[axis];
+            work += (after - v[axis]) / inverse_mass[axis] * wall[axis];
+            (x[axis], v[axis]) = (to[axis], after);
+        }
+        start.supply(work);
+        true
+    }
+
+    /// See [`corner::press_edges`].
+    pub fn press_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        corner::press_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
+    }
+
+    /// See [`corner::stop_edges`].
+    pub fn stop_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        corner::stop_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
+    }
+}
+
+/// The obstacle at its place at the end of the step.
+impl Obstacle for Encounter<'_> {
+    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
+        let contact = self.obstacle.contact(self.carry.end.back(point))?;
+        Some(Contact { normal: self.carry.end.normal(contact.normal), ..contact })
+    }
+
+    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        let [least, greatest] = self.carry.built([least, greatest]);
+        self.obstacle.is_near(least, greatest)
+    }
+
+    fn reach(&self) -> f64 {
+        self.obstacle.reach()
+    }
+
+    fn skin(&self) -> f64 {
+        self.obstacle.skin()
+    }
+
+    fn cast(&self, from: [f64; 2], way: [f64; 2]) -> Option<(f64, [f64; 2])> {
+        let end = &self.carry.end;
+        let (share, normal) = self.obstacle.cast(end.back(from), end.direction_back(way))?;
+        Some((share, end.normal(normal)))
+    }
+
+    fn corners(&self) -> &[Corner] {
+        self.obstacle.corners()
+    }
+}

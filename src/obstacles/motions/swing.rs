@@ -1,0 +1,43 @@
+use super::{Motion, Rigid};
+use crate::quantity::{Angle, Coordinate, Period, Point, Quantity};
+use serde::{Deserialize, Serialize};
+
+/// To and fro along a line: `d = way sin(2 pi t/period + phase)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Swing {
+    /// From the middle to the farthest point [m].
+    pub way: Point,
+    /// Time for one swing to and fro [s].
+    pub period: Period,
+    /// Where in the swing it starts [degrees]: 0 in the middle, on the way out; 90 at the farthest point.
+    #[serde(default = "middle")]
+    pub phase: Angle,
+}
+
+const fn middle() -> Angle {
+    Angle::literal(0.0)
+}
+
+impl Default for Swing {
+    fn default() -> Self {
+        let way = Point(Coordinate::literal(0.2), Coordinate::literal(0.0));
+        Self { way, period: Period::literal(2.0), phase: middle() }
+    }
+}
+
+impl Motion for Swing {
+    fn at(&self, time: f64) -> Rigid {
+        let rate = std::f64::consts::TAU / self.period.get();
+        // Whole swings are taken off first, so that late ones are as exact as early ones.
+        let turns = time / self.period.get();
+        let angle = std::f64::consts::TAU * (turns - libm::floor(turns)) + self.phase.get().to_radians();
+        let [x, y] = self.way.get();
+        let (out, speed) = (libm::sin(angle), rate * libm::cos(angle));
+        Rigid { shift: [out * x, out * y], velocity: [speed * x, speed * y], ..Rigid::STILL }
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        vec![&mut self.period]
+    }
+}

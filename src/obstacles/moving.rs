@@ -1,0 +1,56 @@
+use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane};
+use crate::quantity::{Point, Quantity};
+use serde::{Deserialize, Serialize};
+
+/// An obstacle that moves as it is told, whatever bumps into it. What it touches is stopped relative to it, and it supplies
+/// what energy that takes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Moving {
+    /// What it is, where it would be without moving.
+    pub obstacle: Box<ObstacleKind>,
+    /// How it moves: each motion takes along what the ones before it have moved.
+    pub motions: Vec<MotionKind>,
+}
+
+impl Default for Moving {
+    fn default() -> Self {
+        let obstacle = Box::new(ObstacleKind::Ball(super::Ball::default()));
+        Self { obstacle, motions: vec![MotionKind::Swing(super::Swing::default())] }
+    }
+}
+
+impl ObstacleParameters for Moving {
+    fn build(&self) -> Result<Box<dyn Obstacle>, String> {
+        self.obstacle.kind().build()
+    }
+
+    fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
+        let own = self.motions.iter_mut().flat_map(|motion| motion.kind_mut().parameters());
+        self.obstacle.kind_mut().parameters().into_iter().chain(own).collect()
+    }
+
+    fn motions(&self) -> Vec<MotionKind> {
+        let mut motions = self.obstacle.kind().motions();
+        motions.extend_from_slice(&self.motions);
+        motions
+    }
+
+    fn outline(&self) -> Vec<[f64; 2]> {
+        self.obstacle.kind().outline()
+    }
+
+    fn plane(&self) -> Option<&Plane> {
+        self.obstacle.kind().plane()
+    }
+}
+
+impl Plane {
+    /// The same plane elsewhere; itself, where that is beyond what a plane can be.
+    #[must_use]
+    pub fn moved(&self, to: &super::Rigid) -> Self {
+        let point = Point::new(to.point(self.point.get())).unwrap_or(self.point);
+        let normal = Point::new(to.normal(self.normal.get())).unwrap_or(self.normal);
+        Self { point, normal, eps: self.eps }
+    }
+}

@@ -1,0 +1,336 @@
+//! Facts about obstacles that move: what they push goes with them, nothing gets through them, and they are where time says.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{level, simulation};
+use gingerbread::{
+    command::{Command, Mode},
+    effects::{EffectKind, Shape},
+    files,
+    integrators::{Class, IntegratorKind},
+    level::Level,
+    meshes::NoFiles,
+    obstacles::{MotionKind, placed},
+    sandbox::Sandbox,
+    simulation::Simulation,
+};
+
+/// A block of jelly 0.2 m wide with its lower left corner at a point.
+fn block(integrator: &str, substeps: u32, [x, y]: [f64; 2], [vx, vy]: [f64; 2], effects: &str) -> Level {
+    level(&format!(
+        "(name: \"block\", substeps: {substeps}, integrator: {integrator}(), bodies: [(name: \"block\",
+            mesh: Rectangle(width: 0.2, height: 0.2, columns: 4, rows: 4, diagonals: Alternating, corner: ({x:?}, {y:?})),
+            material: (model: Corotated, young: 100000, poisson: 0.3, plane: Strain), mass: Density(100),
+            velocity: ({vx:?}, {vy:?}))], effects: [{effects}])"
+    ))
+}
+
+/// One particle on a spring without stiffness, at a point.
+fn particle(integrator: &str, substeps: u32, [x, y]: [f64; 2], [vx, vy]: [f64; 2], effects: &str) -> Simulation {
+    simulation(&level(&format!(
+        "(name: \"particle\", substeps: {substeps}, integrator: {integrator}(), nets: [(name: \"particle\",
+            net: Links(points: [({x:?}, {y:?}), (0, 9)], springs: [(0, 1, 0, 1)]), mass: 0.1,
+            velocity: ({vx:?}, {vy:?}), pins: [Vertex(1)])], effects: [{effects}])"
+    )))
+}
+
+fn walls(obstacle: &str, motions: &str) -> String {
+    format!("(effect: Walls(obstacles: [Moving(obstacle: {obstacle}, motions: [{motions}])]))")
+}
+
+/// What pushes to the right from x = 0.
+const PISTONS: [&str; 3] = [
+    "Plane(point: (0, 0), normal: (1, 0), eps: 0.001)",
+    "Cuboid(centre: (-0.1, 0.5), width: 0.2, height: 4, eps: 0.001)",
+    "Polygon(points: [(-0.1, -2), (0, -2), (0, 3), (-0.1, 3)], eps: 0.001)",
+];
+
+fn mean(simulation: &Simulation, values: &[f64], axis: usize) -> f64 {
+    let masses = &simulation.scene().mass;
+    let total: f64 = masses.iter().step_by(2).sum();
+    values.iter().zip(masses).skip(axis).step_by(2).map(|(value, mass)| value * mass).sum::<f64>() / total
+}
+
+#[test]
+fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
+    for kind in IntegratorKind::all() {
+        for piston in PISTONS {
+            let effects = walls(piston, "Slide(velocity: (2, 0))");
+            let mut hit = particle(kind.name(), 20, [0.05, 0.5], [-0.3, 0.4], &effects);
+            hit.advance(100, &mut || true);
+            let v = &hit.state().v;
+            assert!((v[0] - 2.0).abs() < 1e-9 && (v[1] - 0.4).abs() < 1e-9, "{} {piston}: {v:?}", kind.name());
+            let place = 2.0 * hit.state().time;
+            assert!((0.0..0.002).contains(&(hit.state().x[0] - place)), "{} {piston}", kind.name());
+            // Air brakes a body, so that it stays at the piston.
+            let air = format!("{effects}, (effect: Rayleigh(mass: 20, stiffness: 0.0003))");
+            let mut body = simulation(&block(kind.name(), 200, [0.01, 0.4], [0.0, 0.0], &air));
+            body.advance(12_000, &mut || true);
+            assert!(
+                body.fault().is_none() && body.counts().guarded == 0,
+                "{} {piston}: {:?}",
+                kind.name(),
+                body.counts()
+            );
+            let v = mean(&body, &body.state().v, 0);
+            assert!((v - 2.0).abs() < 2e-3, "{} {piston}: {v}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn a_belt_drags_along_with_mu_g_until_what_lies_on_it_goes_with_it() {
+    let belts = [
+        "Plane(point: (0, 0), normal: (0, 1), eps: 0.001)",
+        "Cuboid(centre: (0, -0.1), width: 8, height: 0.2, eps: 0.001)",
+    ];
+    for kind in IntegratorKind::all() {
+        for belt in belts {
+            let effects = format!(
+                "(effect: Gravity(down: 10)), (effect: Friction(coefficient: 0.5)), {}",
+                walls(belt, "Slide(velocity: (1, 0))")
+            );
+            let mut lying = particle(kind.name(), 100, [0.0, 0.0005], [0.0, 0.0], &effects);
+            lying.advance(600, &mut || true);
+            let v = lying.state().v[0];
+            assert!((v - 0.5).abs() < 0.01, "{} {belt}: {v} m/s after 0.1 s", kind.name());
+            lying.advance(1200, &mut || true);
+            let [v, up] = [lying.state().v[0], lying.state().v[1]];
+            assert!((v - 1.0).abs() < 1e-9 && up.abs() < 1e-9, "{} {belt}: {v}", kind.name());
+        }
+    }
+}
+
+/// Whether two segments cross.
+fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}
+
+/// What is drawn of the first wall at a time, without its reach: it must be where the wall is.
+fn outline(level: &Level, time: f64) -> Vec<[f64; 2]> {
+    let bare = files::write(level).unwrap().replace("eps: 0.002", "eps: 0");
+    let shapes = self::level(&bare).effects[0].effect.kind().shapes(time);
+    let Some(Shape::Solid(outline)) = shapes.into_iter().next() else { return Vec::new() };
+    assert!(outline.len() > 2);
+    outline
+}
+
+#[test]
+fn nothing_gets_through_what_moves_at_any_speed_under_any_scheme() {
+    let shapes = [
+        "Cuboid(centre: (0, 0), width: 0.002, height: 0.9, eps: 0.002)",
+        "Ball(centre: (0, 0), radius: 0.012, eps: 0.002)",
+        "Polygon(points: [(-0.5, -0.004), (0, 0), (-0.5, 0.004)], eps: 0.002)",
+    ];
+    for kind in IntegratorKind::all() {
+        for shape in shapes {
+            for speed in [1.0, 30.0, 1000.0] {
+                // Coming from the left, and a blade whose tip is so fast.
+                let (slide, turn) =
+                    (format!("Slide(velocity: ({speed}, 0))"), format!("Turn(about: (0, -0.5), spin: {speed})"));
+                for (motion, at) in [(slide, [0.05, -0.107]), (turn, [-0.3, -0.29])] {
+                    let substeps: &[u32] = if kind.kind().class() == Class::Implicit { &[1] } else { &[1, 200] };
+                    for &substeps in substeps {
+                        let level = block(kind.name(), substeps, at, [0.0, 0.0], &walls(shape, &motion));
+                        let mut run = simulation(&level);
+                        let what = format!("{} {shape} {motion} {substeps} substeps", kind.name());
+                        for _ in 0..12.min(6 * substeps) {
+                            run.advance(u64::from(substeps).div_ceil(40), &mut || true);
+                            let x = &run.state().x;
+                            if run.fault().is_some() || x.iter().any(|x| x.abs() > 1e5) {
+                                break;
+                            }
+                            let outline = outline(&level, run.state().time);
+                            // The drawn circle has corners, and lies inside the true one.
+                            let sides = (0..outline.len()).map(|i| [outline[i], outline[(i + 1) % outline.len()]]);
+                            for &edge in run.scene().boundary.iter() {
+                                let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
+                                assert!(sides.clone().all(|side| !cross(ends, side)), "{what}: {ends:?}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_particle_stays_on_its_side_of_a_wall_that_passes_at_1000_metres_a_second() {
+    for kind in IntegratorKind::all() {
+        for piston in PISTONS {
+            for substeps in [1, 100] {
+                let mut run = particle(
+                    kind.name(),
+                    substeps,
+                    [0.3, 0.5],
+                    [0.0, 0.0],
+                    &walls(piston, "Slide(velocity: (1000, 0))"),
+                );
+                for _ in 0..20 {
+                    run.advance(1, &mut || true);
+                    assert!(run.fault().is_none(), "{} {piston}", kind.name());
+                    let (x, wall) = (run.state().x[0], 1000.0 * run.state().time);
+                    assert!(x >= wall, "{} {piston} {substeps}: {x} behind {wall}", kind.name());
+                }
+                assert!(substeps == 100 || (run.state().v[0] - 1000.0).abs() < 1e-6);
+            }
+        }
+    }
+}
+
+/// Galileo: seen from a moving wall nothing is different from a wall at rest.
+#[test]
+fn an_impact_on_a_moving_wall_is_that_on_a_resting_one_seen_from_it() {
+    let shapes = [
+        "Plane(point: (0, 0), normal: (1, 0.2), eps: 0.001)",
+        "Cuboid(centre: (-0.1, 0.5), width: 0.2, height: 0.9, turn: 7, eps: 0.001)",
+        "Polygon(points: [(-0.4, 0.3), (0, 0.52), (-0.4, 0.7)], eps: 0.001)",
+        "Ball(centre: (-0.1, 0.47), radius: 0.1, eps: 0.001)",
+    ];
+    for kind in IntegratorKind::all() {
+        // An error control weighs errors by how fast things are, and so does the linear solve what an impact is; what grows at
+        // every step makes round-off grow too.
+        let weighs = kind.kind().class() == Class::ErrorControlled || kind.name() == "LinearlyImplicitEuler";
+        if weighs || kind.kind().stability_limit() == Some(0.0) {
+            continue;
+        }
+        for shape in shapes {
+            let coats = "(effect: Restitution(coefficient: 1)), (effect: Friction(coefficient: 0.3))";
+            let seen = |[wx, wy]: [f64; 2], motions: &str| {
+                let effects = format!("{}, {coats}", walls(shape, motions));
+                let mut run = simulation(&block(kind.name(), 200, [0.1213, 0.4], [wx - 4.0, wy + 0.5], &effects));
+                assert_eq!(run.advance(900, &mut || true), 900);
+                assert!(run.counts().constrained > 0, "{} {shape}", kind.name());
+                let time = run.state().time;
+                let shift = |number: usize| if number.is_multiple_of(2) { wx } else { wy };
+                let x = run.state().x.iter().enumerate().map(|(number, x)| x - time * shift(number));
+                let v = run.state().v.iter().enumerate().map(|(number, v)| v - shift(number));
+                x.chain(v).collect::<Vec<_>>()
+            };
+            let rests = seen([0.0, 0.0], "");
+            let moves = seen([3.0, -2.0], "Slide(velocity: (3, -2))");
+            let error = rests.iter().zip(&moves).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-9, "{} {shape}: {error:e}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn two_mirrored_pistons_press_a_mirrored_body_evenly() {
+    for kind in IntegratorKind::all() {
+        let text = "(effect: Walls(obstacles: [
+            Moving(obstacle: Cuboid(centre: (0.25, 0.5), width: 0.1, height: 0.15, eps: 0.002), motions: [Swing(way: (0.12, 0), period: 0.2)]),
+            Moving(obstacle: Cuboid(centre: (0.75, 0.5), width: 0.1, height: 0.15, eps: 0.002), motions: [Swing(way: (-0.12, 0), period: 0.2)])]))";
+        let mut run = simulation(&block(kind.name(), 200, [0.4, 0.4], [0.0, 0.0], text));
+        run.advance(600, &mut || true);
+        assert!(run.fault().is_none() && run.counts().constrained > 0, "{}", kind.name());
+        let x = &run.state().x;
+        let points: Vec<_> = x.chunks_exact(2).collect();
+        let rest: Vec<_> = run.scene().rest.chunks_exact(2).collect();
+        for (point, at) in points.iter().zip(&rest) {
+            let other = rest.iter().position(|other| (other[0] + at[0] - 1.0).abs() + (other[1] - at[1]).abs() < 1e-9);
+            let twin = points[other.unwrap()];
+            let error = (point[0] + twin[0] - 1.0).abs().max((point[1] - twin[1]).abs());
+            assert!(error < 1e-7, "{}: {error:e}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn an_obstacle_without_a_motion_does_to_the_bit_what_one_that_cannot_move_does() {
+    let run = |obstacle: &str| {
+        let effects = format!("(effect: Gravity(down: 9.8)), (effect: Walls(obstacles: [{obstacle}]))");
+        let mut run = simulation(&block("SymplecticEuler", 100, [0.3, 0.5], [1.0, -2.0], &effects));
+        run.advance(2000, &mut || true);
+        assert!(run.counts().constrained > 0);
+        run.state().hash()
+    };
+    for obstacle in [
+        "Ball(centre: (0.4, 0.2), radius: 0.1, eps: 0.01)",
+        "Cuboid(centre: (0.4, 0.2), width: 0.3, height: 0.1, turn: 20, eps: 0.01)",
+    ] {
+        assert_eq!(run(obstacle), run(&format!("Moving(obstacle: {obstacle}, motions: [])")));
+    }
+}
+
+const STIRRED: &str = "(name: \"stirred\", mode: Collide, substeps: 40, bodies: [(name: \"b\", mesh: Disk(radius: 0.1, rings: 4, centre: (0.5, 0.6)),
+    mass: Density(10), material: (model: NeoHookean, young: 500, poisson: 0.3))], effects: [(effect: Gravity(down: 3)),
+    (effect: Walls(obstacles: [Moving(obstacle: Cuboid(centre: (0.5, 0.35), width: 0.5, height: 0.03, eps: 0.005),
+        motions: [Turn(about: (0.5, 0.35), spin: 3), Swing(way: (0.05, 0.1), period: 0.7, phase: 30)]),
+        Plane(point: (0, 0), normal: (0, 1), eps: 0.01)]))])";
+
+#[test]
+fn going_back_and_saving_find_what_moves_at_the_same_place_to_the_bit() {
+    let mut sandbox = Sandbox::new(level(STIRRED), Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+    sandbox.advance(1000, &mut || true);
+    let saved = files::write(&sandbox.saved()).unwrap();
+    let mut later = Vec::new();
+    for _ in 0..20 {
+        sandbox.advance(40, &mut || true);
+        later.push(sandbox.simulation().state().clone());
+    }
+    let mut resumed = simulation(&files::parse(&saved, "saved.ron").unwrap());
+    resumed.advance(800, &mut || true);
+    assert_eq!(resumed.state(), &later[19]);
+    sandbox.apply(Command::Rewind(10.0 / 60.0)).unwrap();
+    assert_eq!(sandbox.simulation().state(), &later[9]);
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    sandbox.advance(400, &mut || true);
+    assert_eq!(sandbox.simulation().state(), &later[19]);
+    assert!(sandbox.simulation().counts().constrained > 0);
+}
+
+/// With a step far above the stability limit the guard takes shorter ones: they must find the wall where their own time says.
+#[test]
+fn shorter_steps_find_what_moves_where_it_is_then() {
+    let mut run = simulation(&level(&STIRRED.replace("substeps: 40", "substeps: 4")));
+    run.advance(240, &mut || true);
+    assert!(run.fault().is_none() && run.counts().guarded > 0, "{:?}", run.counts());
+    assert!(run.state().is_finite() && run.inversion().1 == 0);
+}
+
+#[test]
+fn a_guard_that_watches_lets_walls_push_and_still_sees_what_is_unstable() {
+    // Hard pushes are no energy from nowhere.
+    for kind in IntegratorKind::all()
+        .iter()
+        .filter(|kind| kind.kind().class() == Class::Explicit && kind.kind().stability_limit() != Some(0.0))
+    {
+        for speed in [1.0, 10.0, 100.0] {
+            let motion = format!("Swing(way: (0.05, 0), period: {:?})", 0.1 * std::f64::consts::PI / speed);
+            let mut run = particle(kind.name(), 1000, [0.02, 0.5], [0.0, 0.0], &walls(PISTONS[1], &motion));
+            run.advance(2000, &mut || true);
+            assert!(run.fault().is_none() && run.state().v[0] > 0.5 * speed, "{} {speed}", kind.name());
+            assert_eq!((run.counts().guarded, run.counts().retaken), (0, 0), "{} {speed}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn the_velocity_of_a_motion_is_the_rate_of_its_place() {
+    let text = "Turn(about: (0.3, -0.2), spin: 5), Swing(way: (0.3, 0.1), period: 0.9, phase: 20), Turn(about: (1, 1), spin: -2), Slide(velocity: (3, 1), from: 0.1, until: 5)";
+    let EffectKind::Walls(walls) =
+        level(&format!("(name: \"\", bodies: [], effects: [{}])", walls(PISTONS[0], text))).effects.remove(0).effect
+    else {
+        return;
+    };
+    let motions: Vec<MotionKind> = walls.obstacles[0].kind().motions();
+    assert_eq!(motions.len(), 4);
+    for time in [0.05, 0.7, 3.3, 7.0] {
+        let (now, dt) = (placed(&motions, time), 1e-6);
+        for point in [[0.0, 0.0], [1.5, -0.7]] {
+            let [before, after] = [-dt, dt].map(|dt| placed(&motions, time + dt).point(point));
+            let v = now.velocity_at(now.point(point));
+            for axis in 0..2 {
+                let rate = (after[axis] - before[axis]) / (2.0 * dt);
+                assert!((rate - v[axis]).abs() < 1e-7, "{time} {point:?}: {rate} {}", v[axis]);
+            }
+            let back = now.back(now.point(point));
+            assert!((back[0] - point[0]).abs() + (back[1] - point[1]).abs() < 1e-12);
+        }
+    }
+}

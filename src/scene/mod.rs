@@ -1,10 +1,12 @@
 //! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
+mod held;
 mod net;
 mod start;
 mod touching;
 
+use held::{on_edge, pinned, sliding};
 pub use net::Net;
 use touching::Touching;
 
@@ -12,7 +14,7 @@ use crate::{
     effects::{Effect, Motion},
     elements::{Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
-    level::{BodyLevel, Level, MassLevel, Pin, RunMode, SavedState, Side, Switch, When},
+    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Switch, When},
     materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     quantity::Point,
@@ -375,42 +377,6 @@ fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
             masses
         }
     }
-}
-
-/// The vertices that the rules pin, ascending, judged on flat rest positions.
-fn pinned(pins: &[Pin], rest: &[f64]) -> Result<Vec<u32>, String> {
-    let count = rest.len() / 2;
-    let on_edge = |axis: usize, greatest: bool| on_edge(rest, axis, greatest);
-    let mut pinned = Vec::new();
-    for &pin in pins {
-        match pin {
-            Pin::Vertex(vertex) if (vertex as usize) < count => pinned.push(vertex),
-            Pin::Vertex(vertex) => {
-                return Err(format!("a pin names vertex {vertex}, but they go from 0 to {}", count - 1));
-            }
-            Pin::Nearest(point) => pinned.extend(nearest_vertex(rest, point.get()).map(|i| i as u32)),
-            Pin::Left => pinned.extend(on_edge(0, false)),
-            Pin::Right => pinned.extend(on_edge(0, true)),
-            Pin::Bottom => pinned.extend(on_edge(1, false)),
-            Pin::Top => pinned.extend(on_edge(1, true)),
-        }
-    }
-    pinned.sort_unstable();
-    pinned.dedup();
-    Ok(pinned)
-}
-
-/// The vertices on a side, and the coordinate that holds them there.
-fn sliding(side: Side, rest: &[f64]) -> impl Iterator<Item = (u32, usize)> {
-    let (axis, greatest) = side.across();
-    on_edge(rest, axis, greatest).map(move |vertex| (vertex, axis))
-}
-
-/// The vertices at the least or greatest coordinate along an axis, to round-off.
-fn on_edge(x: &[f64], axis: usize, greatest: bool) -> impl Iterator<Item = u32> {
-    let (low, high) = extent(x, axis);
-    let (edge, slack) = (if greatest { high } else { low }, 1e-9 * (high - low));
-    (0..x.len() / 2).filter(move |i| (x[2 * i + axis] - edge).abs() <= slack).map(|i| i as u32)
 }
 
 /// The number of the vertex nearest to a point, by flat positions; the lowest of equals.

@@ -79,12 +79,12 @@ impl<'a> Encounter<'a> {
         true
     }
 
-    /// See [`corner::press_edges`].
+    /// Where a corner is near an edge of a body, that may not move towards it. Returns how many edges were touched.
     pub fn press_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         corner::press_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 
-    /// See [`corner::stop_edges`].
+    /// Stops edges of bodies where a corner would first touch on their way. Returns how many there were.
     pub fn stop_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         corner::stop_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }

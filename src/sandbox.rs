@@ -6,7 +6,7 @@ use crate::{
     command::{Command, Mode},
     document::{Document, Gesture, History, saved},
     effects::Grab,
-    level::{Level, RunMode, Switch},
+    level::{Level, RunMode},
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
@@ -325,7 +325,7 @@ impl Sandbox {
     /// Whether any damping is switched on.
     pub fn damping(&self) -> bool {
         let mut damping = self.document.level.effects.iter().filter(|listed| listed.effect.kind().is_damping());
-        damping.any(|listed| listed.switch == Switch::On)
+        damping.any(|listed| listed.switch.is_on())
     }
 
     /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.

@@ -1,5 +1,6 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
+mod reach;
 mod system;
 
 use crate::{
@@ -80,6 +81,7 @@ impl Simulation {
     /// Puts the simulation into a state; a fault is forgotten.
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
+        self.scratch.free = None;
         self.grab = None;
         self.guard.reset();
         self.fault = None;
@@ -168,6 +170,7 @@ impl Simulation {
     fn take_step(&mut self) -> bool {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
             self.set_checkpoint();
+            self.look_for_room();
         }
         self.step();
         if !self.is_sound() {
@@ -215,12 +218,15 @@ impl Simulation {
             }
         };
         self.scratch.work = work;
+        if self.scratch.free.is_some() {
+            self.scratch.pass_over_constraints();
+        }
         self.scratch.counts.add(&counts);
     }
 
     /// Whether the step just taken left numbers, and no energy from nowhere.
     fn is_sound(&mut self) -> bool {
-        if !self.state.is_finite() {
+        if !self.lands() {
             return false;
         }
         if !self.is_guarded() || !self.guard.is_suspicious(self.kinetic_energy()) {
@@ -255,6 +261,7 @@ impl Simulation {
     /// supplied it, such as a wall that begins inside a body.
     fn retake(&mut self) -> bool {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
+        self.scratch.free = None;
         // Energy from nowhere was there before it was noticed.
         if finite && self.joined {
             std::mem::swap(&mut self.checkpoint, &mut self.older);

@@ -5,7 +5,7 @@ use crate::{
     effects::{Effect as _, EffectKind, Grab},
     elements::Springs,
     fault::Fault,
-    level::{Level, Switch},
+    level::Level,
     materials::Model,
     meshes::Mesh,
     sandbox::Sandbox,
@@ -239,7 +239,7 @@ impl Sandbox {
     fn pull(&self, Grab { vertex, target }: Grab) -> Pull {
         let x = &self.simulation.state().x;
         let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
-        let springs = self.shown.effects.iter().filter(|listed| listed.switch == Switch::On);
+        let springs = self.shown.effects.iter().filter(|listed| listed.switch.is_on());
         let stiffness = springs.map(|listed| {
             if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 }
         });

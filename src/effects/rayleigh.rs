@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
     elements::{Elements, Law, Springs, Triangles},
     lanes::{Real, Square},
@@ -118,6 +118,10 @@ impl Effect for Damping {
         let triangles: usize = self.bodies.iter().map(|body| body.corners().len()).sum();
         let springs: usize = self.nets.iter().map(|net| net.links().len()).sum();
         motion.x.len() / 2 + triangles + springs
+    }
+
+    fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
+        if self.alpha == 0.0 && self.beta == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
     fn scratch(&self) -> usize {

@@ -4,7 +4,7 @@ use crate::harness::*;
 use eframe::egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
-use gingerbread::level::{Substeps, Switch};
+use gingerbread::level::{Substeps, Toggle};
 use gingerbread::materials::Model;
 
 #[test]
@@ -47,7 +47,7 @@ fn what_is_saved_opens_again_as_it_was() {
 fn when_time_stops_the_banner_says_why_and_its_buttons_mend_it() {
     let mut wild = level("gingerbread_house");
     wild.substeps = Substeps::new(2).unwrap();
-    wild.guard = Switch::Off;
+    wild.guard = Toggle::Off;
     wild.bodies[0].material = wild.bodies[0].material.with_model(Model::Hencky);
     for (label, substeps) in [("Reset", 2), ("Halve the step", 4), ("Damp", 2)] {
         let mut window = open_level(wild.clone(), 1280.0, 800.0);

@@ -38,12 +38,12 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
 }
 
 fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, commands: &mut Vec<Command>) {
-    let mut on = effect.switch == Switch::On;
+    let mut on = effect.switch.is_on();
     let title = effect.effect.kind().title();
     ui.horizontal(|ui| {
         let switch = ui.checkbox(&mut on, RichText::new(title).strong()).on_hover_text(effect.effect.kind().about());
         if switch.changed() {
-            let switch = if on { Switch::On } else { Switch::Off };
+            let switch = if on { Switch::default() } else { Switch::Off };
             commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
         }
         if effect.when == When::Collide {

@@ -255,6 +255,7 @@ pub fn saved(state: &State) -> Option<crate::level::SavedState> {
         time: Time::new(state.time).ok()?,
         positions: points(&state.x)?,
         velocities: points(&state.v)?,
+        calm: if state.calm.iter().any(|calm| *calm > 0) { state.calm.clone() } else { Vec::new() },
         memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
     })
 }

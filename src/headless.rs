@@ -124,6 +124,8 @@ pub struct RunReport {
     pub unconverged_steps: u64,
     /// Steps that the guard had taken in shorter ones.
     pub guarded_steps: u64,
+    /// Steps in which everything slept.
+    pub slept_steps: u64,
     /// Attempts at a step that the guard threw away.
     pub retaken_steps: u64,
     /// Time spent stepping [s].
@@ -296,6 +298,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64) -> RunRepor
         shifts: counts.shifts,
         unconverged_steps: counts.unconverged,
         guarded_steps: counts.guarded,
+        slept_steps: counts.slept,
         retaken_steps: counts.retaken,
         wall_seconds,
         ns_per_triangle_step: (triangles > 0).then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),

@@ -335,6 +335,9 @@ pub struct SavedState {
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
+    /// How calm each body and then each net has been; the greatest number if it sleeps.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub calm: Vec<u32>,
 }
 
 /// A number of steps that a double still counts exactly.

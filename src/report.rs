@@ -28,6 +28,8 @@ pub struct Counts {
     pub constrained: u64,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// Steps in which everything slept.
+    pub slept: u64,
     /// Attempts at a step that the guard threw away.
     pub retaken: u64,
 }

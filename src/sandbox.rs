@@ -296,6 +296,11 @@ impl Sandbox {
         self.running && self.simulation.fault().is_none()
     }
 
+    /// Whether there is anything to compute: time runs, and not everything sleeps.
+    pub const fn is_busy(&self) -> bool {
+        self.is_live() && !self.simulation.is_asleep()
+    }
+
     /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.
     /// A step that fails leaves the last finite state and a fault in the snapshot.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {

@@ -70,6 +70,8 @@ pub struct Snapshot {
     pub parts: u32,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// How many bodies and nets sleep.
+    pub asleep: usize,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
     /// Why time stopped, if something went wrong.
@@ -148,6 +150,13 @@ pub struct Pull {
     pub force: f64,
 }
 
+impl Snapshot {
+    /// Whether everything sleeps.
+    pub const fn is_asleep(&self) -> bool {
+        self.asleep > 0 && self.asleep == self.bodies.len() + self.nets.len()
+    }
+}
+
 impl Sandbox {
     /// Copies what is to be seen into `snapshot`, reusing its buffers.
     pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot) {
@@ -190,6 +199,7 @@ impl Sandbox {
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.damping = self.damping();
+        snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
         snapshot.rewind_reach = self.rewind_reach();
         snapshot.fault = simulation.fault().cloned();
         (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);

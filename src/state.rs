@@ -13,6 +13,9 @@ pub struct State {
     pub steps: u64,
     /// What the integrator remembers between steps.
     pub memory: Vec<f64>,
+    /// For each body and then each net, how many looks in a row have found it calm; the greatest number if it sleeps. Empty if
+    /// nobody has looked yet.
+    pub calm: Vec<u32>,
 }
 
 impl State {

@@ -218,10 +218,10 @@ impl App {
         self.clock.stop();
     }
 
-    /// Lets time run for as long as the last frame took.
+    /// Lets time run for as long as the last frame took. While everything sleeps it stands still: nothing would change.
     fn advance(&mut self, now: f64, frame: f64) {
         let panes = self.comparison.as_mut();
-        if !panes.as_ref().map_or(self.sandbox.is_live(), |panes| panes.is_live(&self.sandbox)) {
+        if !panes.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox)) {
             self.clock.stop();
             self.last = None;
             return;
@@ -318,8 +318,8 @@ impl eframe::App for App {
             || !self.view.panes.is_empty()
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
             || self.view.wants_files();
-        let live = self.comparison.as_ref().map_or(self.sandbox.is_live(), |panes| panes.is_live(&self.sandbox));
-        if asked || self.view.stage.field != self.snapshot.field || live {
+        let busy = self.comparison.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox));
+        if asked || self.view.stage.field != self.snapshot.field || busy {
             ui.ctx().request_repaint();
         }
     }

@@ -184,6 +184,11 @@ pub trait Effect: Send + Sync {
         false
     }
 
+    /// Whether it does the same at every time. What does not keeps everything awake.
+    fn is_steady(&self) -> bool {
+        true
+    }
+
     /// Stored energy [J].
     fn energy(&self, _motion: Motion<'_>) -> f64 {
         0.0

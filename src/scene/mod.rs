@@ -210,6 +210,7 @@ impl Scene {
             v,
             time: saved.time.get(),
             steps: saved.steps,
+            calm: saved.calm.clone(),
             memory: saved.memory.iter().map(|number| number.get()).collect(),
         })
     }

@@ -9,7 +9,11 @@ use crate::{
     solvers::{BlockMatrix, Weights},
     toys::Toy,
 };
+use std::ops::Range;
 use web_time::Instant;
+
+/// Why the elements of what sleeps are passed over.
+const ASLEEP: &str = "asleep";
 
 /// Most turns that constraints take in a step.
 const TURNS: usize = 4;
@@ -23,15 +27,20 @@ pub(super) struct Plan {
     pub constraints: Vec<usize>,
     /// What has a say where constraints touch.
     pub coatings: Vec<usize>,
+    /// Elements of what sleeps, which are not asked.
+    pub sleeping: Vec<usize>,
     /// What touching does.
     pub surface: Surface,
 }
 
 impl Plan {
-    fn new(scene: &Scene) -> Self {
+    /// For a scene in which some elements sleep, the first of its effects.
+    fn new(scene: &Scene, asleep: impl Iterator<Item = bool>) -> Self {
         let mut plan = Self::default();
-        for (number, effect) in scene.effects.iter().enumerate() {
+        let asleep = asleep.chain(std::iter::repeat(false));
+        for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
             let part = match (effect.constrains(), effect.coats()) {
+                _ if asleep => &mut plan.sleeping,
                 (true, _) => &mut plan.constraints,
                 (_, true) => &mut plan.coatings,
                 _ => &mut plan.forces,
@@ -53,6 +62,8 @@ pub(super) struct Scratch {
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
     pub plan: Plan,
+    /// 1/mass [1/kg] with zero for what sleeps, while something does.
+    pub held: Vec<f64>,
     /// The box in which no constraint has anything to say, while all ways lie in it.
     pub free: Option<Bounds>,
     pub counts: Counts,
@@ -65,7 +76,7 @@ impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
         self.work.forget();
         self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
-        self.plan = Plan::new(scene);
+        self.rest(scene, std::iter::empty());
         self.free = None;
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
         if !self.costs.iter().map(|cost| cost.name).eq(named().map(|(name, _)| name)) {
@@ -74,6 +85,20 @@ impl Scratch {
         for (cost, (_, auto)) in self.costs.iter_mut().zip(named()) {
             (cost.auto, cost.idle) = (auto, None);
         }
+    }
+
+    /// Notes which bodies and nets of a scene sleep; none of their vertices is held yet.
+    pub fn rest(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
+        self.plan = Plan::new(scene, asleep);
+        self.held.clear();
+        if !self.plan.sleeping.is_empty() {
+            self.held.extend_from_slice(&scene.inverse_mass);
+        }
+    }
+
+    /// Holds vertices that sleep.
+    pub fn hold(&mut self, vertices: &Range<usize>) {
+        self.held[2 * vertices.start..2 * vertices.end].fill(0.0);
     }
 
     /// Runs one effect and books its time and, if it is a call of its own, its elements.
@@ -110,7 +135,7 @@ pub(super) struct System<'a> {
 
 impl System<'_> {
     fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
-        let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
+        let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
         Motion { x, v, mass, inverse_mass, grab: self.grab }
     }
 }
@@ -121,6 +146,9 @@ impl Dynamics for System<'_> {
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
+        for number in &self.scratch.plan.sleeping {
+            self.scratch.costs[*number].pass_over(ASLEEP);
+        }
         for turn in 0..self.scratch.plan.forces.len() {
             let number = self.scratch.plan.forces[turn];
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
@@ -140,7 +168,7 @@ impl Dynamics for System<'_> {
     }
 
     fn inverse_mass(&self) -> &[f64] {
-        &self.scene.inverse_mass
+        if self.scratch.held.is_empty() { &self.scene.inverse_mass } else { &self.scratch.held }
     }
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
@@ -173,12 +201,14 @@ impl Dynamics for System<'_> {
             return;
         }
         let scene = self.scene;
+        let held = std::mem::take(&mut self.scratch.held);
+        let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };
         let mut outward = std::mem::take(&mut self.scratch.outward);
         if faces {
             scene.outward(before_x, &mut outward);
         }
         let (surface, outward_of) = (self.scratch.plan.surface, faces.then_some(outward.as_slice()));
-        let start = Start { x: before_x, v: before_v, inverse_mass: &scene.inverse_mass, surface, outward: outward_of };
+        let start = Start { x: before_x, v: before_v, inverse_mass, surface, outward: outward_of };
         let count = self.scratch.plan.constraints.len();
         let (mut quiet, mut all) = (0, 0);
         // The box around the ways of all vertices, as long as nobody has touched one.
@@ -196,7 +226,7 @@ impl Dynamics for System<'_> {
                 quiet += 1;
                 continue;
             }
-            let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+            let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
             let elements = (turn < count).then(|| effect.elements(motion));
             let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
             if touched > 0 {
@@ -210,7 +240,7 @@ impl Dynamics for System<'_> {
             let cost = &mut self.scratch.costs[*number];
             if all > 0 { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
         }
-        self.scratch.outward = outward;
+        (self.scratch.outward, self.scratch.held) = (outward, held);
     }
 }
 

@@ -7,6 +7,7 @@ mod compare;
 mod harness;
 mod keys;
 mod panels;
+mod rest;
 mod stage;
 mod studies;
 mod trouble;

@@ -15,6 +15,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     parameters(ui, desk, view, commands);
     gauge(ui, desk);
     guard(ui, desk, commands);
+    sleep(ui, desk, commands);
     error_now(ui, desk, view);
 }
 
@@ -104,6 +105,28 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
         };
         let color = if now.parts > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
         ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
+    });
+}
+
+/// Whether what has come to rest may sleep, and how much of the scene does.
+fn sleep(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
+    let now = desk.now;
+    if now.toy.is_some() {
+        return;
+    }
+    let help = "What has been at rest for half a second is not computed any more until something happens to it: a pull, \
+                another effect or number. Once everything sleeps, time stands still here and nothing is drawn anew.";
+    let mut on = now.level.sleep == Toggle::On;
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
+            commands.extend([Command::SetSleep(on.into()), Command::EndGesture]);
+        }
+        let words = match (now.asleep, now.bodies.len() + now.nets.len()) {
+            (0, _) => return,
+            (asleep, all) if asleep == all => "everything sleeps".to_owned(),
+            (asleep, all) => format!("{asleep} of {all} sleep"),
+        };
+        ui.label(RichText::new(words).small()).on_hover_text(help);
     });
 }
 

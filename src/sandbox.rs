@@ -291,6 +291,11 @@ impl Sandbox {
         &self.simulation
     }
 
+    /// Whether the time spent in each effect is measured.
+    pub fn set_timed(&mut self, timed: bool) {
+        self.simulation.set_timed(timed);
+    }
+
     /// Whether time should run now: running, not in edit mode, no fault.
     pub const fn is_live(&self) -> bool {
         self.running && self.simulation.fault().is_none()

@@ -8,6 +8,7 @@ use crate::{
     level::Level,
     materials::Model,
     meshes::Mesh,
+    report::EffectCost,
     sandbox::Sandbox,
     scene::{Body, extent},
 };
@@ -74,6 +75,8 @@ pub struct Snapshot {
     pub asleep: usize,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
+    /// What each effect cost so far, elements first.
+    pub costs: Vec<EffectCost>,
     /// Why time stopped, if something went wrong.
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
@@ -201,6 +204,8 @@ impl Sandbox {
         snapshot.damping = self.damping();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
         snapshot.rewind_reach = self.rewind_reach();
+        snapshot.costs.clear();
+        snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
         (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
         snapshot.messages.clone_from(&scene.messages);

@@ -15,7 +15,9 @@ use gingerbread::{
     report::EffectCost,
     scene::Scene,
     simulation::Simulation,
+    study::Savings,
 };
+use std::time::Duration;
 
 /// A level that ships, of fewer triangles, so that it runs quickly.
 fn coarse(text: &str, file: &str) -> Level {
@@ -204,4 +206,27 @@ fn a_level_that_lists_an_effect_twice_where_it_makes_no_sense_says_so() {
     assert_eq!(told(&format!("{edges} {edges} (effect: Gravity(down: 1)), (effect: Gravity(down: 1))")), "");
     assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or edges"));
     assert!(told("(effect: Walls(obstacles: []))").contains("no obstacles"));
+}
+
+#[test]
+fn what_skipping_saves_is_measured_against_the_same_run_with_everything_forced() {
+    let wall = "effects: [(effect: Gravity(down: 1)), (effect: MouseSpring(stiffness: 9)), (effect: Walls(obstacles: [Plane(point: (0, -9), normal: (0, 1), eps: 0.01)]))]";
+    let level = sheet("Corotated", "", &format!("substeps: 20, {wall}"));
+    let mut savings = Savings::new(&level, &NoFiles).unwrap();
+    assert!(savings.each().is_empty() && savings.whole().is_none(), "nothing is guessed");
+    while !savings.advance(Duration::from_secs(60)).finished {}
+    let [own, forced] = savings.runs();
+    assert_eq!((own.state().x == forced.state().x, own.state().v == forced.state().v), (true, true));
+    for name in ["Mouse spring", "Walls"] {
+        assert_eq!((cost(own, name).calls, cost(own, name).skipped), (0, 1200), "{name}");
+        assert_eq!((cost(forced, name).calls, cost(forced, name).skipped), (1200, 0), "{name}");
+        let saving = savings.each().into_iter().find(|saving| saving.name == name).unwrap();
+        assert!(saving.own == 0.0 && saving.saved() > 0.0, "{saving:?}");
+    }
+    // A scene at rest sleeps in one of the two runs alone.
+    let mut still = Savings::new(&sheet("Corotated", "", "substeps: 20"), &NoFiles).unwrap();
+    while !still.advance(Duration::from_secs(60)).finished {}
+    let [own, forced] = still.runs();
+    assert!(own.counts().slept > 0 && forced.counts().slept == 0);
+    assert!(own.counts().force_evaluations < forced.counts().force_evaluations);
 }

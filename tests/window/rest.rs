@@ -2,6 +2,7 @@
 
 use crate::harness::*;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, ViewportId, vec2};
+use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use std::time::Duration;
 
@@ -51,4 +52,44 @@ fn sleep_can_be_switched_off_in_the_panel() {
     press(&mut window, Key::Space);
     window.run_steps(5);
     assert_eq!(pause(&window), Duration::MAX);
+}
+
+#[test]
+fn the_ledger_says_what_is_skipped_and_why_and_clocks_run_only_while_it_is_open() {
+    let timed = |window: &Window| window.state().sandbox().simulation().costs().iter().any(|cost| !cost.time.is_zero());
+    let mut window = in_mode("gingerbread", Mode::Collide);
+    window.run_steps(5);
+    assert!(!timed(&window), "closed, it costs nothing");
+    click(&mut window, "What each effect costs");
+    window.run_steps(20);
+    assert!(timed(&window));
+    assert!(window.query_by_label("Auto – skipped: nothing is dragged").is_some());
+    assert!(window.query_by_label_contains("Not there: Damping").is_some());
+    assert!(
+        window.query_all_by_label_contains("100 calls a frame").count() > 0,
+        "elasticity acts in each of 100 steps"
+    );
+    click(&mut window, "Measure what skipping saves");
+    for _ in 0..100_000 {
+        window.run_steps(1);
+        if window.query_by_label("Measure what skipping saves").is_some() {
+            break;
+        }
+    }
+    assert!(window.query_by_label_contains("forced:").is_some(), "measured, not guessed");
+    draw(&window);
+}
+
+#[test]
+fn an_effect_is_asked_in_every_step_once_auto_is_switched_off() {
+    let mut window = in_mode("hammock", Mode::Simulate);
+    let spring = |window: &Window| {
+        window.state().snapshot().costs.iter().find(|cost| cost.name == "Mouse spring").unwrap().clone()
+    };
+    assert_eq!(spring(&window).calls, 0);
+    let at = window.state().snapshot().level.effects.iter().filter(|listed| listed.switch.is_on());
+    let place = at.take_while(|listed| listed.effect.name() != "MouseSpring").count();
+    window.get_all_by_label("Auto").nth(place).unwrap().click();
+    window.run_steps(5);
+    assert!(spring(&window).calls > 0 && !spring(&window).auto);
 }

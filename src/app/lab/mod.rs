@@ -9,7 +9,7 @@ pub use studies::{Course, Courses, Diagram, Mesh, MeshFindings, Meshes, SECONDS,
 use crate::{
     sandbox::Sandbox,
     stability::StabilityProbe,
-    study::{Drift, Measure, Twin, WorkPrecision},
+    study::{Drift, Measure, Savings, Twin, WorkPrecision},
 };
 use std::time::Duration;
 
@@ -36,6 +36,8 @@ pub enum Wish {
     Drift(f64),
     /// Stop the study that is worked on; what is known stays.
     Cancel,
+    /// Measure what passing effects over saves.
+    Savings,
     /// Run a twin beside the scene, or stop it.
     Twin(bool),
 }
@@ -52,6 +54,8 @@ pub struct Lab {
     pub meshes: Study<Meshes>,
     /// Energy and momentum over time.
     pub drift: Study<Drift>,
+    /// What passing effects over saves.
+    pub savings: Study<Savings>,
 }
 
 impl Lab {
@@ -76,7 +80,7 @@ impl Lab {
 
     /// Whether any study is being worked on.
     pub const fn is_busy(&self) -> bool {
-        self.accuracy.is_running() || self.meshes.is_running() || self.drift.is_running()
+        self.accuracy.is_running() || self.meshes.is_running() || self.drift.is_running() || self.savings.is_running()
     }
 
     /// How much of a study is done, if it was ever begun.
@@ -108,6 +112,10 @@ impl Lab {
                 let level = level();
                 self.drift.start(move || studies::drift(&level, seconds));
             }
+            Wish::Savings => {
+                let level = level();
+                self.savings.start(move || studies::savings(&level));
+            }
             Wish::Cancel => {}
             Wish::Twin(on) => self.twin = on.then(|| Twin::new(sandbox.simulation())),
         }
@@ -117,6 +125,7 @@ impl Lab {
         self.accuracy.cancel();
         self.meshes.cancel();
         self.drift.cancel();
+        self.savings.cancel();
     }
 
     /// Takes note of what the scene does; call it before anything is changed from outside.
@@ -138,6 +147,7 @@ impl Lab {
         self.accuracy.collect();
         self.meshes.collect();
         self.drift.collect();
-        behind || [Topic::Accuracy, Topic::Meshes, Topic::Drift].into_iter().any(|topic| self.is_running(topic))
+        self.savings.collect();
+        behind || self.is_busy()
     }
 }

@@ -37,6 +37,17 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     });
 }
 
+/// Whether an effect may be passed over.
+fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Command>) {
+    let now = effect.switch == Switch::Auto;
+    let help = "Auto: passed over at every moment at which it could change nothing; what comes out is the same in every bit. \
+                Click to have it asked in every step, or not.";
+    if ui.selectable_label(now, RichText::new("Auto").small()).on_hover_text(help).clicked() {
+        let switch = if now { Switch::On } else { Switch::Auto };
+        commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
+    }
+}
+
 fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, commands: &mut Vec<Command>) {
     let mut on = effect.switch.is_on();
     let title = effect.effect.kind().title();
@@ -45,6 +56,9 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
         if switch.changed() {
             let switch = if on { Switch::default() } else { Switch::Off };
             commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
+        }
+        if on {
+            auto(ui, index, effect, commands);
         }
         if effect.when == When::Collide {
             let note = RichText::new("only in collide mode").small().weak();

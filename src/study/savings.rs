@@ -58,7 +58,9 @@ impl Savings {
         let forced = Scene { sleep: false, ..Scene::build(&everything, level.mode, files, Some(&own))? };
         let state = own.first_state(level.state.as_ref())?;
         let mut runs = [own, forced].map(|scene| Simulation::new(scene, state.clone()));
-        runs.iter_mut().for_each(|run| run.set_timed(true));
+        for run in &mut runs {
+            run.set_timed(true);
+        }
         Ok(Self { runs, spent: [0.0; 2], frames: 0, substeps: u64::from(level.substeps.get()) })
     }
 

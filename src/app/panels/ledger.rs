@@ -39,10 +39,10 @@ fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost, all: f6
     response
         .response
         .on_hover_text("Time in a frame of 1/60 s of simulated time, and its share of what all effects take");
-    let mut words = state(cost, used);
-    if let Some(saving) = saving(desk, number, cost) {
-        words += &format!("; skipping saves {} a frame", numbers::si(saving.saved(), "s"));
-    }
+    let words = match (state(cost, used), saving(desk, number, cost)) {
+        (state, Some(saving)) => format!("{state}; skipping saves {} a frame", numbers::si(saving.saved(), "s")),
+        (state, None) => state,
+    };
     ui.add(egui::Label::new(RichText::new(words).small()).wrap());
 }
 

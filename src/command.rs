@@ -4,7 +4,7 @@
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, RunMode, Substeps, Switch},
+    level::{EffectLevel, Level, MassLevel, RunMode, Substeps, Toggle},
     materials::{MaterialParameters, Model},
     meshes::MeshKind,
     nets::NetKind,
@@ -83,7 +83,9 @@ pub enum Command {
     /// The time-stepping scheme, with its parameters; positions and velocities stay.
     SetIntegrator(IntegratorKind),
     /// Whether an unstable step is taken again in shorter ones.
-    SetGuard(Switch),
+    SetGuard(Toggle),
+    /// Whether what has come to rest sleeps.
+    SetSleep(Toggle),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
     /// Adds an effect to the level's list.
@@ -128,7 +130,8 @@ impl Command {
             | Self::SetMesh(..)
             | Self::SetSubsteps(_)
             | Self::SetIntegrator(_)
-            | Self::SetGuard(_) => About::Method,
+            | Self::SetGuard(_)
+            | Self::SetSleep(_) => About::Method,
             Self::SetMode(_)
             | Self::SetRunning(_)
             | Self::StepOnce

@@ -2,7 +2,7 @@
 
 use crate::{
     command::Pose,
-    level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, When},
+    level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, Toggle, When},
     materials::Model,
     meshes::MeshKind,
     quantity::{Coordinate, Factor, Point, Time},
@@ -207,7 +207,7 @@ impl Document {
 
     /// Switches all damping, adding one if there is none and there is something to damp.
     pub fn set_damping(&mut self, on: bool) {
-        let switch = if on { Switch::On } else { Switch::Off };
+        let switch = if on { Switch::default() } else { Switch::Off };
         let mut damping = self.level.effects.iter_mut().filter(|listed| listed.effect.kind().is_damping()).peekable();
         if damping.peek().is_none() && on {
             drop(damping);
@@ -235,7 +235,8 @@ impl Default for Level {
             mode: RunMode::Simulate,
             substeps: Substeps::default(),
             integrator: crate::integrators::IntegratorKind::default(),
-            guard: Switch::On,
+            guard: Toggle::On,
+            sleep: Toggle::On,
             bodies: Vec::new(),
             nets: Vec::new(),
             toy: None,
@@ -254,6 +255,7 @@ pub fn saved(state: &State) -> Option<crate::level::SavedState> {
         time: Time::new(state.time).ok()?,
         positions: points(&state.x)?,
         velocities: points(&state.v)?,
+        calm: if state.calm.iter().any(|calm| *calm > 0) { state.calm.clone() } else { Vec::new() },
         memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
     })
 }

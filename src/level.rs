@@ -34,7 +34,10 @@ pub struct Level {
     pub integrator: IntegratorKind,
     /// Whether an unstable step is taken again in shorter ones.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub guard: Switch,
+    pub guard: Toggle,
+    /// Whether what has come to rest sleeps until something happens to it.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub sleep: Toggle,
     /// The deformable bodies.
     #[serde(default)]
     pub bodies: Vec<BodyLevel>,
@@ -251,11 +254,36 @@ pub struct EffectLevel {
 /// Whether an effect acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Switch {
-    /// It acts.
-    #[default]
+    /// It is asked to act at every moment.
     On,
+    /// It is passed over where it could change nothing. In every bit what comes out is the same as with [`Self::On`].
+    #[default]
+    Auto,
     /// It is listed but not there.
     Off,
+}
+
+impl Switch {
+    /// Whether it is there.
+    pub const fn is_on(self) -> bool {
+        matches!(self, Self::On | Self::Auto)
+    }
+}
+
+/// Whether something is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Toggle {
+    /// It is.
+    #[default]
+    On,
+    /// It is not.
+    Off,
+}
+
+impl From<bool> for Toggle {
+    fn from(on: bool) -> Self {
+        if on { Self::On } else { Self::Off }
+    }
 }
 
 /// In which modes an effect acts.
@@ -366,6 +394,9 @@ pub struct SavedState {
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
+    /// How calm each body and then each net has been; the greatest number if it sleeps.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub calm: Vec<u32>,
 }
 
 /// A number of steps that a double still counts exactly.

@@ -28,6 +28,8 @@ pub struct Counts {
     pub constrained: u64,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// Steps in which everything slept.
+    pub slept: u64,
     /// Attempts at a step that the guard threw away.
     pub retaken: u64,
 }
@@ -56,6 +58,32 @@ pub struct EffectCost {
     pub calls: u64,
     /// Elements (vertices, triangles, ...) touched, summed over the calls.
     pub elements: u64,
+    /// Whether it may be passed over.
+    pub auto: bool,
+    /// How often it was passed over.
+    pub skipped: u64,
+    /// Why it was passed over when it last could have been called; nothing if it was called.
+    pub idle: Option<&'static str>,
+}
+
+impl EffectCost {
+    /// An effect that has cost nothing yet.
+    pub const fn none(name: &'static str, auto: bool) -> Self {
+        Self { name, time: Duration::ZERO, calls: 0, elements: 0, auto, skipped: 0, idle: None }
+    }
+
+    /// Books that it was passed over.
+    pub const fn pass_over(&mut self, why: &'static str) {
+        self.skipped += 1;
+        self.idle = Some(why);
+    }
+
+    /// Books a call.
+    pub const fn call(&mut self, elements: usize) {
+        self.calls += 1;
+        self.elements += elements as u64;
+        self.idle = None;
+    }
 }
 
 /// Energies of a scene [J].

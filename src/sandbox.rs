@@ -6,7 +6,7 @@ use crate::{
     command::{Command, Mode},
     document::{Document, Gesture, History, saved},
     effects::Grab,
-    level::{Level, RunMode, Switch},
+    level::{Level, RunMode},
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
@@ -297,9 +297,19 @@ impl Sandbox {
         &self.simulation
     }
 
+    /// Whether the time spent in each effect is measured.
+    pub fn set_timed(&mut self, timed: bool) {
+        self.simulation.set_timed(timed);
+    }
+
     /// Whether time should run now: running, not in edit mode, no fault.
     pub const fn is_live(&self) -> bool {
         self.running && self.simulation.fault().is_none()
+    }
+
+    /// Whether there is anything to compute: time runs, and not everything sleeps.
+    pub const fn is_busy(&self) -> bool {
+        self.is_live() && !self.simulation.is_asleep()
     }
 
     /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.
@@ -331,7 +341,7 @@ impl Sandbox {
     /// Whether any damping is switched on.
     pub fn damping(&self) -> bool {
         let mut damping = self.document.level.effects.iter().filter(|listed| listed.effect.kind().is_damping());
-        damping.any(|listed| listed.switch == Switch::On)
+        damping.any(|listed| listed.switch.is_on())
     }
 
     /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.

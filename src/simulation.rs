@@ -1,5 +1,7 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
+mod reach;
+mod sleep;
 mod system;
 
 use crate::{
@@ -12,6 +14,7 @@ use crate::{
     state::State,
 };
 use pulp::Arch;
+use sleep::Islands;
 use system::{Scratch, System, ToySystem};
 
 /// A running scene.
@@ -26,6 +29,7 @@ pub struct Simulation {
     /// Whether something other than a step has changed since.
     stale: bool,
     scratch: Scratch,
+    islands: Islands,
     grab: Option<Grab>,
     guard: Guard,
     fault: Option<Fault>,
@@ -50,22 +54,26 @@ impl Simulation {
     pub fn new(scene: Scene, state: State) -> Self {
         let mut scratch = Scratch::default();
         scratch.fit(&scene);
-        Self {
+        let mut simulation = Self {
             checkpoint: Checkpoint::default(),
             older: Checkpoint::default(),
             joined: false,
             stale: true,
+            islands: Islands::new(&scene),
             scene,
             state,
             scratch,
             grab: None,
             guard: Guard::default(),
             fault: None,
-        }
+        };
+        simulation.settle_sleepers();
+        simulation
     }
 
     /// Swaps the scene; the state stays, and newly pinned vertices stop. A scene with other vertices needs another state at
-    /// once (see [`Self::set_state`]). Counts go on.
+    /// once (see [`Self::set_state`]). Counts go
+    /// on, and whoever slept is awake.
     pub fn replace_scene(&mut self, scene: Scene) {
         let before = self.watched().filter(|_| scene.start.x.len() == self.state.x.len());
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
@@ -73,6 +81,9 @@ impl Simulation {
         }
         (self.scene, self.stale) = (scene, true);
         self.scratch.fit(&self.scene);
+        self.islands = Islands::new(&self.scene);
+        self.state.calm.clear();
+        self.settle_sleepers();
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
             _ => self.guard.reset(),
@@ -82,6 +93,8 @@ impl Simulation {
     /// Puts the simulation into a state; a fault is forgotten.
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
+        self.scratch.free = None;
+        self.settle_sleepers();
         self.grab = None;
         self.guard.reset();
         self.fault = None;
@@ -94,6 +107,9 @@ impl Simulation {
         }
         let before = self.watched();
         (self.grab, self.stale) = (grab, true);
+        if let Some(grab) = grab {
+            self.wake(grab.vertex);
+        }
         if let Some(before) = before {
             self.guard.changed(before, self.energies());
         }
@@ -157,10 +173,14 @@ impl Simulation {
     /// either, the fault is kept until the state is set anew.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let mut taken = 0;
-        if self.is_guarded() && self.guard.is_new() {
+        if self.is_guarded() && self.guard.is_new() && !self.is_asleep() {
             self.guard.begin(self.energies());
         }
         while taken < steps && self.fault.is_none() && (taken == 0 || taken % BATCH != 0 || more()) {
+            if self.is_asleep() {
+                self.pass(steps - taken);
+                return steps;
+            }
             taken += u64::from(self.take_step());
         }
         taken
@@ -169,7 +189,14 @@ impl Simulation {
     /// Takes a step if it can be taken; a fault otherwise. Returns whether it was taken.
     fn take_step(&mut self) -> bool {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
+            self.look_who_is_calm();
             self.set_checkpoint();
+            self.fall_asleep();
+            if self.is_asleep() {
+                self.pass(1);
+                return true;
+            }
+            self.look_for_room();
         }
         self.step();
         if !self.is_sound() {
@@ -222,13 +249,16 @@ impl Simulation {
             }
         };
         self.scratch.work = work;
+        if self.scratch.free.is_some() {
+            self.scratch.pass_over_constraints();
+        }
         self.scratch.counts.add(&counts);
         self.guard.supply(self.scratch.supplied);
     }
 
     /// Whether the step just taken left numbers, and no energy from nowhere.
     fn is_sound(&mut self) -> bool {
-        if !self.state.is_finite() {
+        if !self.lands() {
             return false;
         }
         if !self.is_guarded() || !self.guard.is_suspicious(self.kinetic_energy()) {
@@ -264,6 +294,7 @@ impl Simulation {
     /// supplied it, such as a wall that begins inside a body.
     fn retake(&mut self) -> bool {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
+        self.scratch.free = None;
         // Energy from nowhere was there before it was noticed.
         if finite && self.joined {
             std::mem::swap(&mut self.checkpoint, &mut self.older);

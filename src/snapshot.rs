@@ -5,9 +5,10 @@ use crate::{
     effects::{Effect as _, EffectKind, Grab},
     elements::Springs,
     fault::Fault,
-    level::{Level, Switch},
+    level::Level,
     materials::Model,
     meshes::Mesh,
+    report::EffectCost,
     sandbox::Sandbox,
     scene::{Body, extent},
     untangle::Tangle,
@@ -73,8 +74,12 @@ pub struct Snapshot {
     pub parts: u32,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// How many bodies and nets sleep.
+    pub asleep: usize,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
+    /// What each effect cost so far, elements first.
+    pub costs: Vec<EffectCost>,
     /// Why time stopped, if something went wrong.
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
@@ -153,6 +158,13 @@ pub struct Pull {
     pub force: f64,
 }
 
+impl Snapshot {
+    /// Whether everything sleeps.
+    pub const fn is_asleep(&self) -> bool {
+        self.asleep > 0 && self.asleep == self.bodies.len() + self.nets.len()
+    }
+}
+
 impl Sandbox {
     /// Copies what is to be seen into `snapshot`, reusing its buffers.
     pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot) {
@@ -196,7 +208,10 @@ impl Sandbox {
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.damping = self.damping();
+        snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
         snapshot.rewind_reach = self.rewind_reach();
+        snapshot.costs.clear();
+        snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
         (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
         snapshot.messages.clone_from(&scene.messages);
@@ -246,7 +261,7 @@ impl Sandbox {
     fn pull(&self, Grab { vertex, target }: Grab) -> Pull {
         let x = &self.simulation.state().x;
         let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
-        let springs = self.shown.effects.iter().filter(|listed| listed.switch == Switch::On);
+        let springs = self.shown.effects.iter().filter(|listed| listed.switch.is_on());
         let stiffness = springs.map(|listed| {
             if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 }
         });

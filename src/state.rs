@@ -13,6 +13,9 @@ pub struct State {
     pub steps: u64,
     /// What the integrator remembers between steps.
     pub memory: Vec<f64>,
+    /// For each body and then each net, how many looks in a row have found it calm; the greatest number if it sleeps. Empty if
+    /// nobody has looked yet.
+    pub calm: Vec<u32>,
 }
 
 impl State {
@@ -24,6 +27,28 @@ impl State {
         // No early end: without a branch in the loop the processor compares several numbers at once.
         let within = |values: &[f64]| values.iter().fold(true, |all, value| all & (value.abs() <= Self::LIMIT));
         pulp::Arch::new().dispatch(|| within(&self.x) && within(&self.v))
+    }
+
+    /// Whether every position lies between two corners, and every velocity is of a size that can still mean something.
+    pub fn is_within(&self, [least, greatest]: [[f64; 2]; 2]) -> bool {
+        // Four vertices at a time, for processors that compare eight numbers at once.
+        let corners = [least, greatest].map(|[x, y]| [x, y, x, y, x, y, x, y]);
+        let within = || {
+            let (fours, rest) = self.x.as_chunks::<8>();
+            let mut all = true;
+            for four in fours {
+                for (x, (least, greatest)) in four.iter().zip(corners[0].iter().zip(&corners[1])) {
+                    all &= x >= least;
+                    all &= x <= greatest;
+                }
+            }
+            for (x, (least, greatest)) in rest.iter().zip(corners[0].iter().zip(&corners[1])) {
+                all &= x >= least;
+                all &= x <= greatest;
+            }
+            self.v.iter().fold(all, |all, value| all & (value.abs() <= Self::LIMIT))
+        };
+        pulp::Arch::new().dispatch(within)
     }
 
     /// A fingerprint of every bit of positions and velocities (FNV-1a, 64 bit): equal states, equal numbers.

@@ -298,6 +298,7 @@ fn long_ones() -> [Level; 2] {
             positions: vec![point; 60_000],
             velocities: vec![point; 60_000],
             memory: Vec::new(),
+            calm: Vec::new(),
         };
         Level { state: Some(state), ..released("") }
     };

@@ -8,7 +8,7 @@ use gingerbread::{
     command::{Command, Mode},
     files,
     integrators::IntegratorKind,
-    level::{Level, Switch},
+    level::{Level, Toggle},
     levels::BUILT_IN,
     meshes::NoFiles,
     rewind::Rewind,
@@ -147,7 +147,7 @@ fn time_can_be_turned_back_to_the_bits_it_had() {
 #[test]
 fn a_fault_can_be_turned_back_from_and_mended() {
     let mut level = sheet("Corotated", "stretch: (1.2, 1)", "");
-    level.guard = Switch::Off;
+    level.guard = Toggle::Off;
     let mut sandbox = running(level);
     sandbox.advance(1000, &mut || true);
     sandbox.apply(Command::SetSubsteps(gingerbread::level::Substeps::new(2).unwrap())).unwrap();
@@ -155,7 +155,7 @@ fn a_fault_can_be_turned_back_from_and_mended() {
     assert!(sandbox.simulation().fault().is_some());
     sandbox.apply(Command::Rewind(1.0)).unwrap();
     assert!(sandbox.simulation().fault().is_none() && sandbox.simulation().inversion().1 == 0);
-    sandbox.apply(Command::SetGuard(Switch::On)).unwrap();
+    sandbox.apply(Command::SetGuard(Toggle::On)).unwrap();
     sandbox.apply(Command::SetRunning(true)).unwrap();
     assert_eq!(sandbox.advance(100, &mut || true), 100);
 }

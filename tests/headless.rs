@@ -66,6 +66,19 @@ fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
     assert_eq!(elasticity["calls"], 50);
     assert_eq!(elasticity["elements"].as_u64().unwrap(), 50 * report["triangles"].as_u64().unwrap());
     assert!(elasticity["seconds"].as_f64().unwrap() > 0.0);
+    assert_eq!((&elasticity["switch"], elasticity["reason"].is_null()), (&"Auto".into(), true));
+    let shares: f64 = effects.iter().map(|effect| effect["share"].as_f64().unwrap()).sum();
+    assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+    let of = |name: &str| effects.iter().find(|effect| effect["name"] == name).unwrap();
+    let hand = of("Mouse spring");
+    assert_eq!(
+        (&hand["calls"], &hand["skipped"], &hand["reason"]),
+        (&0.into(), &50.into(), &"nothing is dragged".into())
+    );
+    assert!(hand["saved_ms_per_frame"].is_f64() && of("Elasticity")["ms_per_frame"].as_f64().unwrap() > 0.0);
+    // What is switched off is listed, and cost nothing.
+    let off = of("Damping");
+    assert_eq!((&off["switch"], &off["calls"], off["saved_ms_per_frame"].is_null()), (&"Off".into(), &0.into(), true));
 }
 
 #[test]

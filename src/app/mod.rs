@@ -12,6 +12,7 @@ mod file_work;
 mod gallery;
 pub mod keys;
 mod lab;
+mod meter;
 mod numbers;
 mod panels;
 mod theme;
@@ -32,6 +33,7 @@ use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use gallery::Gallery;
 use lab::Lab;
+use meter::Meter;
 use panels::{Desk, History, Notice, View};
 use web_time::Instant;
 
@@ -52,6 +54,8 @@ pub struct App {
     history: History,
     dialogs: Dialogs,
     lab: Lab,
+    /// What effects cost in the chosen pane, while somebody reads it.
+    meter: Meter,
     /// The second pane, while two are compared.
     comparison: Option<Box<Comparison>>,
     commands: Vec<Command>,
@@ -93,6 +97,7 @@ impl App {
             history: History::default(),
             dialogs: Dialogs::default(),
             lab: Lab::default(),
+            meter: Meter::default(),
             comparison: None,
             commands: Vec::new(),
             last: None,
@@ -218,10 +223,10 @@ impl App {
         self.clock.stop();
     }
 
-    /// Lets time run for as long as the last frame took.
+    /// Lets time run for as long as the last frame took. While everything sleeps it stands still: nothing would change.
     fn advance(&mut self, now: f64, frame: f64) {
         let panes = self.comparison.as_mut();
-        if !panes.as_ref().map_or(self.sandbox.is_live(), |panes| panes.is_live(&self.sandbox)) {
+        if !panes.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox)) {
             self.clock.stop();
             self.last = None;
             return;
@@ -270,6 +275,22 @@ impl App {
             None => self.sandbox.snapshot(field, &mut self.snapshot),
         }
         self.history.record(&self.snapshot);
+        if self.view.ledger {
+            let b = self.comparison.as_ref().filter(|panes| panes.chosen() == Pane::B);
+            self.meter.read(b.map_or(&self.snapshot, |panes| panes.snapshot()));
+        }
+    }
+
+    /// Reads the clock around each effect only while somebody looks at what it says.
+    fn time_effects(&mut self) {
+        let timed = self.view.ledger;
+        self.sandbox.set_timed(timed);
+        if let Some(panes) = &mut self.comparison {
+            panes.b.set_timed(timed);
+        }
+        if !timed {
+            self.meter.stop();
+        }
     }
 }
 
@@ -282,6 +303,7 @@ impl eframe::App for App {
         self.file_work(ctx);
         self.apply_wishes();
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
+        self.time_effects();
         self.advance(ctx.input(|input| input.time), time_of_frame);
         self.study(ctx);
         self.look();
@@ -298,7 +320,7 @@ impl eframe::App for App {
             None => (&self.snapshot, &self.history, &self.lab),
         };
         let (rates, gallery, first) = (self.clock.rates(), &self.gallery, &self.snapshot);
-        let desk = Desk { now, rates, gallery, history, lab, comparison: panes, first };
+        let desk = Desk { now, rates, gallery, history, lab, meter: &self.meter, comparison: panes, first };
         let canvas = &mut self.canvas;
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {
@@ -318,8 +340,8 @@ impl eframe::App for App {
             || !self.view.panes.is_empty()
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
             || self.view.wants_files();
-        let live = self.comparison.as_ref().map_or(self.sandbox.is_live(), |panes| panes.is_live(&self.sandbox));
-        if asked || self.view.stage.field != self.snapshot.field || live {
+        let busy = self.comparison.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox));
+        if asked || self.view.stage.field != self.snapshot.field || busy {
             ui.ctx().request_repaint();
         }
     }

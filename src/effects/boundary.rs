@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion, Shape};
+use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
     obstacles::Start,
@@ -62,6 +62,10 @@ impl Effect for Edges {
 
     fn elements(&self, motion: Motion<'_>) -> usize {
         motion.x.len() / 2
+    }
+
+    fn is_clear(&self, [least, greatest]: Bounds) -> bool {
+        (0..2).all(|axis| least[axis] > self.least[axis] && greatest[axis] < self.greatest[axis])
     }
 
     fn constrains(&self) -> bool {

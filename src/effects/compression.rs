@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, Twice, ZERO};
 use crate::{
     elements::{Elements, Law, Triangles},
     lanes::{Real, Square},
@@ -41,6 +41,10 @@ impl EffectParameters for Compression {
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.strength]
+    }
+
+    fn twice(&self) -> Twice {
+        Twice::Odd("their strengths add up")
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
@@ -106,6 +110,10 @@ impl Effect for Resistance {
 
     fn scratch(&self) -> usize {
         self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
+    }
+
+    fn idle(&self, _: Motion<'_>) -> Option<&'static str> {
+        (self.strength == 0.0).then_some(ZERO)
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

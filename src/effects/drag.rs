@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
     elements::Elements,
     quantity::{DragCoefficient, Quantity},
@@ -53,6 +53,10 @@ impl Effect for Viscous {
 
     fn elements(&self, motion: Motion<'_>) -> usize {
         motion.x.len() / 2
+    }
+
+    fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
+        if self.0 == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
     /// The lightest free vertex is slowed most.

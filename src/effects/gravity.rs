@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
     elements::Elements,
     quantity::{self, Quantity},
@@ -58,6 +58,10 @@ impl Effect for Field {
 
     fn elements(&self, motion: Motion<'_>) -> usize {
         motion.x.len() / 2
+    }
+
+    fn idle(&self, _: Motion<'_>) -> Option<&'static str> {
+        (self.0 == [0.0; 2]).then_some(ZERO)
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

@@ -60,6 +60,16 @@ pub trait EffectParameters {
         false
     }
 
+    /// What it means to list it more than once.
+    fn twice(&self) -> Twice {
+        Twice::Both
+    }
+
+    /// Why it will never do anything as it is listed, if that is so.
+    fn vain(&self) -> Option<&'static str> {
+        None
+    }
+
     /// What a window should draw for it at a time [s], if it has a place.
     fn shapes(&self, _time: f64) -> Vec<Shape> {
         Vec::new()
@@ -70,6 +80,17 @@ pub trait EffectParameters {
     /// # Errors
     /// A sentence, if the parameters do not fit together.
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String>;
+}
+
+/// What it means to list an effect more than once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Twice {
+    /// Both act.
+    Both,
+    /// Both act, but hardly anybody wants that: why, in words.
+    Odd(&'static str),
+    /// Only one can count, and which one is not said: why, in words.
+    Ambiguous(&'static str),
 }
 
 /// Something with a place that a window can draw; all points in world coordinates [m].
@@ -98,6 +119,40 @@ pub struct Motion<'a> {
     pub grab: Option<Grab>,
 }
 
+impl Motion<'_> {
+    /// That nothing moves, if that is so: why damping has nothing to do.
+    pub fn stillness(&self) -> Option<&'static str> {
+        self.v.iter().all(|v| *v == 0.0).then_some("nothing moves")
+    }
+}
+
+/// Least and greatest corner of a box [m].
+pub type Bounds = [[f64; 2]; 2];
+
+/// Least and greatest corner of the box around the ways of all vertices.
+pub fn around(before: &[f64], after: &[f64]) -> Bounds {
+    let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
+        for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
+            least[axis] = if value < least[axis] { value } else { least[axis] };
+            greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
+        }
+    }
+    [
+        [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
+        [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
+    ]
+}
+
+/// Why a constraint is passed over.
+pub const OUT_OF_REACH: &str = "nothing within reach";
+
+/// Why what changes contacts is passed over.
+pub const NO_CONTACT: &str = "nothing touches";
+
+/// Why an effect with no strength is passed over.
+pub(crate) const ZERO: &str = "its strength is zero";
+
 /// A vertex pulled towards a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grab {
@@ -118,6 +173,23 @@ pub trait Effect: Send + Sync {
     /// How many numbers of scratch `force` needs.
     fn scratch(&self) -> usize {
         0
+    }
+
+    /// Why [`Self::force`] would add nothing at this moment, if it would: in a few words, and at less cost than adding it. Only
+    /// what leaves every bit as it is counts.
+    fn idle(&self, _motion: Motion<'_>) -> Option<&'static str> {
+        None
+    }
+
+    /// Whether [`Self::constrain`] certainly changes nothing in steps, now and at any later time, in which the ways of all
+    /// vertices lie in a box; if it cannot tell, it does not.
+    fn is_clear(&self, _ways: Bounds) -> bool {
+        false
+    }
+
+    /// Whether it does the same at every time. What does not keeps everything awake.
+    fn is_steady(&self) -> bool {
+        true
     }
 
     /// Stored energy [J].
@@ -158,6 +230,11 @@ pub trait Effect: Send + Sync {
 
     /// Changes what happens where constraints touch a vertex.
     fn coat(&self, _surface: &mut Surface) {}
+
+    /// Whether it has a say where constraints touch, and nowhere else.
+    fn coats(&self) -> bool {
+        false
+    }
 
     /// Whether it constrains. Such an effect has no force.
     fn constrains(&self) -> bool {

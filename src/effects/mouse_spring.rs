@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Grab, Motion};
+use super::{Effect, EffectParameters, Grab, Motion, Twice};
 use crate::{
     elements::Elements,
     quantity::{Quantity, Spring},
@@ -34,6 +34,10 @@ impl EffectParameters for MouseSpring {
         vec![&mut self.stiffness]
     }
 
+    fn twice(&self) -> Twice {
+        Twice::Odd("they pull together, with the sum of both")
+    }
+
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         Ok(Box::new(Pulling(self.stiffness.get())))
     }
@@ -55,6 +59,10 @@ impl Effect for Pulling {
 
     fn elements(&self, motion: Motion<'_>) -> usize {
         usize::from(motion.grab.is_some())
+    }
+
+    fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
+        motion.grab.is_none().then_some("nothing is dragged")
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

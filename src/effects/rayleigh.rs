@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
     elements::{Elements, Law, Springs, Triangles},
     lanes::{Real, Square},
@@ -8,7 +8,7 @@ use crate::{
 };
 use nalgebra::{Matrix2, Matrix4};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 /// Rayleigh damping: one part proportional to mass, one to stiffness.
 ///
@@ -102,6 +102,11 @@ impl Law for Viscous {
     }
 }
 
+/// Whether none of these vertices moves, so that no stress comes of it: where a body sleeps.
+fn is_still(v: &[f64], vertices: &Range<usize>) -> bool {
+    v[2 * vertices.start..2 * vertices.end].iter().all(|v| *v == 0.0)
+}
+
 struct Damping {
     alpha: f64,
     beta: f64,
@@ -120,6 +125,10 @@ impl Effect for Damping {
         motion.x.len() / 2 + triangles + springs
     }
 
+    fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
+        if self.alpha == 0.0 && self.beta == 0.0 { Some(ZERO) } else { motion.stillness() }
+    }
+
     fn scratch(&self) -> usize {
         self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
     }
@@ -132,12 +141,12 @@ impl Effect for Damping {
         for ((force, v), mass) in force.iter_mut().zip(motion.v).zip(motion.mass) {
             *force -= self.alpha * mass * v;
         }
-        for body in &self.bodies {
+        for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
             let Lame { mu, lambda } = body.lame();
             let law = Viscous { two_mu: 2.0 * self.beta * mu, lambda: self.beta * lambda };
             body.add_stress(law, (motion.x, motion.v), &mut scratch[..body.scratch()], force);
         }
-        for net in &self.nets {
+        for net in self.nets.iter().filter(|net| !is_still(motion.v, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);
         }
     }

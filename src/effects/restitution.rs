@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, Twice};
 use crate::{
     elements::Elements,
     obstacles::Surface,
@@ -36,6 +36,10 @@ impl EffectParameters for Restitution {
         vec![&mut self.coefficient]
     }
 
+    fn twice(&self) -> Twice {
+        Twice::Ambiguous("a contact has one coefficient")
+    }
+
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         Ok(Box::new(Coating(self.coefficient.get())))
     }
@@ -51,6 +55,10 @@ impl Effect for Coating {
 
     fn elements(&self, _: Motion<'_>) -> usize {
         0
+    }
+
+    fn coats(&self) -> bool {
+        true
     }
 
     fn coat(&self, surface: &mut Surface) {

@@ -1,4 +1,4 @@
-use super::{Effect, EffectParameters, Motion, Shape};
+use super::{Bounds, Effect, EffectParameters, Motion, Shape, around};
 use crate::{
     elements::Elements,
     obstacles::{Ball, Carry, Encounter, MotionKind, Obstacle, ObstacleKind, Rigid, Start, placed, room},
@@ -56,6 +56,10 @@ impl EffectParameters for Walls {
             shapes.insert(0, Shape::Room(room(planes.iter(), [0.0, 0.0], [1.0, 1.0])));
         }
         shapes
+    }
+
+    fn vain(&self) -> Option<&'static str> {
+        self.obstacles.is_empty().then_some("there are no obstacles in it")
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
@@ -151,6 +155,14 @@ impl Effect for Contacts {
         self.obstacles.len() * motion.x.len() / 2
     }
 
+    fn is_clear(&self, [least, greatest]: Bounds) -> bool {
+        self.obstacles.iter().all(|wall| wall.motions.is_empty() && !wall.obstacle.may_reach(least, greatest))
+    }
+
+    fn is_steady(&self) -> bool {
+        self.obstacles.iter().all(|wall| wall.motions.is_empty())
+    }
+
     fn constrains(&self) -> bool {
         true
     }
@@ -167,19 +179,4 @@ impl Effect for Contacts {
         }
         touched + self.stop_edges(bounds, start, x, v)
     }
-}
-
-/// Least and greatest corner of the box around the ways of all vertices.
-fn around(before: &[f64], after: &[f64]) -> [[f64; 2]; 2] {
-    let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
-        for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
-            least[axis] = if value < least[axis] { value } else { least[axis] };
-            greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
-        }
-    }
-    [
-        [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
-        [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
-    ]
 }

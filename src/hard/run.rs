@@ -1,7 +1,7 @@
 use super::{Case, Deed, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict, act::frame};
 use crate::{
     effects::{EffectKind, Grab},
-    level::{Level, Side, Substeps, Switch},
+    level::{Level, Side, Substeps, Toggle},
     materials::Model,
     meshes::NoFiles,
     quantity::Gravity,
@@ -45,7 +45,7 @@ impl Run {
     /// # Errors
     /// If its level cannot be built.
     pub fn new(case: &Case, model: Model, method: Method) -> Result<Self, SceneError> {
-        let level = Level { substeps: Substeps::nearest(1.0), ..case.level(model, method) };
+        let level = Level { substeps: Substeps::nearest(1.0), sleep: Toggle::Off, ..case.level(model, method) };
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
         let state = scene.first_state(level.state.as_ref())?;
         let fence = Fence::new(&level, &scene, case.within);
@@ -82,7 +82,7 @@ impl Run {
     /// short as that: from 2 on an explicit scheme has to fail.
     #[must_use]
     pub fn unguarded_at(mut self, share: f64) -> Self {
-        self.level.guard = Switch::Off;
+        self.level.guard = Toggle::Off;
         let scene = Scene { guard: false, ..self.simulation.scene().clone() };
         self.simulation.replace_scene(scene);
         Self { share, ..self }

@@ -74,6 +74,9 @@ impl Ode for Rates<'_> {
     }
 
     fn settle(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {
+        if !self.0.constrains() {
+            return;
+        }
         let half = after.len() / 2;
         let (x, v) = after.split_at_mut(half);
         settle(self.0, before.split_at(half).into(), (x, v), spare, false);

@@ -41,8 +41,11 @@ impl SecondOrder for VelocityVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let Work { numbers, spare, .. } = work;
         let [before, before_v, predicted, force, end_force] = parts(numbers, state.x.len());
-        before.copy_from_slice(&state.x);
-        before_v.copy_from_slice(&state.v);
+        let constrains = system.constrains();
+        if constrains {
+            before.copy_from_slice(&state.x);
+            before_v.copy_from_slice(&state.v);
+        }
         system.force(&state.x, &state.v, force);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
             let a = force[number] * inverse_mass;
@@ -53,7 +56,9 @@ impl SecondOrder for VelocityVerlet {
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
             state.v[number] += 0.5 * h * (force[number] + end_force[number]) * inverse_mass;
         }
-        settle(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
+        if constrains {
+            settle(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
+        }
         StepCounts::ONE
     }
 }

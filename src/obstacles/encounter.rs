@@ -102,6 +102,11 @@ impl Obstacle for Encounter<'_> {
         self.obstacle.is_near(least, greatest)
     }
 
+    /// It is looked at in one step, and may be anywhere in the next.
+    fn may_reach(&self, _least: [f64; 2], _greatest: [f64; 2]) -> bool {
+        true
+    }
+
     fn reach(&self) -> f64 {
         self.obstacle.reach()
     }

@@ -134,6 +134,10 @@ pub trait Obstacle: Send + Sync {
     /// Whether any point between two corners could be within eps; false only if none is.
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
 
+    /// Whether a point on a way between two corners could ever be within eps: now or at any later time, so that an obstacle
+    /// that moves answers for all the places it gets to. Where it says no, a step need not ask again.
+    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
+
     /// eps [m].
     fn reach(&self) -> f64;
 

@@ -73,6 +73,10 @@ impl Obstacle for Wall {
         self.contact([x, y]).is_some()
     }
 
+    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        self.is_near(least, greatest)
+    }
+
     fn reach(&self) -> f64 {
         self.eps
     }

@@ -2,6 +2,7 @@ use super::{Contact, Corner, Obstacle, advance};
 use parry2d::{
     bounding_volume::{Aabb, BoundingVolume},
     math::{Pose, Vector},
+    partitioning::{Bvh, BvhBuildStrategy},
     query::PointQuery,
     shape::{Segment, Shape},
 };
@@ -17,6 +18,8 @@ pub struct Solid<S> {
     rim: Vec<Segment>,
     radius: f64,
     corners: Vec<Corner>,
+    /// What is within eps of each part of the surface.
+    around: Bvh,
 }
 
 /// The least eps as a share of the size.
@@ -31,7 +34,7 @@ impl<S: Shape> Solid<S> {
         let bounds = shape.compute_aabb(&pose);
         let eps = eps.max(LEAST * bounds.half_extents().length());
         let near = bounds.loosened(eps);
-        Self { shape, pose, near, eps, rim: Vec::new(), radius: 0.0, corners: Vec::new() }
+        Self { shape, pose, near, eps, rim: Vec::new(), radius: 0.0, corners: Vec::new(), around: Bvh::new() }
     }
 
     /// The same with its surface, all points at a radius from one of the segments, and the middles of its corners.
@@ -39,6 +42,8 @@ impl<S: Shape> Solid<S> {
         let point = |[x, y]: [f64; 2]| Vector::new(x, y);
         self.rim = rim.iter().map(|ends| Segment::new(point(ends[0]), point(ends[1]))).collect();
         self.radius = radius;
+        let around = self.rim.iter().map(|side| side.local_aabb().loosened(radius + self.eps));
+        self.around = Bvh::from_leaves(BvhBuildStrategy::Binned, &around.collect::<Vec<_>>());
         let corner = |&middle: &[f64; 2]| Corner { middle, radius, reach: self.eps, skin: SKIN * self.eps };
         self.corners = corners.iter().map(corner).collect();
         self
@@ -86,6 +91,14 @@ impl<S: Shape> Obstacle for Solid<S> {
 
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         self.near.intersects(&Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1])))
+    }
+
+    /// What is away from the surface is clear of it if it lies outside.
+    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        let [least, greatest] = [least, greatest].map(Vector::from);
+        let bounds = Aabb::new(least, greatest);
+        self.near.intersects(&bounds)
+            && (self.around.intersect_aabb(&bounds).next().is_some() || self.nearest(least).1 < self.eps)
     }
 
     fn reach(&self) -> f64 {

@@ -65,6 +65,7 @@ impl Sandbox {
                 document.level.integrator = integrator;
             }
             Command::SetGuard(guard) => document.level.guard = guard,
+            Command::SetSleep(sleep) => document.level.sleep = sleep,
             Command::SetEffect(number, effect) => {
                 *get(&mut document.level.effects, number)? = effect;
                 gesture = Some(Gesture::Effect(number));
@@ -73,7 +74,7 @@ impl Sandbox {
                 if document.level.toy.is_some() {
                     return Err(Refused::NotHere("nothing acts on a toy but its own law"));
                 }
-                let listed = EffectLevel { effect, switch: Switch::On, when: When::Always };
+                let listed = EffectLevel { effect, switch: Switch::default(), when: When::Always };
                 document.level.effects.push(listed);
             }
             Command::SetDamping(on) => document.set_damping(on),

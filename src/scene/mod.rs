@@ -1,20 +1,19 @@
 //! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
+mod effects;
 mod held;
 mod net;
 mod start;
-mod touching;
 
 use held::{on_edge, pinned, sliding};
 pub use net::Net;
-use touching::Touching;
 
 use crate::{
     effects::{Effect, Motion},
-    elements::{Elements, Triangles},
+    elements::Triangles,
     integrators::{IntegratorKind, Scheme},
-    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Switch, When},
+    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Toggle},
     materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     quantity::Point,
@@ -50,12 +49,16 @@ pub struct Scene {
     pub boundary: Arc<Vec<[u32; 2]>>,
     /// Everything that acts, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
+    /// Which of them may be passed over where they could change nothing.
+    pub auto: Vec<bool>,
     /// The time-stepping scheme.
     pub integrator: IntegratorKind,
     /// Length of a step [s].
     pub step: f64,
     /// Whether an unstable step is taken again in shorter ones.
     pub guard: bool,
+    /// Whether what has come to rest sleeps until something happens to it.
+    pub sleep: bool,
     /// What was repaired while building, and other things worth knowing.
     pub messages: Vec<String>,
 }
@@ -167,9 +170,11 @@ impl Scene {
             triangles: Arc::default(),
             boundary: Arc::default(),
             effects: Vec::new(),
+            auto: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
-            guard: level.guard == Switch::On,
+            guard: level.guard == Toggle::On,
+            sleep: level.sleep == Toggle::On,
             messages: Vec::new(),
         };
         for body in &level.bodies {
@@ -208,6 +213,7 @@ impl Scene {
             v,
             time: saved.time.get(),
             steps: saved.steps,
+            calm: saved.calm.clone(),
             memory: saved.memory.iter().map(|number| number.get()).collect(),
         })
     }
@@ -286,28 +292,6 @@ impl Scene {
             self.inverse_mass[number] = 0.0;
             self.start.v[number] = 0.0;
         }
-    }
-
-    fn add_effects(&mut self, level: &Level, mode: RunMode) -> Result<(), SceneError> {
-        let elements = Elements {
-            triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
-            springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
-            boundary: Arc::clone(&self.boundary),
-        };
-        self.effects.extend(elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
-        self.effects.extend(elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn Effect>));
-        let mut touching = Touching::default();
-        for listed in &level.effects {
-            let name = listed.effect.name();
-            // Built even when it is off, so that a level with a mistake in it is never half accepted.
-            let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
-            touching.add(effect.as_ref());
-            if listed.switch == Switch::On && (listed.when == When::Always || mode == RunMode::Collide) {
-                self.effects.push(Arc::from(effect));
-            }
-        }
-        self.messages.extend(touching.messages());
-        Ok(())
     }
 }
 

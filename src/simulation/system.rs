@@ -1,7 +1,7 @@
 //! A scene as the integrator sees it.
 
 use crate::{
-    effects::{Effect, Grab, Motion},
+    effects::{Bounds, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     integrators::{Dynamics, Ode, Work},
     obstacles::{Start, Surface},
     report::{Counts, EffectCost},
@@ -9,11 +9,48 @@ use crate::{
     solvers::{BlockMatrix, Weights},
     toys::Toy,
 };
-use std::{cell::Cell, time::Duration};
+use std::{cell::Cell, ops::Range};
 use web_time::Instant;
+
+/// Why the elements of what sleeps are passed over.
+const ASLEEP: &str = "asleep";
 
 /// Most turns that constraints take in a step.
 const TURNS: usize = 4;
+
+/// The effects of a scene by the part they take in a step, each by its number: what is not listed is not asked.
+#[derive(Default)]
+pub(super) struct Plan {
+    /// What adds forces.
+    pub forces: Vec<usize>,
+    /// What constrains.
+    pub constraints: Vec<usize>,
+    /// What has a say where constraints touch.
+    pub coatings: Vec<usize>,
+    /// Elements of what sleeps, which are not asked.
+    pub sleeping: Vec<usize>,
+    /// What touching does.
+    pub surface: Surface,
+}
+
+impl Plan {
+    /// For a scene in which some elements sleep, the first of its effects.
+    fn new(scene: &Scene, asleep: impl Iterator<Item = bool>) -> Self {
+        let mut plan = Self::default();
+        let asleep = asleep.chain(std::iter::repeat(false));
+        for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
+            let part = match (effect.constrains(), effect.coats()) {
+                _ if asleep => &mut plan.sleeping,
+                (true, _) => &mut plan.constraints,
+                (_, true) => &mut plan.coatings,
+                _ => &mut plan.forces,
+            };
+            part.push(number);
+            effect.coat(&mut plan.surface);
+        }
+        plan
+    }
+}
 
 /// Everything that stepping writes to beside the state.
 #[derive(Default)]
@@ -26,6 +63,11 @@ pub(super) struct Scratch {
     pub outward: Vec<f64>,
     /// Work of moving obstacles in this step [J].
     pub supplied: f64,
+    pub plan: Plan,
+    /// 1/mass [1/kg] with zero for what sleeps, while something does.
+    pub held: Vec<f64>,
+    /// The box in which no constraint has anything to say, while all ways lie in it.
+    pub free: Option<Bounds>,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -36,14 +78,53 @@ impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
         self.work.forget();
         self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
-        let cost = |effect: &std::sync::Arc<dyn Effect>| EffectCost {
-            name: effect.name(),
-            time: Duration::ZERO,
-            calls: 0,
-            elements: 0,
-        };
-        if !self.costs.iter().map(|cost| cost.name).eq(scene.effects.iter().map(|effect| effect.name())) {
-            self.costs = scene.effects.iter().map(cost).collect();
+        self.rest(scene, std::iter::empty());
+        self.free = None;
+        let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
+        if !self.costs.iter().map(|cost| cost.name).eq(named().map(|(name, _)| name)) {
+            self.costs = named().map(|(name, auto)| EffectCost::none(name, auto)).collect();
+        }
+        for (cost, (_, auto)) in self.costs.iter_mut().zip(named()) {
+            (cost.auto, cost.idle) = (auto, None);
+        }
+    }
+
+    /// Notes which bodies and nets of a scene sleep; none of their vertices is held yet.
+    pub fn rest(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
+        self.plan = Plan::new(scene, asleep);
+        self.held.clear();
+        if !self.plan.sleeping.is_empty() {
+            self.held.extend_from_slice(&scene.inverse_mass);
+        }
+    }
+
+    /// Holds vertices that sleep.
+    pub fn hold(&mut self, vertices: &Range<usize>) {
+        self.held[2 * vertices.start..2 * vertices.end].fill(0.0);
+    }
+
+    /// Runs one effect and books its time and, if it is a call of its own, its elements.
+    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
+        let start = self.timed.then(Instant::now);
+        let result = run(&mut self.effects);
+        let cost = &mut self.costs[number];
+        if let Some(start) = start {
+            cost.time += start.elapsed();
+        }
+        if let Some(elements) = elements {
+            cost.call(elements);
+        }
+        result
+    }
+
+    /// Books that all constraints were passed over, and with them what has a say where they touch.
+    pub fn pass_over_constraints(&mut self) {
+        for number in &self.plan.constraints {
+            self.costs[*number].pass_over(OUT_OF_REACH);
+        }
+        for number in &self.plan.coatings {
+            let cost = &mut self.costs[*number];
+            if cost.auto { cost.pass_over(NO_CONTACT) } else { cost.call(0) }
         }
     }
 }
@@ -57,33 +138,9 @@ pub(super) struct System<'a> {
     pub time: [f64; 2],
 }
 
-impl Scratch {
-    /// Runs one effect and books its time and, if it is a call of its own, its elements.
-    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
-        let start = self.timed.then(Instant::now);
-        let result = run(&mut self.effects);
-        let cost = &mut self.costs[number];
-        if let Some(start) = start {
-            cost.time += start.elapsed();
-        }
-        if let Some(elements) = elements {
-            cost.calls += 1;
-            cost.elements += elements as u64;
-        }
-        result
-    }
-}
-
 impl System<'_> {
-    /// What touching does here.
-    fn surface(&self) -> Surface {
-        let mut surface = Surface::default();
-        self.scene.effects.iter().for_each(|effect| effect.coat(&mut surface));
-        surface
-    }
-
     fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
-        let (mass, inverse_mass) = (&self.scene.mass, &self.scene.inverse_mass);
+        let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
         Motion { x, v, mass, inverse_mass, grab: self.grab }
     }
 }
@@ -94,9 +151,19 @@ impl Dynamics for System<'_> {
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
-        for (number, effect) in scene.effects.iter().enumerate().filter(|(_, effect)| !effect.constrains()) {
-            let size = effect.scratch();
-            let elements = Some(effect.elements(motion));
+        for number in &self.scratch.plan.sleeping {
+            self.scratch.costs[*number].pass_over(ASLEEP);
+        }
+        for turn in 0..self.scratch.plan.forces.len() {
+            let number = self.scratch.plan.forces[turn];
+            let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
+            if cost.auto
+                && let Some(why) = effect.idle(motion)
+            {
+                cost.pass_over(why);
+                continue;
+            }
+            let (size, elements) = (effect.scratch(), Some(effect.elements(motion)));
             self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
     }
@@ -106,7 +173,7 @@ impl Dynamics for System<'_> {
     }
 
     fn inverse_mass(&self) -> &[f64] {
-        &self.scene.inverse_mass
+        if self.scratch.held.is_empty() { &self.scene.inverse_mass } else { &self.scratch.held }
     }
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
@@ -134,47 +201,68 @@ impl Dynamics for System<'_> {
     }
 
     fn constrains(&self) -> bool {
-        self.scene.effects.iter().any(|effect| effect.constrains())
+        self.scratch.free.is_none() && !self.scratch.plan.constraints.is_empty()
     }
 
     fn grips(&self) -> bool {
-        self.surface().friction != 0.0
+        self.scratch.plan.surface.friction != 0.0
     }
 
     /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
+        if !self.constrains() {
+            return;
+        }
         let scene = self.scene;
-        let surface = self.surface();
+        let held = std::mem::take(&mut self.scratch.held);
+        let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };
         let mut outward = std::mem::take(&mut self.scratch.outward);
         if faces {
             scene.outward(before_x, &mut outward);
         }
         let (time, supplied) = (self.time, Cell::new(0.0));
-        let outward_of = faces.then_some(outward.as_slice());
         let start = Start {
             x: before_x,
             v: before_v,
-            inverse_mass: &scene.inverse_mass,
-            surface,
-            outward: outward_of,
+            inverse_mass,
+            surface: self.scratch.plan.surface,
+            outward: faces.then_some(outward.as_slice()),
             time,
             supplied: &supplied,
         };
-        let constraints = scene.effects.iter().enumerate().filter(|(_, effect)| effect.constrains());
-        let count = constraints.clone().count();
-        let mut quiet = 0;
-        for (turn, (number, effect)) in constraints.cycle().take(TURNS * count).enumerate() {
+        let count = self.scratch.plan.constraints.len();
+        let (mut quiet, mut all) = (0, 0);
+        // The box around the ways of all vertices, as long as nobody has touched one.
+        let mut ways = None;
+        for turn in 0..TURNS * count {
             if turn >= count && quiet + 1 >= count {
                 break;
             }
-            let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+            let number = self.scratch.plan.constraints[turn % count];
+            let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
+            if cost.auto && effect.is_clear(*ways.get_or_insert_with(|| around(before_x, x))) {
+                if turn < count {
+                    cost.pass_over(OUT_OF_REACH);
+                }
+                quiet += 1;
+                continue;
+            }
+            let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
             let elements = (turn < count).then(|| effect.elements(motion));
             let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
+            if touched > 0 {
+                ways = None;
+            }
             quiet = if touched == 0 { quiet + 1 } else { 0 };
-            self.scratch.counts.constrained += touched as u64;
+            all += touched;
         }
-        self.scratch.outward = outward;
         self.scratch.supplied += supplied.get();
+        self.scratch.counts.constrained += all as u64;
+        for number in &self.scratch.plan.coatings {
+            let cost = &mut self.scratch.costs[*number];
+            if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
+        }
+        (self.scratch.outward, self.scratch.held) = (outward, held);
     }
 }
 

@@ -5,14 +5,14 @@ use eframe::egui::{Key, Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gingerbread::command::Mode;
 use gingerbread::integrators::IntegratorKind;
-use gingerbread::level::{Substeps, Switch};
+use gingerbread::level::{Substeps, Toggle};
 
 #[test]
 fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
     let mut long = level("gingerbread");
     assert!(open_level(long.clone(), 1280.0, 800.0).query_by_label_contains("Stable up to").is_some());
     long.substeps = Substeps::new(1).unwrap();
-    for (guard, words) in [(Switch::On, "the guard has to help"), (Switch::Off, "at this step it will blow up")] {
+    for (guard, words) in [(Toggle::On, "the guard has to help"), (Toggle::Off, "at this step it will blow up")] {
         long.guard = guard;
         let window = open_level(long.clone(), 1280.0, 800.0);
         assert!(window.query_by_label_contains(words).is_some());

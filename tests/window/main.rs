@@ -8,6 +8,7 @@ mod hard;
 mod harness;
 mod keys;
 mod panels;
+mod rest;
 mod stage;
 mod studies;
 mod trouble;

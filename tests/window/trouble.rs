@@ -5,7 +5,7 @@ use eframe::egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use gingerbread::files::Disk;
-use gingerbread::level::{SavedState, Substeps, Switch};
+use gingerbread::level::{SavedState, Substeps, Toggle};
 use gingerbread::materials::Model;
 use gingerbread::quantity::{Point, Time};
 use gingerbread::scene::Scene;
@@ -50,7 +50,7 @@ fn what_is_saved_opens_again_as_it_was() {
 fn when_time_stops_the_banner_says_why_and_its_buttons_mend_it() {
     let mut wild = level("gingerbread_house");
     wild.substeps = Substeps::new(2).unwrap();
-    wild.guard = Switch::Off;
+    wild.guard = Toggle::Off;
     wild.bodies[0].material = wild.bodies[0].material.with_model(Model::Hencky);
     for (label, substeps) in [("Reset", 2), ("Halve the step", 4), ("Damp", 2)] {
         let mut window = open_level(wild.clone(), 1280.0, 800.0);
@@ -107,6 +107,7 @@ fn a_body_that_lies_over_itself_is_told_and_untangled_by_key_or_button() {
             positions: mirrored.collect(),
             velocities,
             memory: Vec::new(),
+            calm: Vec::new(),
         });
         let mut window = open_level(tangled, 1280.0, 800.0);
         let triangles = window.state().snapshot().triangles.len();

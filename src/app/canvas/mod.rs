@@ -96,7 +96,7 @@ impl Canvas {
 
     fn animate(&mut self, response: &Response, frame: &Frame<'_>) {
         let (snapshot, dt) = (frame.snapshot, frame.dt);
-        let live = snapshot.running && snapshot.mode != Mode::Edit;
+        let live = snapshot.running && snapshot.mode != Mode::Edit && !snapshot.is_asleep();
         let wanted = match self.hold.vertex() {
             Some(vertex) => Some(vertex),
             None => response.hover_pos().and_then(|at| hold::nearest(self.bodies.points(), at)),

@@ -92,8 +92,8 @@ impl Scenery {
 /// How much of an effect should be seen in a mode.
 fn wanted(effect: &EffectLevel, mode: Mode) -> f32 {
     match (effect.switch, effect.when, mode) {
-        (Switch::Off, ..) | (Switch::On, When::Collide, Mode::Simulate) => 0.0,
-        (Switch::On, When::Collide, Mode::Edit) => PALE,
-        (Switch::On, ..) => 1.0,
+        (Switch::Off, ..) | (_, When::Collide, Mode::Simulate) => 0.0,
+        (_, When::Collide, Mode::Edit) => PALE,
+        _ => 1.0,
     }
 }

@@ -141,6 +141,11 @@ impl Comparison {
         a.is_live() && self.b.is_live()
     }
 
+    /// Whether there is anything to compute in either.
+    pub const fn is_busy(&self, a: &Sandbox) -> bool {
+        self.is_live(a) && (self.is_between() || a.is_busy() || self.b.is_busy())
+    }
+
     /// Whether B is on its way to where A is, or the other way round. What is seen then is the last moment they shared.
     pub const fn is_between(&self) -> bool {
         self.rounds.is_between()

@@ -7,7 +7,7 @@ use crate::{
     effects::{Drag, EffectKind},
     files,
     integrators::IntegratorKind,
-    level::{Level, MassLevel, Substeps, Switch},
+    level::{Level, MassLevel, Substeps, Toggle},
     levels,
     materials::Model,
     meshes::{MeshKind, NoFiles},
@@ -126,8 +126,7 @@ fn what_is_about_the_experiment_goes_to_both_and_what_is_about_the_method_to_one
     let body = &first.bodies[0];
     let material = body.material;
     let mut effect = first.effects[0].clone();
-    effect.switch =
-        if effect.switch == crate::level::Switch::On { crate::level::Switch::Off } else { crate::level::Switch::On };
+    effect.switch = if effect.switch.is_on() { crate::level::Switch::Off } else { crate::level::Switch::Auto };
     let mut young = material.young();
     young.set(2.0 * young.get()).unwrap();
     let stiffer =
@@ -284,7 +283,7 @@ fn a_fault_in_one_stops_both_at_one_time_and_turns_the_panels_to_it() {
         panes.choose(Pane::A);
         panes.apply(&mut a, Pane::B, Command::SetModel(Model::Hencky)).unwrap();
         panes.apply(&mut a, Pane::B, substeps(count)).unwrap();
-        panes.apply(&mut a, Pane::B, Command::SetGuard(Switch::Off)).unwrap();
+        panes.apply(&mut a, Pane::B, Command::SetGuard(Toggle::Off)).unwrap();
         panes.apply(&mut a, Pane::A, Command::SetMode(Mode::Collide)).unwrap();
         for _ in 0..600 {
             panes.advance(&mut a, 1, &mut || true);

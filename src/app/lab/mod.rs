@@ -12,7 +12,7 @@ pub use studies::{Course, Courses, Diagram, Mesh, MeshFindings, Meshes, SECONDS,
 use crate::{
     sandbox::Sandbox,
     stability::StabilityProbe,
-    study::{Drift, Measure, Twin, WorkPrecision},
+    study::{Drift, Measure, Savings, Twin, WorkPrecision},
 };
 use std::time::Duration;
 
@@ -41,6 +41,8 @@ pub enum Wish {
     Hard(Choice),
     /// Stop the study that is worked on; what is known stays.
     Cancel,
+    /// Measure what passing effects over saves.
+    Savings,
     /// Run a twin beside the scene, or stop it.
     Twin(bool),
 }
@@ -59,6 +61,8 @@ pub struct Lab {
     pub drift: Study<Drift>,
     /// The gallery of hard cases.
     pub hard: Study<Hard>,
+    /// What passing effects over saves.
+    pub savings: Study<Savings>,
 }
 
 impl Lab {
@@ -83,7 +87,11 @@ impl Lab {
 
     /// Whether any study is being worked on.
     pub const fn is_busy(&self) -> bool {
-        self.accuracy.is_running() || self.meshes.is_running() || self.drift.is_running() || self.hard.is_running()
+        self.accuracy.is_running()
+            || self.meshes.is_running()
+            || self.drift.is_running()
+            || self.hard.is_running()
+            || self.savings.is_running()
     }
 
     /// How much of a study is done, if it was ever begun.
@@ -119,6 +127,10 @@ impl Lab {
                 let known = self.hard.findings().map(|findings| findings.results.clone()).unwrap_or_default();
                 self.hard.start(move || Hard::new(choice, known));
             }
+            Wish::Savings => {
+                let level = level();
+                self.savings.start(move || studies::savings(&level));
+            }
             Wish::Cancel => {}
             Wish::Twin(on) => self.twin = on.then(|| Twin::new(sandbox.simulation())),
         }
@@ -129,6 +141,7 @@ impl Lab {
         self.meshes.cancel();
         self.drift.cancel();
         self.hard.cancel();
+        self.savings.cancel();
     }
 
     /// Takes note of what the scene does; call it before anything is changed from outside.
@@ -151,6 +164,7 @@ impl Lab {
         self.meshes.collect();
         self.drift.collect();
         self.hard.collect();
+        self.savings.collect();
         behind || self.is_busy()
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     level::Level,
     study::{
         Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy, Plan,
-        Price, Progress, Setting, Status, StudyError, Suggestion, Trial, WorkPrecision,
+        Price, Progress, Saving, Savings, Setting, Status, StudyError, Suggestion, Trial, WorkPrecision,
     },
 };
 use std::time::Duration;
@@ -218,5 +218,31 @@ impl Work for Drift {
             words: Invariant::ALL.map(|invariant| (self.changed_by(invariant).join(", "), self.nothing_of(invariant))),
             csv: self.csv(),
         }
+    }
+}
+
+/// What passing effects over saves, as far as it is known.
+#[derive(Clone, Default)]
+pub struct Saved {
+    /// For each effect, elements first.
+    pub each: Vec<Saving>,
+    /// Time of a whole frame as it is, and with everything forced [s].
+    pub whole: Option<[f64; 2]>,
+}
+
+/// Prepares to measure what passing effects over saves from a level's state on.
+pub fn savings(level: &Level) -> Result<Savings, StudyError> {
+    Savings::new(level, &Disk)
+}
+
+impl Work for Savings {
+    type Results = Saved;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        Ok(Self::advance(self, budget))
+    }
+
+    fn results(&self) -> Saved {
+        Saved { each: self.each(), whole: self.whole() }
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     level::{EffectLevel, Switch, When},
     snapshot::Snapshot,
 };
-use eframe::egui::{RichText, Ui};
+use eframe::egui::{Button, RichText, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if now.level.toy.is_some() {
@@ -37,14 +37,33 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     });
 }
 
+/// Whether an effect may be passed over.
+fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Command>) {
+    let now = effect.switch == Switch::Auto;
+    let help = if now {
+        "Auto: passed over at every moment at which it could change nothing; what comes out is the same in every bit. Click \
+         to have it asked in every step."
+    } else {
+        "On: asked in every step. Click to have it passed over where it could change nothing."
+    };
+    let words = RichText::new(if now { "Auto" } else { "On" }).small();
+    if ui.add(Button::new(words).small().frame(!now)).on_hover_text(help).clicked() {
+        let switch = if now { Switch::On } else { Switch::Auto };
+        commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
+    }
+}
+
 fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, commands: &mut Vec<Command>) {
-    let mut on = effect.switch == Switch::On;
+    let mut on = effect.switch.is_on();
     let title = effect.effect.kind().title();
     ui.horizontal(|ui| {
         let switch = ui.checkbox(&mut on, RichText::new(title).strong()).on_hover_text(effect.effect.kind().about());
         if switch.changed() {
-            let switch = if on { Switch::On } else { Switch::Off };
+            let switch = if on { Switch::default() } else { Switch::Off };
             commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
+        }
+        if on {
+            auto(ui, index, effect, commands);
         }
         if effect.when == When::Collide {
             let note = RichText::new("only in collide mode").small().weak();

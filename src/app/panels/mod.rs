@@ -15,6 +15,7 @@ mod hard;
 mod help;
 mod history;
 mod icons;
+mod ledger;
 mod mesh_plot;
 mod net;
 mod prompt;
@@ -39,6 +40,7 @@ use super::{
     gallery::Gallery,
     keys::{Act, Binding},
     lab::{Lab, Wish},
+    meter::Meter,
     numbers,
     theme::Theme,
 };
@@ -80,6 +82,8 @@ pub struct View {
     pub sitting: Option<export::Sitting>,
     /// What is wanted of the two panes.
     pub panes: Vec<panes::Wish>,
+    /// Whether the ledger of effects is open: only then they are timed.
+    pub ledger: bool,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
 }
@@ -142,6 +146,8 @@ pub struct Desk<'a> {
     pub history: &'a History,
     /// What is measured beside the scene.
     pub lab: &'a Lab,
+    /// What effects cost in a frame, while the ledger is open.
+    pub meter: &'a Meter,
     /// The two panes, if there are two; all the rest is about the one that is chosen.
     pub comparison: Option<&'a Comparison>,
     /// What pane A shows.
@@ -228,6 +234,7 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
         } else {
             compare::show(ui, desk, view);
             cost::show(ui, desk, view, commands);
+            ledger::show(ui, desk, view);
             scheme::show(ui, desk, view, commands);
             studies::buttons(ui, view);
             energy::show(ui, desk, view);

@@ -5,7 +5,7 @@ use crate::{
     app::{lab::Wish, numbers, theme::Theme},
     command::Command,
     integrators::{Class, IntegratorKind, Scheme},
-    level::Switch,
+    level::Toggle,
 };
 use eframe::egui::{Color32, ComboBox, Rect, RichText, Sense, Ui, vec2};
 
@@ -15,6 +15,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     parameters(ui, desk, view, commands);
     gauge(ui, desk);
     guard(ui, desk, commands);
+    sleep(ui, desk, commands);
     error_now(ui, desk, view);
 }
 
@@ -92,10 +93,10 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     }
     let help = "Takes a step again in up to 64 shorter ones when it would blow up: when energy comes from nowhere, or \
                 something is no number any more. Switch it off to see the explosion.";
-    let mut on = now.level.guard == Switch::On;
+    let mut on = now.level.guard == Toggle::On;
     ui.horizontal(|ui| {
         if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
-            commands.extend([Command::SetGuard(if on { Switch::On } else { Switch::Off }), Command::EndGesture]);
+            commands.extend([Command::SetGuard(on.into()), Command::EndGesture]);
         }
         let words = match (on && now.guarded > 0, now.parts) {
             (false, _) => return,
@@ -107,10 +108,32 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     });
 }
 
-fn verdict(step: f64, limit: f64, guard: Switch) -> String {
+/// Whether what has come to rest may sleep, and how much of the scene does.
+fn sleep(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
+    let now = desk.now;
+    if now.toy.is_some() {
+        return;
+    }
+    let help = "What has been at rest for half a second is not computed any more until something happens to it: a pull, \
+                another effect or number. Once everything sleeps, time stands still here and nothing is drawn anew.";
+    let mut on = now.level.sleep == Toggle::On;
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
+            commands.extend([Command::SetSleep(on.into()), Command::EndGesture]);
+        }
+        let words = match (now.asleep, now.bodies.len() + now.nets.len()) {
+            (0, _) => return,
+            (asleep, all) if asleep == all => "everything sleeps".to_owned(),
+            (asleep, all) => format!("{asleep} of {all} sleep"),
+        };
+        ui.label(RichText::new(words).small()).on_hover_text(help);
+    });
+}
+
+fn verdict(step: f64, limit: f64, guard: Toggle) -> String {
     if limit <= 0.0 {
         "Vibrations grow at every step, however short; damping or a short run hides it.".to_owned()
-    } else if step > limit && guard == Switch::On {
+    } else if step > limit && guard == Toggle::On {
         format!("Stable up to {}; at this step the guard has to help.", numbers::si(limit, "s"))
     } else if step > limit {
         format!("Stable up to {}; at this step it will blow up.", numbers::si(limit, "s"))

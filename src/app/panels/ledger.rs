@@ -1,0 +1,112 @@
+//! What each effect costs, what is passed over and why, and what that saves.
+
+use super::{Desk, View, count, numbers};
+use crate::{
+    app::{lab::Wish, meter::Use},
+    report::EffectCost,
+    study::Saving,
+};
+use eframe::egui::{self, Align, CollapsingHeader, Layout, RichText, Ui};
+
+pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    if desk.now.costs.is_empty() {
+        view.ledger = false;
+        return;
+    }
+    let header = CollapsingHeader::new("What each effect costs").id_salt("ledger").show(ui, |ui| {
+        let all = desk.meter.shown().iter().map(|used| used.time).sum::<f64>();
+        for (number, cost) in desk.now.costs.iter().enumerate() {
+            entry(ui, desk, number, cost, all);
+        }
+        off(ui, desk);
+        savings(ui, desk, view);
+    });
+    view.ledger = header.body_returned.is_some();
+}
+
+/// One effect: its time and share; below, what it did or why it did nothing, and what that saves.
+fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost, all: f64) {
+    let used = desk.meter.shown().get(number).filter(|used| used.name == cost.name);
+    let time = used.map_or_else(|| "–".to_owned(), |used| numbers::si_fixed(used.time, "s"));
+    let share =
+        used.filter(|_| all > 0.0).map_or_else(String::new, |used| format!("{:3.0} %", 100.0 * used.time / all));
+    let response = ui.horizontal(|ui| {
+        ui.label(RichText::new(name(desk, number, cost)).strong());
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.monospace(format!("{time} {share:>5}"));
+        });
+    });
+    response
+        .response
+        .on_hover_text("Time in a frame of 1/60 s of simulated time, and its share of what all effects take");
+    let words = match (state(cost, used), saving(desk, number, cost)) {
+        (state, Some(saving)) => format!("{state}; skipping saves {} a frame", numbers::si(saving.saved(), "s")),
+        (state, None) => state,
+    };
+    ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+}
+
+/// The name; with several bodies or nets, of whom.
+fn name(desk: &Desk<'_>, number: usize, cost: &EffectCost) -> String {
+    let (bodies, nets) = (&desk.now.bodies, &desk.now.nets);
+    let owners = bodies.iter().map(|body| &body.name).chain(nets.iter().map(|net| &net.name));
+    match owners.clone().nth(number).filter(|_| owners.count() > 1) {
+        Some(owner) => format!("{} of {owner}", cost.name),
+        None => cost.name.to_owned(),
+    }
+}
+
+/// Whether it acts, and how much.
+fn state(cost: &EffectCost, used: Option<&Use>) -> String {
+    let switch = if cost.auto { "Auto" } else { "On" };
+    let acting = match (cost.idle, used) {
+        (Some(why), _) => format!("skipped: {why}"),
+        (None, Some(used)) if used.calls > 0.0 => format!(
+            "{} calls a frame, {} elements each",
+            count(used.calls.round() as usize),
+            count((used.elements / used.calls).round() as usize)
+        ),
+        (None, _) => "acts".to_owned(),
+    };
+    let skipped = used.filter(|used| cost.idle.is_none() && used.skipped >= 0.5);
+    let skipped =
+        skipped.map_or_else(String::new, |used| format!(", {} skipped", count(used.skipped.round() as usize)));
+    format!("{switch} – {acting}{skipped}")
+}
+
+fn saving(desk: &Desk<'_>, number: usize, cost: &EffectCost) -> Option<Saving> {
+    let measured = desk.lab.savings.findings()?.results.each.get(number).copied();
+    // What was measured was another scene if its effects are not these.
+    measured.filter(|saving| saving.name == cost.name && saving.own < saving.forced && cost.auto)
+}
+
+/// What is listed but not there.
+fn off(ui: &mut Ui, desk: &Desk<'_>) {
+    let there = |name: &str| desk.now.costs.iter().any(|cost| cost.name == name);
+    let titles = desk.now.level.effects.iter().map(|listed| listed.effect.kind().title());
+    let off: Vec<_> = titles.filter(|title| !there(title)).collect();
+    if !off.is_empty() {
+        ui.label(RichText::new(format!("Not there: {}", off.join(", "))).small().weak())
+            .on_hover_text("Switched off, or for the other mode: no memory and no time goes into these.");
+    }
+}
+
+/// The button that measures, and what came out for a whole frame.
+fn savings(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+    let help = "Runs a second of this scene twice from the present moment, beside it: as it is, and with every effect asked \
+                in every step and nobody asleep.";
+    let running = desk.lab.savings.is_running();
+    let text = if running { "Measuring …" } else { "Measure what skipping saves" };
+    if ui.add_enabled(!running, egui::Button::new(text)).on_hover_text(help).clicked() {
+        view.wishes.push(Wish::Savings);
+    }
+    let Some(findings) = desk.lab.savings.findings() else { return };
+    if let Some(trouble) = &findings.trouble {
+        ui.label(RichText::new(trouble).small().color(ui.visuals().warn_fg_color));
+    }
+    if let Some([own, forced]) = findings.results.whole {
+        let (own, forced, share) = (numbers::si(own, "s"), numbers::si(forced, "s"), 100.0 * (1.0 - own / forced));
+        let words = format!("A frame takes {own} as it is and {forced} forced: {share:.0} % saved.");
+        ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+    }
+}

@@ -1,0 +1,79 @@
+//! Where no wall is within reach, steps are taken without asking the walls.
+
+use super::{BATCH, Simulation};
+use crate::{effects::Bounds, integrators::Class, state::State};
+
+/// How far the free box goes beyond the bodies at most, in powers of two of their size, and the finest power that is tried.
+const POWERS: (i32, i32) = (4, -8);
+
+impl Simulation {
+    /// Looks for a box around all vertices into which no constraint reaches, if there is room for some steps in it. Until a
+    /// vertex leaves the box, no constraint has anything to say: as the box is convex, the ways of all vertices lie in it as
+    /// well, and that they do is found by the check that every step goes through anyway. So a wall out of reach costs nothing.
+    ///
+    /// Only for explicit schemes, whose steps are constrained once at their end: one that leaves the box is gone back for and
+    /// taken again, in full.
+    pub(super) fn look_for_room(&mut self) {
+        let plan = &self.scratch.plan;
+        if self.scratch.free.is_some() || plan.constraints.is_empty() || self.guard.level() > 0 {
+            return;
+        }
+        let explicit = self.scene.integrator.kind().class() == Class::Explicit;
+        let auto = plan.constraints.iter().all(|number| self.scratch.costs[*number].auto);
+        if !explicit || !auto || !self.state.is_finite() {
+            return;
+        }
+        let clear = |ways: Bounds| {
+            ways.as_flattened().iter().all(|corner| corner.abs() <= State::LIMIT)
+                && plan.constraints.iter().all(|number| self.scene.effects[*number].is_clear(ways))
+        };
+        let (bounds, fastest) = (extents(&self.state.x), extents(&self.state.v));
+        let speed = fastest.as_flattened().iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let mut free = grown(bounds, [true; 4], 2.0 * BATCH as f64 * self.scene.step * speed);
+        if !clear(free) {
+            return;
+        }
+        let size = (0..2).map(|axis| bounds[1][axis] - bounds[0][axis]).fold(f64::MIN_POSITIVE, f64::max);
+        let sides = [[true; 4], [true, false, false, false], [false, true, false, false], [false, false, true, false]];
+        for sides in sides.into_iter().chain([[false, false, false, true]]) {
+            for power in (POWERS.1..=POWERS.0).rev() {
+                let larger = grown(free, sides, libm::ldexp(size, power));
+                if clear(larger) {
+                    free = larger;
+                }
+            }
+        }
+        self.scratch.free = Some(free);
+    }
+
+    /// Whether the step just taken left numbers. A step that was taken without the constraints, but went where one may reach,
+    /// is taken again with them.
+    pub(super) fn lands(&mut self) -> bool {
+        let Some(free) = self.scratch.free else { return self.state.is_finite() };
+        if self.state.is_within(free) {
+            return true;
+        }
+        self.scratch.free = None;
+        self.go_back_to(self.state.steps - 1);
+        self.step();
+        self.state.is_finite()
+    }
+}
+
+/// Least and greatest of x and y.
+fn extents(values: &[f64]) -> Bounds {
+    let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for pair in values.as_chunks::<2>().0 {
+        for axis in 0..2 {
+            bounds[0][axis] = if pair[axis] < bounds[0][axis] { pair[axis] } else { bounds[0][axis] };
+            bounds[1][axis] = if pair[axis] > bounds[1][axis] { pair[axis] } else { bounds[1][axis] };
+        }
+    }
+    bounds
+}
+
+/// The box with some of its sides (left, bottom, right, top) moved outwards.
+fn grown([least, greatest]: Bounds, [left, bottom, right, top]: [bool; 4], by: f64) -> Bounds {
+    let moved = |side: bool| if side { by } else { 0.0 };
+    [[least[0] - moved(left), least[1] - moved(bottom)], [greatest[0] + moved(right), greatest[1] + moved(top)]]
+}

@@ -1,0 +1,225 @@
+//! What has come to rest sleeps: its forces are not computed and its vertices stay where they are, until something happens to
+//! it. Bodies and nets do not touch each other, so that each sleeps by itself.
+//!
+//! Lengths are measured by the size L of the body or net at rest, times by tau = [`WINDOW`]. It falls asleep when
+//!
+//! 1. for tau no vertex has been faster than theta L / tau: at such a speed it would come no farther than theta L;
+//! 2. let go from rest now, with walls and friction holding what they hold, it would be accelerated by no more than
+//!    2 theta L / tau² (root mean square over its mass), by which it would come no farther than theta L either;
+//! 3. the forces on all its vertices together are no more than [`BALANCE`] of those that act on it from outside: what is only
+//!    beginning to fall, however slowly, is not at rest.
+//!
+//! Neither limit is below round-off: a position of size X is known to X 2^-52, which is a speed of that over h, and with the
+//! fastest vibration that h can follow, w = 2/h, an acceleration of that times w².
+//!
+//! Its velocities are zero then; its positions keep every bit, asleep and on waking.
+
+use super::{BATCH, Simulation};
+use crate::scene::Scene;
+use std::ops::Range;
+
+/// tau: how long it has to be calm [s].
+const WINDOW: f64 = 0.5;
+
+/// theta: how far it may move in that time, as a share of its size.
+const FAR: f64 = 1e-4;
+
+/// The net force that counts as none, as a share of the forces from outside.
+const BALANCE: f64 = 1e-3;
+
+/// How often it is looked at, if steps are short enough [1/s].
+const LOOKS: f64 = 120.0;
+
+/// In [`State::calm`](crate::state::State::calm): asleep.
+const ASLEEP: u32 = u32::MAX;
+
+/// A body or a net: what sleeps by itself.
+struct Island {
+    vertices: Range<usize>,
+    /// Diagonal of the box around it at rest [m].
+    size: f64,
+    /// Of what can move [kg].
+    mass: f64,
+}
+
+/// All bodies and nets, and which of them sleep.
+#[derive(Default)]
+pub(super) struct Islands {
+    all: Vec<Island>,
+    /// Whether there is any sleep in this scene.
+    possible: bool,
+    /// How many sleep.
+    asleep: usize,
+    /// Steps between two looks.
+    every: u64,
+    /// How many looks have to find it calm.
+    looks: u32,
+    /// Forces from outside, while they are measured.
+    force: Vec<f64>,
+}
+
+impl Islands {
+    /// Those of a scene, with none asleep.
+    pub fn new(scene: &Scene) -> Self {
+        let ranges = scene.bodies.iter().map(|body| &body.vertices).chain(scene.nets.iter().map(|net| &net.vertices));
+        let island = |vertices: &Range<usize>| {
+            let own = 2 * vertices.start..2 * vertices.end;
+            let extent = |axis| crate::scene::extent(&scene.rest[own.clone()], axis);
+            let [(left, right), (bottom, top)] = [0, 1].map(extent);
+            let (width, height) = (right - left, top - bottom);
+            let masses = scene.mass[own.clone()].iter().zip(&scene.inverse_mass[own]);
+            let mass = 0.5 * masses.filter(|(_, inverse)| **inverse != 0.0).map(|(mass, _)| mass).sum::<f64>();
+            Island { vertices: vertices.clone(), size: (width * width + height * height).sqrt(), mass }
+        };
+        let every = BATCH * (1.0 / (LOOKS * scene.step * BATCH as f64)).round().max(1.0) as u64;
+        let looks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
+        let possible = scene.sleep && scene.toy.is_none() && scene.effects.iter().all(|effect| effect.is_steady());
+        Self { all: ranges.map(island).collect(), possible, asleep: 0, every, looks, force: Vec::new() }
+    }
+}
+
+impl Simulation {
+    /// Which bodies, and after them which nets, sleep.
+    pub fn sleeping(&self) -> impl Iterator<Item = bool> {
+        let calm = self.state.calm.get(..self.islands.all.len()).filter(|_| self.islands.asleep > 0);
+        calm.unwrap_or_default().iter().map(|calm| *calm == ASLEEP)
+    }
+
+    /// Whether everything sleeps: steps cost nothing then, and nothing there is to see changes.
+    pub const fn is_asleep(&self) -> bool {
+        let count = self.islands.all.len();
+        count > 0 && self.islands.asleep == count
+    }
+
+    /// Lets steps pass in which everything sleeps.
+    pub(super) fn pass(&mut self, steps: u64) {
+        for _ in 0..steps {
+            self.state.time += self.scene.step;
+        }
+        self.state.steps += steps;
+        self.scratch.counts.steps += steps;
+        self.scratch.counts.slept += steps;
+        for cost in &mut self.scratch.costs {
+            cost.skipped += steps;
+            cost.idle = Some(EVERYTHING);
+        }
+        self.stale = true;
+    }
+
+    /// Takes who sleeps from the state, after it or the scene was changed.
+    pub(super) fn settle_sleepers(&mut self) {
+        let calm = &mut self.state.calm;
+        if !self.islands.possible || calm.len() != self.islands.all.len() {
+            calm.clear();
+        }
+        self.islands.asleep = calm.iter().filter(|calm| **calm == ASLEEP).count();
+        self.scratch.rest(&self.scene, calm.iter().map(|calm| *calm == ASLEEP));
+        for (island, _) in self.islands.all.iter().zip(&*calm).filter(|(_, calm)| **calm == ASLEEP) {
+            self.scratch.hold(&island.vertices);
+        }
+    }
+
+    /// Wakes the body or net with a vertex in it.
+    pub(super) fn wake(&mut self, vertex: usize) {
+        for (calm, island) in self.state.calm.iter_mut().zip(&self.islands.all) {
+            if island.vertices.contains(&vertex) {
+                *calm = 0;
+            }
+        }
+        if self.islands.asleep > 0 {
+            self.stale = true;
+            self.settle_sleepers();
+        }
+    }
+
+    /// Looks who is calm, if it is time to; call it before the checkpoint of a step is set.
+    pub(super) fn look_who_is_calm(&mut self) {
+        let islands = &self.islands;
+        if !islands.possible || !self.state.steps.is_multiple_of(islands.every) {
+            return;
+        }
+        self.state.calm.resize(islands.all.len(), 0);
+        let pulled = self.grab.map(|grab| grab.vertex);
+        for (calm, island) in self.state.calm.iter_mut().zip(&islands.all).filter(|(calm, _)| **calm != ASLEEP) {
+            let own = 2 * island.vertices.start..2 * island.vertices.end;
+            let fastest = greatest(&self.state.v[own.clone()]);
+            let round_off = f64::EPSILON * greatest(&self.state.x[own]) / self.scene.step;
+            let slow = fastest <= (FAR * island.size / WINDOW).max(round_off);
+            let free = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
+            *calm = if slow && free { *calm + 1 } else { 0 };
+        }
+    }
+
+    /// Lets those fall asleep that have been calm for long enough and stay where they are when let go; call it after the
+    /// checkpoint of a step was set.
+    pub(super) fn fall_asleep(&mut self) {
+        let looks = self.islands.looks;
+        if !self.islands.possible || self.guard.level() > 0 {
+            return;
+        }
+        if !self.state.calm.iter().any(|calm| *calm >= looks && *calm != ASLEEP) {
+            return;
+        }
+        self.let_go();
+        let islands = std::mem::take(&mut self.islands.all);
+        for (number, island) in islands.iter().enumerate() {
+            let calm = self.checkpoint.state.calm[number];
+            if calm >= looks && calm != ASLEEP {
+                let rests = self.rests(island);
+                self.checkpoint.state.calm[number] = if rests { ASLEEP } else { 0 };
+                if rests {
+                    self.checkpoint.state.v[2 * island.vertices.start..2 * island.vertices.end].fill(0.0);
+                    self.joined = false;
+                }
+            }
+        }
+        self.islands.all = islands;
+        self.state.clone_from(&self.checkpoint.state);
+        self.settle_sleepers();
+    }
+
+    /// Takes a step from rest, and measures the forces from outside; nothing of it counts. The state is what it led to.
+    fn let_go(&mut self) {
+        let free = self.scratch.free.take();
+        self.state.v.fill(0.0);
+        let motion = self.scene.motion(&self.state, self.grab);
+        self.islands.force.clear();
+        self.islands.force.resize(self.state.x.len(), 0.0);
+        for effect in &self.scene.effects[self.scene.element_count()..] {
+            effect.force(motion, &mut self.scratch.effects[..effect.scratch()], &mut self.islands.force);
+        }
+        self.step();
+        self.scratch.free = free;
+        self.scratch.counts = self.checkpoint.counts;
+        self.scratch.costs.clone_from(&self.checkpoint.costs);
+    }
+
+    /// Whether a body or net hardly moved when it was let go.
+    fn rests(&self, island: &Island) -> bool {
+        let own = 2 * island.vertices.start..2 * island.vertices.end;
+        let (h, mass, inverse) =
+            (self.scene.step, &self.scene.mass[own.clone()], &self.scene.inverse_mass[own.clone()]);
+        let [mut squares, mut net_x, mut net_y, mut outside] = [0.0; 4];
+        let moved = self.state.v[own.clone()].iter().zip(&self.islands.force[own.clone()]);
+        for (number, ((v, force), (mass, inverse))) in moved.zip(mass.iter().zip(inverse)).enumerate() {
+            if *inverse != 0.0 {
+                let acceleration = v / h;
+                squares += mass * acceleration * acceleration;
+                *(if number % 2 == 0 { &mut net_x } else { &mut net_y }) += mass * acceleration;
+                outside += force.abs();
+            }
+        }
+        let round_off = f64::EPSILON * greatest(&self.state.x[own]) * 4.0 / (h * h);
+        let limit = (2.0 * FAR * island.size / (WINDOW * WINDOW)).max(round_off);
+        let balanced = outside == 0.0 || net_x.abs() + net_y.abs() <= (BALANCE * outside).max(island.mass * round_off);
+        squares <= limit * limit * island.mass && balanced
+    }
+}
+
+/// Why nothing is called.
+const EVERYTHING: &str = "everything sleeps";
+
+/// The greatest size; what is not a number counts as infinite.
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, value| if value.abs() <= most { most } else { value.abs().max(most) })
+}

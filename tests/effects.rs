@@ -1,0 +1,232 @@
+//! Only the effects that a scene calls for: what is not listed is not there, and what is listed works when it can matter.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{MODES, sheet, simulation};
+use gingerbread::{
+    effects::{EffectKind, Grab},
+    files,
+    integrators::IntegratorKind,
+    level::{EffectLevel, Level, RunMode, Switch, When},
+    levels::BUILT_IN,
+    meshes::NoFiles,
+    obstacles::{ObstacleKind, Plane},
+    report::EffectCost,
+    scene::Scene,
+    simulation::Simulation,
+    study::Savings,
+};
+use std::time::Duration;
+
+/// A level that ships, of fewer triangles, so that it runs quickly.
+fn coarse(text: &str, file: &str) -> Level {
+    const FEWER: [(&str, &str); 6] = [
+        ("resolution: 2000", "resolution: 150"),
+        ("resolution: 500", "resolution: 100"),
+        ("columns: 64, rows: 8", "columns: 16, rows: 2"),
+        ("columns: 60, rows: 6", "columns: 15, rows: 2"),
+        ("columns: 19, rows: 39", "columns: 5, rows: 10"),
+        ("rings: 14", "rings: 5"),
+    ];
+    let text = FEWER.iter().fold(text.to_owned(), |text, (many, few)| text.replace(many, few));
+    files::parse(&text, file).unwrap()
+}
+
+fn switched(level: &Level, switch: Switch) -> Level {
+    let mut level = level.clone();
+    level
+        .effects
+        .iter_mut()
+        .for_each(|listed| listed.switch = if listed.switch.is_on() { switch } else { Switch::Off });
+    level
+}
+
+/// What a hand does in each of these twentieths of a second: pulls a vertex along for a while, lets go, takes another.
+fn hand(moment: u64, vertices: usize) -> Option<Grab> {
+    let (pull, along) = (moment / 20, (moment % 20) as f64 / 12.0);
+    let vertex = (pull as usize * 7 + 3) % vertices.max(1);
+    let way = [0.45 - 0.3 * (pull % 4) as f64, 0.2 + 0.15 * (pull % 5) as f64];
+    (along < 1.0 && vertices > 0).then(|| Grab { vertex, target: [0.5 + along * way[0], 0.5 + along * (way[1] - 0.5)] })
+}
+
+/// Runs for so many twentieths of a second under the hand.
+fn dragged(run: &mut Simulation, twentieths: u64) {
+    let steps = (0.05 / run.scene().step).round() as u64;
+    for moment in 0..twentieths {
+        run.set_grab(hand(moment, run.state().v.len() / 2));
+        run.advance(steps, &mut || true);
+    }
+}
+
+/// The bookkeeping of one effect.
+fn cost<'a>(run: &'a Simulation, name: &str) -> &'a EffectCost {
+    run.costs().iter().find(|cost| cost.name == name).unwrap()
+}
+
+/// Both modes, where they differ.
+fn modes(level: &Level) -> &'static [RunMode] {
+    let differ = level.effects.iter().any(|listed| listed.when == When::Collide);
+    if differ { &MODES } else { &MODES[..1] }
+}
+
+#[test]
+fn what_passes_itself_over_leaves_every_bit_as_it_is_in_every_level_under_a_hand_for_ten_seconds() {
+    let one = |(file, text): &(&str, &str)| {
+        let mut skipped = 0;
+        let level = coarse(text, file);
+        for &mode in modes(&level) {
+            let level = Level { mode, ..level.clone() };
+            let [mut on, mut auto] = [Switch::On, Switch::Auto].map(|switch| simulation(&switched(&level, switch)));
+            for run in [&mut on, &mut auto] {
+                dragged(run, 200);
+            }
+            assert!(on.fault().is_none(), "{file}: {:?}", on.fault());
+            assert_eq!(on.state(), auto.state(), "{file} {mode:?}");
+            assert_eq!(on.counts(), auto.counts(), "{file} {mode:?}");
+            assert!(on.costs().iter().all(|cost| cost.auto || cost.skipped == 0), "{file}");
+            skipped += auto.costs().iter().map(|cost| cost.skipped).sum::<u64>();
+        }
+        skipped
+    };
+    let skipped = std::thread::scope(|threads| {
+        let halves = BUILT_IN.chunks(BUILT_IN.len().div_ceil(2));
+        let working = halves.map(|half| threads.spawn(move || half.iter().map(one).sum::<u64>())).collect::<Vec<_>>();
+        working.into_iter().map(|work| work.join().unwrap()).sum::<u64>()
+    });
+    assert!(skipped > 500_000, "{skipped}");
+}
+
+/// A small sheet in the middle of the world with one effect more.
+fn with(effect: &str) -> Simulation {
+    simulation(&sheet("Corotated", "", &format!("substeps: 20, sleep: Off, effects: [{effect}]")))
+}
+
+#[test]
+fn every_effect_can_say_why_it_has_nothing_to_do_and_is_not_called_then() {
+    for kind in EffectKind::all() {
+        let mut level = sheet("Corotated", "", "substeps: 20, sleep: Off");
+        let mut effect = kind.clone();
+        // Of no strength, nobody dragging, in the middle of the world: nothing here can matter.
+        for quantity in effect.kind_mut().parameters() {
+            let _ = quantity.set(0.0);
+        }
+        if let EffectKind::Walls(walls) = &mut effect {
+            walls.obstacles = vec![ObstacleKind::Plane(Plane::default())];
+        }
+        level.effects.push(EffectLevel { effect, switch: Switch::Auto, when: When::Always });
+        let mut run = simulation(&level);
+        assert_eq!(run.advance(30, &mut || true), 30);
+        let acting = run.costs().last().unwrap();
+        assert_eq!((acting.calls, acting.elements), (0, 0), "{}", kind.name());
+        let touching = ["Friction", "Restitution"].contains(&kind.name());
+        assert!(touching || (acting.skipped == 30 && acting.idle.is_some()), "{}: {acting:?}", kind.name());
+        level.effects[0].switch = Switch::On;
+        let mut run = simulation(&level);
+        run.advance(30, &mut || true);
+        let acting = run.costs().last().unwrap();
+        assert!(touching || (acting.calls == 30 && acting.skipped == 0 && acting.idle.is_none()), "{}", kind.name());
+    }
+}
+
+#[test]
+fn a_scene_without_walls_asks_no_wall_and_one_without_damping_damps_nothing() {
+    let mut bare = with("(effect: Gravity(down: 1))");
+    bare.advance(200, &mut || true);
+    let names: Vec<_> = bare.costs().iter().map(|cost| cost.name).collect();
+    assert_eq!((names, bare.counts().constrained), (vec!["Elasticity", "Gravity"], 0));
+    let off = "(effect: Walls(obstacles: [Plane(point: (0, 0.2), normal: (0, 1), eps: 0.01)]), switch: Off), (effect: Rayleigh(mass: 1), switch: Off),";
+    let mut off = with(&format!("{off} (effect: Gravity(down: 1))"));
+    off.advance(200, &mut || true);
+    assert_eq!((off.costs(), off.state()), (bare.costs(), bare.state()), "what is off is as if it were not listed");
+}
+
+#[test]
+fn a_wall_is_asked_from_when_it_is_within_reach_and_friction_from_when_something_touches() {
+    let wall = "(effect: Walls(obstacles: [Plane(point: (0, 0.2), normal: (0, 1), eps: 0.01)])), (effect: Friction(coefficient: 0.5)),";
+    let mut run = with(&format!("{wall} (effect: Gravity(down: 1))"));
+    // It falls 9 cm: sqrt(2 * 0.09) s.
+    let contact = (0.424 / run.scene().step) as u64;
+    run.advance(contact - 30, &mut || true);
+    for name in ["Walls", "Friction"] {
+        assert_eq!((cost(&run, name).calls, cost(&run, name).skipped), (0, contact - 30), "{name}");
+    }
+    assert_eq!(cost(&run, "Walls").idle, Some("nothing within reach"));
+    assert_eq!(cost(&run, "Friction").idle, Some("nothing touches"));
+    run.advance(60, &mut || true);
+    assert!(cost(&run, "Walls").calls > 0 && cost(&run, "Walls").idle.is_none());
+    assert!(cost(&run, "Friction").elements > 0, "{:?}", cost(&run, "Friction"));
+}
+
+/// A body in a bowl is inside the box around the bowl, but not near its surface.
+#[test]
+fn an_obstacle_of_many_sides_is_out_of_reach_where_none_of_its_sides_is_near() {
+    let bowl = "(effect: Walls(obstacles: [Polygon(points: [(-1, -1), (2, -1), (2, 2), (1.9, 2), (1.9, 0), (-0.9, 0), (-0.9, 2.1), (-1, 2.2)], eps: 0.01)])),";
+    let mut run = with(bowl);
+    run.advance(100, &mut || true);
+    assert_eq!((cost(&run, "Walls").calls, cost(&run, "Walls").skipped), (0, 100));
+    let inside = "(effect: Walls(obstacles: [Polygon(points: [(-1, -1), (2, -1), (2, 2), (-1, 2)], eps: 0.01)])),";
+    let mut run = with(inside);
+    run.advance(100, &mut || true);
+    assert_eq!(cost(&run, "Walls").skipped, 0, "a body inside an obstacle is within its reach");
+}
+
+#[test]
+fn implicit_and_error_controlled_schemes_pass_over_walls_too_and_a_nan_is_still_found() {
+    let wall = "effects: [(effect: Gravity(down: 3)), (effect: Walls(obstacles: [Plane(point: (0, 0.2), normal: (0, 1), eps: 0.01)]))]";
+    for kind in IntegratorKind::all() {
+        let level = Level { integrator: kind.clone(), ..sheet("Corotated", "", &format!("substeps: 20, {wall}")) };
+        let [mut on, mut auto] = [Switch::On, Switch::Auto].map(|switch| simulation(&switched(&level, switch)));
+        for run in [&mut on, &mut auto] {
+            run.advance(600, &mut || true);
+        }
+        assert_eq!(on.state(), auto.state(), "{}", kind.name());
+        let walls = cost(&auto, "Walls");
+        assert!(walls.skipped > 100 && walls.calls > 10, "{}: {walls:?}", kind.name());
+    }
+}
+
+#[test]
+fn a_level_that_lists_an_effect_twice_where_it_makes_no_sense_says_so() {
+    let refused = |effects: &str| {
+        let level = sheet("Corotated", "", &format!("effects: [{effects}]"));
+        Scene::build(&level, level.mode, &NoFiles, None).err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let told = |effects: &str| {
+        let level = sheet("Corotated", "", &format!("effects: [{effects}]"));
+        Scene::build(&level, level.mode, &NoFiles, None).unwrap().messages.join("; ")
+    };
+    let edges = "(effect: Boundary(least: (0, 0), greatest: (1, 1))),";
+    for kind in ["Friction(coefficient: 0.1)", "Restitution(coefficient: 0.1)"] {
+        let why = refused(&format!("(effect: {kind}), {edges} (effect: {kind}, switch: Off)"));
+        assert!(why.contains("effects 1 and 3") && why.contains("take one of them out"), "{why}");
+    }
+    let springs = told("(effect: MouseSpring(stiffness: 1)), (effect: MouseSpring(stiffness: 2))");
+    assert!(springs.contains("Mouse spring is listed twice, as effects 1 and 2"), "{springs}");
+    assert_eq!(told(&format!("{edges} {edges} (effect: Gravity(down: 1)), (effect: Gravity(down: 1))")), "");
+    assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or edges"));
+    assert!(told("(effect: Walls(obstacles: []))").contains("no obstacles"));
+}
+
+#[test]
+fn what_skipping_saves_is_measured_against_the_same_run_with_everything_forced() {
+    let wall = "effects: [(effect: Gravity(down: 1)), (effect: MouseSpring(stiffness: 9)), (effect: Walls(obstacles: [Plane(point: (0, -9), normal: (0, 1), eps: 0.01)]))]";
+    let level = sheet("Corotated", "", &format!("substeps: 20, {wall}"));
+    let mut savings = Savings::new(&level, &NoFiles).unwrap();
+    assert!(savings.each().is_empty() && savings.whole().is_none(), "nothing is guessed");
+    while !savings.advance(Duration::from_secs(60)).finished {}
+    let [own, forced] = savings.runs();
+    assert_eq!((own.state().x == forced.state().x, own.state().v == forced.state().v), (true, true));
+    for name in ["Mouse spring", "Walls"] {
+        assert_eq!((cost(own, name).calls, cost(own, name).skipped), (0, 1200), "{name}");
+        assert_eq!((cost(forced, name).calls, cost(forced, name).skipped), (1200, 0), "{name}");
+        let saving = savings.each().into_iter().find(|saving| saving.name == name).unwrap();
+        assert!(saving.own == 0.0 && saving.saved() > 0.0, "{saving:?}");
+    }
+    // A scene at rest sleeps in one of the two runs alone.
+    let mut still = Savings::new(&sheet("Corotated", "", "substeps: 20"), &NoFiles).unwrap();
+    while !still.advance(Duration::from_secs(60)).finished {}
+    let [own, forced] = still.runs();
+    assert!(own.counts().slept > 0 && forced.counts().slept == 0);
+    assert!(own.counts().force_evaluations < forced.counts().force_evaluations);
+}

@@ -1,0 +1,96 @@
+//! A window in which everything sleeps rests too.
+
+use crate::harness::*;
+use eframe::egui::{Event, Key, Modifiers, PointerButton, ViewportId, vec2};
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::command::Mode;
+use std::time::Duration;
+
+/// How long the window wants to wait before it draws again.
+fn pause(window: &Window) -> Duration {
+    window.output().viewport_output[&ViewportId::ROOT].repaint_delay
+}
+
+#[test]
+fn when_everything_sleeps_nothing_is_stepped_and_no_frame_is_asked_for_until_a_pull() {
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    assert_eq!(pause(&window), Duration::ZERO, "while he is awake the next frame follows at once");
+    window.run_steps(60);
+    let asleep = window.state().snapshot().clone();
+    assert_eq!((asleep.asleep, asleep.running), (1, true));
+    let evaluations = window.state().sandbox().simulation().counts().force_evaluations;
+    for _ in 0..30 {
+        window.run_steps(1);
+        assert_eq!(pause(&window), Duration::MAX, "no repaint is asked for");
+    }
+    assert_eq!(window.state().snapshot().steps, asleep.steps);
+    assert_eq!(window.state().sandbox().simulation().counts().force_evaluations, evaluations);
+    let hand = on_screen(&window, vertex(&window, 0));
+    window.hover_at(hand);
+    window.run_steps(1);
+    window.event(Event::PointerButton {
+        pos: hand,
+        button: PointerButton::Primary,
+        pressed: true,
+        modifiers: Modifiers::NONE,
+    });
+    window.run_steps(1);
+    window.event(Event::PointerMoved(hand + vec2(60.0, -40.0)));
+    window.run_steps(5);
+    let awake = window.state().snapshot();
+    assert!(awake.asleep == 0 && awake.steps > asleep.steps && pause(&window) == Duration::ZERO);
+    // The clock did not run on meanwhile: waking owes no more than the frames since.
+    assert!(awake.steps - asleep.steps <= 700, "{}", awake.steps - asleep.steps);
+}
+
+#[test]
+fn sleep_can_be_switched_off_in_the_panel() {
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    click(&mut window, "Sleep");
+    window.run_steps(90);
+    assert_eq!((window.state().snapshot().asleep, pause(&window)), (0, Duration::ZERO));
+    press(&mut window, Key::Space);
+    window.run_steps(5);
+    assert_eq!(pause(&window), Duration::MAX);
+}
+
+#[test]
+fn the_ledger_says_what_is_skipped_and_why_and_clocks_run_only_while_it_is_open() {
+    let timed = |window: &Window| window.state().sandbox().simulation().costs().iter().any(|cost| !cost.time.is_zero());
+    let mut window = in_mode("gingerbread", Mode::Collide);
+    window.run_steps(5);
+    assert!(!timed(&window), "closed, it costs nothing");
+    click(&mut window, "What each effect costs");
+    window.run_steps(20);
+    assert!(timed(&window));
+    assert!(window.query_by_label("Auto – skipped: nothing is dragged").is_some());
+    assert!(window.query_by_label_contains("Not there: Damping").is_some());
+    assert!(
+        window.query_all_by_label_contains("100 calls a frame").count() > 0,
+        "elasticity acts in each of 100 steps"
+    );
+    window.get_by_label("Measure what skipping saves").click_accesskit();
+    window.run_steps(3);
+    for _ in 0..100_000 {
+        window.run_steps(1);
+        if window.query_by_label("Measure what skipping saves").is_some() {
+            break;
+        }
+    }
+    assert!(window.query_by_label_contains("forced:").is_some(), "measured, not guessed");
+    draw(&window);
+}
+
+#[test]
+fn an_effect_is_asked_in_every_step_once_auto_is_switched_off() {
+    let mut window = in_mode("hammock", Mode::Simulate);
+    let spring = |window: &Window| {
+        window.state().snapshot().costs.iter().find(|cost| cost.name == "Mouse spring").unwrap().clone()
+    };
+    assert_eq!(spring(&window).calls, 0);
+    let at = window.state().snapshot().level.effects.iter().filter(|listed| listed.switch.is_on());
+    let place = at.take_while(|listed| listed.effect.name() != "MouseSpring").count();
+    window.get_all_by_label("Auto").nth(place).unwrap().click();
+    window.run_steps(5);
+    assert!(spring(&window).calls > 0 && !spring(&window).auto);
+}

@@ -96,6 +96,29 @@ fn every_hard_case_is_held_or_its_file_says_why_it_cannot_be() {
     compare(Case::names().map(|name| (name, case(name))).collect(), &Method::ALL, "tests/hard_cases.csv");
 }
 
+/// The same on meshes of 2000 triangles, for what is hardest; takes minutes.
+#[test]
+#[ignore = "takes minutes: cargo test --test hard -- --ignored"]
+fn what_is_hardest_is_held_on_fine_meshes_too_or_its_file_says_why_it_cannot_be() {
+    let names = [
+        "corner",
+        "dragged_through",
+        "far_drag",
+        "incompressible_04999",
+        "line",
+        "mirror",
+        "point",
+        "pressed",
+        "scramble",
+        "stretch_2",
+        "stretch_5",
+        "thin_wall",
+        "twisted",
+    ];
+    let fine = names.map(|name| (name, case(name).with_triangles(2000).unwrap()));
+    compare(fine.to_vec(), &[Method::ImplicitEuler], "tests/hard_cases_fine.csv");
+}
+
 #[test]
 fn every_case_says_what_it_tries_and_reads_back_as_it_was_written() {
     for (file, text) in HARD {

@@ -24,6 +24,8 @@ impl App {
             },
             Some(FileWish::Hard(name, model, method)) => match self.gallery.hard_level(name, model, method) {
                 Ok(level) => {
+                    // It would lie over what is to be watched.
+                    self.view.hard.open = false;
                     self.start(level);
                     self.apply(None, Command::SetRunning(true));
                 }

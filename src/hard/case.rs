@@ -33,6 +33,9 @@ pub struct Case {
     /// What cannot be held, and why.
     #[serde(default)]
     pub cannot: Vec<Cannot>,
+    /// Whether its meshes were made finer.
+    #[serde(skip)]
+    fine: bool,
 }
 
 /// How long a case goes on.
@@ -63,6 +66,9 @@ pub struct Cannot {
     /// By which methods; all, if none is named.
     #[serde(default)]
     pub methods: Vec<Method>,
+    /// Only on finer meshes than the case's own.
+    #[serde(default)]
+    pub fine: bool,
     /// Why, in a sentence for people.
     pub why: String,
 }
@@ -109,7 +115,8 @@ impl Case {
     /// Why a model and a method cannot hold this case, if they cannot.
     pub fn cannot(&self, model: Model, method: Method) -> Option<&str> {
         let listed = |cannot: &&Cannot| {
-            (cannot.models.is_empty() || cannot.models.contains(&model))
+            (self.fine || !cannot.fine)
+                && (cannot.models.is_empty() || cannot.models.contains(&model))
                 && (cannot.methods.is_empty() || cannot.methods.contains(&method))
         };
         self.cannot.iter().find(listed).map(|cannot| cannot.why.as_str())
@@ -122,7 +129,7 @@ impl Case {
     pub fn with_triangles(&self, triangles: u32) -> Result<Self, StudyError> {
         let scene = Scene::build(&self.level, self.level.mode, &NoFiles, None)?;
         let share = f64::from(triangles) / scene.triangles.len().max(1) as f64;
-        Ok(Self { level: with_triangles(&self.level, share)?, ..self.clone() })
+        Ok(Self { level: with_triangles(&self.level, share)?, fine: share > 1.0, ..self.clone() })
     }
 
     /// The same from another start: the seeds of its start shapes go on by so many. `None` if it has no such start.

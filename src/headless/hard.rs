@@ -30,7 +30,7 @@ pub struct Hard {
     #[arg(long)]
     pub threads: Option<usize>,
     /// Write the table here, as CSV.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "seeds")]
     pub csv: Option<PathBuf>,
 }
 
@@ -79,7 +79,9 @@ pub fn hard(request: &Hard) -> Result<Hardness, HeadlessError> {
     let table = if request.seeds.is_some() { counts(&sweep, seeds.len()) } else { lines(&sweep) };
     let unexplained =
         |(trial, entry): &(&Trial, &Entry)| !held(entry) && trial.case.cannot(trial.model, trial.method).is_none();
-    Ok(Hardness { table, unexplained: sweep.entries().filter(unexplained).count() })
+    // What a file says is about its own seed.
+    let unexplained = if request.seeds.is_some() { 0 } else { sweep.entries().filter(unexplained).count() };
+    Ok(Hardness { table, unexplained })
 }
 
 fn read(request: &Hard) -> Result<Vec<(String, Case)>, HeadlessError> {

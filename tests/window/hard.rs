@@ -86,6 +86,8 @@ fn all_cases_can_be_begun_and_cancelled_and_one_can_be_watched_on_the_stage() {
     assert!(matches!(level.integrator, IntegratorKind::ImplicitEuler(_)) && level.substeps.get() == 1);
     window.run_steps(10);
     assert!(window.state().snapshot().time > 0.0, "it runs at once");
+    assert!(window.query_by_label("Run all").is_none(), "the gallery makes way");
+    open_gallery(&mut window);
     window.get_all_by_label("Symplectic Euler").last().unwrap().click();
     window.run_steps(3);
     ask(&mut window, "Open Stretched to twice its height");

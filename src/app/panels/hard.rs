@@ -172,27 +172,32 @@ fn row(ui: &mut Ui, (name, case): (&'static str, &Case), desk: &Desk<'_>, view: 
     let theme = Theme::of(ui.ctx());
     ui.push_id(name, |ui| {
         Frame::new().inner_margin(vec2(2.0, 5.0)).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                let sum = together(&marks);
+            let sum = together(&marks);
+            let (text, seconds) = numbers(&runs, &marks);
+            let number = |text: String| RichText::new(text).monospace().size(12.0).color(color(sum, theme));
+            let beside = ui.horizontal(|ui| {
                 paint(ui, sum, 18.0, theme, &format!("{}: {}", case.level.name, words(sum)));
                 ui.label(RichText::new(&case.level.name).strong());
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let right = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     buttons(ui, &choice, &case.level.name, view);
-                    let (text, seconds) = numbers(&runs, &marks);
                     if seconds > 0.0 {
                         ui.label(RichText::new(time(seconds)).small().weak()).on_hover_text("Time spent on it");
                     }
-                    if ui.available_width() > 60.0 {
-                        ui.add(
-                            Label::new(RichText::new(text).monospace().size(12.0).color(color(sum, theme))).truncate(),
-                        );
+                    let room = ui.available_width() > 7.5 * text.chars().count() as f32;
+                    if room {
+                        ui.label(number(text.clone()));
                     }
+                    room
                 });
+                right.inner
             });
             ui.horizontal(|ui| {
                 ui.add_space(26.0);
                 ui.vertical(|ui| {
                     ui.add(Label::new(RichText::new(&case.level.about).small()).wrap());
+                    if !beside.inner && !text.is_empty() {
+                        ui.label(number(text));
+                    }
                     if runs.len() > 1 {
                         dots(ui, &runs, &marks, theme);
                     }
@@ -253,11 +258,17 @@ fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
     found.into_iter().map(|(why, models)| format!("Cannot be held by {}. {why}", models.join(", "))).collect()
 }
 
-/// A small mark for every run, in a line for every method.
+/// A small mark for every run, after the letter of its material.
 fn dots(ui: &mut Ui, runs: &[&(Trial, Entry)], marks: &[Mark], theme: &Theme) {
+    ui.spacing_mut().interact_size.y = 14.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
+        let mut last = None;
         for ((trial, entry), mark) in runs.iter().zip(marks) {
+            if last.replace(trial.model) != Some(trial.model) {
+                ui.add_space(4.0);
+                ui.label(RichText::new(trial.model.letter()).small().weak());
+            }
             let number = match &entry.verdict {
                 Some(Ok(verdict)) => format!("\n{}", verdict.decided_by()),
                 _ => String::new(),

@@ -80,6 +80,8 @@ impl Simulation {
             *v = 0.0;
         }
         (self.scene, self.stale) = (scene, true);
+        // What an integrator remembers is of another system.
+        self.state.memory.clear();
         self.scratch.fit(&self.scene);
         self.islands = Islands::new(&self.scene);
         self.state.calm.clear();

@@ -1,14 +1,15 @@
-use super::{Case, Deed, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict, act::frame};
+use super::{AREA, Case, Deed, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict, act::frame};
 use crate::{
     effects::{EffectKind, Grab},
     level::{Level, Side, Substeps, Toggle},
     materials::Model,
     meshes::NoFiles,
     quantity::Gravity,
-    scene::{Body, Scene, SceneError, extent, nearest_vertex},
+    scene::{Scene, SceneError, extent, nearest_vertex},
     simulation::Simulation,
     stability::StabilityProbe,
     state::State,
+    untangle::{Tangle, untangled},
 };
 
 /// A case on its way, with one constitutive model and one method.
@@ -124,17 +125,21 @@ impl Run {
 
     /// Judges the state as it is now.
     pub fn verdict(&self) -> Verdict {
-        let state = self.simulation.state();
-        let ratios = || self.simulation.scene().bodies.iter().flat_map(|body| body.elements.volume_ratios(&state.x));
-        let off = || {
-            ratios().map(|ratio| (ratio - 1.0).abs()).fold(0.0, |worst: f64, off| if off > worst { off } else { worst })
+        let (scene, state) = (self.simulation.scene(), self.simulation.state());
+        let off = |x: &[f64]| {
+            let ratios = scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(x));
+            ratios.map(|ratio| (ratio - 1.0).abs()).fold(0.0, |worst: f64, off| if off > worst { off } else { worst })
         };
+        let Tangle { inverted, wound } = Tangle::of_all(scene, &state.x);
+        let home = self.expects == Expects::Home;
         let numbers = Numbers {
             gain: self.ledger.gain(),
             outside: self.outside,
-            area: (self.expects == Expects::Home).then(off),
-            inverted: ratios().filter(|ratio| *ratio <= 0.0).count(),
-            wound: self.simulation.scene().bodies.iter().map(|body| wound(body, &state.x)).sum(),
+            area: home.then(|| off(&state.x)),
+            elastic: self.simulation.energies().elastic,
+            inverted,
+            wound,
+            opens: home && untangled(scene, state).is_some_and(|free| off(&free.x) <= AREA),
             unsolved: self.simulation.counts().unconverged,
             time: state.time,
         };
@@ -248,23 +253,4 @@ fn turned(simulation: &Simulation, side: Side, angle: f64) -> State {
         (state.x[2 * pin], state.x[2 * pin + 1]) = (cx + c * x - s * y, cy + s * x + c * y);
     }
     state
-}
-
-/// How many vertices inside a body are wound: the angles of their triangles do not add up to one full turn.
-fn wound(body: &Body, x: &[f64]) -> usize {
-    let first = body.vertices.start;
-    let mut turns = vec![0.0; body.vertices.len()];
-    for corners in body.elements.corners() {
-        for k in 0..3 {
-            let [at, from, to] = [0, 1, 2].map(|step| corners[(k + step) % 3] as usize);
-            let way = |end: usize| [x[2 * end] - x[2 * at], x[2 * end + 1] - x[2 * at + 1]];
-            let (a, b) = (way(from), way(to));
-            let angle = libm::atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
-            turns[at - first] += angle / std::f64::consts::TAU;
-        }
-    }
-    for [from, to] in &body.boundary {
-        (turns[*from as usize], turns[*to as usize]) = (1.0, 1.0);
-    }
-    turns.iter().filter(|turn| (*turn - 1.0).abs() > 0.5).count()
 }

@@ -1,13 +1,19 @@
 use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
 
 /// The columns of the table, separated by commas.
-pub const COLUMNS: &str = "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,reason";
+pub const COLUMNS: &str =
+    "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,energy_left,untangle,reason";
 
 /// A line of the table for a trial: what decided, rounded, and why it is not held if that is known.
 pub fn row(trial: &Trial, verdict: &Verdict) -> String {
     let Trial { name, case, model, method } = trial;
-    let Numbers { gain, outside, area, unsolved, .. } = verdict.numbers;
+    let Numbers { gain, outside, area, unsolved, elastic, opens, .. } = verdict.numbers;
     let held = if verdict.held() { "held" } else { "not held" };
+    // What is left where a body did not come home [J], and whether it does when it is untangled.
+    let (mut left, mut untangle) = (String::new(), "");
+    if area.is_some() && !verdict.held() {
+        (left, untangle) = (format!("{elastic:.1e}"), if opens { "home" } else { "" });
+    }
     let area = area.map_or(String::new(), rounded);
     let mut reason = String::new();
     if let Some(failure) = verdict.failure {
@@ -15,7 +21,11 @@ pub fn row(trial: &Trial, verdict: &Verdict) -> String {
         reason = format!("\"{}: {}\"", failure.words(&verdict.numbers), why.replace('"', "'"));
     }
     let (model, method) = (model.name(), method.name());
-    format!("{name},{model},{method},{held},{area},{},{},{unsolved},{reason}", rounded(gain), rounded(outside))
+    format!(
+        "{name},{model},{method},{held},{area},{},{},{unsolved},{left},{untangle},{reason}",
+        rounded(gain),
+        rounded(outside)
+    )
 }
 
 /// Two digits; what is far below every limit is not worth a change of the table.

@@ -13,10 +13,14 @@ pub struct Numbers {
     pub outside: f64,
     /// Where bodies should come home: the greatest error of a triangle's area at the end, as a share of it.
     pub area: Option<f64>,
+    /// Elastic energy at the end [J].
+    pub elastic: f64,
     /// How many triangles were inverted at the end.
     pub inverted: usize,
     /// How many vertices inside a body had their triangles twice or more around them, or not around them at all, at the end.
     pub wound: usize,
+    /// Whether untangling then brings bodies home that should be there.
+    pub opens: bool,
     /// Steps whose equations were not solved to tolerance.
     pub unsolved: u64,
     /// Simulated time at the end [s].
@@ -82,12 +86,13 @@ impl Verdict {
 
     /// The number that decided, with its name and unit.
     pub fn decided_by(&self) -> String {
-        let Numbers { gain, outside, area, inverted, wound, time, .. } = self.numbers;
+        let Numbers { gain, outside, area, inverted, wound, time, opens, .. } = self.numbers;
+        let opened = if opens { ", opened by Untangle" } else { "" };
         match (self.failure, area) {
             (Some(Failure::Stopped), _) => format!("stopped at {time:.2} s"),
             (Some(Failure::Outside), _) => format!("{} through a wall", Share(outside)),
-            (Some(Failure::Inverted), _) => format!("{} inverted", Count(inverted, "triangle", "triangles")),
-            (Some(Failure::Wound), _) => format!("{} wound twice", Count(wound, "vertex", "vertices")),
+            (Some(Failure::Inverted), _) => format!("{} inverted{opened}", Count(inverted, "triangle", "triangles")),
+            (Some(Failure::Wound), _) => format!("{} wound twice{opened}", Count(wound, "vertex", "vertices")),
             (Some(Failure::Area) | None, Some(area)) => format!("area off by {}", Share(area)),
             (Some(Failure::Energy | Failure::Area) | None, _) => format!("energy up by {}", Share(gain)),
         }

@@ -46,6 +46,12 @@ impl Triangles {
         self.model().visit(self.lame(), Values { of: self, field, x, out: values });
     }
 
+    /// The same, and in the same sweep the least det F of all triangles (infinite if there are none) and how many have
+    /// det F <= 0.
+    pub fn survey(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> (f64, usize) {
+        self.model().visit(self.lame(), Survey(Values { of: self, field, x, out: values }))
+    }
+
     /// det F of each triangle.
     pub fn volume_ratios(&self, x: &[f64]) -> impl Iterator<Item = f64> {
         self.gradients(x).map(|(f, _)| f.determinant())
@@ -57,6 +63,29 @@ struct Values<'a> {
     field: Field,
     x: &'a [f64],
     out: &'a mut Vec<f64>,
+}
+
+struct Survey<'a>(Values<'a>);
+
+impl Visitor for Survey<'_> {
+    type Output = (f64, usize);
+    fn visit<M: Material>(self, material: &M) -> (f64, usize) {
+        let Values { of, field, x, out } = self.0;
+        let plane_stress = of.plane_stress();
+        let mut found = (f64::INFINITY, 0);
+        let gradients = of.gradients(x).map(|(f, _)| {
+            let j = f.determinant();
+            found = (found.0.min(j), found.1 + usize::from(j <= 0.0));
+            (f, j)
+        });
+        match field {
+            Field::None => gradients.for_each(drop),
+            Field::Volume => out.extend(gradients.map(|(_, j)| j)),
+            Field::EnergyDensity => out.extend(gradients.map(|(f, _)| material.energy(&f))),
+            Field::VonMises => out.extend(gradients.map(|(f, _)| von_mises(material, &f, plane_stress))),
+        }
+        found
+    }
 }
 
 impl Visitor for Values<'_> {

@@ -5,7 +5,7 @@ mod sleep;
 mod system;
 
 use crate::{
-    effects::{Effect, Grab},
+    effects::Grab,
     fault::Fault,
     guard::{Guard, Verdict},
     integrators::{Class, Scheme, StepCounts},
@@ -33,6 +33,8 @@ pub struct Simulation {
     grab: Option<Grab>,
     guard: Guard,
     fault: Option<Fault>,
+    /// Counts what changed: scenes, states, pulls and steps.
+    revision: u64,
 }
 
 /// A moment to go back to.
@@ -66,6 +68,7 @@ impl Simulation {
             grab: None,
             guard: Guard::default(),
             fault: None,
+            revision: 0,
         };
         simulation.settle_sleepers();
         simulation
@@ -79,13 +82,14 @@ impl Simulation {
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
             *v = 0.0;
         }
+        let paced = self.scene.step == scene.step;
         (self.scene, self.stale) = (scene, true);
         // What an integrator remembers is of another system.
         self.state.memory.clear();
+        self.revision += 1;
         self.scratch.fit(&self.scene);
         self.islands = Islands::new(&self.scene);
-        self.state.calm.clear();
-        self.settle_sleepers();
+        self.wake_all(paced);
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
             _ => self.guard.reset(),
@@ -95,6 +99,7 @@ impl Simulation {
     /// Puts the simulation into a state; a fault is forgotten.
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
+        self.revision += 1;
         self.scratch.free = None;
         self.settle_sleepers();
         self.grab = None;
@@ -109,6 +114,7 @@ impl Simulation {
         }
         let before = self.watched();
         (self.grab, self.stale) = (grab, true);
+        self.revision += 1;
         if let Some(grab) = grab {
             self.wake(grab.vertex);
         }
@@ -126,6 +132,11 @@ impl Simulation {
     /// The energies before a change from outside, if the guard has to know.
     fn watched(&self) -> Option<Energies> {
         (self.is_guarded() && !self.guard.is_new()).then(|| self.energies())
+    }
+
+    /// Differs from before if anything may have changed: the scene, the state, the pull.
+    pub const fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// What the mouse pulls.
@@ -230,6 +241,7 @@ impl Simulation {
         self.scratch.counts.steps += 1;
         self.scratch.counts.guarded += u64::from(parts > 1);
         self.state.steps += 1;
+        self.revision += 1;
         self.state.time = end;
     }
 
@@ -357,15 +369,21 @@ impl Simulation {
 
     /// Energies now [J].
     pub fn energies(&self) -> Energies {
+        let motion = self.scene.motion(&self.state, self.grab);
+        let elements = &self.scene.effects[..self.scene.element_count()];
+        self.energies_with(elements.iter().map(|effect| effect.energy(motion)).sum())
+    }
+
+    /// The same, where the energy of deformation [J] is known.
+    pub fn energies_with(&self, elastic: f64) -> Energies {
         if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
             let [kinetic, potential] = toy.kind().energies([a, b]);
             return Energies { kinetic, elastic: 0.0, potential };
         }
         let motion = self.scene.motion(&self.state, self.grab);
         let kinetic = self.kinetic_energy();
-        let (elastic, other) = self.scene.effects.split_at(self.scene.element_count());
-        let stored = |effects: &[std::sync::Arc<dyn Effect>]| effects.iter().map(|effect| effect.energy(motion)).sum();
-        Energies { kinetic, elastic: stored(elastic), potential: stored(other) }
+        let other = &self.scene.effects[self.scene.element_count()..];
+        Energies { kinetic, elastic, potential: other.iter().map(|effect| effect.energy(motion)).sum() }
     }
 
     /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.

@@ -3,7 +3,7 @@
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
-    elements::Springs,
+    elements::{Springs, Survey},
     fault::Fault,
     level::Level,
     materials::Model,
@@ -84,6 +84,10 @@ pub struct Snapshot {
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
+    /// How often all elements were swept over for what is in here: twice for each state that was looked at.
+    pub sweeps: u64,
+    /// Which state that was last: the generation, the revision in it, and the field.
+    pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
     pub can_undo: bool,
     /// Whether there is something to redo.
@@ -186,23 +190,12 @@ impl Sandbox {
         if snapshot.toy.is_none() {
             snapshot.positions.extend_from_slice(x);
         }
-        snapshot.field = field;
-        snapshot.values.clear();
-        for body in &scene.bodies {
-            body.elements.field(field, x, &mut snapshot.values);
+        // What depends on the elements is computed once for each state, however often it is drawn.
+        let seen = Some((self.generation, simulation.revision(), field));
+        if snapshot.seen != seen {
+            snapshot.seen = seen;
+            self.survey(field, snapshot);
         }
-        snapshot.bodies.clear();
-        snapshot.bodies.extend(self.bodies());
-        snapshot.nets.clear();
-        snapshot.nets.extend(scene.nets.iter().map(|net| NetSnapshot {
-            name: net.name.clone(),
-            vertices: net.vertices.clone(),
-            springs: Arc::clone(&net.springs),
-            energy: net.springs.elastic_energy(x),
-        }));
-        snapshot.energies = simulation.energies();
-        (snapshot.min_j, snapshot.inverted) = simulation.inversion();
-        snapshot.wound = Tangle::of_all(scene, x).wound;
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
@@ -218,31 +211,56 @@ impl Sandbox {
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
 
-    fn bodies(&self) -> impl Iterator<Item = BodySnapshot> {
-        let (scene, x) = (self.simulation.scene(), &self.simulation.state().x);
+    /// Energies, fields and shapes: two sweeps over the elements, one for energies, one for all else.
+    fn survey(&self, field: Field, snapshot: &mut Snapshot) {
+        let (simulation, scene) = (&self.simulation, self.simulation.scene());
+        let x = &simulation.state().x;
+        snapshot.field = field;
+        snapshot.values.clear();
+        snapshot.bodies.clear();
+        (snapshot.min_j, snapshot.inverted) = (f64::INFINITY, 0);
         let mut first = 0;
-        scene.bodies.iter().map(move |body| {
+        for body in &scene.bodies {
+            let shape = body.elements.survey(field, x, &mut snapshot.values);
+            snapshot.min_j = snapshot.min_j.min(shape.least);
+            snapshot.inverted += shape.inverted;
             let triangles = first..first + body.elements.corners().len();
             first = triangles.end;
-            let own = &x[2 * body.vertices.start..2 * body.vertices.end];
-            let (bottom, top) = extent(own, 1);
-            let height_ratio = (top - bottom) / body.rest_height;
-            let test = self.document.level.test.is_some();
-            BodySnapshot {
-                name: body.name.clone(),
-                model: body.elements.model(),
-                mesh: Arc::clone(&body.mesh),
-                vertices: body.vertices.clone(),
-                triangles,
-                energy: body.elements.elastic_energy(x),
-                min_j: body.elements.volume_ratios(x).fold(f64::INFINITY, f64::min),
-                continued: body.elements.continued(x),
-                mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
-                top_force: if test { body.holding_force(x) } else { 0.0 },
-                height_ratio,
-                caution: test.then(|| body.elements.model().caution(body.elements.lame(), height_ratio)).flatten(),
-            }
-        })
+            snapshot.bodies.push(self.body(body, triangles, shape));
+        }
+        snapshot.nets.clear();
+        snapshot.nets.extend(scene.nets.iter().map(|net| NetSnapshot {
+            name: net.name.clone(),
+            vertices: net.vertices.clone(),
+            springs: Arc::clone(&net.springs),
+            energy: net.springs.elastic_energy(x),
+        }));
+        let elastic = snapshot.bodies.iter().map(|body| body.energy).chain(snapshot.nets.iter().map(|net| net.energy));
+        snapshot.energies = simulation.energies_with(elastic.sum());
+        snapshot.wound = Tangle::of_all(scene, x).wound;
+        snapshot.sweeps += 2;
+    }
+
+    fn body(&self, body: &Body, triangles: Range<usize>, shape: Survey) -> BodySnapshot {
+        let x = &self.simulation.state().x;
+        let own = &x[2 * body.vertices.start..2 * body.vertices.end];
+        let (bottom, top) = extent(own, 1);
+        let height_ratio = (top - bottom) / body.rest_height;
+        let test = self.document.level.test.is_some();
+        BodySnapshot {
+            name: body.name.clone(),
+            model: body.elements.model(),
+            mesh: Arc::clone(&body.mesh),
+            vertices: body.vertices.clone(),
+            triangles,
+            energy: body.elements.elastic_energy(x),
+            min_j: shape.least,
+            continued: shape.continued,
+            mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
+            top_force: if test { body.holding_force(x) } else { 0.0 },
+            height_ratio,
+            caution: test.then(|| body.elements.model().caution(body.elements.lame(), height_ratio)).flatten(),
+        }
     }
 
     fn toy(&self) -> Option<ToySnapshot> {

@@ -31,24 +31,31 @@ impl State {
 
     /// Whether every position lies between two corners, and every velocity is of a size that can still mean something.
     pub fn is_within(&self, [least, greatest]: [[f64; 2]; 2]) -> bool {
-        // Four vertices at a time, for processors that compare eight numbers at once.
-        let corners = [least, greatest].map(|[x, y]| [x, y, x, y, x, y, x, y]);
+        // Many vertices side by side; numbers rather than conditions are summed, as processors do that several at once.
+        const COUNT: usize = 16;
+        let corners = [least, greatest].map(|corner| std::array::from_fn::<f64, COUNT, _>(|number| corner[number % 2]));
+        let [least, greatest] = &corners;
+        let beyond = |x: f64, least: f64, greatest: f64| {
+            // What is not a number is neither.
+            let (low, high) = (if x >= least { 0.0 } else { 1.0 }, if x <= greatest { 0.0 } else { 1.0 });
+            low + high
+        };
+        let (chunks, rest) = self.x.as_chunks::<COUNT>();
         let within = || {
-            let (fours, rest) = self.x.as_chunks::<8>();
-            let mut all = true;
-            for four in fours {
-                for (x, (least, greatest)) in four.iter().zip(corners[0].iter().zip(&corners[1])) {
-                    all &= x >= least;
-                    all &= x <= greatest;
+            let mut outside = [0.0; COUNT];
+            for chunk in chunks {
+                for (number, sum) in outside.iter_mut().enumerate() {
+                    *sum += beyond(chunk[number], least[number], greatest[number]);
                 }
             }
-            for (x, (least, greatest)) in rest.iter().zip(corners[0].iter().zip(&corners[1])) {
-                all &= x >= least;
-                all &= x <= greatest;
-            }
-            self.v.iter().fold(all, |all, value| all & (value.abs() <= Self::LIMIT))
+            let slow = |all: bool, v: &f64| all & (v.abs() <= Self::LIMIT);
+            outside.iter().sum::<f64>() == 0.0 && self.v.iter().fold(true, slow)
         };
-        pulp::Arch::new().dispatch(within)
+        let rest = rest
+            .iter()
+            .zip(least.iter().zip(greatest))
+            .all(|(x, (least, greatest))| beyond(*x, *least, *greatest) == 0.0);
+        rest && pulp::Arch::new().dispatch(within)
     }
 
     /// A fingerprint of every bit of positions and velocities (FNV-1a, 64 bit): equal states, equal numbers.

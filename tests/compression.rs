@@ -4,7 +4,7 @@
 mod common;
 
 use common::{models, rotation, sheet, simulation};
-use gingerbread::{simulation::Simulation, untangle::Tangle};
+use gingerbread::{elements::Field, simulation::Simulation, untangle::Tangle};
 use nalgebra::{Matrix2, Vector2};
 
 /// A sheet of a model with the guard of this strength as its only effect.
@@ -86,7 +86,11 @@ fn a_mirrored_corotated_body_agrees_with_itself_on_how_to_turn_again_whichever_w
             let mut simulation = guarded(model, 0.0);
             deform(&mut simulation, rotation(degrees.to_radians()) * Matrix2::new(-1.0, 0.0, 0.0, 1.0));
             let body = &simulation.scene().bodies[0].elements;
-            assert_eq!(body.continued(&simulation.state().x), 32, "{model} {degrees}: all are at the point of 0/0");
+            assert_eq!(
+                body.survey(Field::None, &simulation.state().x, &mut Vec::new()).continued,
+                32,
+                "{model} {degrees}: all are at the point of 0/0"
+            );
             assert_eq!(simulation.advance(600, &mut || true), 600);
             assert!(simulation.energies().elastic < 1e-9, "{model} {degrees}: {:?}", simulation.energies());
             assert!(!Tangle::of_all(simulation.scene(), &simulation.state().x).is_some(), "{model} {degrees}");
@@ -98,8 +102,9 @@ fn a_mirrored_corotated_body_agrees_with_itself_on_how_to_turn_again_whichever_w
 fn triangles_beyond_where_a_model_is_used_to_the_letter_are_counted() {
     for model in models() {
         let mut simulation = guarded(model, 0.0);
-        let continued =
-            |simulation: &Simulation| simulation.scene().bodies[0].elements.continued(&simulation.state().x);
+        let continued = |simulation: &Simulation| {
+            simulation.scene().bodies[0].elements.survey(Field::None, &simulation.state().x, &mut Vec::new()).continued
+        };
         assert_eq!(continued(&simulation), 0, "{model} at rest");
         deform(&mut simulation, Matrix2::new(0.11, 0.0, 0.0, 1.0));
         assert_eq!(continued(&simulation), 0, "{model} squeezed to 11 %");

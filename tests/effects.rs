@@ -15,6 +15,7 @@ use gingerbread::{
     report::EffectCost,
     scene::Scene,
     simulation::Simulation,
+    state::State,
     study::Savings,
 };
 use std::time::Duration;
@@ -214,7 +215,7 @@ fn what_skipping_saves_is_measured_against_the_same_run_with_everything_forced()
     let level = sheet("Corotated", "", &format!("substeps: 20, {wall}"));
     let mut savings = Savings::new(&level, &NoFiles).unwrap();
     assert!(savings.each().is_empty() && savings.whole().is_none(), "nothing is guessed");
-    while !savings.advance(Duration::from_secs(60)).finished {}
+    while !savings.advance(Duration::MAX).finished {}
     let [own, forced] = savings.runs();
     assert_eq!((own.state().x == forced.state().x, own.state().v == forced.state().v), (true, true));
     for name in ["Mouse spring", "Walls"] {
@@ -225,8 +226,30 @@ fn what_skipping_saves_is_measured_against_the_same_run_with_everything_forced()
     }
     // A scene at rest sleeps in one of the two runs alone.
     let mut still = Savings::new(&sheet("Corotated", "", "substeps: 20"), &NoFiles).unwrap();
-    while !still.advance(Duration::from_secs(60)).finished {}
+    while !still.advance(Duration::MAX).finished {}
     let [own, forced] = still.runs();
     assert!(own.counts().slept > 0 && forced.counts().slept == 0);
     assert!(own.counts().force_evaluations < forced.counts().force_evaluations);
+}
+
+#[test]
+fn a_state_is_within_a_box_if_every_vertex_is_and_all_are_numbers() {
+    let bounds = [[0.0, -1.0], [1.0, 2.0]];
+    // More than are looked at side by side, and some left over.
+    for vertices in [0, 1, 7, 8, 21] {
+        let corners = [0.0, -1.0, 1.0, 2.0];
+        let x: Vec<_> = (0..2 * vertices).map(|number| corners[number % 4]).collect();
+        let state = State { v: vec![0.5; x.len()], x, ..State::default() };
+        assert!(state.is_within(bounds), "its edges belong to it");
+        for number in 0..state.x.len() {
+            for wrong in [2.0 + 1e-15 * 4.0, -1.0 - 1e-15, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut other = state.clone();
+                other.x[number] = wrong;
+                assert!(!other.is_within(bounds), "{wrong} at {number}");
+            }
+            let mut other = state.clone();
+            other.v[number] = f64::NAN;
+            assert!(!other.is_within(bounds));
+        }
+    }
 }

@@ -248,6 +248,7 @@ impl App {
 
     /// Measures beside the scene that the panels are about, and goes on with what was begun beside the other.
     fn study(&mut self, ctx: &Context) {
+        let gauge = !self.view.hidden[1] || self.view.drawer == Some(panels::Side::Right);
         let mut labs = vec![(&mut self.lab, &self.sandbox)];
         let mut chosen = 0;
         if let Some(panes) = &mut self.comparison {
@@ -260,7 +261,7 @@ impl App {
                     lab.grant(wish, sandbox);
                 }
             }
-            if (number == chosen || lab.twin().is_some() || lab.is_busy()) && lab.work(sandbox) {
+            if (number == chosen || lab.twin().is_some() || lab.is_busy()) && lab.work(sandbox, gauge) {
                 ctx.request_repaint();
             }
         }

@@ -2,6 +2,17 @@ use super::Triangles;
 use crate::materials::{Material, Visitor};
 use nalgebra::Matrix2;
 
+/// What shape triangles are in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Survey {
+    /// Least det F; infinite if there are none.
+    pub least: f64,
+    /// How many have det F <= 0.
+    pub inverted: usize,
+    /// How many are beyond where the model's formula is used to the letter.
+    pub continued: usize,
+}
+
 /// What triangles can be coloured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Field {
@@ -41,24 +52,10 @@ impl Field {
 }
 
 impl Triangles {
-    /// Adds one value a triangle to `values`, in their order; nothing for [`Field::None`].
-    pub fn field(&self, field: Field, x: &[f64], values: &mut Vec<f64>) {
-        self.model().visit(self.lame(), Values { of: self, field, x, out: values });
-    }
-
-    /// How many triangles are beyond where the model's formula is used to the letter.
-    pub fn continued(&self, x: &[f64]) -> usize {
-        struct Continued<'a>(&'a Triangles, &'a [f64]);
-        impl Visitor for Continued<'_> {
-            type Output = usize;
-            fn visit<M: Material>(self, material: &M) -> usize {
-                if M::CONTINUATION.is_empty() {
-                    return 0;
-                }
-                self.0.gradients(self.1).filter(|(f, _)| material.is_continued(f)).count()
-            }
-        }
-        self.model().visit(self.lame(), Continued(self, x))
+    /// What shape the triangles are in; in the same sweep adds one value a triangle to `values`, in their order, but nothing for
+    /// [`Field::None`].
+    pub fn survey(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Survey {
+        self.model().visit(self.lame(), Values { of: self, field, x, out: values })
     }
 
     /// det F of each triangle.
@@ -75,18 +72,25 @@ struct Values<'a> {
 }
 
 impl Visitor for Values<'_> {
-    type Output = ();
-    fn visit<M: Material>(self, material: &M) {
-        let gradients = self.of.gradients(self.x).map(|(f, _)| f);
-        match self.field {
-            Field::None => {}
-            Field::Volume => self.out.extend(gradients.map(|f| f.determinant())),
-            Field::EnergyDensity => self.out.extend(gradients.map(|f| material.energy(&f))),
-            Field::VonMises => {
-                let plane_stress = self.of.plane_stress();
-                self.out.extend(gradients.map(|f| von_mises(material, &f, plane_stress)));
-            }
+    type Output = Survey;
+    fn visit<M: Material>(self, material: &M) -> Survey {
+        let Values { of, field, x, out } = self;
+        let plane_stress = of.plane_stress();
+        let mut found = Survey { least: f64::INFINITY, inverted: 0, continued: 0 };
+        let gradients = of.gradients(x).map(|(f, _)| {
+            let j = f.determinant();
+            found.least = found.least.min(j);
+            found.inverted += usize::from(j <= 0.0);
+            found.continued += usize::from(material.is_continued(&f));
+            (f, j)
+        });
+        match field {
+            Field::None => gradients.for_each(drop),
+            Field::Volume => out.extend(gradients.map(|(_, j)| j)),
+            Field::EnergyDensity => out.extend(gradients.map(|(f, _)| material.energy(&f))),
+            Field::VonMises => out.extend(gradients.map(|(f, _)| von_mises(material, &f, plane_stress))),
         }
+        found
     }
 }
 

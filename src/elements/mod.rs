@@ -8,7 +8,7 @@ mod tangent;
 mod triangle;
 
 pub(crate) use blocks::Law;
-pub use fields::Field;
+pub use fields::{Field, Survey};
 pub use spring::Springs;
 pub use triangle::Triangles;
 

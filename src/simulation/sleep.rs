@@ -97,6 +97,7 @@ impl Simulation {
             self.state.time += self.scene.step;
         }
         self.state.steps += steps;
+        self.revision += 1;
         self.scratch.counts.steps += steps;
         self.scratch.counts.slept += steps;
         for cost in &mut self.scratch.costs {
@@ -130,6 +131,15 @@ impl Simulation {
             self.stale = true;
             self.settle_sleepers();
         }
+    }
+
+    /// Wakes everybody: something acts differently now. Who was calm is still, if the `pace` of looks stays.
+    pub(super) fn wake_all(&mut self, pace: bool) {
+        if !pace {
+            self.state.calm.clear();
+        }
+        self.state.calm.iter_mut().filter(|calm| **calm == ASLEEP).for_each(|calm| *calm = 0);
+        self.settle_sleepers();
     }
 
     /// Looks who is calm, if it is time to; call it before the checkpoint of a step is set.
@@ -175,6 +185,7 @@ impl Simulation {
         }
         self.islands.all = islands;
         self.state.clone_from(&self.checkpoint.state);
+        self.revision += 1;
         self.settle_sleepers();
     }
 

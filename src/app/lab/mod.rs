@@ -151,11 +151,14 @@ impl Lab {
         }
     }
 
-    /// Works for a small part of a frame. Returns whether there is more to do.
-    pub fn work(&mut self, sandbox: &Sandbox) -> bool {
+    /// Works for a small part of a frame; looks for the longest stable step only where that is shown. Returns whether there is
+    /// more to do.
+    pub fn work(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
         let simulation = sandbox.simulation();
         let settled = self.limit.is_some() && !sandbox.is_live();
-        self.limit = self.probe.refine(simulation.scene(), simulation.state(), if settled { 1 } else { 2 });
+        if gauge {
+            self.limit = self.probe.refine(simulation.scene(), simulation.state(), if settled { 1 } else { 2 });
+        }
         let behind = self.twin.as_mut().is_some_and(|twin| {
             twin.follow(simulation);
             !twin.advance(simulation, Duration::from_millis(8))

@@ -56,8 +56,8 @@ pub(super) fn turn(f: &Matrix2<f64>, factor: f64) -> Matrix4<f64> {
 impl Material for Corotated {
     const TITLE: &'static str = "Corotated";
     const LETTER: &'static str = "C";
-    const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 tr(RᵀF − I)²";
-    const CONTINUATION: &'static str = "tr(RᵀF) = 0: every rotation is equally near, and R = I is taken";
+    const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 (R:F − 2)²";
+    const CONTINUATION: &'static str = "R:F = 0: every rotation is equally near, and R = I is taken";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {

@@ -45,7 +45,7 @@ impl NeoHookean {
 impl Material for NeoHookean {
     const TITLE: &'static str = "Neo-Hookean";
     const LETTER: &'static str = "N";
-    const FORMULA: &'static str = "ψ = μ/2 (tr FᵀF − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
+    const FORMULA: &'static str = "ψ = μ/2 (|F|² − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
     const BARRIER: bool = true;
     const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series";
 

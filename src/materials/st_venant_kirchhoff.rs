@@ -38,7 +38,7 @@ impl StVenantKirchhoff {
 impl Material for StVenantKirchhoff {
     const TITLE: &'static str = "St. Venant-Kirchhoff";
     const LETTER: &'static str = "V";
-    const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (FᵀF − I)/2";
+    const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (F^T F − I)/2";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {

@@ -44,7 +44,7 @@ impl StableNeoHookean {
 impl Material for StableNeoHookean {
     const TITLE: &'static str = "Stable neo-Hookean";
     const LETTER: &'static str = "S";
-    const FORMULA: &'static str = "ψ = 3μ/4 (I − 2 − ln((I + 1)/3)) + (λ/2 + μ/3)(J − 1)² − μ (J − 1),  I = tr FᵀF";
+    const FORMULA: &'static str = "ψ = 3μ/4 (I − 2 − ln((I + 1)/3)) + (λ/2 + μ/3)(J − 1)² − μ (J − 1),  I = |F|²";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {

@@ -77,7 +77,7 @@ pub struct Newton {
 
 impl Newton {
     /// Most iterations of one solve.
-    pub const ITERATIONS: usize = 50;
+    pub const ITERATIONS: usize = 200;
     /// Most halvings of one step: below 1e-9 of it nothing is gained.
     const CUTS: u32 = 30;
     /// Share of the longest step that is taken at most, and the share of a step below which it does not count.

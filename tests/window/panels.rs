@@ -1,9 +1,14 @@
 //! Sliders, effects, levels, undo.
 
 use crate::harness::*;
-use eframe::egui::{Event, Key, Modifiers, Role, pos2, vec2};
+use eframe::egui::{Event, FontId, Key, Modifiers, Role, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
+use gingerbread::app::keys::TABLE;
 use gingerbread::command::Mode;
+use gingerbread::effects::EffectKind;
+use gingerbread::hard::Case;
+use gingerbread::integrators::IntegratorKind;
+use gingerbread::materials::Model;
 use gingerbread::{files, levels};
 
 #[test]
@@ -153,5 +158,35 @@ fn every_level_opens_from_the_picker_and_every_widget_has_a_name() {
             window.check_accessibility();
         }
         press(&mut window, Key::Escape);
+    }
+}
+
+#[test]
+fn every_word_and_formula_can_be_written_with_the_letters_the_window_has() {
+    let window = open("gingerbread");
+    let mut texts: Vec<String> = TABLE.iter().map(|binding| binding.words.to_owned()).collect();
+    for model in Model::ALL {
+        texts.extend([model.title(), model.formula(), model.continuation()].map(str::to_owned));
+    }
+    texts.extend(
+        IntegratorKind::all().iter().flat_map(|kind| [kind.kind().title(), kind.kind().about()].map(str::to_owned)),
+    );
+    texts.extend(
+        EffectKind::all().iter().flat_map(|kind| [kind.kind().title(), kind.kind().about()].map(str::to_owned)),
+    );
+    for (_, text) in levels::BUILT_IN {
+        let level = files::parse(text, "built in").unwrap();
+        texts.extend([level.name, level.about]);
+    }
+    for (_, text) in levels::HARD {
+        let case: Case = files::parse_as(text, "hard").unwrap();
+        texts.extend([case.level.name, case.level.about]);
+        texts.extend(case.cannot.into_iter().map(|cannot| cannot.why));
+    }
+    let font = FontId::proportional(14.0);
+    for text in texts {
+        let missing: String =
+            text.chars().filter(|letter| !window.ctx.fonts_mut(|fonts| fonts.has_glyph(&font, *letter))).collect();
+        assert!(missing.is_empty(), "{missing:?} in {text:?}");
     }
 }

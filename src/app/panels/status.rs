@@ -7,6 +7,7 @@ use crate::{
         numbers,
     },
     command::{Command, Mode},
+    integrators::Class,
     level::Substeps,
     materials::Model,
     snapshot::Snapshot,
@@ -151,7 +152,8 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
     };
     let details = format!("Least J = det F is {}: below 0 a triangle is turned over.", numbers::si(now.min_j, ""));
     let finer = Substeps::new(now.level.substeps.get().saturating_mul(2)).ok();
-    let mend: Mend = match finer.filter(|_| now.inverted > now.triangles.len() / 20) {
+    let explicit = now.level.integrator.kind().class() == Class::Explicit;
+    let mend: Mend = match finer.filter(|_| explicit && now.inverted > now.triangles.len() / 20) {
         // Not a fold here and there but a burst: the step is too long.
         Some(finer) => (
             "Halve the step",

@@ -76,7 +76,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let about = if desk.now.level.about.is_empty() { "Which level to play" } else { &desk.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
-        ui.set_min_width(180.0);
+        ui.set_width(240.0);
         let room = ui.ctx().content_rect().height() - 170.0;
         let list = ScrollArea::vertical().max_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {

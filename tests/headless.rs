@@ -176,7 +176,11 @@ fn hard_tells_which_cases_are_held_and_ends_with_1_if_one_should_be_and_is_not()
     let one = ["--model", "StVenantKirchhoff", "--integrator", "bdf2"];
     let output = gingerbread(&[&["hard", unexplained.as_str()][..], &one].concat());
     assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output.stdout).contains("NOT HELD (130 triangles inverted)"), "{}", said(&output.stdout));
+    assert!(
+        said(&output.stdout).contains("NOT HELD (130 triangles inverted, opened by Untangle)"),
+        "{}",
+        said(&output.stdout)
+    );
     assert_eq!(gingerbread(&[&["hard", "mirror"][..], &one].concat()).status.code(), Some(0), "it is listed there");
     let output = gingerbread(&["hard", "no_such_case"]);
     assert!(output.status.code() == Some(2) && said(&output.stderr).contains("no_such_case"));

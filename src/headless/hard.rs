@@ -124,16 +124,20 @@ fn lines(sweep: &Sweep) -> String {
     text
 }
 
-/// A line for every case, model and method: how many of so many starts came to their expected end.
+/// A line for every case, model and method: how many of so many starts came to their expected end, and how many of the others
+/// do when they are untangled.
 fn counts(sweep: &Sweep, starts: usize) -> String {
-    let mut text = format!("{:<12} {:<17} {:<16} held", "case", "model", "integrator");
+    let mut text = format!("{:<12} {:<17} {:<16} held          by Untangle", "case", "model", "integrator");
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
         let Trial { name, model, method, .. } = group[0].0;
         let (model, method) = (model.name(), method.name());
+        let opens = |entry: &Entry| matches!(&entry.verdict, Some(Ok(verdict)) if verdict.numbers.opens);
         let count = group.iter().filter(|(_, entry)| held(entry)).count();
+        let opened = group.iter().filter(|(_, entry)| !held(entry) && opens(entry)).count();
+        let held = format!("{count} of {starts}");
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n{name:<12} {model:<17} {method:<16} {count} of {starts}");
+        let _ = write!(text, "\n{name:<12} {model:<17} {method:<16} {held:<13} {opened}");
     }
     text
 }

@@ -58,10 +58,12 @@ impl NewtonCounts {
 
 /// Newton's method with a line search, and everything it keeps between solves.
 ///
-/// Where the matrix is not positive definite its diagonal is made heavier, so that every Newton step leads downhill.
-/// A step is halved while g is not a number at its end, or points back along the step by more than nine tenths of what
-/// it pointed forth at the start: along a valley that means having climbed the other side. For equations that are the
-/// gradient of a potential this bounds it without ever computing it, and it also serves where damping leaves none.
+/// Where the matrix is not positive definite the eigenvalues of its elements are changed (see [`Tangent`]), and for round-off
+/// its diagonal is made heavier, so that every Newton step leads downhill. No step goes farther than
+/// [`Equations::longest_step`] allows, and it is halved while g is not a number at its end, or points back along the step by
+/// more than nine tenths of what it pointed forth at the start: along a valley that means having climbed the other side. For
+/// equations that are the gradient of a potential this bounds it without ever computing it, and it also serves where damping
+/// leaves none.
 ///
 /// It stops when the steps, shrinking as they did last, cannot add up to more than the tolerance any more
 /// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.8).

@@ -3,13 +3,17 @@
 //! Levels are RON. Unknown fields, wrong types and numbers out of range are refused with the line and column
 //! (see [`crate::files`]). The level is also the document that the window edits, undoes and saves.
 
+mod saved;
+
+pub use saved::SavedState;
+
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
     materials::MaterialParameters,
     meshes::MeshKind,
     nets::NetKind,
-    quantity::{Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Spin, Time, Velocity},
+    quantity::{Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Spin, Velocity},
     toys::ToyKind,
 };
 use serde::{Deserialize, Serialize};
@@ -375,38 +379,6 @@ impl TryFrom<u32> for Substeps {
 impl From<Substeps> for u32 {
     fn from(substeps: Substeps) -> Self {
         substeps.0
-    }
-}
-
-/// A moment of a running scene: enough to continue bit for bit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SavedState {
-    /// Steps taken since the start.
-    #[serde(deserialize_with = "step_count")]
-    pub steps: u64,
-    /// Simulated time [s].
-    pub time: Time,
-    /// Positions of all bodies' vertices and then all nets' particles, one after another [m]; of a toy, its state.
-    pub positions: Vec<Point>,
-    /// Velocities of the same [m/s]; a toy has none.
-    pub velocities: Vec<Point>,
-    /// What the integrator remembers between steps.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub memory: Vec<Coordinate>,
-    /// How calm each body and then each net has been; the greatest number if it sleeps.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub calm: Vec<u32>,
-}
-
-/// A number of steps that a double still counts exactly.
-fn step_count<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
-    const MOST: u64 = 1 << 53;
-    let count = u64::deserialize(from)?;
-    if count <= MOST {
-        Ok(count)
-    } else {
-        Err(serde::de::Error::custom(format!("steps must be in [0, {MOST}], got {count}")))
     }
 }
 

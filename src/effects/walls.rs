@@ -27,7 +27,7 @@ impl EffectParameters for Walls {
     }
 
     fn about(&self) -> &'static str {
-        "A vertex within ε of a wall that moves inwards: v ← v − min(0, v·n) n, relative to the wall if that moves. At any speed it stops where it first touches, and so does an edge at a corner."
+        "A vertex within ε of a wall that moves inwards: v := v − min(0, v·n) n, relative to the wall if that moves. At any speed it stops where it first touches, and so does an edge at a corner."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

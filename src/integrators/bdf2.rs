@@ -24,7 +24,7 @@ impl Integrator for Bdf2 {
     }
 
     fn about(&self) -> &'static str {
-        "v′ = (4v − v₋₁)/3 + 2h/3 a(x′, v′), and so x′. Second order; stable for every h; fast vibrations die out."
+        "v' = (4v − v_old)/3 + 2h/3 a(x', v'), and so x'. Second order; stable for every h; fast vibrations die out."
     }
 
     fn order(&self) -> u32 {

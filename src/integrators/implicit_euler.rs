@@ -19,7 +19,7 @@ impl Integrator for ImplicitEuler {
     }
 
     fn about(&self) -> &'static str {
-        "v′ = v + h a(x′, v′), x′ = x + h v′. First order; stable for every h; vibrations fade by 1/√(1 + h²ω²) a step."
+        "v' = v + h a(x', v'), x' = x + h v'. First order; stable for every h; vibrations fade by 1/√(1 + h²ω²) a step."
     }
 
     fn order(&self) -> u32 {

@@ -21,7 +21,7 @@ impl Integrator for ImplicitMidpoint {
     }
 
     fn about(&self) -> &'static str {
-        "v′ = v + h a at the midpoint, x′ = x + h (v + v′)/2. Second order; stable for every h; vibrations neither grow nor fade."
+        "v' = v + h a at the midpoint, x' = x + h (v + v')/2. Second order; stable for every h; vibrations neither grow nor fade."
     }
 
     fn order(&self) -> u32 {

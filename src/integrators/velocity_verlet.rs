@@ -17,7 +17,7 @@ impl Integrator for VelocityVerlet {
     }
 
     fn about(&self) -> &'static str {
-        "x += h v + h²/2 a, then v += h/2 (a + a′). Second order; stable for h < 2/ω of the stiffest vibration; energy does not drift."
+        "x += h v + h²/2 a, then v += h/2 (a + a'). Second order; stable for h < 2/ω of the stiffest vibration; energy does not drift."
     }
 
     fn order(&self) -> u32 {

@@ -211,7 +211,8 @@ impl Sandbox {
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
 
-    /// Energies, fields and shapes: two sweeps over the elements, one for energies, one for all else.
+    /// Energies, fields and shapes: two sweeps over the elements, one for energies, one for all else; and one over their
+    /// corners alone, for folds.
     fn survey(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let x = &simulation.state().x;

@@ -401,29 +401,3 @@ fn a_fork_goes_on_to_the_same_bits_and_what_is_done_to_it_does_not_reach_the_fir
     let now = seen(&first);
     assert_eq!((now.positions, now.level, now.can_undo), (before.positions, before.level, before.can_undo));
 }
-
-#[test]
-fn what_is_drawn_of_a_state_is_computed_once_however_often_it_is_drawn() {
-    let mut sandbox = small();
-    let mut snapshot = Snapshot::default();
-    for _ in 0..5 {
-        sandbox.snapshot(Field::VonMises, &mut snapshot);
-    }
-    assert_eq!(snapshot.sweeps, 2, "one sweep for energies, one for shapes and stress");
-    sandbox.snapshot(Field::None, &mut snapshot);
-    assert_eq!((snapshot.sweeps, snapshot.values.len()), (4, 0), "stress is not computed where it is not shown");
-    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox.advance(7, &mut || true);
-    sandbox.snapshot(Field::Volume, &mut snapshot);
-    let (energies, (min_j, inverted)) = (sandbox.simulation().energies(), sandbox.simulation().inversion());
-    assert_eq!((snapshot.energies, snapshot.min_j, snapshot.inverted), (energies, min_j, inverted));
-    assert_eq!(snapshot.values.iter().copied().fold(f64::INFINITY, f64::min), min_j);
-    let sweeps = snapshot.sweeps;
-    sandbox.apply(Command::Grab(0, [0.5, 0.5])).unwrap();
-    sandbox.snapshot(Field::Volume, &mut snapshot);
-    assert_eq!(
-        (snapshot.sweeps, snapshot.energies),
-        (sweeps + 2, sandbox.simulation().energies()),
-        "a pull stores energy"
-    );
-}

@@ -195,3 +195,19 @@ fn hard_counts_how_many_of_many_irregular_starts_come_home() {
     assert!(output.status.success(), "no file promises anything about other seeds");
     assert!(rows.len() == 1 && rows[0].starts_with("line") && rows[0].contains(" of 3"), "{table}");
 }
+
+#[test]
+fn hard_may_go_on_for_longer_than_a_case_asks_for() {
+    let time = |more: &[&str]| {
+        let one = ["hard", "corner", "--model", "StVenantKirchhoff", "--integrator", "ImplicitEuler"];
+        gingerbread(&[&one[..], more].concat())
+    };
+    assert!(time(&["--times", "2"]).status.success());
+    let text = fs::read_to_string("levels/hard/corner.ron").unwrap().replace("Seconds(4)", "Seconds(1e11)");
+    let folder = Folder::new("times");
+    let file = folder.file("endless.ron");
+    fs::write(&file, text).unwrap();
+    let output = gingerbread(&["hard", &file, "--times", "100"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output.stderr).contains("endless.ron: it would go on for longer"), "{}", said(&output.stderr));
+}

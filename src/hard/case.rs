@@ -5,7 +5,7 @@ use crate::{
     levels,
     materials::Model,
     meshes::NoFiles,
-    quantity::{Point, Time},
+    quantity::{OutOfRange, Point, Time},
     scene::{Scene, SceneError},
     stability::critical_step,
     study::{StudyError, with_triangles},
@@ -130,6 +130,18 @@ impl Case {
         let scene = Scene::build(&self.level, self.level.mode, &NoFiles, None)?;
         let share = f64::from(triangles) / scene.triangles.len().max(1) as f64;
         Ok(Self { level: with_triangles(&self.level, share)?, fine: share > 1.0, ..self.clone() })
+    }
+
+    /// The same, going on for so many times as long; what is done to it is done when it was.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] if that is longer than a time can be.
+    pub fn lasting(&self, times: u32) -> Result<Self, OutOfRange> {
+        let lasts = match self.lasts {
+            Lasts::Seconds(time) => Lasts::Seconds(Time::new(time.get() * f64::from(times))?),
+            Lasts::Steps(steps) => Lasts::Steps(steps.saturating_mul(times)),
+        };
+        Ok(Self { lasts, ..self.clone() })
     }
 
     /// The same from another start: the seeds of its start shapes go on by so many. `None` if it has no such start.

@@ -5,7 +5,7 @@ use crate::{
     files,
     hard::{COLUMNS, Case, Entry, Method, Sweep, Trial, row},
     materials::Model,
-    study::threads,
+    study::{StudyError, threads},
 };
 use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Duration};
 
@@ -17,6 +17,9 @@ pub struct Hard {
     /// About how many triangles a case should have, instead of its own.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=200_000))]
     pub triangles: Option<u32>,
+    /// How many times as long as its own time a case goes on.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub times: Option<u32>,
     /// Runs the cases that start in an irregular shape from so many of them, and counts how many are held.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub seeds: Option<u32>,
@@ -95,6 +98,12 @@ fn read(request: &Hard) -> Result<Vec<(String, Case)>, HeadlessError> {
                 .with_triangles(triangles)
                 .map_err(|why| HeadlessError::Study { file: path.display().to_string(), why })?;
         }
+        if let Some(times) = request.times {
+            case = case.lasting(times).map_err(|_| HeadlessError::Study {
+                file: path.display().to_string(),
+                why: StudyError::NotHere("it would go on for longer than a simulation can"),
+            })?;
+        }
         cases.push((path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(), case));
     }
     Ok(cases)
@@ -124,10 +133,11 @@ fn lines(sweep: &Sweep) -> String {
     text
 }
 
-/// A line for every case, model and method: how many of so many starts came to their expected end, and how many of the others
-/// do when they are untangled.
+/// A line for every case, model and method: how many of so many starts came to their expected end, how many of the others do
+/// when they are untangled, and the least and the greatest energy left in those [J].
 fn counts(sweep: &Sweep, starts: usize) -> String {
-    let mut text = format!("{:<12} {:<17} {:<16} held          by Untangle", "case", "model", "integrator");
+    let mut text =
+        format!("{:<12} {:<17} {:<16} held          by Untangle  energy left [J]", "case", "model", "integrator");
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
         let Trial { name, model, method, .. } = group[0].0;
@@ -135,9 +145,17 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
         let opens = |entry: &Entry| matches!(&entry.verdict, Some(Ok(verdict)) if verdict.numbers.opens);
         let count = group.iter().filter(|(_, entry)| held(entry)).count();
         let opened = group.iter().filter(|(_, entry)| !held(entry) && opens(entry)).count();
+        let energy = |(_, entry): &(&Trial, &Entry)| match &entry.verdict {
+            Some(Ok(verdict)) if !verdict.held() => Some(verdict.numbers.elastic),
+            _ => None,
+        };
+        let left = group.iter().filter_map(energy);
+        let (least, most) = left.fold((f64::INFINITY, 0.0), |(least, most), j| (j.min(least), j.max(most)));
+        let left = if least <= most { format!("{least:.1e} to {most:.1e}") } else { String::new() };
         let held = format!("{count} of {starts}");
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n{name:<12} {model:<17} {method:<16} {held:<13} {opened}");
+        let _ = write!(text, "\n{name:<12} {model:<17} {method:<16} {held:<13} {opened:<12} {left}");
+        text.truncate(text.trim_end().len());
     }
     text
 }

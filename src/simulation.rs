@@ -100,7 +100,7 @@ impl Simulation {
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
         self.revision += 1;
-        self.scratch.free = None;
+        (self.scratch.free, self.scratch.room) = (None, -1.0);
         self.settle_sleepers();
         self.grab = None;
         self.guard.reset();
@@ -247,7 +247,7 @@ impl Simulation {
 
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
-        self.scratch.supplied = 0.0;
+        (self.scratch.supplied, self.scratch.kinetic) = (0.0, None);
         let mut work = std::mem::take(&mut self.scratch.work);
         let integrator = self.scene.integrator.kind();
         let counts = match (&self.scene.toy, integrator.scheme()) {
@@ -263,6 +263,7 @@ impl Simulation {
             }
         };
         self.scratch.work = work;
+        self.scratch.shrink_room(h);
         if self.scratch.free.is_some() {
             self.scratch.pass_over_constraints();
         }
@@ -275,7 +276,9 @@ impl Simulation {
         if !self.lands() {
             return false;
         }
-        if !self.is_guarded() || !self.guard.is_suspicious(self.kinetic_energy()) {
+        if !self.is_guarded()
+            || !self.guard.is_suspicious(self.scratch.kinetic.unwrap_or_else(|| self.kinetic_energy()))
+        {
             return true;
         }
         let after = self.energies();
@@ -296,6 +299,7 @@ impl Simulation {
         self.scratch.costs.clone_from(&self.checkpoint.costs);
         self.guard.book(self.checkpoint.put_in);
         self.scratch.work.forget();
+        self.scratch.room = -1.0;
         while self.state.steps < step {
             self.step();
         }

@@ -7,6 +7,7 @@ use common::{Random, level, models, sheet, simulation};
 use gingerbread::{
     document, files,
     level::Level,
+    levels,
     simulation::Simulation,
     stability::{StabilityProbe, critical_step},
 };
@@ -216,4 +217,38 @@ fn mass_is_spread_as_the_level_says() {
     let masses: Vec<f64> = dense.scene().mass.iter().step_by(2).copied().collect();
     assert!((masses.iter().sum::<f64>() - 0.16).abs() < 1e-15, "area times density");
     assert!(masses.iter().any(|mass| *mass != masses[0]), "a corner carries less than the middle");
+}
+
+/// Timed, each effect runs by itself over all vertices; untimed, the vertices are moved while the elements are swept over.
+#[test]
+fn vertices_moved_as_soon_as_their_force_is_known_get_the_bits_of_forces_first_and_motion_then() {
+    let alone = ["effects: []", "effects: [(effect: Gravity(down: 3, right: 1))]"];
+    let more = [
+        "effects: [(effect: Gravity(down: 3)), (effect: Gravity(down: 2))]",
+        "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.0001))]",
+        "effects: [(effect: Gravity(down: 3)), (effect: Boundary(least: (-1, -0.2), greatest: (2, 2)))]",
+    ];
+    let mut levels: Vec<(Level, bool)> = Vec::new();
+    for model in models() {
+        levels.extend(alone.iter().chain(&more).map(|effects| (sheet(model, "pins: [Top],", effects), true)));
+    }
+    levels.extend(levels::BUILT_IN.iter().map(|(file, text)| (files::parse(text, file).unwrap(), false)));
+    for (level, shaken) in levels.into_iter().filter(|(level, _)| level.toy.is_none()) {
+        let [mut one, mut other] = [&level; 2].map(simulation);
+        other.set_timed(true);
+        if shaken {
+            shake(&mut one, 3);
+            shake(&mut other, 3);
+        }
+        for _ in 0..4 {
+            run(&mut one, 150);
+            run(&mut other, 150);
+            assert_eq!(one.state().hash(), other.state().hash(), "{level:?}");
+        }
+        let work = |simulation: &Simulation| {
+            let calls = simulation.costs().iter().map(|cost| (cost.name, cost.calls, cost.elements, cost.skipped));
+            (simulation.counts(), calls.collect::<Vec<_>>())
+        };
+        assert_eq!(work(&one), work(&other), "{level:?}");
+    }
 }

@@ -1,6 +1,6 @@
 use super::{Effect, EffectParameters, Motion, Twice, ZERO};
 use crate::{
-    elements::{Elements, Law, Triangles},
+    elements::{Adding, Elements, Law, Triangles},
     lanes::{Real, Square},
     quantity::{CompressionStrength, Quantity},
     solvers::{BlockMatrix, Weights},
@@ -126,7 +126,8 @@ impl Effect for Resistance {
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         for body in &self.bodies {
-            body.add_stress(self.law(body), (motion.x, &[]), &mut scratch[..body.scratch()], force);
+            let mut forces = Adding { x: motion.x, v: &[], force: &mut *force };
+            body.sweep(self.law(body), &mut forces, &mut scratch[..body.scratch()]);
         }
     }
 

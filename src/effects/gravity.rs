@@ -70,6 +70,10 @@ impl Effect for Field {
         points.map(|(x, m)| -m[0] * (gx * x[0] + gy * x[1])).sum()
     }
 
+    fn field(&self) -> Option<[f64; 2]> {
+        Some(self.0)
+    }
+
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         for (force, mass) in force.chunks_exact_mut(2).zip(motion.mass.chunks_exact(2)) {
             force[0] += mass[0] * self.0[0];

@@ -22,7 +22,7 @@ pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
-    elements::Elements,
+    elements::{Elements, Kicking},
     obstacles::{Start, Surface},
     quantity::Quantity,
     registry::registry,
@@ -199,6 +199,15 @@ pub trait Effect: Send + Sync {
 
     /// Adds the force on every vertex [N] to `force` (two numbers a vertex).
     fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
+
+    /// The acceleration that it gives every vertex, if that is all it does [m/s²]: [`Self::force`] then adds mass times this.
+    fn field(&self) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Elements only: computes the same forces as [`Self::force`] and moves the vertices by them, each as soon as it has all of
+    /// its force.
+    fn kick(&self, _vertices: &mut Kicking<'_>, _scratch: &mut [f64]) {}
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
     fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _product: &mut [f64]) {}

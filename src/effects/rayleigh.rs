@@ -1,6 +1,6 @@
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Elements, Law, Springs, Triangles},
+    elements::{Adding, Elements, Law, Springs, Triangles},
     lanes::{Real, Square},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
@@ -144,7 +144,8 @@ impl Effect for Damping {
         for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
             let Lame { mu, lambda } = body.lame();
             let law = Viscous { two_mu: 2.0 * self.beta * mu, lambda: self.beta * lambda };
-            body.add_stress(law, (motion.x, motion.v), &mut scratch[..body.scratch()], force);
+            let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
+            body.sweep(law, &mut forces, &mut scratch[..body.scratch()]);
         }
         for net in self.nets.iter().filter(|net| !is_still(motion.v, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);

@@ -1,7 +1,9 @@
 //! From forces at the corners of elements to forces on vertices.
 
+use super::Target;
 use crate::lanes::{LANES, Order, Pairs};
 use std::ops::Range;
+use wide::f64x2;
 
 /// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
 /// vertices with as many corners as each other, and little enough for the forces to be still near the processor.
@@ -20,6 +22,8 @@ pub struct Gather {
     vertices: Vec<u32>,
     /// The places of their corners' forces in the buffer, one vertex after another.
     places: Vec<u32>,
+    /// The first vertex of the body or net.
+    first: usize,
 }
 
 impl Gather {
@@ -46,7 +50,7 @@ impl Gather {
         });
         let runs = runs.collect();
         let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).copied().collect();
-        Self { runs, vertices: ordered, places }
+        Self { runs, vertices: ordered, places, first: vertices.start }
     }
 
     /// The sums of each stage, in order.
@@ -55,6 +59,7 @@ impl Gather {
             runs: self.runs.as_slice(),
             vertices: self.vertices.as_slice(),
             places: self.places.as_slice(),
+            first: self.first,
             stage: 0,
         }
     }
@@ -65,12 +70,13 @@ pub struct Stages<'a> {
     runs: &'a [[u32; 3]],
     vertices: &'a [u32],
     places: &'a [u32],
+    first: usize,
     stage: u32,
 }
 
 impl Stages<'_> {
-    /// Adds what is at the corners to the forces on the vertices of the next stage.
-    pub fn add(&mut self, corners: &[Pairs], force: &mut [[f64; 2]]) {
+    /// Sums what is at the corners of the vertices of the next stage, and hands each its force.
+    pub fn add(&mut self, corners: &[Pairs], to: &mut impl Target) {
         let corners = corners.as_flattened();
         while let Some((&[stage, degree, count], runs)) = self.runs.split_first()
             && stage == self.stage
@@ -81,8 +87,8 @@ impl Stages<'_> {
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
-                        $($DEGREE => sum(now, of_now.as_chunks::<$DEGREE>().0.iter().map(<[u32; $DEGREE]>::as_slice), corners, force),)+
-                        _ => sum(now, of_now.chunks((degree as usize).max(1)), corners, force),
+                        $($DEGREE => sum(now, of_now.as_chunks::<$DEGREE>().0.iter().map(<[u32; $DEGREE]>::as_slice), corners, self.first, to),)+
+                        _ => sum(now, of_now.chunks((degree as usize).max(1)), corners, self.first, to),
                     }
                 };
             }
@@ -93,19 +99,19 @@ impl Stages<'_> {
     }
 }
 
-/// Adds at each of these vertices the sum over its places.
+/// Hands out the sums over the places of these vertices.
 #[inline(always)]
-fn sum<'a>(vertices: &[u32], places: impl Iterator<Item = &'a [u32]>, corners: &[[f64; 2]], force: &mut [[f64; 2]]) {
-    for (&vertex, places) in vertices.iter().zip(places) {
-        let [mut fx, mut fy] = [0.0; 2];
-        for &place in places {
-            let [x, y] = corners[place as usize];
-            fx += x;
-            fy += y;
-        }
-        let force = &mut force[vertex as usize];
-        *force = [force[0] + fx, force[1] + fy];
-    }
+fn sum<'a>(
+    vertices: &[u32],
+    places: impl Iterator<Item = &'a [u32]>,
+    corners: &[[f64; 2]],
+    first: usize,
+    to: &mut impl Target,
+) {
+    to.take(vertices.iter().zip(places).map(|(&vertex, places)| {
+        let force = places.iter().fold(f64x2::ZERO, |sum, &place| sum + f64x2::new(corners[place as usize]));
+        (first + vertex as usize, force)
+    }));
 }
 
 /// Bytes that the processor moves at a time.

@@ -5,11 +5,13 @@ mod fields;
 mod gather;
 mod spring;
 mod tangent;
+mod target;
 mod triangle;
 
 pub(crate) use blocks::Law;
 pub use fields::{Field, Survey};
 pub use spring::Springs;
+pub use target::{Adding, Kicking, Target};
 pub use triangle::Triangles;
 
 use std::sync::Arc;

@@ -1,4 +1,7 @@
-use super::gather::{Gather, STAGE, pairs, room};
+use super::{
+    Adding, Kicking, Target,
+    gather::{Gather, STAGE, pairs, room},
+};
 use crate::{
     effects::{Effect, Motion},
     lanes::{LANES, Pairs, Quads, Real, Wide},
@@ -51,6 +54,17 @@ impl Springs {
             0.5 * link.stiffness * longer * longer
         };
         self.links.iter().map(stored).sum()
+    }
+
+    /// Computes the forces on the particles and hands them out.
+    fn sweep(&self, target: &mut impl Target, scratch: &mut [f64]) {
+        let pairs = pairs(scratch);
+        let (mut stages, arch) = (self.gather.stages(), Arch::new());
+        for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
+            let out = pairs[2 * STAGE * stage..].as_chunks_mut().0;
+            arch.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
+            stages.add(pairs, target);
+        }
     }
 
     /// Adds dampers beside the springs, `c = beta k` [N s/m]: each slows the change of its spring's length and nothing
@@ -180,14 +194,11 @@ impl Effect for Springs {
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
-        let pairs = pairs(scratch);
-        let own = force[2 * self.vertices.start..2 * self.vertices.end].as_chunks_mut().0;
-        let (mut stages, arch) = (self.gather.stages(), Arch::new());
-        for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
-            let out = pairs[2 * STAGE * stage..].as_chunks_mut().0;
-            arch.dispatch(Pulls { links, x: motion.x.as_chunks().0, out });
-            stages.add(pairs, own);
-        }
+        self.sweep(&mut Adding { x: motion.x, v: motion.v, force }, scratch);
+    }
+
+    fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+        self.sweep(vertices, scratch);
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {

@@ -1,4 +1,5 @@
 use super::{
+    Adding, Kicking, Target,
     blocks::{self, Blocks, CornerForces, Elastic, Forces, Law},
     gather::{Gather, STAGE, pairs, room},
 };
@@ -101,14 +102,19 @@ impl Triangles {
 
     /// Elastic forces alone on this body's vertices, added to `force` [N].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
-        struct Visit<'a>(&'a Triangles, &'a [f64], &'a mut [f64], &'a mut [f64]);
-        impl Visitor for Visit<'_> {
+        self.hand_out(&mut Adding { x, v: &[], force }, scratch);
+    }
+
+    /// Computes the elastic forces on this body's vertices and hands them out.
+    fn hand_out(&self, target: &mut impl Target, scratch: &mut [f64]) {
+        struct Visit<'a, T>(&'a Triangles, &'a mut T, &'a mut [f64]);
+        impl<T: Target> Visitor for Visit<'_, T> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
-                self.0.add_stress(Elastic(material), (self.1, &[]), self.2, self.3);
+                self.0.sweep(Elastic(material), self.1, self.2);
             }
         }
-        self.model.visit(self.lame, Visit(self, x, scratch, force));
+        self.model.visit(self.lame, Visit(self, target, scratch));
     }
 
     /// Stored energy at these positions [J].
@@ -124,17 +130,17 @@ impl Triangles {
         self.model.visit(self.lame, Visit(self, x))
     }
 
-    /// Adds the force of a stress on this body's vertices at these positions and velocities, `[f1 f2] = -A P D0⁻ᵀ`.
-    pub(crate) fn add_stress(&self, law: impl Law, (x, v): (&[f64], &[f64]), scratch: &mut [f64], force: &mut [f64]) {
+    /// Computes the force of a stress on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands it out.
+    pub(crate) fn sweep(&self, law: impl Law, target: &mut impl Target, scratch: &mut [f64]) {
         let Self { corners, blocks, .. } = self;
         let pairs = pairs(scratch);
-        let own = force[2 * self.vertices.start..2 * self.vertices.end].as_chunks_mut().0;
         let (mut stages, arch) = (self.gather.stages(), Arch::new());
         for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
             let blocks = blocks.stage(stage * STAGE);
             let out: &mut [CornerForces] = pairs[3 * STAGE * stage..].as_chunks_mut().0;
+            let [x, v] = target.motion();
             arch.dispatch(Forces { law, corners, blocks, x, v, out });
-            stages.add(pairs, own);
+            stages.add(pairs, target);
         }
     }
 
@@ -231,6 +237,10 @@ impl Effect for Triangles {
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         self.elastic_force(motion.x, scratch, force);
+    }
+
+    fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+        self.hand_out(vertices, scratch);
     }
 
     /// Of a body in which no triangle is turned over none shall be, if its material has a barrier.

@@ -27,7 +27,7 @@ pub use linearly_implicit_euler::LinearlyImplicitEuler;
 pub use position_verlet::PositionVerlet;
 pub use runge_kutta4::RungeKutta4;
 pub use symplectic_euler::SymplecticEuler;
-pub use system::{Dynamics, Ode, Rates};
+pub use system::{Dynamics, Ode, Rates, kick_and_drift};
 pub use velocity_verlet::VelocityVerlet;
 
 use crate::{

@@ -1,6 +1,5 @@
 use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts};
 use crate::state::State;
-use pulp::Arch;
 use serde::{Deserialize, Serialize};
 
 /// Symplectic (semi-implicit) Euler: `v += h f(x, v)/m`, then `x += h v`.
@@ -41,19 +40,13 @@ impl Integrator for SymplecticEuler {
 impl SecondOrder for SymplecticEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let [force, before_x, before_v] = parts(&mut work.numbers, state.x.len());
-        system.force(&state.x, &state.v, force);
         let State { x, v, .. } = state;
         let constrains = system.constrains();
         if constrains {
             before_x.copy_from_slice(x);
             before_v.copy_from_slice(v);
         }
-        Arch::new().dispatch(|| {
-            for (((x, v), f), inverse_mass) in x.iter_mut().zip(&mut *v).zip(force.iter()).zip(system.inverse_mass()) {
-                *v += h * f * inverse_mass;
-                *x += h * *v;
-            }
-        });
+        system.kick_and_drift(x, v, force, h);
         if constrains {
             system.constrain([before_x, before_v], x, v, false);
         }

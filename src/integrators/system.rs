@@ -19,6 +19,13 @@ pub trait Dynamics {
     /// Writes the force [N] at these positions [m] and velocities [m/s]; all flat and of one length.
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
 
+    /// Moves everything by `v += h f(x, v)/m`, then `x += h v`. `force` is scratch of the same length. A system may do so while its
+    /// forces are still near the processor.
+    fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+        self.force(x, v, force);
+        kick_and_drift(x, v, force, self.inverse_mass(), h);
+    }
+
     /// Mass [kg] for each number.
     fn mass(&self) -> &[f64];
 
@@ -55,6 +62,16 @@ pub trait Dynamics {
     /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the
     /// solution of the next try to say, in which what faces the wall is held.
     fn constrain(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64], _faces: bool) {}
+}
+
+/// `v += h f/m`, then `x += h v`.
+pub fn kick_and_drift(x: &mut [f64], v: &mut [f64], force: &[f64], inverse_mass: &[f64], h: f64) {
+    pulp::Arch::new().dispatch(|| {
+        for (((x, v), f), inverse_mass) in x.iter_mut().zip(&mut *v).zip(force).zip(inverse_mass) {
+            *v += h * f * inverse_mass;
+            *x += h * *v;
+        }
+    });
 }
 
 /// A [`Dynamics`] seen as an [`Ode`]: X = (x, v), dX/dt = (v, f/m).

@@ -43,21 +43,43 @@ impl Simulation {
                 }
             }
         }
-        self.scratch.free = Some(free);
+        (self.scratch.free, self.scratch.room) = (Some(free), -1.0);
     }
 
     /// Whether the step just taken left numbers. A step that was taken without the constraints, but went where one may reach,
     /// is taken again with them.
+    ///
+    /// Where the energy of motion comes along with a step nobody has to look at every vertex: none can have gone farther than with
+    /// all that energy for itself.
     pub(super) fn lands(&mut self) -> bool {
-        let Some(free) = self.scratch.free else { return self.state.is_finite() };
-        if self.state.is_within(free) {
+        if self.scratch.room >= 0.0 {
             return true;
         }
-        self.scratch.free = None;
+        let box_of_all = self.scratch.free.unwrap_or(WORLD);
+        if self.state.is_within(box_of_all) {
+            if self.scratch.kinetic.is_some() {
+                self.scratch.room = room(extents(&self.state.x), box_of_all);
+            }
+            return true;
+        }
+        if self.scratch.free.take().is_none() {
+            return false;
+        }
         self.go_back_to(self.state.steps - 1);
         self.step();
         self.state.is_finite()
     }
+}
+
+/// Where a state can still mean something.
+const WORLD: Bounds = [[-State::LIMIT; 2], [State::LIMIT; 2]];
+
+/// How far everything in a box can go at least before it leaves another around it, less a share for round-off in a great many
+/// steps.
+fn room(inner: Bounds, outer: Bounds) -> f64 {
+    let sides = [0, 1].map(|axis| (inner[0][axis] - outer[0][axis]).min(outer[1][axis] - inner[1][axis]));
+    let size = outer.as_flattened().iter().fold(0.0_f64, |most, corner| most.max(corner.abs()));
+    sides[0].min(sides[1]) - 1e-6 * size
 }
 
 /// Least and greatest of x and y.

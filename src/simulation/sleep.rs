@@ -185,6 +185,7 @@ impl Simulation {
         }
         self.islands.all = islands;
         self.state.clone_from(&self.checkpoint.state);
+        self.scratch.room = -1.0;
         self.revision += 1;
         self.settle_sleepers();
     }

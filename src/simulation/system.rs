@@ -2,11 +2,13 @@
 
 use crate::{
     effects::{Bounds, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    integrators::{Dynamics, Ode, Work},
+    elements::Kicking,
+    integrators::{Dynamics, Ode, Work, kick_and_drift},
     obstacles::{Start, Surface},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
+    state::State,
     toys::Toy,
 };
 use std::{cell::Cell, ops::Range};
@@ -21,7 +23,9 @@ const TURNS: usize = 4;
 /// The effects of a scene by the part they take in a step, each by its number: what is not listed is not asked.
 #[derive(Default)]
 pub(super) struct Plan {
-    /// What adds forces.
+    /// Elements of what is awake.
+    pub elements: Vec<usize>,
+    /// What else adds forces.
     pub forces: Vec<usize>,
     /// What constrains.
     pub constraints: Vec<usize>,
@@ -41,6 +45,7 @@ impl Plan {
         for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
             let part = match (effect.constrains(), effect.coats()) {
                 _ if asleep => &mut plan.sleeping,
+                _ if number < scene.element_count() => &mut plan.elements,
                 (true, _) => &mut plan.constraints,
                 (_, true) => &mut plan.coatings,
                 _ => &mut plan.forces,
@@ -68,6 +73,12 @@ pub(super) struct Scratch {
     pub held: Vec<f64>,
     /// The box in which no constraint has anything to say, while all ways lie in it.
     pub free: Option<Bounds>,
+    /// How far every vertex may still go before it has to be looked where they are; negative if it is not known [m].
+    pub room: f64,
+    /// The energy of motion after the step [J], if it came along.
+    pub kinetic: Option<f64>,
+    /// The least mass of what can move [kg].
+    lightest: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -79,7 +90,9 @@ impl Scratch {
         self.work.forget();
         self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
         self.rest(scene, std::iter::empty());
-        self.free = None;
+        (self.free, self.room) = (None, -1.0);
+        let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
+        self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
         if !self.costs.iter().map(|cost| cost.name).eq(named().map(|(name, _)| name)) {
             self.costs = named().map(|(name, auto)| EffectCost::none(name, auto)).collect();
@@ -101,6 +114,14 @@ impl Scratch {
     /// Holds vertices that sleep.
     pub fn hold(&mut self, vertices: &Range<usize>) {
         self.held[2 * vertices.start..2 * vertices.end].fill(0.0);
+    }
+
+    /// Takes off from the room what the fastest vertex may have gone in a step of length h [s]: its energy was not above all there
+    /// was, and round-off is far below what is added for it.
+    pub fn shrink_room(&mut self, h: f64) {
+        let speed = self.kinetic.map_or(f64::NAN, |kinetic| (2.0 * kinetic / self.lightest).sqrt());
+        let way = 1.000_001 * h * speed;
+        self.room = if speed <= State::LIMIT { self.room - way } else { -1.0 };
     }
 
     /// Runs one effect and books its time and, if it is a call of its own, its elements.
@@ -145,6 +166,19 @@ impl System<'_> {
     }
 }
 
+impl System<'_> {
+    /// The acceleration that everything is given [m/s²], if nothing else acts just now beside the elements, and nobody wants to
+    /// know what each effect costs.
+    fn field(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {
+        let motion = self.motion(x, v);
+        let acts =
+            |number: &&usize| !self.scratch.costs[**number].auto || self.scene.effects[**number].idle(motion).is_none();
+        let mut acting = self.scratch.plan.forces.iter().filter(acts);
+        let field = acting.next().map_or(Some([0.0; 2]), |number| self.scene.effects[*number].field());
+        field.filter(|_| acting.next().is_none() && !self.scratch.timed)
+    }
+}
+
 impl Dynamics for System<'_> {
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
@@ -154,8 +188,11 @@ impl Dynamics for System<'_> {
         for number in &self.scratch.plan.sleeping {
             self.scratch.costs[*number].pass_over(ASLEEP);
         }
-        for turn in 0..self.scratch.plan.forces.len() {
-            let number = self.scratch.plan.forces[turn];
+        let Plan { elements, forces, .. } = &self.scratch.plan;
+        let count = [elements.len(), elements.len() + forces.len()];
+        for turn in 0..count[1] {
+            let Plan { elements, forces, .. } = &self.scratch.plan;
+            let number = if turn < count[0] { elements[turn] } else { forces[turn - count[0]] };
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
             if cost.auto
                 && let Some(why) = effect.idle(motion)
@@ -166,6 +203,35 @@ impl Dynamics for System<'_> {
             let (size, elements) = (effect.scratch(), Some(effect.elements(motion)));
             self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
+    }
+
+    /// Where nothing acts but elements and gravity, the vertices are moved while the elements are swept over.
+    fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+        let Some(field) = self.field(x, v) else {
+            self.force(x, v, force);
+            return kick_and_drift(x, v, force, self.inverse_mass(), h);
+        };
+        let scene = self.scene;
+        let Scratch { plan, held, costs, effects, .. } = &mut *self.scratch;
+        let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
+        let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
+        for number in &plan.sleeping {
+            costs[*number].pass_over(ASLEEP);
+        }
+        for number in plan.elements.iter().chain(&plan.forces) {
+            let (effect, cost) = (&scene.effects[*number], &mut costs[*number]);
+            match effect.idle(motion).filter(|_| cost.auto) {
+                Some(why) => cost.pass_over(why),
+                None => cost.call(effect.elements(motion)),
+            }
+        }
+        let mut vertices = Kicking { x, v, mass: &scene.mass, inverse_mass, field, step: h, twice_kinetic: 0.0 };
+        for number in &plan.elements {
+            let effect = &scene.effects[*number];
+            effect.kick(&mut vertices, &mut effects[..effect.scratch()]);
+        }
+        self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
+        self.scratch.counts.force_evaluations += 1;
     }
 
     fn mass(&self) -> &[f64] {
@@ -213,6 +279,7 @@ impl Dynamics for System<'_> {
         if !self.constrains() {
             return;
         }
+        self.scratch.kinetic = None;
         let scene = self.scene;
         let held = std::mem::take(&mut self.scratch.held);
         let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };

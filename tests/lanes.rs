@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, rotation, simulation};
+use common::{Random, level, rotation, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     lanes::{LANES, Order, Quads, Real, Square, Wide},
@@ -144,6 +144,35 @@ fn eight_triangles_at_a_time_are_one_after_another_for_every_model() {
         let found = elements.energy(motion);
         assert!((found - energy).abs() <= 1e-13 * energy.abs().max(1.0), "{}: {found} against {energy}", model.title());
     });
+}
+
+/// Far more triangles than are kept before their forces are summed: row by row, and in an order in which neighbours are far apart.
+#[test]
+fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
+    let (rows, side) = (60, 61);
+    let points: Vec<_> = (0..side * side).map(|i| (f64::from(i % side), f64::from(i / side))).collect();
+    let square = |i: u32| {
+        let corner = i / rows * side + i % rows;
+        [(corner, corner + 1, corner + side), (corner + 1, corner + side + 1, corner + side)]
+    };
+    let by_row: Vec<_> = (0..rows * rows).flat_map(square).collect();
+    // 2053 is a prime that does not divide their number: every triangle comes once.
+    let scattered: Vec<_> = (0..by_row.len()).map(|i| by_row[i * 2053 % by_row.len()]).collect();
+    for triangles in [by_row, scattered] {
+        let simulation = simulation(&level(&format!(
+            "(name: \"large\", bodies: [(name: \"large\", mass: Density(1), mesh: Points(points: {points:?}, triangles: {triangles:?}),
+              material: (model: Corotated, young: 1000, poisson: 0.3))])"
+        )));
+        let mut random = Random(5);
+        let x: Vec<_> = simulation.scene().rest.iter().map(|x| x + random.between(-0.2, 0.2)).collect();
+        let elements = &simulation.scene().bodies[0].elements;
+        let (_, expected) = elements.model().visit(elements.lame(), OneByOne(&simulation, &x));
+        let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
+        elements.elastic_force(&x, &mut scratch, &mut force);
+        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+        assert!(error < 1e-13 * scale, "{error:e} of {scale}");
+    }
 }
 
 /// Lanes as wide as the processor has them give the very bits of `f64`.

@@ -2,7 +2,7 @@
 
 use super::Target;
 use crate::lanes::{LANES, Order, Pairs};
-use std::ops::Range;
+use std::{iter::repeat_n, ops::Range};
 use wide::f64x2;
 
 /// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
@@ -16,41 +16,79 @@ pub const STAGE: usize = 128;
 /// are summed one after another, so that the processor never has to guess how many there are.
 #[derive(Debug)]
 pub struct Gather {
-    /// Runs of vertices with as many corners as each other: the stage, how many corners, and how many vertices.
-    runs: Vec<[u32; 3]>,
+    /// Vertices with as many corners as each other.
+    runs: Vec<Run>,
     /// The vertices, counted from the first of the body or net.
     vertices: Vec<u32>,
     /// The places of their corners' forces in the buffer, one vertex after another.
     places: Vec<u32>,
     /// The first vertex of the body or net.
     first: usize,
+    /// How many stages the buffer of corners holds.
+    window: usize,
 }
+
+/// Vertices with as many corners as each other.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    /// When they have all their forces.
+    stage: u32,
+    /// How many corners each has.
+    degree: u32,
+    /// How many vertices there are.
+    count: u32,
+    /// Whether their numbers follow each other.
+    dense: bool,
+}
+
+/// Vertices in a row are a run of their own if runs are so long on average.
+const LONG: usize = 8;
 
 impl Gather {
     /// `corners` holds the scene vertex numbers of each element's corners.
     pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>) -> Self {
         let mut meeting = vec![Vec::new(); vertices.len()];
-        let order = Order::new();
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
-                let place = (element / LANES * N + number) * LANES + order.place[element % LANES];
-                meeting[corner as usize - vertices.start].push(place as u32);
+                meeting[corner as usize - vertices.start].push((element, number));
             }
         }
-        // The last place of a vertex is in its last block.
+        let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / (LANES * STAGE));
+        // Until a vertex has all its forces they have to stay in the buffer.
+        let window = 1 + meeting.iter().map(|all| stage(all.last()) - stage(all.first())).max().unwrap_or(0);
+        let order = Order::new();
+        let place = |&(element, number): &(usize, usize)| {
+            (element / LANES % (window * STAGE) * N + number) * LANES + order.place[element % LANES]
+        };
+        // A vertex is summed in the stage of its last corner.
         let key = |vertex: &u32| {
             let meeting = &meeting[*vertex as usize];
-            (meeting.last().map_or(0, |last| *last as usize / (N * LANES * STAGE)) as u32, meeting.len() as u32)
+            (stage(meeting.last()) as u32, meeting.len() as u32)
         };
         let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
         ordered.sort_by_key(key);
-        let runs = ordered.chunk_by(|one, other| key(one) == key(other)).map(|run| {
-            let (stage, degree) = key(&run[0]);
-            [stage, degree, run.len() as u32]
+        let runs = ordered.chunk_by(|one, other| key(one) == key(other)).flat_map(|alike| {
+            let (stage, degree) = key(&alike[0]);
+            let follows = |one: &u32, other: &u32| one + 1 == *other;
+            let dense = LONG * alike.chunk_by(follows).count() <= alike.len();
+            alike.chunk_by(move |one, other| !dense || follows(one, other)).map(move |run| {
+                let count = run.len() as u32;
+                Run { stage, degree, count, dense }
+            })
         });
         let runs = runs.collect();
-        let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).copied().collect();
-        Self { runs, vertices: ordered, places, first: vertices.start }
+        let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
+        Self { runs, vertices: ordered, places, first: vertices.start, window }
+    }
+
+    /// How many blocks of elements the buffer of corners has to hold, of so many in all.
+    pub fn blocks(&self, all: usize) -> usize {
+        all.min(self.window * STAGE)
+    }
+
+    /// The first block in the buffer that the elements of a stage write to: what they overwrite was summed before.
+    pub const fn slot(&self, stage: usize) -> usize {
+        stage % self.window * STAGE
     }
 
     /// The sums of each stage, in order.
@@ -67,7 +105,7 @@ impl Gather {
 
 /// What is left to be summed.
 pub struct Stages<'a> {
-    runs: &'a [[u32; 3]],
+    runs: &'a [Run],
     vertices: &'a [u32],
     places: &'a [u32],
     first: usize,
@@ -76,9 +114,10 @@ pub struct Stages<'a> {
 
 impl Stages<'_> {
     /// Sums what is at the corners of the vertices of the next stage, and hands each its force.
+    #[inline(always)]
     pub fn add(&mut self, corners: &[Pairs], to: &mut impl Target) {
         let corners = corners.as_flattened();
-        while let Some((&[stage, degree, count], runs)) = self.runs.split_first()
+        while let Some((&Run { stage, degree, count, dense }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
             let (now, vertices) = self.vertices.split_at(count as usize);
@@ -87,8 +126,9 @@ impl Stages<'_> {
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
-                        $($DEGREE => sum(now, of_now.as_chunks::<$DEGREE>().0.iter().map(<[u32; $DEGREE]>::as_slice), corners, self.first, to),)+
-                        _ => sum(now, of_now.chunks((degree as usize).max(1)), corners, self.first, to),
+                        0 => sum(now, repeat_n(&[][..], now.len()), corners, (self.first, dense), to),
+                        $($DEGREE => sum(now, of_now.as_chunks::<$DEGREE>().0.iter().map(<[u32; $DEGREE]>::as_slice), corners, (self.first, dense), to),)+
+                        _ => sum(now, of_now.chunks(degree as usize), corners, (self.first, dense), to),
                     }
                 };
             }
@@ -99,19 +139,22 @@ impl Stages<'_> {
     }
 }
 
-/// Hands out the sums over the places of these vertices.
+/// Hands out the sums over the places of these vertices, counted from the first of the scene's; `dense` says that their numbers
+/// follow each other.
 #[inline(always)]
 fn sum<'a>(
     vertices: &[u32],
-    places: impl Iterator<Item = &'a [u32]>,
+    places: impl ExactSizeIterator<Item = &'a [u32]>,
     corners: &[[f64; 2]],
-    first: usize,
+    (first, dense): (usize, bool),
     to: &mut impl Target,
 ) {
-    to.take(vertices.iter().zip(places).map(|(&vertex, places)| {
-        let force = places.iter().fold(f64x2::ZERO, |sum, &place| sum + f64x2::new(corners[place as usize]));
-        (first + vertex as usize, force)
-    }));
+    let forces =
+        places.map(|places| places.iter().fold(f64x2::ZERO, |sum, &place| sum + f64x2::new(corners[place as usize])));
+    match vertices {
+        [start, ..] if dense => to.take_run(first + *start as usize, forces),
+        _ => to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces)),
+    }
 }
 
 /// Bytes that the processor moves at a time.

@@ -61,9 +61,9 @@ impl Springs {
         let pairs = pairs(scratch);
         let (mut stages, arch) = (self.gather.stages(), Arch::new());
         for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
-            let out = pairs[2 * STAGE * stage..].as_chunks_mut().0;
+            let out = pairs[2 * self.gather.slot(stage)..].as_chunks_mut().0;
             arch.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
-            stages.add(pairs, target);
+            arch.dispatch(|| stages.add(pairs, target));
         }
     }
 
@@ -190,7 +190,7 @@ impl Effect for Springs {
     }
 
     fn scratch(&self) -> usize {
-        room(2 * self.links.len().div_ceil(LANES))
+        room(2 * self.gather.blocks(self.links.len().div_ceil(LANES)))
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {

@@ -11,6 +11,9 @@ pub trait Target {
 
     /// Takes the forces on some vertices [N]. Each vertex comes once, after everything that depends on where it is.
     fn take(&mut self, forces: impl Iterator<Item = (usize, f64x2)>);
+
+    /// The same for vertices whose numbers follow each other from `first` on.
+    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = f64x2>);
 }
 
 /// Adds the forces to others.
@@ -34,6 +37,14 @@ impl Target for Adding<'_> {
         let so_far: &mut [[f64; 2]] = self.force.as_chunks_mut().0;
         for (vertex, force) in forces {
             let at = &mut so_far[vertex];
+            *at = (f64x2::new(*at) + force).to_array();
+        }
+    }
+
+    #[inline(always)]
+    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = f64x2>) {
+        let so_far: &mut [[f64; 2]] = self.force.as_chunks_mut().0;
+        for (at, force) in so_far[first..first + forces.len()].iter_mut().zip(forces) {
             *at = (f64x2::new(*at) + force).to_array();
         }
     }
@@ -65,18 +76,59 @@ impl Target for Kicking<'_> {
 
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, f64x2)>) {
-        let [x, v] = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut::<2>().0);
-        let [mass, inverse_mass] = [self.mass, self.inverse_mass].map(|values| values.as_chunks::<2>().0);
-        let (field, h) = (f64x2::new(self.field), f64x2::splat(self.step));
+        let ([x, v], [mass, inverse_mass], kick) = self.parts();
         let mut squares = f64x2::ZERO;
         for (vertex, force) in forces {
-            let [mass, inverse_mass] = [mass[vertex], inverse_mass[vertex]].map(f64x2::new);
-            // Both numbers at once, as they are read: what was written apart is not at hand together.
-            let now = f64x2::new(v[vertex]) + h * (force + mass * field) * inverse_mass;
-            v[vertex] = now.to_array();
-            x[vertex] = (f64x2::new(x[vertex]) + h * now).to_array();
-            squares += mass * now * now;
+            squares += kick.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], force);
         }
+        self.book(squares);
+    }
+
+    #[inline(always)]
+    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = f64x2>) {
+        let run = first..first + forces.len();
+        let ([x, v], [mass, inverse_mass], kick) = self.parts();
+        let moving = x[run.clone()].iter_mut().zip(&mut v[run.clone()]);
+        let masses = mass[run.clone()].iter().zip(&inverse_mass[run]);
+        let mut squares = f64x2::ZERO;
+        for ((force, (x, v)), (mass, inverse_mass)) in forces.zip(moving).zip(masses) {
+            squares += kick.of([x, v], [*mass, *inverse_mass], force);
+        }
+        self.book(squares);
+    }
+}
+
+/// What is the same for every vertex.
+#[derive(Clone, Copy)]
+struct Kick {
+    field: f64x2,
+    step: f64x2,
+}
+
+impl Kick {
+    /// Moves one vertex; its mass times the squares of its velocity.
+    #[inline(always)]
+    fn of(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], force: f64x2) -> f64x2 {
+        let [mass, inverse_mass] = masses.map(f64x2::new);
+        let now = f64x2::new(*v) + self.step * (force + mass * self.field) * inverse_mass;
+        // Both numbers are written at once, as they are read next: together what was written apart is not at hand.
+        *v = now.to_array();
+        *x = (f64x2::new(*x) + self.step * now).to_array();
+        mass * now * now
+    }
+}
+
+impl Kicking<'_> {
+    /// Positions and velocities, masses and their reciprocals, all by vertices, and what is the same for all.
+    #[inline(always)]
+    fn parts(&mut self) -> ([&mut [[f64; 2]]; 2], [&[[f64; 2]]; 2], Kick) {
+        let moving = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut().0);
+        let masses = [self.mass, self.inverse_mass].map(|values| values.as_chunks().0);
+        (moving, masses, Kick { field: f64x2::new(self.field), step: f64x2::splat(self.step) })
+    }
+
+    #[inline(always)]
+    fn book(&mut self, squares: f64x2) {
         let [along_x, along_y] = squares.to_array();
         self.twice_kinetic += along_x + along_y;
     }

@@ -137,10 +137,10 @@ impl Triangles {
         let (mut stages, arch) = (self.gather.stages(), Arch::new());
         for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
             let blocks = blocks.stage(stage * STAGE);
-            let out: &mut [CornerForces] = pairs[3 * STAGE * stage..].as_chunks_mut().0;
+            let out: &mut [CornerForces] = pairs[3 * self.gather.slot(stage)..].as_chunks_mut().0;
             let [x, v] = target.motion();
             arch.dispatch(Forces { law, corners, blocks, x, v, out });
-            stages.add(pairs, target);
+            arch.dispatch(|| stages.add(pairs, target));
         }
     }
 
@@ -228,7 +228,7 @@ impl Effect for Triangles {
     }
 
     fn scratch(&self) -> usize {
-        room(3 * self.blocks.count())
+        room(3 * self.gather.blocks(self.blocks.count()))
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

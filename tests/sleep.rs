@@ -169,6 +169,34 @@ fn each_body_and_net_sleeps_by_itself() {
     assert_ne!(run.state().x[32..64], before.x[32..64]);
 }
 
+/// A swinging block and one that hangs still: the equations of the first are those it has alone.
+#[test]
+fn under_an_implicit_scheme_whoever_is_awake_moves_as_if_the_sleeper_were_not_there() {
+    let pinned = |name, left| block(name, left, 1.0, 1.0).replace("mass:", "pins: [Top], mass:");
+    let (still, swinging) =
+        (pinned("still", 0.6), block("swinging", 0.1, 1.0, 1.0).replace("mass:", "pins: [Vertex(12)], mass:"));
+    let rest = settling(1.0).replace("mass: 8", "mass: 0.01").replace("stiffness: 0.002", "stiffness: 0.001");
+    let run = |bodies: &str, still: bool| {
+        let text = format!("(name: \"\", integrator: ImplicitEuler(), bodies: [{bodies}], {rest})");
+        let mut run = simulation(&level(&text.replace("substeps: 20", "substeps: 2")));
+        while still && !run.sleeping().any(|asleep| asleep) {
+            run.advance(1, &mut || true);
+        }
+        run
+    };
+    let mut both = run(&format!("{swinging}, {still}"), true);
+    let mut alone = run(&swinging, false);
+    let (steps, sleeper) = (both.state().steps, both.state().x[32..].to_vec());
+    alone.advance(steps, &mut || true);
+    assert_eq!(both.sleeping().collect::<Vec<_>>(), [false, true]);
+    for run in [&mut both, &mut alone] {
+        run.advance(60, &mut || true);
+    }
+    let apart = both.state().x[..32].iter().zip(&alone.state().x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-7, "{apart:e} m");
+    assert_eq!(both.state().x[32..], sleeper, "the sleeper stays");
+}
+
 /// Hanging, not lying: schemes that kick twice a step never quite stop at a floor, which stops them once.
 #[test]
 fn whatever_the_scheme_what_hangs_still_sleeps() {

@@ -1,7 +1,7 @@
 //! A scene as the integrator sees it.
 
 use crate::{
-    effects::{Bounds, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
+    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     elements::Kicking,
     integrators::{Dynamics, Ode, Work, kick_and_drift},
     obstacles::{Start, Surface},
@@ -11,7 +11,7 @@ use crate::{
     state::State,
     toys::Toy,
 };
-use std::{cell::Cell, ops::Range};
+use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
 
 /// Why the elements of what sleeps are passed over.
@@ -104,7 +104,12 @@ impl Scratch {
 
     /// Notes which bodies and nets of a scene sleep; none of their vertices is held yet.
     pub fn rest(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
-        self.plan = Plan::new(scene, asleep);
+        let plan = Plan::new(scene, asleep);
+        if plan.sleeping != self.plan.sleeping {
+            // Other vertices depend on each other now.
+            self.work.forget();
+        }
+        self.plan = plan;
         self.held.clear();
         if !self.plan.sleeping.is_empty() {
             self.held.extend_from_slice(&scene.inverse_mass);
@@ -164,6 +169,12 @@ impl System<'_> {
         let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
         Motion { x, v, mass, inverse_mass, grab: self.grab }
     }
+}
+
+/// The effects of a scene without the elements of what sleeps.
+fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effect> {
+    let acts = |(number, effect): (usize, &'a Arc<dyn Effect>)| (!plan.sleeping.contains(&number)).then_some(&**effect);
+    scene.effects.iter().enumerate().filter_map(acts)
 }
 
 impl System<'_> {
@@ -244,26 +255,26 @@ impl Dynamics for System<'_> {
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let motion = self.motion(x, v);
-        for effect in &self.scene.effects {
+        for effect in awake(self.scene, &self.scratch.plan) {
             effect.stiffness_times(motion, d, product);
         }
     }
 
     fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        for effect in &self.scene.effects {
+        for effect in awake(self.scene, &self.scratch.plan) {
             effect.couples(add);
         }
     }
 
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
         let motion = self.motion(x, v);
-        for effect in &self.scene.effects {
+        for effect in awake(self.scene, &self.scratch.plan) {
             effect.add_stiffness(motion, weights, matrix);
         }
     }
 
     fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
-        self.scene.effects.iter().map(|effect| effect.longest_step(x, d)).fold(f64::INFINITY, f64::min)
+        awake(self.scene, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(f64::INFINITY, f64::min)
     }
 
     fn constrains(&self) -> bool {

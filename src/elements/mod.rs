@@ -4,12 +4,14 @@ mod blocks;
 mod fields;
 mod gather;
 mod spring;
+mod survey;
 mod tangent;
 mod triangle;
 
 pub(crate) use blocks::Law;
-pub use fields::{Field, Survey};
+pub use fields::Field;
 pub use spring::Springs;
+pub use survey::Survey;
 pub use triangle::Triangles;
 
 use std::sync::Arc;

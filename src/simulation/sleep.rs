@@ -186,6 +186,7 @@ impl Simulation {
         self.islands.all = islands;
         self.state.clone_from(&self.checkpoint.state);
         self.revision += 1;
+        self.shape += 1;
         self.settle_sleepers();
     }
 

@@ -86,6 +86,8 @@ pub struct Snapshot {
     pub messages: Vec<String>,
     /// How often all elements were swept over for what is in here: once for each shape that was looked at.
     pub sweeps: u64,
+    /// In how many of them the elastic energy had to be computed: stepping had not done it.
+    pub energy_sweeps: u64,
     /// Which shape that was last: the generation, the shape in it, and the field.
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
@@ -239,6 +241,7 @@ impl Sandbox {
             energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
         if simulation.known_energy(0).is_none() {
+            snapshot.energy_sweeps += 1;
             let bodies = snapshot.bodies.iter().map(|body| body.energy);
             simulation.learn(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
         }

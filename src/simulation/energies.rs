@@ -10,7 +10,7 @@ pub(super) struct Elastic {
     each: Vec<f64>,
     /// The shape that they belong to.
     shape: Option<u64>,
-    /// For how many shapes they were computed.
+    /// How often they were computed for stepping: nobody had done it for drawing.
     sweeps: u64,
 }
 
@@ -25,6 +25,7 @@ impl Simulation {
         let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
         if self.elastic.borrow().shape != Some(self.shape) {
             self.learn(elements.iter().map(|effect| effect.energy(motion)));
+            self.elastic.borrow_mut().sweeps += 1;
         }
         let elastic = self.elastic.borrow().each.iter().sum();
         let potential = other.iter().map(|effect| effect.energy(motion)).sum();
@@ -42,7 +43,7 @@ impl Simulation {
         let mut elastic = self.elastic.borrow_mut();
         elastic.each.clear();
         elastic.each.extend(energies);
-        (elastic.shape, elastic.sweeps) = (Some(self.shape), elastic.sweeps + 1);
+        elastic.shape = Some(self.shape);
     }
 
     /// Differs from before if the shape of anything may have changed, or what it is made of.
@@ -50,7 +51,7 @@ impl Simulation {
         self.shape
     }
 
-    /// For how many shapes the elastic energy was computed so far.
+    /// How often the elastic energy was computed for stepping so far; not where it was known from drawing.
     pub fn energy_sweeps(&self) -> u64 {
         self.elastic.borrow().sweeps
     }

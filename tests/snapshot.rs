@@ -97,7 +97,7 @@ impl Visitor for Alone {
 
 #[test]
 fn colours_and_counts_of_many_triangles_are_those_of_each_alone_for_every_model() {
-    for (model, plane) in Model::ALL.into_iter().flat_map(|model| [(model, "Strain"), (model, "Stress")]) {
+    for (model, plane) in Model::ALL.iter().flat_map(|model| [(*model, "Strain"), (*model, "Stress")]) {
         let text = format!(
             "(name: \"sheet\", bodies: [(name: \"sheet\", mesh: Rectangle(width: 1, height: 1, columns: 5, rows: 5, diagonals: Grid),
               mass: Density(1), material: (model: {}, young: 1000, poisson: 0.3, plane: {plane}))])",

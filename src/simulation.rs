@@ -1,5 +1,6 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
+mod energies;
 mod reach;
 mod sleep;
 mod system;
@@ -13,8 +14,10 @@ use crate::{
     scene::Scene,
     state::State,
 };
+use energies::Elastic;
 use pulp::Arch;
 use sleep::Islands;
+use std::cell::RefCell;
 use system::{Scratch, System, ToySystem};
 
 /// A running scene.
@@ -35,6 +38,9 @@ pub struct Simulation {
     fault: Option<Fault>,
     /// Counts what changed: scenes, states, pulls and steps.
     revision: u64,
+    /// Counts what may have changed the shape of anything, or what it is made of.
+    shape: u64,
+    elastic: RefCell<Elastic>,
 }
 
 /// A moment to go back to.
@@ -69,6 +75,8 @@ impl Simulation {
             guard: Guard::default(),
             fault: None,
             revision: 0,
+            shape: 0,
+            elastic: RefCell::default(),
         };
         simulation.settle_sleepers();
         simulation
@@ -87,6 +95,7 @@ impl Simulation {
         // What an integrator remembers is of another system.
         self.state.memory.clear();
         self.revision += 1;
+        self.shape += 1;
         self.scratch.fit(&self.scene);
         self.islands = Islands::new(&self.scene);
         self.wake_all(paced);
@@ -100,6 +109,7 @@ impl Simulation {
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
         self.revision += 1;
+        self.shape += 1;
         (self.scratch.free, self.scratch.room) = (None, -1.0);
         self.settle_sleepers();
         self.grab = None;
@@ -242,6 +252,7 @@ impl Simulation {
         self.scratch.counts.guarded += u64::from(parts > 1);
         self.state.steps += 1;
         self.revision += 1;
+        self.shape += 1;
         self.state.time = end;
     }
 
@@ -295,6 +306,7 @@ impl Simulation {
     /// Back to a step since the checkpoint: the same steps from there give the same bits again.
     fn go_back_to(&mut self, step: u64) {
         self.state.clone_from(&self.checkpoint.state);
+        self.shape += 1;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
         self.guard.book(self.checkpoint.put_in);
@@ -369,25 +381,6 @@ impl Simulation {
         });
         let rest = v_rest.iter().zip(mass_rest).map(|(v, mass)| mass * v * v);
         0.5 * sums.into_iter().chain(rest).sum::<f64>()
-    }
-
-    /// Energies now [J].
-    pub fn energies(&self) -> Energies {
-        let motion = self.scene.motion(&self.state, self.grab);
-        let elements = &self.scene.effects[..self.scene.element_count()];
-        self.energies_with(elements.iter().map(|effect| effect.energy(motion)).sum())
-    }
-
-    /// The same, where the energy of deformation [J] is known.
-    pub fn energies_with(&self, elastic: f64) -> Energies {
-        if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
-            let [kinetic, potential] = toy.kind().energies([a, b]);
-            return Energies { kinetic, elastic: 0.0, potential };
-        }
-        let motion = self.scene.motion(&self.state, self.grab);
-        let kinetic = self.kinetic_energy();
-        let other = &self.scene.effects[self.scene.element_count()..];
-        Energies { kinetic, elastic, potential: other.iter().map(|effect| effect.energy(motion)).sum() }
     }
 
     /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.

@@ -84,9 +84,11 @@ pub struct Snapshot {
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
-    /// How often all elements were swept over for what is in here: twice for each state that was looked at.
+    /// How often all elements were swept over for what is in here: once for each shape that was looked at.
     pub sweeps: u64,
-    /// Which state that was last: the generation, the revision in it, and the field.
+    /// In how many of them the elastic energy had to be computed: stepping had not done it.
+    pub energy_sweeps: u64,
+    /// Which shape that was last: the generation, the shape in it, and the field.
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
     pub can_undo: bool,
@@ -190,12 +192,13 @@ impl Sandbox {
         if snapshot.toy.is_none() {
             snapshot.positions.extend_from_slice(x);
         }
-        // What depends on the elements is computed once for each state, however often it is drawn.
-        let seen = Some((self.generation, simulation.revision(), field));
+        // What depends on the elements is computed once for each shape, however often it is drawn.
+        let seen = Some((self.generation, simulation.shape(), field));
         if snapshot.seen != seen {
             snapshot.seen = seen;
             self.survey(field, snapshot);
         }
+        snapshot.energies = simulation.energies();
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
@@ -211,8 +214,7 @@ impl Sandbox {
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
 
-    /// Energies, fields and shapes: two sweeps over the elements, one for energies, one for all else; and one over their
-    /// corners alone, for folds.
+    /// Energies, fields and shapes, in one sweep over the elements; and one over their corners alone, for folds.
     fn survey(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let x = &simulation.state().x;
@@ -221,8 +223,9 @@ impl Sandbox {
         snapshot.bodies.clear();
         (snapshot.min_j, snapshot.inverted) = (f64::INFINITY, 0);
         let mut first = 0;
-        for body in &scene.bodies {
-            let shape = body.elements.survey(field, x, &mut snapshot.values);
+        for (number, body) in scene.bodies.iter().enumerate() {
+            let energy = simulation.known_energy(number);
+            let shape = body.elements.survey_knowing(energy, field, x, &mut snapshot.values);
             snapshot.min_j = snapshot.min_j.min(shape.least);
             snapshot.inverted += shape.inverted;
             let triangles = first..first + body.elements.corners().len();
@@ -230,16 +233,20 @@ impl Sandbox {
             snapshot.bodies.push(self.body(body, triangles, shape));
         }
         snapshot.nets.clear();
-        snapshot.nets.extend(scene.nets.iter().map(|net| NetSnapshot {
+        let known = |number: usize| simulation.known_energy(scene.bodies.len() + number);
+        snapshot.nets.extend(scene.nets.iter().enumerate().map(|(number, net)| NetSnapshot {
             name: net.name.clone(),
             vertices: net.vertices.clone(),
             springs: Arc::clone(&net.springs),
-            energy: net.springs.elastic_energy(x),
+            energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
-        let elastic = snapshot.bodies.iter().map(|body| body.energy).chain(snapshot.nets.iter().map(|net| net.energy));
-        snapshot.energies = simulation.energies_with(elastic.sum());
+        if simulation.known_energy(0).is_none() {
+            snapshot.energy_sweeps += 1;
+            let bodies = snapshot.bodies.iter().map(|body| body.energy);
+            simulation.learn(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
+        }
         snapshot.wound = Tangle::of_all(scene, x).wound;
-        snapshot.sweeps += 2;
+        snapshot.sweeps += 1;
     }
 
     fn body(&self, body: &Body, triangles: Range<usize>, shape: Survey) -> BodySnapshot {
@@ -254,7 +261,7 @@ impl Sandbox {
             mesh: Arc::clone(&body.mesh),
             vertices: body.vertices.clone(),
             triangles,
-            energy: body.elements.elastic_energy(x),
+            energy: shape.energy,
             min_j: shape.least,
             continued: shape.continued,
             mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },

@@ -93,23 +93,25 @@ impl Scale {
         }
     }
 
-    /// The colour of a value.
-    pub fn color(&self, value: f64) -> Color32 {
-        self.at(self.share(value))
+    /// The colours of values.
+    pub fn colors(&self, values: &[f64]) -> impl Iterator<Item = Color32> {
+        let ([low, high], map, rooted) = (self.range(), self.map(), self.field == Field::EnergyDensity);
+        values.iter().map(move |value| picked(map, share_of(*value, [low, high], rooted)))
     }
 
     /// Where a value lies on the map, from 0 to 1 within the range. Energy grows with the square of strain, so its root
     /// spreads the colours evenly over what one sees.
     pub fn share(&self, value: f64) -> f32 {
-        let [low, high] = self.range();
-        let share = (value - low) / (high - low);
-        (if self.field == Field::EnergyDensity { share.max(0.0).sqrt() } else { share }) as f32
+        share_of(value, self.range(), self.field == Field::EnergyDensity)
     }
 
     /// The colour at a share of the map from 0 to 1.
     pub fn at(&self, share: f32) -> Color32 {
-        let map = if self.field == Field::Volume { &RED_BLUE } else { &VIRIDIS };
-        map[((share * COLORS as f32) as usize).min(COLORS - 1)]
+        picked(self.map(), share)
+    }
+
+    fn map(&self) -> &'static [Color32; COLORS] {
+        if self.field == Field::Volume { &RED_BLUE } else { &VIRIDIS }
     }
 
     /// The value, or its distance from rest, below which all but the outliers lie.
@@ -123,6 +125,17 @@ impl Scale {
         // Beyond J = 0 and J = 2 the ends of the map say enough.
         if snapshot.field == Field::Volume { high.min(1.0) } else { *high }
     }
+}
+
+/// Where a value lies between two ends, or the root of that.
+fn share_of(value: f64, [low, high]: [f64; 2], rooted: bool) -> f32 {
+    let share = (value - low) / (high - low);
+    (if rooted { share.max(0.0).sqrt() } else { share }) as f32
+}
+
+/// The colour at a share of a map.
+fn picked(map: &[Color32; COLORS], share: f32) -> Color32 {
+    map[((share * COLORS as f32) as usize).min(COLORS - 1)]
 }
 
 /// The smallest range worth showing: about a thousandth of strain, so that rounding at rest is not painted.

@@ -84,6 +84,7 @@ impl App {
     /// If the level cannot be built.
     pub fn with_level(ctx: &Context, level: Level, files: Box<dyn Files>) -> Result<Self, Refused> {
         theme::install(ctx);
+        keep_freed_memory();
         let sandbox = Sandbox::new(level, files)?;
         let mut snapshot = Snapshot::default();
         sandbox.snapshot(crate::snapshot::Field::None, &mut snapshot);
@@ -350,6 +351,16 @@ impl eframe::App for App {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
+}
+
+/// Bytes that the allocator learns to keep from frame to frame.
+const KEPT: usize = 24 << 20;
+
+/// egui hands some megabytes of triangles to the graphics card in every frame and frees them again. The allocator of glibc returns
+/// so much to the system and gets it anew page by page, which takes longer than filling it. It keeps twice the largest block that
+/// was ever freed: one is, without being touched.
+fn keep_freed_memory() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
 }
 
 /// Opens the window and stays until it is closed.

@@ -4,13 +4,15 @@ mod blocks;
 mod fields;
 mod gather;
 mod spring;
+mod survey;
 mod tangent;
 mod target;
 mod triangle;
 
 pub(crate) use blocks::Law;
-pub use fields::{Field, Survey};
+pub use fields::Field;
 pub use spring::Springs;
+pub use survey::Survey;
 pub use target::{Adding, Kicking, Target};
 pub use triangle::Triangles;
 

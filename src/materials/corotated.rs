@@ -84,8 +84,9 @@ impl Material for Corotated {
         nearest_rotation(Square::from(f)).1 <= UNDECIDED
     }
 
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        self.lame.lambda * (nearest_rotation(Square::from(f)).1 - 2.0)
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+        (nearest_rotation(f).1 - 2.0) * self.lame.lambda
     }
 
     /// 2 mu (w - 1) + lambda (s + w - 2) = 0.

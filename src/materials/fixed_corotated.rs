@@ -56,9 +56,10 @@ impl Material for FixedCorotated {
         Corotated::new(self.lame).is_continued(f)
     }
 
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
         let j = f.determinant();
-        self.lame.lambda * (j - 1.0) * j
+        (j - 1.0) * self.lame.lambda * j
     }
 
     /// 2 mu (w - 1) + lambda (s w - 1) s = 0.

@@ -121,8 +121,9 @@ impl Material for Hencky {
         times_j / j
     }
 
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        self.lame.lambda * libm::log(f.determinant())
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+        f.determinant().logarithm() * self.lame.lambda
     }
 
     /// (2 mu + lambda) ln w + lambda ln s = 0.

@@ -44,6 +44,9 @@ registry! {
     }
 }
 
+/// From this J = det F on the formula of every model is used to the letter.
+pub const WHOLE: f64 = 0.25;
+
 /// A hyperelastic material in two dimensions, per unit thickness.
 ///
 /// `f` is the deformation gradient F (2 x 2, no unit): column j is where the rest direction j went.
@@ -79,13 +82,13 @@ pub trait Material: Copy + Send + Sync {
     /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
 
-    /// Whether this gradient is beyond where the formula is used to the letter.
+    /// Whether this gradient is beyond where the formula is used to the letter: never where its determinant is [`WHOLE`] or more.
     fn is_continued(&self, _f: &Matrix2<f64>) -> bool {
         false
     }
 
     /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none.
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64;
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R;
 
     /// The width w at which a strip of stretch s pulls its free sides neither in nor out: P22(diag(s, w)) = 0.
     /// `None` where there is no positive one.

@@ -79,11 +79,13 @@ impl Material for NeoHookean {
     }
 
     /// mu F33 + (lambda L - mu) L' J, which is lambda ln J from J0 on.
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        let [log, slope, _] = derivatives(j);
-        mu + (lambda * log - mu) * slope * j
+        let (log, t) = log(j);
+        let pull = log * lambda - mu;
+        j.if_less(j.of(FLAT), pull * ((-t + 1.0) * (1.0 / FLAT)) * j, pull) + mu
     }
 
     /// mu w² + (lambda L - mu) L' s w = 0, which is mu (w² - 1) + lambda ln(s w) = 0 from J0 on, by Newton's method on

@@ -67,8 +67,9 @@ impl Material for StVenantKirchhoff {
         stiffness
     }
 
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        self.lame.lambda * self.strain_and_stress(Square::from(f)).0.trace()
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+        self.strain_and_stress(f).0.trace() * self.lame.lambda
     }
 
     /// (2 mu + lambda)(w² - 1) + lambda (s² - 1) = 0.

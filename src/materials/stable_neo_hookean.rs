@@ -72,8 +72,9 @@ impl Material for StableNeoHookean {
     }
 
     /// P33 of the model in three dimensions: the factor of F33 = 1, plus J times that of G.
-    fn thickness_stress(&self, f: &Matrix2<f64>) -> f64 {
-        let (shear, volume) = self.factors(Square::from(f));
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+        let (shear, volume) = self.factors(f);
         shear + volume * f.determinant()
     }
 

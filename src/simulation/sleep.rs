@@ -187,6 +187,7 @@ impl Simulation {
         self.state.clone_from(&self.checkpoint.state);
         self.scratch.room = -1.0;
         self.revision += 1;
+        self.shape += 1;
         self.settle_sleepers();
     }
 

@@ -138,6 +138,9 @@ impl Canvas {
         net::nets(&mut self.middle, view, snapshot, options, self.bodies.points());
         self.trail.draw(&mut self.middle, view, snapshot);
         painter.add(self.middle.finish());
+        // A clip of its own, which hides nothing more or less, lets the tessellator begin a new mesh for what follows: it
+        // would move the large one to a larger place otherwise, every frame.
+        let painter = &painter.with_clip_rect(painter.clip_rect().expand(0.01));
         strip_numbers::strip_numbers(painter, view, canvas, snapshot);
         self.draw_front(painter, frame, pointer);
     }

@@ -78,8 +78,8 @@ impl Bodies {
             let Some(points) = self.points.get(body.vertices.clone()) else { continue };
             let values = snapshot.values.get(body.triangles.clone()).filter(|_| field);
             match values {
-                Some(values) => colored(ink, body, points, values, scale),
-                None => plain(ink, view, body, points),
+                Some(values) => ink.facets(points, body.mesh.triangles(), scale.colors(values)),
+                None => ink.sheet(points, body.mesh.triangles(), view.theme.dough),
             }
             part.rim(ink, view, points, &mut self.line, values.is_none());
             if options.wireframe {
@@ -132,11 +132,7 @@ impl Part {
 
     fn wireframe(&self, ink: &mut Ink, view: View, points: &[Pos2], colored: bool) {
         let color = if colored { Color32::from_black_alpha(120) } else { view.theme.crust };
-        let across = ink.pixel();
-        for &[a, b] in &self.edges {
-            let (a, b) = (points[a as usize], points[b as usize]);
-            ink.bands(&[a, b], false, &[-across, 0.0, across], &[0.0, 0.9, 0.0], color);
-        }
+        ink.threads(points, &self.edges, ink.pixel(), color.gamma_multiply(0.9));
     }
 
     fn specks(&self, ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
@@ -168,25 +164,6 @@ fn specks(body: &BodySnapshot) -> Vec<Embedded> {
 pub(super) fn gather(line: &mut Vec<Pos2>, points: &[Pos2], vertices: &[u32]) {
     line.clear();
     line.extend(vertices.iter().filter_map(|&vertex| points.get(vertex as usize)));
-}
-
-fn plain(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
-    let Some((&first, rest)) = points.split_first() else { return };
-    let start = ink.vertex(first, view.theme.dough);
-    for &point in rest {
-        ink.vertex(point, view.theme.dough);
-    }
-    for &[a, b, c] in body.mesh.triangles() {
-        ink.triangle(start + a, start + b, start + c);
-    }
-}
-
-fn colored(ink: &mut Ink, body: &BodySnapshot, points: &[Pos2], values: &[f64], scale: &Scale) {
-    for (triangle, &value) in body.mesh.triangles().iter().zip(values) {
-        let color = scale.color(value);
-        let [a, b, c] = triangle.map(|vertex| ink.vertex(points[vertex as usize], color));
-        ink.triangle(a, b, c);
-    }
 }
 
 /// Triangles that are inside out, which run the other way round on the screen too. Returns how many there are.

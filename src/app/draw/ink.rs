@@ -1,7 +1,7 @@
 //! Smooth shapes collected into one triangle mesh: egui copies it as it is, so thousands of triangles a frame stay cheap.
 
 use super::ears;
-use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, vec2};
+use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, epaint::Vertex, vec2};
 use std::{f32::consts::TAU, sync::Arc};
 
 /// A layer of the drawing. Later shapes cover earlier ones; edges fade out over one pixel.
@@ -55,6 +55,50 @@ impl Ink {
     /// A triangle of corners, blending their colours.
     pub fn triangle(&mut self, a: u32, b: u32, c: u32) {
         self.mesh.add_triangle(a, b, c);
+    }
+
+    /// Triangles that share their corners, all in one colour.
+    pub fn sheet(&mut self, points: &[Pos2], triangles: &[[u32; 3]], color: Color32) {
+        let first = self.mesh.vertices.len() as u32;
+        self.mesh.vertices.extend(points.iter().map(|&point| Vertex::untextured(point, color)));
+        self.mesh.indices.reserve(3 * triangles.len());
+        for triangle in triangles {
+            self.mesh.indices.extend_from_slice(&triangle.map(|corner| first + corner));
+        }
+    }
+
+    /// Triangles, each in a colour of its own.
+    pub fn facets(&mut self, points: &[Pos2], triangles: &[[u32; 3]], colors: impl Iterator<Item = Color32>) {
+        let first = self.mesh.vertices.len() as u32;
+        self.mesh.vertices.reserve(3 * triangles.len());
+        for (triangle, color) in triangles.iter().zip(colors) {
+            let corner = |vertex: u32| Vertex::untextured(points[vertex as usize], color);
+            self.mesh.vertices.extend_from_slice(&triangle.map(corner));
+        }
+        self.mesh.indices.extend(first..self.mesh.vertices.len() as u32);
+    }
+
+    /// Thin straight lines between points, which fade out to both sides over a `reach`. Their middles share the points: of what
+    /// comes in thousands every corner less counts.
+    pub fn threads(&mut self, points: &[Pos2], lines: &[[u32; 2]], reach: f32, color: Color32) {
+        let Mesh { vertices, indices, .. } = &mut self.mesh;
+        let first = vertices.len() as u32;
+        vertices.reserve(points.len() + 4 * lines.len());
+        indices.reserve(12 * lines.len());
+        vertices.extend(points.iter().map(|&point| Vertex::untextured(point, color)));
+        for &[from, to] in lines {
+            let (a, b) = (points[from as usize], points[to as usize]);
+            let along = b - a;
+            let length = (along.x * along.x + along.y * along.y).sqrt();
+            let across = if length > 0.0 { along.rot90() * (reach / length) } else { Vec2::ZERO };
+            let (side, from, to) = (vertices.len() as u32, first + from, first + to);
+            let sides = [a - across, b - across, a + across, b + across];
+            vertices.extend_from_slice(&sides.map(|at| Vertex::untextured(at, Color32::TRANSPARENT)));
+            let one = [side, from, side + 1, from, to, side + 1];
+            let other = [from, side + 2, to, side + 2, side + 3, to];
+            indices.extend_from_slice(&one);
+            indices.extend_from_slice(&other);
+        }
     }
 
     /// A rectangle that goes from one colour at its top to another at its bottom.

@@ -16,6 +16,9 @@ use crate::{
 };
 use std::time::Duration;
 
+/// For how many triangles the stability limit is looked for in one frame.
+const PER_FRAME: usize = 2500;
+
 /// What a study is about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Topic {
@@ -52,6 +55,8 @@ pub enum Wish {
 pub struct Lab {
     probe: StabilityProbe,
     limit: Option<f64>,
+    /// Frames since the probe was last worked on.
+    unprobed: usize,
     twin: Option<Twin>,
     /// The work-precision diagram.
     pub accuracy: Study<WorkPrecision>,
@@ -156,7 +161,10 @@ impl Lab {
     pub fn work(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
         let simulation = sandbox.simulation();
         let settled = self.limit.is_some() && !sandbox.is_live();
-        if gauge {
+        // The limit moves slowly and a look at it costs as much as many steps: a large scene is looked at every few frames.
+        self.unprobed += 1;
+        if gauge && (self.limit.is_none() || self.unprobed > simulation.scene().triangles.len() / PER_FRAME) {
+            self.unprobed = 0;
             self.limit = self.probe.refine(simulation.scene(), simulation.state(), if settled { 1 } else { 2 });
         }
         let behind = self.twin.as_mut().is_some_and(|twin| {

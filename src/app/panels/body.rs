@@ -12,7 +12,7 @@ use crate::{
     materials::{MaterialParameters, Plane},
     meshes::MeshKind,
     quantity::{Cells, Density, Mass, OutOfRange, Rings, Triangles},
-    snapshot::{BodySnapshot, Snapshot},
+    snapshot::Snapshot,
 };
 use eframe::egui::{ComboBox, Ui};
 
@@ -36,7 +36,8 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     ui.push_id(("body", view.body), |ui| {
         if let Some(body) = level.bodies.get(view.body) {
             material(ui, body.material, view, commands);
-            let area = now.bodies.get(view.body).map_or(0.0, |shown| rest_area(shown) * body.place.scale.get().powi(2));
+            let shown = now.bodies.get(view.body);
+            let area = || shown.map_or(0.0, |shown| shown.mesh.area() * body.place.scale.get().powi(2));
             mass(ui, body.mass, area, view, commands);
             mesh(ui, &body.mesh, view, commands);
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
@@ -75,7 +76,7 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     settle(sum, command, view, commands);
 }
 
-fn mass(ui: &mut Ui, mass: MassLevel, area: f64, view: &mut View, commands: &mut Vec<Command>) {
+fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, commands: &mut Vec<Command>) {
     let by_density = matches!(mass, MassLevel::Density(_));
     let part = |text, about, on| Segment { text, name: text, about, on };
     let parts = [
@@ -83,7 +84,7 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: f64, view: &mut View, commands: &mut
         part("Total mass", "Every vertex carries the same share of a total.", !by_density),
     ];
     if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| (*clicked == 0) != by_density) {
-        match converted(mass, area, clicked == 0) {
+        match converted(mass, area(), clicked == 0) {
             Ok(new) => commands.extend([Command::SetMass(view.body, new), Command::EndGesture]),
             Err(error) => view.notice = Some(Notice::trouble(&error)),
         }
@@ -124,15 +125,4 @@ fn converted(mass: MassLevel, area: f64, to_density: bool) -> Result<MassLevel, 
         (MassLevel::Density(density), false) => MassLevel::Total(Mass::new(density.get() * area)?),
         (same, _) => same,
     })
-}
-
-/// Area of a body's mesh in its own coordinates [m²].
-fn rest_area(body: &BodySnapshot) -> f64 {
-    let points = body.mesh.points();
-    let corner = |vertex: u32| points[vertex as usize];
-    let area = |[a, b, c]: [u32; 3]| {
-        let ([ax, ay], [bx, by], [cx, cy]) = (corner(a), corner(b), corner(c));
-        0.5 * ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))
-    };
-    body.mesh.triangles().iter().copied().map(area).sum()
 }

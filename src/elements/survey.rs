@@ -1,0 +1,153 @@
+//! One look at all triangles of a body: energy, shape, and what they are coloured by.
+
+use super::{
+    Field, Triangles,
+    triangle::{Rest, edges},
+};
+use crate::{
+    lanes::{LANES, Lanes, Real, Square, Wide},
+    materials::{Material, Visitor, WHOLE},
+};
+use pulp::{Arch, Simd, WithSimd};
+
+/// How many blocks of triangles are collected at a time: enough for what is stored number by number to have arrived when it
+/// is read lane by lane.
+const RUN: usize = 4;
+
+/// What a sweep over triangles has found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Survey {
+    /// Elastic energy [J].
+    pub energy: f64,
+    /// Least det F; infinite if there are none.
+    pub least: f64,
+    /// How many have det F <= 0.
+    pub inverted: usize,
+    /// How many are beyond where the model's formula is used to the letter.
+    pub continued: usize,
+}
+
+impl Triangles {
+    /// Energy and shape of the triangles; in the same sweep adds one value a triangle to `values`, in their order, but nothing
+    /// for [`Field::None`].
+    pub fn survey(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Survey {
+        self.survey_knowing(None, field, x, values)
+    }
+
+    /// The same, where the energy [J] may be known already and is not computed then.
+    pub fn survey_knowing(&self, energy: Option<f64>, field: Field, x: &[f64], values: &mut Vec<f64>) -> Survey {
+        struct Visit<'a>(&'a Triangles, Option<f64>, Field, &'a [f64], &'a mut Vec<f64>);
+        impl Visitor for Visit<'_> {
+            type Output = Survey;
+            fn visit<M: Material>(self, material: &M) -> Survey {
+                let Self(of, energy, field, x, out) = self;
+                Arch::new().dispatch(Sweep { of, material, energy, field, x, out })
+            }
+        }
+        self.model().visit(self.lame(), Visit(self, energy, field, x, values))
+    }
+}
+
+/// Eight triangles: D = [x1 - x0, x2 - x0] and D0⁻¹, column by column, and the area at rest [m²].
+#[derive(Clone, Copy, Default)]
+struct Eight {
+    edges: [Lanes; 4],
+    inverse: [Lanes; 4],
+    area: Lanes,
+}
+
+impl Eight {
+    #[inline(always)]
+    fn collect(&mut self, of: &Triangles, x: &[[f64; 2]], first: usize, corners: &[[u32; 3]]) {
+        for (lane, &triangle) in corners.iter().enumerate() {
+            let Rest { inverse, area } = of.rest(first + lane);
+            let (edges, inverse) = (edges(x, triangle), inverse.as_slice());
+            for entry in 0..4 {
+                self.edges[entry][lane] = edges[entry];
+                self.inverse[entry][lane] = inverse[entry];
+            }
+            self.area[lane] = area;
+        }
+    }
+
+    /// Part of the deformation gradients, and of the areas.
+    #[inline(always)]
+    fn part<S: Simd>(&self, set: S, part: usize) -> (Square<Wide<S>>, Wide<S>) {
+        let square = |of: &[Lanes; 4]| {
+            let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of[entry], part));
+            Square::new(m11, m12, m21, m22)
+        };
+        (square(&self.edges).times(square(&self.inverse)), Wide::load(set, &self.area, part))
+    }
+}
+
+struct Sweep<'a, M> {
+    of: &'a Triangles,
+    material: &'a M,
+    energy: Option<f64>,
+    field: Field,
+    x: &'a [f64],
+    out: &'a mut Vec<f64>,
+}
+
+impl<M: Material> WithSimd for Sweep<'_, M> {
+    type Output = Survey;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) -> Survey {
+        let Self { of, material, energy, field, x, out } = self;
+        let x = x.as_chunks().0;
+        let mut found = Survey { energy: energy.unwrap_or_default(), least: f64::INFINITY, inverted: 0, continued: 0 };
+        let mut eights = [Eight::default(); RUN];
+        let [mut ratios, mut energies, mut values] = [Lanes::default(); 3];
+        for (run, corners) in of.corners().chunks(RUN * LANES).enumerate() {
+            for (number, (eight, corners)) in eights.iter_mut().zip(corners.chunks(LANES)).enumerate() {
+                eight.collect(of, x, (run * RUN + number) * LANES, corners);
+            }
+            for (number, (eight, corners)) in eights.iter().zip(corners.chunks(LANES)).enumerate() {
+                for part in 0..Wide::<S>::PARTS {
+                    let (f, area) = eight.part(set, part);
+                    let j = f.determinant();
+                    j.store(&mut ratios, part);
+                    if energy.is_none() {
+                        (material.psi(f) * area).store(&mut energies, part);
+                    }
+                    let value = match field {
+                        Field::None => continue,
+                        Field::Volume => j,
+                        Field::EnergyDensity => material.psi(f),
+                        Field::VonMises => von_mises(material, f, of.plane_stress()),
+                    };
+                    value.store(&mut values, part);
+                }
+                // A lane left over holds what is not a triangle here.
+                for lane in 0..corners.len() {
+                    let j = ratios[lane];
+                    found.energy += energies[lane];
+                    found.least = found.least.min(j);
+                    found.inverted += usize::from(j <= 0.0);
+                    if j < WHOLE {
+                        let f = of.gradient_of(x.as_flattened(), (run * RUN + number) * LANES + lane);
+                        found.continued += usize::from(material.is_continued(&f));
+                    }
+                }
+                if field != Field::None {
+                    out.extend_from_slice(&values[..corners.len()]);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Von Mises equivalent of the Cauchy stress `sigma = P Fᵀ / J` [Pa]:
+/// `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`, where `sz = P33/J` in plane strain and 0 in plane stress.
+#[inline(always)]
+fn von_mises<M: Material, R: Real>(material: &M, f: Square<R>, plane_stress: bool) -> R {
+    let j = f.determinant();
+    let sigma = material.piola(f).times(f.transpose());
+    let (x, y, xy) = (sigma.m11 / j, sigma.m22 / j, (sigma.m12 + sigma.m21) / j * 0.5);
+    let thickness = if plane_stress { j.of(0.0) } else { material.thickness_stress(f) / j };
+    let differences = (x - y) * (x - y) + (y - thickness) * (y - thickness) + (thickness - x) * (thickness - x);
+    (differences * 0.5 + xy * xy * 3.0).sqrt()
+}

@@ -1,0 +1,58 @@
+//! Energies of a running scene. That of deformation is the dear one: it is computed once for each shape, whoever asks for it.
+
+use super::Simulation;
+use crate::report::Energies;
+
+/// Elastic energies, as far as they are known.
+#[derive(Default)]
+pub(super) struct Elastic {
+    /// Of each body and then each net [J].
+    each: Vec<f64>,
+    /// The shape that they belong to.
+    shape: Option<u64>,
+    /// How often they were computed for stepping: nobody had done it for drawing.
+    sweeps: u64,
+}
+
+impl Simulation {
+    /// Energies now [J].
+    pub fn energies(&self) -> Energies {
+        if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
+            let [kinetic, potential] = toy.kind().energies([a, b]);
+            return Energies { kinetic, elastic: 0.0, potential };
+        }
+        let motion = self.scene.motion(&self.state, self.grab);
+        let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
+        if self.elastic.borrow().shape != Some(self.shape) {
+            self.learn(elements.iter().map(|effect| effect.energy(motion)));
+            self.elastic.borrow_mut().sweeps += 1;
+        }
+        let elastic = self.elastic.borrow().each.iter().sum();
+        let potential = other.iter().map(|effect| effect.energy(motion)).sum();
+        Energies { kinetic: self.kinetic_energy(), elastic, potential }
+    }
+
+    /// The elastic energy of a body, or after the bodies of a net, if it is known for the present shape [J].
+    pub fn known_energy(&self, number: usize) -> Option<f64> {
+        let elastic = self.elastic.borrow();
+        elastic.each.get(number).copied().filter(|_| elastic.shape == Some(self.shape))
+    }
+
+    /// Takes note of the elastic energies of the present shape [J]: of each body and then each net.
+    pub(crate) fn learn(&self, energies: impl Iterator<Item = f64>) {
+        let mut elastic = self.elastic.borrow_mut();
+        elastic.each.clear();
+        elastic.each.extend(energies);
+        elastic.shape = Some(self.shape);
+    }
+
+    /// Differs from before if the shape of anything may have changed, or what it is made of.
+    pub const fn shape(&self) -> u64 {
+        self.shape
+    }
+
+    /// How often the elastic energy was computed for stepping so far; not where it was known from drawing.
+    pub fn energy_sweeps(&self) -> u64 {
+        self.elastic.borrow().sweeps
+    }
+}

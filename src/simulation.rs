@@ -1,5 +1,7 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
+mod books;
+mod paces;
 mod reach;
 mod sleep;
 mod system;
@@ -13,6 +15,7 @@ use crate::{
     scene::Scene,
     state::State,
 };
+use paces::Paces;
 use pulp::Arch;
 use sleep::Islands;
 use system::{Scratch, System, ToySystem};
@@ -30,6 +33,7 @@ pub struct Simulation {
     stale: bool,
     scratch: Scratch,
     islands: Islands,
+    paces: Paces,
     grab: Option<Grab>,
     guard: Guard,
     fault: Option<Fault>,
@@ -62,6 +66,7 @@ impl Simulation {
             joined: false,
             stale: true,
             islands: Islands::new(&scene),
+            paces: Paces::new(&scene),
             scene,
             state,
             scratch,
@@ -88,7 +93,7 @@ impl Simulation {
         self.state.memory.clear();
         self.revision += 1;
         self.scratch.fit(&self.scene);
-        self.islands = Islands::new(&self.scene);
+        (self.islands, self.paces) = (Islands::new(&self.scene), Paces::new(&self.scene));
         self.wake_all(paced);
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
@@ -247,6 +252,9 @@ impl Simulation {
 
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
+        if self.paces.differ() {
+            return self.integrate_each(h, time);
+        }
         self.scratch.supplied = 0.0;
         let mut work = std::mem::take(&mut self.scratch.work);
         let integrator = self.scene.integrator.kind();
@@ -344,7 +352,8 @@ impl Simulation {
         let earlier = self.checkpoint.state.clone();
         self.guard.give_up(level);
         self.go_back_to(failed - 1);
-        self.fault = Some(Fault::find(&self.scene, &self.state, &earlier, finite));
+        let step = self.paces.shortest(self.scene.step);
+        self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
         false
     }
 

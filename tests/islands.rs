@@ -15,6 +15,7 @@ use gingerbread::{
     report::EffectCost,
     sandbox::Sandbox,
     simulation::Simulation,
+    state::State,
 };
 
 /// Vertices of the cake and of the pea; the chain has three particles more.
@@ -228,6 +229,26 @@ fn a_run_saved_at_any_moment_goes_on_bit_for_bit() {
             let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
             second.advance(300 - moment, &mut || true);
             assert!(second.state() == whole.state(), "{} saved after {moment} steps", integrator.name());
+        }
+    }
+}
+
+#[test]
+fn a_memory_that_is_none_is_forgotten() {
+    let verlet = explicit().find(|kind| kind.name() == "PositionVerlet").unwrap();
+    let begin = Level { integrator: verlet, guard: Toggle::Off, ..table(&["cake", "pea"], EVERYTHING) };
+    let mut good = simulation(&begin);
+    let start = good.state().clone();
+    good.advance(30, &mut || true);
+    assert!(good.state().memory.len() > 2 * (CAKE + PEA));
+    let numbers = [0.0, 1.0, -3.0, 0.5, 1e15, 74.0, f64::MAX];
+    for length in [1, 2, 3, 75, 200] {
+        for first in 0..numbers.len() {
+            let memory = (0..length).map(|at| numbers[(first + 3 * at) % numbers.len()]).collect();
+            let mut other = simulation(&begin);
+            other.set_state(State { memory, ..start.clone() });
+            other.advance(30, &mut || true);
+            assert_eq!(other.state(), good.state());
         }
     }
 }

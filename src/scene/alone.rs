@@ -66,13 +66,12 @@ impl Scene {
             let known = previous.and_then(|scene| scene.alone.get(number));
             let same =
                 |known: &&Arc<Alone>| (&known.level, &known.vertices, &known.effects) == (&own, &vertices, &effects);
-            alone.push(match known.filter(same) {
-                Some(known) => Arc::clone(known),
-                None => {
-                    let scene = Self::build(&own, mode, files, Some(self))?;
-                    Arc::new(Alone { level: own, scene, vertices, effects, limit: OnceLock::new() })
-                }
-            });
+            if let Some(known) = known.filter(same) {
+                alone.push(Arc::clone(known));
+                continue;
+            }
+            let scene = Self::build(&own, mode, files, Some(self))?;
+            alone.push(Arc::new(Alone { level: own, scene, vertices, effects, limit: OnceLock::new() }));
         }
         self.alone = alone;
         Ok(())

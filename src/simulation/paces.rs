@@ -1,15 +1,15 @@
 //! Bodies and nets that go at their own pace: a stiff pea does not slow a soft cake.
 //!
 //! Bodies and nets do not touch each other, so that each may take a step of the scene, of length h, in as many equal parts as it
-//! needs; at the end of the step all meet again. Each needs n = h / ([`SHARE`] h_critical) parts, rounded up: one if its step is
+//! needs; at the end of the step all meet again. Each needs n = h / ([`SHARE`] `h_critical`) parts, rounded up: one if its step is
 //! short enough as it is. What is stepped is a scene of its own with its own part of the state ([`Alone`]), so that its motion has
 //! every bit that it would have alone with n times as many steps, and costs no more. Time is cut into equal parts of h, so what
 //! depends on time, which is only obstacles that move, has it to round-off.
 //!
-//! h_critical is that at rest. It depends on nothing but the scene: it is found when the scene is built or changed and never
+//! `h_critical` is that at rest. It depends on nothing but the scene: it is found when the scene is built or changed and never
 //! while time runs, so that a checkpoint, a rewind or a saved level goes on with the same steps and the same bits, and no change
 //! of steps lets the energy of a symplectic scheme drift. What is stiff beside what is soft hardly deforms, and half of
-//! h_critical leaves room for four times the stiffness. Beyond that the guard notices, as it does everywhere, and takes steps of
+//! `h_critical` leaves room for four times the stiffness. Beyond that the guard notices, as it does everywhere, and takes steps of
 //! the scene in shorter ones, and with them the parts of all.
 
 use super::{

@@ -142,6 +142,12 @@ fn a_stiff_pea_does_not_slow_a_soft_cake() {
         limits.iter().all(|share| *share <= 0.5) && limits[1] > 0.5 * f64::from(pea - 1) / f64::from(pea),
         "{limits:?}"
     );
+    for substeps in [7, 11, 20, 23, 49] {
+        let substeps = Substeps::new(substeps).unwrap();
+        for pace in simulation(&Level { substeps, ..table(&["cake", "pea"], "") }).paces() {
+            assert_eq!(pace.step, Substeps::new(substeps.get() * pace.steps).unwrap().step());
+        }
+    }
     run.advance(100, &mut || true);
     let called: Vec<_> = run.costs().iter().map(|cost| (cost.calls, cost.elements)).collect();
     let triangles = run.scene().bodies.iter().map(|body| body.elements.corners().len() as u64).collect::<Vec<_>>();
@@ -212,6 +218,26 @@ fn walls_out_of_reach_cost_nothing_and_change_nothing() {
         |run: &Simulation| run.costs().iter().find(|cost| cost.name == "Walls").map(|cost| (cost.calls, cost.skipped));
     let ((called, skipped), (always, never)) = (walls(&auto).unwrap(), walls(&forced).unwrap());
     assert!(called > 0 && skipped > called && never == 0 && always == called + skipped, "{called} {skipped} {always}");
+}
+
+/// A particle on a stiff spring swings to a wall and back several times within one step of the scene.
+#[test]
+fn nobody_passes_a_wall_between_the_ends_of_a_step() {
+    let run = |switch: &str| {
+        simulation(&level(&format!(
+            "(name: \"\", substeps: 1, paces: Own, guard: Off, nets: [(name: \"\", pins: [Vertex(0)], mass: 0.05,
+               net: Chain(from: (0.5, 0.5), to: (0.56, 0.5), springs: 1, stiffness: 50000, rest: 0.08))],
+             effects: [(effect: Walls(obstacles: [Plane(point: (0.597, 0), normal: (-1, 0), eps: 0.002)]), switch: {switch})])"
+        )))
+    };
+    let (mut auto, mut forced) = (run("Auto"), run("On"));
+    assert!(parts(&auto)[0] > 10);
+    for _ in 0..50 {
+        auto.advance(1, &mut || true);
+        forced.advance(1, &mut || true);
+        assert_eq!(auto.state(), forced.state());
+    }
+    assert!(auto.costs()[1].calls > 0 && auto.costs()[1].skipped > 0, "{:?}", auto.costs()[1]);
 }
 
 #[test]
@@ -330,19 +356,27 @@ fn each_falls_asleep_when_it_would_alone_and_wakes_by_itself() {
     assert_eq!(idle[..3], [Some("asleep"), None, None]);
     assert_eq!(together.state().x[..2 * CAKE], before.x[..2 * CAKE]);
     assert_ne!(together.state().x[2 * CAKE..], before.x[2 * CAKE..]);
+    together.set_grab(None);
+    together.advance(1, &mut || true);
+    let hand = together.costs().iter().find(|cost| cost.name == "Mouse spring");
+    assert_eq!(hand.unwrap().idle, Some("nothing is dragged"));
 }
 
 #[test]
 fn an_obstacle_that_moves_meets_each_at_its_own_pace() {
-    let blade = "(effect: Gravity(down: 9)), (effect: Boundary(least: (0, 0), greatest: (1, 1))),
+    let blade = "(effect: Boundary(least: (0, 0), greatest: (1, 1))),
         (effect: Walls(obstacles: [Moving(obstacle: Cuboid(centre: (0.5, 0.2), width: 0.8, height: 0.05, eps: 0.01),
           motions: [Swing(way: (0, 0.25), period: 0.4)])])),";
-    beside_alone(&IntegratorKind::default(), blade, [30, 20], &mut |together, alone| {
+    beside_alone(&IntegratorKind::default(), blade, [15, 20], &mut |together, alone| {
         let apart = together.state().x.iter().zip(flat(alone, |run| &run.state().x));
         let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-6, "{apart} at {} s", together.state().time);
-        assert_eq!(together.counts().guarded, 0, "what the blade supplies is booked");
     });
+    let mut guarded = simulation(&table(&["pea"], blade));
+    let before = guarded.energies().total();
+    guarded.advance(900, &mut || true);
+    assert!(guarded.energies().total() > 3.0 * before && guarded.counts().constrained > 0);
+    assert_eq!((guarded.counts().guarded, guarded.counts().retaken), (0, 0), "what the blade supplies is booked");
 }
 
 #[test]

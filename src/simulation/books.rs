@@ -1,8 +1,7 @@
 //! Books of several that are stepped by themselves, kept as those of one.
 
 use super::system::{ASLEEP, Scratch};
-use crate::report::Counts;
-use std::time::Duration;
+use crate::report::EffectCost;
 
 impl Scratch {
     /// Begins a step of several: what none of them books belongs to who sleeps.
@@ -14,7 +13,7 @@ impl Scratch {
 
     /// Takes over what one of them has booked since the last time; `effects` are the numbers of its effects here.
     pub fn take_over(&mut self, one: &mut Self, effects: &[usize]) {
-        for (cost, &number) in one.costs.iter().zip(effects) {
+        for (cost, &number) in one.costs.iter_mut().zip(effects) {
             let whole = &mut self.costs[number];
             whole.time += cost.time;
             whole.calls += cost.calls;
@@ -22,16 +21,8 @@ impl Scratch {
             whole.skipped += cost.skipped;
             // Called, if it was for any of them.
             whole.idle = whole.idle.and(cost.idle);
+            *cost = EffectCost { idle: cost.idle, ..EffectCost::none(cost.name, cost.auto) };
         }
-        self.counts.take_over(&one.counts);
-        one.clear();
-    }
-
-    /// Empties the books.
-    pub fn clear(&mut self) {
-        self.counts = Counts::default();
-        for cost in &mut self.costs {
-            (cost.time, cost.calls, cost.elements, cost.skipped) = (Duration::ZERO, 0, 0, 0);
-        }
+        self.counts.take_over(&std::mem::take(&mut one.counts));
     }
 }

@@ -154,30 +154,20 @@ impl Walker {
     /// Goes a way from where the whole state says, and writes to it where that led.
     fn walk(&mut self, way: Way<'_>, whole: &mut State, books: &mut Scratch) {
         (self.scratch.timed, self.scratch.free, self.scratch.supplied) = (books.timed, books.free, 0.0);
-        self.begin(whole);
-        if !self.take(way) {
-            // Constraints are in reach: they have to be asked after all, from the beginning.
-            books.free = None;
-            self.scratch.free = None;
-            self.scratch.clear();
-            self.begin(whole);
-            self.take(way);
-        }
-        whole.x[self.numbers()].copy_from_slice(&self.state.x);
-        whole.v[self.numbers()].copy_from_slice(&self.state.v);
-        books.take_over(&mut self.scratch, &self.alone.effects);
-    }
-
-    fn begin(&mut self, whole: &State) {
         self.state.x.clear();
         self.state.x.extend_from_slice(&whole.x[self.numbers()]);
         self.state.v.clear();
         self.state.v.extend_from_slice(&whole.v[self.numbers()]);
         self.recall(whole);
+        self.take(way);
+        whole.x[self.numbers()].copy_from_slice(&self.state.x);
+        whole.v[self.numbers()].copy_from_slice(&self.state.v);
+        books.take_over(&mut self.scratch, &self.alone.effects);
     }
 
-    /// Takes all parts. Returns whether none left the box in which no constraint is asked.
-    fn take(&mut self, way: Way<'_>) -> bool {
+    /// Takes all parts; or all up to the first that leaves the box in which no constraint is asked: whoever looks where the step
+    /// led finds that, and has it taken again with the constraints.
+    fn take(&mut self, way: Way<'_>) {
         let [start, end] = way.time;
         let length = (end - start) / f64::from(way.parts);
         let at = |part: u32| if part == way.parts { end } else { start + f64::from(part) * length };
@@ -191,12 +181,11 @@ impl Walker {
             self.scratch.counts.add(&counts);
             if let Some(free) = self.scratch.free {
                 if !self.state.is_within(free) {
-                    return false;
+                    return;
                 }
                 self.scratch.pass_over_constraints();
             }
         }
-        true
     }
 }
 

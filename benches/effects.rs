@@ -1,9 +1,16 @@
 //! What effects cost, in nanoseconds per triangle and step: `cargo bench --bench effects`. The bare loop beside them computes
-//! elastic forces and moves the vertices, and does nothing else: no gravity, no guard, no books.
+//! elastic forces and moves the vertices, and does nothing else: no gravity, no guard, no books. And what paces of their own save
+//! where a stiff body is beside a soft one.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gingerbread::{files, meshes::NoFiles, scene::Scene, simulation::Simulation};
+use gingerbread::{
+    files,
+    level::{Level, Paces, Substeps, Toggle},
+    meshes::NoFiles,
+    scene::Scene,
+    simulation::Simulation,
+};
 use std::time::{Duration, Instant};
 
 /// Quads along a side.
@@ -94,9 +101,42 @@ fn effects(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A frame of the pea and the cake, each at its own pace and both at the pea's.
+fn paces(criterion: &mut Criterion) {
+    let text = gingerbread::levels::built_in("pea_and_cake").unwrap();
+    let own = Level { sleep: Toggle::Off, ..files::parse(text, "pea_and_cake").unwrap() };
+    let build = |level: &Level| {
+        let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
+        let state = scene.start.clone();
+        Simulation::new(scene, state)
+    };
+    let pea = build(&own).paces().map(|pace| pace.steps).max().unwrap();
+    let same = Substeps::new(own.substeps.get() * pea).unwrap();
+    let same = Level { paces: Paces::Same, substeps: same, ..own.clone() };
+    let mut group = criterion.benchmark_group("pea and cake, a frame");
+    for (name, level) in [("own paces", own), ("the pea's pace", same)] {
+        let (mut run, substeps) = (build(&level), u64::from(level.substeps.get()));
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|frames| {
+                let mut time = Duration::ZERO;
+                for frame in 0..frames {
+                    if frame % 60 == 0 {
+                        run.set_state(run.scene().start.clone());
+                    }
+                    let begin = Instant::now();
+                    assert_eq!(run.advance(substeps, &mut || true), substeps);
+                    time += begin.elapsed();
+                }
+                time
+            });
+        });
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
-    targets = effects
+    targets = effects, paces
 }
 criterion_main!(benches);

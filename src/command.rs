@@ -4,7 +4,7 @@
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, RunMode, Substeps, Toggle},
+    level::{EffectLevel, Level, MassLevel, Paces, RunMode, Substeps, Toggle},
     materials::{MaterialParameters, Model},
     meshes::MeshKind,
     nets::NetKind,
@@ -80,6 +80,8 @@ pub enum Command {
     SetToy(ToyKind),
     /// Steps per 1/60 s.
     SetSubsteps(Substeps),
+    /// Who takes how many steps.
+    SetPaces(Paces),
     /// The time-stepping scheme, with its parameters; positions and velocities stay.
     SetIntegrator(IntegratorKind),
     /// Whether an unstable step is taken again in shorter ones.
@@ -129,6 +131,7 @@ impl Command {
             Self::SetModel(_)
             | Self::SetMesh(..)
             | Self::SetSubsteps(_)
+            | Self::SetPaces(_)
             | Self::SetIntegrator(_)
             | Self::SetGuard(_)
             | Self::SetSleep(_) => About::Method,

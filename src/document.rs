@@ -2,7 +2,7 @@
 
 use crate::{
     command::Pose,
-    level::{BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, Substeps, Switch, Toggle, When},
+    level::{BodyLevel, EffectLevel, Level, Paces, Pin, Place, RunMode, StretchTest, Substeps, Switch, Toggle, When},
     materials::Model,
     meshes::MeshKind,
     quantity::{Coordinate, Factor, Point, Time},
@@ -234,6 +234,7 @@ impl Default for Level {
             about: String::new(),
             mode: RunMode::Simulate,
             substeps: Substeps::default(),
+            paces: Paces::default(),
             integrator: crate::integrators::IntegratorKind::default(),
             guard: Toggle::On,
             sleep: Toggle::On,

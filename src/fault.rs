@@ -65,8 +65,8 @@ pub enum Cause {
 
 impl Fault {
     /// Looks for the cause: `state` is the last good state, `before` one a few steps earlier; `finite` says whether the step
-    /// that failed still left numbers.
-    pub fn find(scene: &Scene, state: &State, before: &State, finite: bool) -> Self {
+    /// that failed still left numbers. `step` is the length of the shortest steps that anything took [s].
+    pub fn find(scene: &Scene, [state, before]: [&State; 2], step: f64, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
             .unwrap_or((Culprit::Toy, None));
@@ -76,7 +76,7 @@ impl Fault {
             limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)
         });
         let cause = match limit {
-            Some(limit) if scene.step > limit => Cause::StepTooLong { step: scene.step, limit },
+            Some(limit) if step > limit => Cause::StepTooLong { step, limit },
             _ if crushed.is_none() && scene.integrator.kind().class() != Class::Explicit => Cause::Unsolved,
             _ if finite => Cause::Energy,
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),

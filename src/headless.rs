@@ -2,9 +2,11 @@
 //! `study` tells what accuracy costs, `hard` runs the gallery of hard cases.
 
 mod hard;
+mod paces;
 mod study;
 
 pub use hard::{Hard, Hardness, hard};
+pub use paces::PaceReport;
 pub use study::{Study, study};
 
 use crate::{
@@ -110,6 +112,8 @@ pub struct RunReport {
     pub vertices: usize,
     /// Length of a step [s].
     pub step_seconds: f64,
+    /// How each body and net stepped that went at its own pace; empty if all took the same steps.
+    pub paces: Vec<PaceReport>,
     /// Steps taken.
     pub steps: u64,
     /// Simulated time at the end [s].
@@ -351,6 +355,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64, savings: &[
         triangles,
         vertices: scene.rest.len() / 2,
         step_seconds: scene.step,
+        paces: paces::paces(simulation),
         steps,
         time: state.time,
         force_evaluations: counts.force_evaluations,

@@ -8,9 +8,10 @@ use std::time::Duration;
 pub struct Counts {
     /// Steps taken.
     pub steps: u64,
-    /// Evaluations of all forces together.
+    /// Evaluations of all forces together; of a body or net that goes at its own pace, of its forces by themselves.
     pub force_evaluations: u64,
-    /// Steps inside the steps; more than `steps` if the integrator controls its error.
+    /// Steps inside the steps; more than `steps` if the integrator controls its error, or if bodies and nets go at their own pace,
+    /// whose steps are then added up.
     pub inner_steps: u64,
     /// Steps inside the steps that were taken again, shorter, for their error.
     pub rejected: u64,
@@ -45,6 +46,24 @@ impl Counts {
         self.indefinite += step.newton.indefinite;
         self.unconverged += step.newton.unconverged;
     }
+
+    /// Adds what steps of a part of a scene by itself did; they are no steps of the scene.
+    pub const fn take_over(&mut self, part: &Self) {
+        self.force_evaluations += part.force_evaluations;
+        self.inner_steps += part.inner_steps;
+        self.constrained += part.constrained;
+    }
+}
+
+/// How a body or net is stepped that goes at its own pace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// In how many equal parts it takes every step of the scene.
+    pub steps: u32,
+    /// Length of a part [s].
+    pub step: f64,
+    /// The longest stable step at rest of symplectic Euler [s], if anything in it is stiff.
+    pub limit: Option<f64>,
 }
 
 /// What one effect cost.

@@ -1,6 +1,8 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
+mod books;
 mod energies;
+mod paces;
 mod reach;
 mod sleep;
 mod system;
@@ -15,6 +17,7 @@ use crate::{
     state::State,
 };
 use energies::Elastic;
+use paces::Paces;
 use pulp::Arch;
 use sleep::Islands;
 use std::cell::RefCell;
@@ -33,6 +36,7 @@ pub struct Simulation {
     stale: bool,
     scratch: Scratch,
     islands: Islands,
+    paces: Paces,
     grab: Option<Grab>,
     guard: Guard,
     fault: Option<Fault>,
@@ -68,6 +72,7 @@ impl Simulation {
             joined: false,
             stale: true,
             islands: Islands::new(&scene),
+            paces: Paces::new(&scene),
             scene,
             state,
             scratch,
@@ -97,7 +102,7 @@ impl Simulation {
         self.revision += 1;
         self.shape += 1;
         self.scratch.fit(&self.scene);
-        self.islands = Islands::new(&self.scene);
+        (self.islands, self.paces) = (Islands::new(&self.scene), Paces::new(&self.scene));
         self.wake_all(paced);
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
@@ -259,6 +264,9 @@ impl Simulation {
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
         (self.scratch.supplied, self.scratch.kinetic) = (0.0, None);
+        if self.paces.differ() {
+            return self.integrate_each(h, time);
+        }
         let mut work = std::mem::take(&mut self.scratch.work);
         let integrator = self.scene.integrator.kind();
         let counts = match (&self.scene.toy, integrator.scheme()) {
@@ -360,7 +368,8 @@ impl Simulation {
         let earlier = self.checkpoint.state.clone();
         self.guard.give_up(level);
         self.go_back_to(failed - 1);
-        self.fault = Some(Fault::find(&self.scene, &self.state, &earlier, finite));
+        let step = self.paces.shortest(self.scene.step);
+        self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
         false
     }
 

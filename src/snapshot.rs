@@ -15,7 +15,11 @@ use crate::{
 };
 use std::{ops::Range, sync::Arc};
 
-pub use crate::{elements::Field, report::Energies, toys::Reading};
+pub use crate::{
+    elements::Field,
+    report::{Energies, Pace},
+    toys::Reading,
+};
 
 /// What a frame of the window is drawn from. Buffers are reused from frame to frame.
 #[derive(Clone, Debug, Default)]
@@ -74,6 +78,8 @@ pub struct Snapshot {
     pub parts: u32,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// How each body and then each net is stepped, where each goes at its own pace.
+    pub paces: Vec<Pace>,
     /// How many bodies and nets sleep.
     pub asleep: usize,
     /// How far back time can be turned [s].
@@ -210,6 +216,8 @@ impl Sandbox {
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
         (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
+        snapshot.paces.clear();
+        snapshot.paces.extend(simulation.paces());
         snapshot.messages.clone_from(&scene.messages);
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }

@@ -82,6 +82,26 @@ fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
 }
 
 #[test]
+fn a_report_says_how_each_body_stepped_that_went_at_its_own_pace() {
+    let folder = Folder::new("paces");
+    let report = folder.file("report.json");
+    let read = |level: &str| -> serde_json::Value {
+        let output = gingerbread(&["run", level, "--steps", "20", "--report", &report]);
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap()
+    };
+    let own = read("pea_and_cake");
+    let [cake, pea] = [&own["paces"][0], &own["paces"][1]];
+    assert_eq!((&cake["name"], &cake["steps"], &pea["name"]), (&"cake".into(), &1.into(), &"pea".into()));
+    assert_eq!(cake["step_seconds"], own["step_seconds"]);
+    let [parts, step] = [&pea["steps"], &pea["step_seconds"]].map(|number| number.as_f64().unwrap());
+    assert!(parts > 8.0 && (parts * step - own["step_seconds"].as_f64().unwrap()).abs() < 1e-12);
+    assert!(step <= 0.5 * pea["critical_step_seconds"].as_f64().unwrap());
+    assert_eq!(own["force_evaluations"].as_f64().unwrap(), 20.0 * (1.0 + parts));
+    assert_eq!(read("three_models")["paces"], serde_json::json!([]));
+}
+
+#[test]
 fn a_report_of_a_level_without_triangles_holds_no_made_up_numbers() {
     let folder = Folder::new("net");
     let report = folder.file("report.json");

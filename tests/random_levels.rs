@@ -8,7 +8,7 @@ use common::level;
 use gingerbread::{
     command::{Command, Mode},
     integrators::{IntegratorKind, Scheme},
-    level::Level,
+    level::{Level, Paces},
     meshes::NoFiles,
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
@@ -100,31 +100,52 @@ fn scene() -> impl Strategy<Value = (Level, Vec<(usize, [f64; 2])>)> {
     )
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 2000,
+/// Lets the hand pull for some frames, and looks at all there is to see after each.
+fn pull(level: Level, drags: Vec<(usize, [f64; 2])>) -> Result<(), TestCaseError> {
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+    let per_frame = (1.0 / (60.0 * sandbox.step_length())).round() as u64;
+    let mut snapshot = Snapshot::default();
+    for (vertex, target) in drags {
+        let _ = sandbox.apply(Command::Grab(vertex, target));
+        sandbox.advance(per_frame.min(8), &mut || true);
+        sandbox.snapshot(Field::VonMises, &mut snapshot);
+        prop_assert!(snapshot.positions.iter().all(|x| x.is_finite()));
+        prop_assert!(sandbox.simulation().state().is_finite());
+        let pinned = |at: usize| snapshot.pins.contains(&(at as u32 / 2));
+        let taken = snapshot.steps > 0;
+        for (at, x) in snapshot.positions.iter().enumerate().filter(|(at, _)| taken && !pinned(*at)) {
+            prop_assert!((-1e-9..=1.0 + 1e-9).contains(x), "vertex {} at {x}", at / 2);
+        }
+    }
+    Ok(())
+}
+
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
         rng_seed: RngSeed::Fixed(1),
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct("tests/random_levels.regressions"))),
         ..ProptestConfig::default()
-    })]
+    }
+}
+
+proptest! {
+    #![proptest_config(config(2000))]
 
     #[test]
     fn no_level_and_no_hand_makes_anything_panic_vanish_or_leave_the_world((level, drags) in scene()) {
-        let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
-        sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
-        let per_frame = (1.0 / (60.0 * sandbox.step_length())).round() as u64;
-        let mut snapshot = Snapshot::default();
-        for (vertex, target) in drags {
-            let _ = sandbox.apply(Command::Grab(vertex, target));
-            sandbox.advance(per_frame.min(8), &mut || true);
-            sandbox.snapshot(Field::VonMises, &mut snapshot);
-            prop_assert!(snapshot.positions.iter().all(|x| x.is_finite()));
-            prop_assert!(sandbox.simulation().state().is_finite());
-            let pinned = |at: usize| snapshot.pins.contains(&(at as u32 / 2));
-            let taken = snapshot.steps > 0;
-            for (at, x) in snapshot.positions.iter().enumerate().filter(|(at, _)| taken && !pinned(*at)) {
-                prop_assert!((-1e-9..=1.0 + 1e-9).contains(x), "vertex {} at {x}", at / 2);
-            }
-        }
+        pull(level, drags)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(config(300))]
+
+    #[test]
+    fn nor_does_one_whose_bodies_go_at_their_own_pace((level, drags) in scene()) {
+        // Bodies that take 100,000 steps a frame take them, but not in a test.
+        let soft = level.bodies.iter().all(|body| body.material.lame().mu < 1e4);
+        pull(Level { paces: if soft { Paces::Own } else { Paces::Same }, ..level }, drags)?;
     }
 }

@@ -1,11 +1,13 @@
 //! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
+mod alone;
 mod effects;
 mod held;
 mod net;
 mod start;
 
+pub use alone::Alone;
 use held::{on_edge, pinned, sliding};
 pub use net::Net;
 
@@ -59,6 +61,8 @@ pub struct Scene {
     pub guard: bool,
     /// Whether what has come to rest sleeps until something happens to it.
     pub sleep: bool,
+    /// Each body and then each net by itself, where each may go at its own pace; nothing elsewhere.
+    pub alone: Vec<Arc<Alone>>,
     /// What was repaired while building, and other things worth knowing.
     pub messages: Vec<String>,
 }
@@ -175,6 +179,7 @@ impl Scene {
             step: level.substeps.step(),
             guard: level.guard == Toggle::On,
             sleep: level.sleep == Toggle::On,
+            alone: Vec::new(),
             messages: Vec::new(),
         };
         for body in &level.bodies {
@@ -189,6 +194,7 @@ impl Scene {
         scene.finish_masses();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
+        scene.part(level, mode, files, previous)?;
         Ok(scene)
     }
 

@@ -31,7 +31,7 @@ const BALANCE: f64 = 1e-3;
 const LOOKS: f64 = 120.0;
 
 /// In [`State::calm`](crate::state::State::calm): asleep.
-const ASLEEP: u32 = u32::MAX;
+pub(super) const ASLEEP: u32 = u32::MAX;
 
 /// A body or a net: what sleeps by itself.
 struct Island {
@@ -150,10 +150,13 @@ impl Simulation {
         }
         self.state.calm.resize(islands.all.len(), 0);
         let pulled = self.grab.map(|grab| grab.vertex);
-        for (calm, island) in self.state.calm.iter_mut().zip(&islands.all).filter(|(calm, _)| **calm != ASLEEP) {
+        for (number, (calm, island)) in self.state.calm.iter_mut().zip(&islands.all).enumerate() {
+            if *calm == ASLEEP {
+                continue;
+            }
             let own = 2 * island.vertices.start..2 * island.vertices.end;
             let fastest = greatest(&self.state.v[own.clone()]);
-            let round_off = f64::EPSILON * greatest(&self.state.x[own]) / self.scene.step;
+            let round_off = f64::EPSILON * greatest(&self.state.x[own]) / self.paces.step(number, self.scene.step);
             let slow = fastest <= (FAR * island.size / WINDOW).max(round_off);
             let free = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
             *calm = if slow && free { *calm + 1 } else { 0 };
@@ -175,7 +178,7 @@ impl Simulation {
         for (number, island) in islands.iter().enumerate() {
             let calm = self.checkpoint.state.calm[number];
             if calm >= looks && calm != ASLEEP {
-                let rests = self.rests(island);
+                let rests = self.rests(number, island);
                 self.checkpoint.state.calm[number] = if rests { ASLEEP } else { 0 };
                 if rests {
                     self.checkpoint.state.v[2 * island.vertices.start..2 * island.vertices.end].fill(0.0);
@@ -191,7 +194,7 @@ impl Simulation {
         self.settle_sleepers();
     }
 
-    /// Takes a step from rest, and measures the forces from outside; nothing of it counts. The state is what it led to.
+    /// Takes a step from rest, each body and net one of its own, and measures the forces from outside; nothing of it counts. The state is what it led to.
     fn let_go(&mut self) {
         let free = self.scratch.free.take();
         self.state.v.fill(0.0);
@@ -201,17 +204,19 @@ impl Simulation {
         for effect in &self.scene.effects[self.scene.element_count()..] {
             effect.force(motion, &mut self.scratch.effects[..effect.scratch()], &mut self.islands.force);
         }
+        self.paces.stop_early(true);
         self.step();
+        self.paces.stop_early(false);
         self.scratch.free = free;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
     }
 
     /// Whether a body or net hardly moved when it was let go.
-    fn rests(&self, island: &Island) -> bool {
+    fn rests(&self, number: usize, island: &Island) -> bool {
         let own = 2 * island.vertices.start..2 * island.vertices.end;
-        let (h, mass, inverse) =
-            (self.scene.step, &self.scene.mass[own.clone()], &self.scene.inverse_mass[own.clone()]);
+        let h = self.paces.step(number, self.scene.step);
+        let (mass, inverse) = (&self.scene.mass[own.clone()], &self.scene.inverse_mass[own.clone()]);
         let [mut squares, mut net_x, mut net_y, mut outside] = [0.0; 4];
         let moved = self.state.v[own.clone()].iter().zip(&self.islands.force[own.clone()]);
         for (number, ((v, force), (mass, inverse))) in moved.zip(mass.iter().zip(inverse)).enumerate() {

@@ -15,7 +15,7 @@ use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
 
 /// Why the elements of what sleeps are passed over.
-const ASLEEP: &str = "asleep";
+pub(super) const ASLEEP: &str = "asleep";
 
 /// Most turns that constraints take in a step.
 const TURNS: usize = 4;

@@ -238,7 +238,14 @@ impl Twin {
 }
 
 fn finer_scene(live: &Scene, per_step: u64) -> Scene {
-    Scene { integrator: finest(), step: live.step / per_step as f64, guard: false, sleep: false, ..live.clone() }
+    Scene {
+        integrator: finest(),
+        step: live.step / per_step as f64,
+        guard: false,
+        sleep: false,
+        alone: Vec::new(),
+        ..live.clone()
+    }
 }
 
 /// Whether two scenes act alike: the same effects on the same masses. How they are stepped may differ.

@@ -8,6 +8,7 @@ use gingerbread::command::Mode;
 use gingerbread::effects::EffectKind;
 use gingerbread::hard::Case;
 use gingerbread::integrators::IntegratorKind;
+use gingerbread::level::Paces;
 use gingerbread::materials::Model;
 use gingerbread::{files, levels};
 
@@ -189,4 +190,24 @@ fn every_word_and_formula_can_be_written_with_the_letters_the_window_has() {
     let missing: Vec<_> =
         missing.map(|text| (text.chars().filter(|letter| !has(letter)).collect::<String>(), text)).collect();
     assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
+fn the_panel_says_how_many_steps_each_body_takes_and_whether_it_may() {
+    let mut window = open("pea_and_cake");
+    let parts = |window: &Window| window.state().snapshot().paces.iter().map(|pace| pace.steps).collect::<Vec<_>>();
+    let words = format!("cake 1, pea {}", parts(&window)[1]);
+    assert!(window.query_by_label(&words).is_some());
+    assert!(window.query_by_label_contains("the stiffest takes").is_some());
+    click(&mut window, "Own paces");
+    assert_eq!((window.state().snapshot().level.paces, parts(&window)), (Paces::Same, Vec::new()));
+    assert!(window.query_by_label_contains("cake 1,").is_none());
+    click(&mut window, "Own paces");
+    assert!(window.query_by_label(&words).is_some());
+    for name in ["Implicit Euler", "BDF2"] {
+        let mut level = level("pea_and_cake");
+        level.integrator = IntegratorKind::all().into_iter().find(|kind| kind.kind().title() == name).unwrap();
+        let window = open_level(level, 1280.0, 800.0);
+        assert!(window.query_by_label("Own paces").is_none(), "{name}: no stiffness limits it");
+    }
 }

@@ -8,11 +8,12 @@ use super::{
 };
 use crate::{
     command::Command,
-    level::Substeps,
+    integrators::Class,
+    level::{Paces, Substeps},
     nets::Role,
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{Rect, Sense, Ui, vec2};
+use eframe::egui::{Label, Rect, RichText, Sense, Ui, vec2};
 use std::collections::BTreeSet;
 
 /// A frame of 60 Hz [s].
@@ -28,6 +29,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     heading(ui, "What it costs");
     speed(ui, desk);
     substeps(ui, desk.now, view, commands);
+    paces(ui, desk.now, commands);
     size(ui, desk.now);
 }
 
@@ -119,6 +121,28 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     let command = (chosen != now.level.substeps).then_some(Command::SetSubsteps(chosen));
     settle(outcome, command, view, commands);
     row(ui, "Step", &fixed(chosen.step(), "s"), "h = 1/(60 n): the length of a step [s]");
+}
+
+/// Whether each body takes as many steps as it needs, and how many these are.
+fn paces(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    if now.toy.is_some() || now.level.integrator.kind().class() != Class::Explicit {
+        return;
+    }
+    let help = "Bodies do not touch each other: each body and net takes every step in as many equal parts as keep it at or \
+                below half of its longest stable step at rest. So a stiff one does not slow a soft one; all meet again after \
+                every step.";
+    let mut own = now.level.paces == Paces::Own;
+    if ui.checkbox(&mut own, "Own paces").on_hover_text(help).changed() {
+        let paces = if own { Paces::Own } else { Paces::Same };
+        commands.extend([Command::SetPaces(paces), Command::EndGesture]);
+    }
+    let names = now.bodies.iter().map(|body| &body.name).chain(now.nets.iter().map(|net| &net.name));
+    let each: Vec<_> =
+        names.zip(&now.paces).map(|(name, pace)| format!("{name} {}", count(pace.steps as usize))).collect();
+    if !each.is_empty() {
+        let help = "Parts of a step";
+        ui.add(Label::new(RichText::new(each.join(", ")).small()).wrap()).on_hover_text(help);
+    }
 }
 
 fn size(ui: &mut Ui, now: &Snapshot) {

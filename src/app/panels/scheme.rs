@@ -52,7 +52,8 @@ fn parameters(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<
 /// The step over the longest stable one, as a bar and in a sentence.
 fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
     let integrator = desk.now.level.integrator.kind();
-    let step = desk.now.level.substeps.step();
+    let scene = desk.now.level.substeps.step();
+    let step = desk.now.paces.iter().map(|pace| pace.step).fold(scene, f64::min);
     let theme = Theme::of(ui.ctx());
     let (words, share) = match (integrator.class(), desk.lab.limit()) {
         (Class::Implicit, _) => {
@@ -67,7 +68,7 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
         (Class::Explicit, None) => ("Nothing here is stiff enough to limit the step.".to_owned(), None),
         (Class::Explicit, Some(limit)) => {
             let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;
-            (verdict(step, limit, desk.now.level.guard), Some(step / limit))
+            (verdict(step, limit, step < scene, desk.now.level.guard), Some(step / limit))
         }
     };
     if let Some(share) = share {
@@ -130,13 +131,16 @@ fn sleep(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     });
 }
 
-fn verdict(step: f64, limit: f64, guard: Toggle) -> String {
+/// `own` says whether the step is that of the stiffest body alone.
+fn verdict(step: f64, limit: f64, own: bool, guard: Toggle) -> String {
     if limit <= 0.0 {
         "Vibrations grow at every step, however short; damping or a short run hides it.".to_owned()
     } else if step > limit && guard == Toggle::On {
         format!("Stable up to {}; at this step the guard has to help.", numbers::si(limit, "s"))
     } else if step > limit {
         format!("Stable up to {}; at this step it will blow up.", numbers::si(limit, "s"))
+    } else if own {
+        format!("Stable up to {}; the stiffest takes {}.", numbers::si(limit, "s"), numbers::si(step, "s"))
     } else {
         format!("Stable up to {}.", numbers::si(limit, "s"))
     }

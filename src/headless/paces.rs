@@ -1,0 +1,30 @@
+//! How each body and net was stepped.
+
+use crate::{report::Pace, simulation::Simulation};
+use serde::Serialize;
+
+/// How a body or net was stepped that went at its own pace.
+#[derive(Debug, Serialize)]
+pub struct PaceReport {
+    /// Name of the body or net.
+    pub name: String,
+    /// In how many equal parts it took every step.
+    pub steps: u32,
+    /// Length of a part [s].
+    pub step_seconds: f64,
+    /// Its longest stable step at rest under symplectic Euler [s]; null if nothing in it is stiff.
+    pub critical_step_seconds: Option<f64>,
+}
+
+/// Bodies and then nets; nothing if all took the same steps.
+pub(super) fn paces(simulation: &Simulation) -> Vec<PaceReport> {
+    let scene = simulation.scene();
+    let names = scene.bodies.iter().map(|body| &body.name).chain(scene.nets.iter().map(|net| &net.name));
+    let row = |(name, pace): (&String, Pace)| PaceReport {
+        name: name.clone(),
+        steps: pace.steps,
+        step_seconds: pace.step,
+        critical_step_seconds: pace.limit,
+    };
+    names.zip(simulation.paces()).map(row).collect()
+}

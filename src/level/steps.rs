@@ -1,0 +1,76 @@
+//! How time is cut into steps.
+
+use serde::{Deserialize, Serialize};
+
+/// Steps per 1/60 s: a whole number from 1 to 100,000.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
+pub struct Substeps(u32);
+
+impl Substeps {
+    /// Most steps a frame may have.
+    pub const MAX: u32 = 100_000;
+
+    /// A checked number of steps.
+    ///
+    /// # Errors
+    /// A sentence with the range.
+    pub fn new(count: u32) -> Result<Self, String> {
+        if (1..=Self::MAX).contains(&count) {
+            Ok(Self(count))
+        } else {
+            Err(format!("substeps must be in [1, {}], got {count}", Self::MAX))
+        }
+    }
+
+    /// The allowed number next above a number of steps that need not be whole.
+    pub fn nearest(steps: f64) -> Self {
+        Self(libm::ceil(steps).clamp(1.0, f64::from(Self::MAX)) as u32)
+    }
+
+    /// Twice as many, as far as that is allowed.
+    #[must_use]
+    pub fn doubled(self) -> Self {
+        Self((2 * self.0).min(Self::MAX))
+    }
+
+    /// The number of steps.
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+
+    /// The length of a step, h = 1 / (60 substeps) [s].
+    pub fn step(self) -> f64 {
+        1.0 / (60.0 * f64::from(self.0))
+    }
+}
+
+impl Default for Substeps {
+    fn default() -> Self {
+        Self(100)
+    }
+}
+
+impl TryFrom<u32> for Substeps {
+    type Error = String;
+    fn try_from(count: u32) -> Result<Self, String> {
+        Self::new(count)
+    }
+}
+
+impl From<Substeps> for u32 {
+    fn from(substeps: Substeps) -> Self {
+        substeps.0
+    }
+}
+
+/// Who takes how many steps. Bodies and nets do not touch each other, so that each may go at a pace of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Paces {
+    /// All take the steps of the level, however stiff one of them is.
+    #[default]
+    Same,
+    /// Each body and net takes every step of the level in as many equal parts as keep it stable, and all meet again at its end.
+    /// For explicit schemes; with the others, which no stiffness limits, it changes nothing.
+    Own,
+}

@@ -1,0 +1,79 @@
+//! Each body and net of a scene as a scene of its own, for steps that only it takes.
+
+use super::{Scene, SceneError};
+use crate::{
+    elements::Elements,
+    integrators::Class,
+    level::{EffectLevel, Level, Paces, RunMode, When},
+    meshes::Files,
+};
+use std::{
+    ops::Range,
+    sync::{Arc, OnceLock},
+};
+
+/// A body or net by itself, with everything that acts on it.
+pub struct Alone {
+    /// What it was built from.
+    level: Level,
+    /// The scene in which there is nothing else.
+    pub scene: Scene,
+    /// Its vertices in the whole scene.
+    pub vertices: Range<usize>,
+    /// The number of each of its effects in the whole scene.
+    pub effects: Vec<usize>,
+    /// Its longest stable step at rest, once somebody has asked.
+    limit: OnceLock<Option<f64>>,
+}
+
+impl Alone {
+    /// Its longest stable step at rest [s], if anything in it is stiff; found by `measure` where nobody has asked before.
+    pub fn limit(&self, measure: impl FnOnce(&Scene) -> Option<f64>) -> Option<f64> {
+        *self.limit.get_or_init(|| measure(&self.scene))
+    }
+}
+
+impl Scene {
+    /// Builds bodies and nets by themselves where a level lets each go at its own pace. What has not changed is taken over.
+    pub(super) fn part(
+        &mut self,
+        level: &Level,
+        mode: RunMode,
+        files: &dyn Files,
+        previous: Option<&Self>,
+    ) -> Result<(), SceneError> {
+        if level.paces == Paces::Same || self.integrator.kind().class() != Class::Explicit {
+            return Ok(());
+        }
+        let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {
+            let elements = Elements { triangles: vec![Arc::clone(&body.elements)], ..Elements::default() };
+            (Level { bodies: vec![listed.clone()], ..Level::default() }, body.vertices.clone(), elements)
+        });
+        let nets = level.nets.iter().zip(&self.nets).map(|(listed, net)| {
+            let elements = Elements { springs: vec![Arc::clone(&net.springs)], ..Elements::default() };
+            (Level { nets: vec![listed.clone()], ..Level::default() }, net.vertices.clone(), elements)
+        });
+        let there =
+            |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
+        let mut alone = Vec::new();
+        for (number, (own, vertices, elements)) in bodies.chain(nets).enumerate() {
+            // What has nothing to act on in it, as the compression guard in a net, is left out.
+            let acting = level.effects.iter().filter(there).zip(self.element_count()..);
+            let acting = acting.filter(|(listed, _)| listed.effect.kind().build(&elements).is_ok());
+            let (listed, numbers): (Vec<_>, Vec<_>) = acting.map(|(listed, number)| (listed.clone(), number)).unzip();
+            let effects = std::iter::once(number).chain(numbers).collect::<Vec<_>>();
+            let own = Level { mode, effects: listed, ..own };
+            let known = previous.and_then(|scene| scene.alone.get(number));
+            let same =
+                |known: &&Arc<Alone>| (&known.level, &known.vertices, &known.effects) == (&own, &vertices, &effects);
+            if let Some(known) = known.filter(same) {
+                alone.push(Arc::clone(known));
+                continue;
+            }
+            let scene = Self::build(&own, mode, files, Some(self))?;
+            alone.push(Arc::new(Alone { level: own, scene, vertices, effects, limit: OnceLock::new() }));
+        }
+        self.alone = alone;
+        Ok(())
+    }
+}

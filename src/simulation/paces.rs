@@ -1,0 +1,232 @@
+//! Bodies and nets that go at their own pace: a stiff pea does not slow a soft cake.
+//!
+//! Bodies and nets do not touch each other, so that each may take a step of the scene, of length h, in as many equal parts as it
+//! needs; at the end of the step all meet again. Each needs n = h / ([`SHARE`] `h_critical`) parts, rounded up: one if its step is
+//! short enough as it is. What is stepped is a scene of its own with its own part of the state ([`Alone`]), so that its motion has
+//! every bit that it would have alone with n times as many steps, and costs no more. Time is cut into equal parts of h, so what
+//! depends on time, which is only obstacles that move, has it to round-off.
+//!
+//! `h_critical` is that at rest. It depends on nothing but the scene: it is found when the scene is built or changed and never
+//! while time runs, so that a checkpoint, a rewind or a saved level goes on with the same steps and the same bits, and no change
+//! of steps lets the energy of a symplectic scheme drift. What is stiff beside what is soft hardly deforms, and half of
+//! `h_critical` leaves room for four times the stiffness. Beyond that the guard notices, as it does everywhere, and takes steps of
+//! the scene in shorter ones, and with them the parts of all.
+
+use super::{
+    Simulation,
+    sleep::ASLEEP,
+    system::{ASLEEP as WHY_ASLEEP, Scratch, System},
+};
+use crate::{
+    effects::Grab,
+    integrators::Integrator,
+    level::Substeps,
+    report::Pace,
+    scene::{Alone, Scene},
+    stability::critical_step,
+    state::State,
+};
+use std::{ops::Range, sync::Arc};
+
+/// The greatest share of its longest stable step at rest that a body or net steps with.
+const SHARE: f64 = 0.5;
+
+/// All bodies and nets with their paces, if they have their own.
+#[derive(Default)]
+pub(super) struct Paces {
+    all: Vec<Walker>,
+    /// Whether any of them takes more steps than the scene.
+    differ: bool,
+    /// Whether each stops after the first part of a step.
+    first_only: bool,
+}
+
+/// A body or net that goes at its own pace.
+struct Walker {
+    alone: Arc<Alone>,
+    pace: Pace,
+    /// Its part of the state.
+    state: State,
+    /// Where in what the integrator remembers its own part is.
+    memory: Range<usize>,
+    scratch: Scratch,
+}
+
+/// A stretch of time that is walked.
+#[derive(Clone, Copy)]
+struct Way<'a> {
+    integrator: &'a dyn Integrator,
+    /// Length of a part [s].
+    h: f64,
+    /// Where it begins and ends [s].
+    time: [f64; 2],
+    /// How many parts are taken of how many.
+    taken: u32,
+    parts: u32,
+    grab: Option<Grab>,
+}
+
+impl Paces {
+    /// Those of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let mut all: Vec<_> = scene.alone.iter().map(|alone| Walker::new(scene, alone)).collect();
+        let differ = all.iter().any(|walker| walker.pace.steps > 1);
+        for walker in all.iter_mut().filter(|_| differ) {
+            walker.scratch.fit(&walker.alone.scene);
+        }
+        Self { all, differ, first_only: false }
+    }
+
+    /// Whether any of them takes more steps than the scene.
+    pub const fn differ(&self) -> bool {
+        self.differ
+    }
+
+    /// Length of the steps of a body or net [s], where those of the scene have length `h`.
+    pub fn step(&self, number: usize, h: f64) -> f64 {
+        self.all.get(number).map_or(h, |walker| walker.pace.step)
+    }
+
+    /// Length of the shortest step that any of them takes [s], where those of the scene have length `h`.
+    pub fn shortest(&self, h: f64) -> f64 {
+        self.all.iter().map(|walker| walker.pace.step).fold(h, f64::min)
+    }
+
+    /// Lets each stop after the first part of a step, or not.
+    pub const fn stop_early(&mut self, first_only: bool) {
+        self.first_only = first_only;
+    }
+
+    /// Finds the part of each in what the integrator remembers: how many numbers it is, and these. What was written otherwise
+    /// belongs to none.
+    fn recall(&mut self, memory: &[f64]) {
+        let mut at = 0;
+        for walker in &mut self.all {
+            let count = memory.get(at).filter(|count| **count >= 0.0 && **count < memory.len() as f64 - at as f64);
+            let begin = at + usize::from(count.is_some());
+            at = begin + count.map_or(0, |count| *count as usize);
+            walker.memory = begin..at;
+        }
+    }
+
+    /// And writes it.
+    fn remember(&self, memory: &mut Vec<f64>) {
+        memory.clear();
+        if self.all.iter().any(|walker| !walker.state.memory.is_empty()) {
+            for walker in &self.all {
+                memory.push(walker.state.memory.len() as f64);
+                memory.extend_from_slice(&walker.state.memory);
+            }
+        }
+    }
+}
+
+impl Walker {
+    fn new(whole: &Scene, alone: &Arc<Alone>) -> Self {
+        let limit = alone.limit(|scene| {
+            let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
+            critical_step(scene, &rest)
+        });
+        // Vibrations that a scheme lets grow at every step it lets grow at this one.
+        let reach = whole.integrator.kind().stability_limit().filter(|reach| *reach > 0.0).unwrap_or(2.0);
+        let most = (f64::from(Substeps::MAX) * 60.0 * whole.step).max(1.0);
+        let wanted = limit.map_or(1.0, |limit| whole.step / (SHARE * 0.5 * reach * limit));
+        let steps = libm::ceil(wanted).clamp(1.0, libm::floor(most)) as u32;
+        Self {
+            alone: Arc::clone(alone),
+            pace: Pace { steps, step: part(whole.step, steps), limit },
+            state: State::default(),
+            memory: 0..0,
+            scratch: Scratch::default(),
+        }
+    }
+
+    fn numbers(&self) -> Range<usize> {
+        2 * self.alone.vertices.start..2 * self.alone.vertices.end
+    }
+
+    /// Takes what the integrator remembers from the whole state.
+    fn recall(&mut self, whole: &State) {
+        self.state.memory.clear();
+        self.state.memory.extend_from_slice(&whole.memory[self.memory.clone()]);
+    }
+
+    /// Goes a way from where the whole state says, and writes to it where that led.
+    fn walk(&mut self, way: Way<'_>, whole: &mut State, books: &mut Scratch) {
+        (self.scratch.timed, self.scratch.free, self.scratch.supplied) = (books.timed, books.free, 0.0);
+        self.state.x.clear();
+        self.state.x.extend_from_slice(&whole.x[self.numbers()]);
+        self.state.v.clear();
+        self.state.v.extend_from_slice(&whole.v[self.numbers()]);
+        self.recall(whole);
+        self.take(way);
+        whole.x[self.numbers()].copy_from_slice(&self.state.x);
+        whole.v[self.numbers()].copy_from_slice(&self.state.v);
+        books.take_over(&mut self.scratch, &self.alone.effects);
+    }
+
+    /// Takes all parts; or all up to the first that leaves the box in which no constraint is asked: whoever looks where the step
+    /// led finds that, and has it taken again with the constraints.
+    fn take(&mut self, way: Way<'_>) {
+        let [start, end] = way.time;
+        let length = (end - start) / f64::from(way.parts);
+        let at = |part: u32| if part == way.parts { end } else { start + f64::from(part) * length };
+        for part in 0..way.taken {
+            let mut work = std::mem::take(&mut self.scratch.work);
+            let scene = &self.alone.scene;
+            let time = [at(part), at(part + 1)];
+            let mut system = System { scene, scratch: &mut self.scratch, grab: way.grab, time };
+            let counts = way.integrator.step(&mut system, &mut self.state, &mut work, way.h);
+            self.scratch.work = work;
+            self.scratch.counts.add(&counts);
+            if let Some(free) = self.scratch.free {
+                if !self.state.is_within(free) {
+                    return;
+                }
+                self.scratch.pass_over_constraints();
+            }
+        }
+    }
+}
+
+impl Simulation {
+    /// Bodies and then nets with their paces; nothing if all take the same steps, whatever they are.
+    pub fn paces(&self) -> impl Iterator<Item = Pace> {
+        self.paces.all.iter().map(|walker| walker.pace)
+    }
+
+    /// One step of length h, from one time to another [s], of each body and net that is awake at its own pace.
+    pub(super) fn integrate_each(&mut self, h: f64, time: [f64; 2]) {
+        let Self { paces, scene, state, scratch, grab, guard, .. } = self;
+        let integrator = scene.integrator.kind();
+        // The guard may have cut the step in two, four, ..., which is exact.
+        let cut = h / scene.step;
+        paces.recall(&state.memory);
+        scratch.begin_books();
+        let mut supplied = 0.0;
+        for (number, walker) in paces.all.iter_mut().enumerate() {
+            if state.calm.get(number) == Some(&ASLEEP) {
+                walker.recall(state);
+                scratch.costs[number].pass_over(WHY_ASLEEP);
+                continue;
+            }
+            let Range { start, end } = walker.alone.vertices;
+            let pulled = grab.filter(|grab| (start..end).contains(&grab.vertex));
+            let grab = pulled.map(|grab| Grab { vertex: grab.vertex - start, ..grab });
+            let Pace { steps: parts, step, .. } = walker.pace;
+            let taken = if paces.first_only { 1 } else { parts };
+            walker.walk(Way { integrator, h: step * cut, time, taken, parts, grab }, state, scratch);
+            supplied += walker.scratch.supplied;
+        }
+        paces.remember(&mut state.memory);
+        guard.supply(supplied);
+    }
+}
+
+/// The length of one of so many parts of a step [s]: just that of as many times more steps in a frame.
+fn part(step: f64, parts: u32) -> f64 {
+    let of = |count: f64| Substeps::new(count as u32).ok().map(Substeps::step);
+    let frame = libm::round(1.0 / (60.0 * step));
+    let exact = of(frame).filter(|whole| *whole == step).and_then(|_| of(frame * f64::from(parts)));
+    exact.unwrap_or(step / f64::from(parts))
+}

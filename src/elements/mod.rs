@@ -10,6 +10,7 @@ mod triangle;
 pub(crate) use blocks::Law;
 pub use fields::{Field, Survey};
 pub use spring::Springs;
+pub(crate) use tangent::Isotropic;
 pub use triangle::Triangles;
 
 use std::sync::Arc;

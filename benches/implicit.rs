@@ -90,13 +90,13 @@ fn factor(criterion: &mut Criterion) {
         let System { simulation, matrix } = System::new(n, Model::NeoHookean);
         let weight = &simulation.scene().inverse_mass;
         let name = |what: &str| format!("{what}/{}", 2 * n * n);
-        criterion.bench_function(name("analysis"), |bencher| bencher.iter(|| Factor::new(&matrix).unwrap()));
+        criterion.bench_function(&name("analysis"), |bencher| bencher.iter(|| Factor::new(&matrix).unwrap()));
         let mut factor = Factor::new(&matrix).unwrap();
-        criterion.bench_function(name("factor"), |bencher| {
+        criterion.bench_function(&name("factor"), |bencher| {
             bencher.iter(|| assert!(factor.factorise(&matrix, weight, 0.0)));
         });
         let mut b = vec![1.0; weight.len()];
-        criterion.bench_function(name("solve"), |bencher| {
+        criterion.bench_function(&name("solve"), |bencher| {
             bencher.iter(|| {
                 b.fill(1.0);
                 factor.solve(&mut b);

@@ -67,6 +67,9 @@ fn the_eigenvectors_of_every_stiffness_are_known_from_the_gradient_alone() {
     assert!(negative > 500, "the sample must have something to change, had {negative}");
 }
 
+/// What becomes of an eigenvalue.
+type Change = fn(f64) -> f64;
+
 /// The stiffness that five moduli stand for, with its negative eigenvalues multiplied by a factor.
 struct FromModuli<'a>(&'a Matrix2<f64>, f64);
 
@@ -94,7 +97,7 @@ impl Visitor for FromModuli<'_> {
 fn five_moduli_stand_for_the_stiffness_of_every_model_and_for_what_is_positive_of_it() {
     let lames = [Lame { mu: 1.0, lambda: 1.5 }, Lame { mu: 1.0, lambda: 0.0 }, Lame { mu: 1.0, lambda: 50.0 }];
     let near = [1e-3, 1e-6, 1e-9].map(|shear| Matrix2::new(1.0, shear, 0.0, 1.0));
-    let changes: [(f64, fn(f64) -> f64); 3] = [(1.0, |e| e), (0.0, |e| e.max(0.0)), (-1.0, f64::abs)];
+    let changes: [(f64, Change); 3] = [(1.0, |e| e), (0.0, |e| e.max(0.0)), (-1.0, f64::abs)];
     for model in Model::ALL {
         for (lame, f) in lames.into_iter().flat_map(|lame| gradients().into_iter().chain(near).map(move |f| (lame, f)))
         {

@@ -177,29 +177,9 @@ fn frame(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A step of implicit Euler of 1/60 s for 2,000 triangles: the first second after letting go of a stretched man, over and over.
-fn implicit(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("implicit Euler, 1/60 s");
-    for &model in Model::ALL {
-        let text = format!(
-            "(name: \"man\", substeps: 1, integrator: ImplicitEuler(), bodies: [(name: \"man\", mesh: Gingerbread(resolution: 2000),
-              material: (model: {}, young: 1000, poisson: 0.3, plane: Stress), mass: Total(25), stretch: (1.15, 0.95))])",
-            model.name()
-        );
-        let level = files::parse(&text, "man.ron").unwrap();
-        let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
-        let state = scene.start.clone();
-        let mut simulation = Simulation::new(scene, state);
-        group.bench_function(model.name(), |bencher| {
-            bencher.iter_custom(|steps| laps(&mut simulation, steps, 60));
-        });
-    }
-    group.finish();
-}
-
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = steps, springs, frame, implicit
+    targets = steps, springs, frame
 }
 criterion_main!(benches);

@@ -1,8 +1,11 @@
 //! The eigenvalues of stiffnesses: known from the deformation gradient, and changed without a numerical decomposition.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing test should panic")]
 
-use gingerbread::materials::{Lame, Material, Model, Visitor, with_eigenvalues};
-use nalgebra::{Matrix2, Matrix4, SymmetricEigen};
+use gingerbread::{
+    lanes::Square,
+    materials::{Lame, Material, Model, Parts, Visitor, with_eigenvalues},
+};
+use nalgebra::{Matrix2, Matrix4, SymmetricEigen, Vector4};
 
 /// Gradients of all kinds: at rest, turned, sheared, flat, at a point, mirrored, and a regular sample of the rest.
 fn gradients() -> Vec<Matrix2<f64>> {
@@ -62,4 +65,52 @@ fn the_eigenvectors_of_every_stiffness_are_known_from_the_gradient_alone() {
         }
     }
     assert!(negative > 500, "the sample must have something to change, had {negative}");
+}
+
+/// What becomes of an eigenvalue.
+type Change = fn(f64) -> f64;
+
+/// The stiffness that five moduli stand for, with its negative eigenvalues multiplied by a factor.
+struct FromModuli<'a>(&'a Matrix2<f64>, f64);
+
+impl Visitor for FromModuli<'_> {
+    type Output = Matrix4<f64>;
+    fn visit<M: Material>(self, material: &M) -> Matrix4<f64> {
+        let parts = Parts::of(Square::from(self.0));
+        let moduli = material.moduli(&parts).with_negative_times(self.1);
+        let ([c, s], [d, t]) = (parts.turned, parts.mirrored);
+        let (size, twist) = (Vector4::new(c, s, -s, c), Vector4::new(-s, c, -c, -s));
+        let (mirrored, flip) = (Vector4::new(d, t, t, -d), Vector4::new(-t, d, d, t));
+        let whole = size * parts.p + mirrored * parts.q;
+        assert!((whole - Vector4::from_column_slice(self.0.as_slice())).norm() < 1e-14, "{}", self.0);
+        let [pp, pq, qq] = moduli.sizes;
+        let across = size * mirrored.transpose();
+        twist * twist.transpose() * moduli.twist
+            + flip * flip.transpose() * moduli.flip
+            + size * size.transpose() * pp
+            + mirrored * mirrored.transpose() * qq
+            + (across + across.transpose()) * pq
+    }
+}
+
+#[test]
+fn five_moduli_stand_for_the_stiffness_of_every_model_and_for_what_is_positive_of_it() {
+    let lames = [Lame { mu: 1.0, lambda: 1.5 }, Lame { mu: 1.0, lambda: 0.0 }, Lame { mu: 1.0, lambda: 50.0 }];
+    let near = [1e-3, 1e-6, 1e-9].map(|shear| Matrix2::new(1.0, shear, 0.0, 1.0));
+    let changes: [(f64, Change); 3] = [(1.0, |e| e), (0.0, |e| e.max(0.0)), (-1.0, f64::abs)];
+    for model in Model::ALL {
+        for (lame, f) in lames.into_iter().flat_map(|lame| gradients().into_iter().chain(near).map(move |f| (lame, f)))
+        {
+            let stiffness = model.visit(lame, Stiffness(&f));
+            if !stiffness.iter().all(|entry| entry.is_finite()) {
+                assert!(*model == Model::Hencky, "{model:?} at {f}");
+                assert!(!model.visit(lame, FromModuli(&f, 1.0)).iter().all(|entry| entry.is_finite()));
+                continue;
+            }
+            for (factor, change) in changes {
+                let difference = model.visit(lame, FromModuli(&f, factor)) - decomposed(&stiffness, change);
+                assert!(difference.norm() <= 1e-12 * stiffness.norm(), "{model:?} {lame:?} at {f}: {difference}");
+            }
+        }
+    }
 }

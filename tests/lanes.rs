@@ -7,10 +7,11 @@ use common::{Random, level, rotation, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     lanes::{LANES, Order, Quads, Real, Square, Wide},
-    materials::{Material, Model, Visitor},
+    materials::{Material, Model, Parts, Visitor, with_eigenvalues},
     simulation::Simulation,
+    solvers::{BlockMatrix, Tangent, Weights},
 };
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector4};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// Numbers of every size and kind: whole range of exponents, dense near 1, subnormal, special.
@@ -58,16 +59,18 @@ fn the_logarithm_has_the_bits_of_libm_over_the_whole_range() {
 fn eight_elements_are_found_where_the_order_says() {
     fn check<S: Simd>(set: S, order: Order) {
         let quads: Quads = std::array::from_fn(|element| [0, 10, 20, 30].map(|number| (number + element) as f64));
-        let (mut lanes, mut pairs) = ([[0.0; LANES]; 4], [[0.0; 2]; LANES]);
+        let (mut lanes, mut pairs, mut stored) = ([[0.0; LANES]; 4], [[0.0; 2]; LANES], Quads::default());
         for part in 0..Wide::<S>::PARTS {
             let loaded = Wide::load_quads(set, &quads, part);
             loaded.iter().zip(&mut lanes).for_each(|(loaded, lanes)| loaded.store(lanes, part));
             Wide::store_pairs(loaded[1], loaded[2], &mut pairs, part);
+            Wide::store_quads(loaded, &mut stored, part);
         }
         for element in 0..LANES {
             let read = lanes.map(|lanes| lanes[order.lane[element]]);
             assert_eq!(read, quads[element]);
             assert_eq!(pairs[order.place[element]], [quads[element][1], quads[element][2]]);
+            assert_eq!(stored[order.quad[element]], quads[element]);
         }
     }
     struct Check(Order);
@@ -79,11 +82,11 @@ fn eight_elements_are_found_where_the_order_says() {
     }
     Arch::new().dispatch(Check(Order::new()));
     let natural = std::array::from_fn(|element| element);
-    check(Scalar, Order { lane: natural, place: natural });
+    check(Scalar, Order { lane: natural, place: natural, quad: natural });
 }
 
 /// A sheet of 2 x 5 x 7 triangles, which leaves lanes over, of every model and for each map of its points.
-fn for_every_sheet(check: impl Fn(&Simulation, &[f64], Model)) {
+fn for_every_sheet(mut check: impl FnMut(&Simulation, &[f64], Model)) {
     let mut random = Random(2);
     let far = random.gradient(0.3, 3.0);
     let maps = [Matrix2::identity(), rotation(2.0), rotation(-0.7) * 1.5, Matrix2::new(1.2, 0.0, 0.0, 1.0), far];
@@ -175,21 +178,33 @@ fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
     }
 }
 
+const NUMBERS: usize = 15;
+
+/// Stress, energy and moduli, these also without their negative part.
+#[inline(always)]
+fn numbers_of<M: Material, R: Real>(material: &M, f: Square<R>) -> [R; NUMBERS] {
+    let p = material.piola(f);
+    let moduli = material.moduli(&Parts::of(f));
+    let positive = moduli.with_negative_times(0.0);
+    let ([a, b, c], [d, e, g]) = (moduli.sizes, positive.sizes);
+    let energy = material.psi(f);
+    [p.m11, p.m12, p.m21, p.m22, energy, moduli.twist, moduli.flip, a, b, c, positive.twist, positive.flip, d, e, g]
+}
+
 /// Lanes as wide as the processor has them give the very bits of `f64`.
 #[test]
-fn the_stress_in_lanes_has_the_bits_of_the_stress_of_one_gradient() {
+fn stress_and_stiffness_in_lanes_have_the_bits_of_those_of_one_gradient() {
     struct Stresses<'a, M>(&'a M, &'a [[[f64; LANES]; 4]]);
     impl<M: Material> WithSimd for Stresses<'_, M> {
-        type Output = Vec<[[f64; LANES]; 5]>;
+        type Output = Vec<[[f64; LANES]; NUMBERS]>;
         #[inline(always)]
         fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-            let mut out = vec![[[0.0; LANES]; 5]; self.1.len()];
+            let mut out = vec![[[0.0; LANES]; NUMBERS]; self.1.len()];
             for (out, f) in out.iter_mut().zip(self.1) {
                 for part in 0..Wide::<S>::PARTS {
                     let [m11, m12, m21, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &f[entry], part));
                     let f = Square::new(m11, m12, m21, m22);
-                    let p = self.0.piola(f);
-                    let results = [p.m11, p.m12, p.m21, p.m22, self.0.psi(f)];
+                    let results = numbers_of(self.0, f);
                     results.iter().zip(out.iter_mut()).for_each(|(result, out)| result.store(out, part));
                 }
             }
@@ -216,8 +231,10 @@ fn the_stress_in_lanes_has_the_bits_of_the_stress_of_one_gradient() {
             let found = Arch::new().dispatch(Stresses(material, &blocks));
             for (number, f) in gradients.iter().enumerate() {
                 let found = found[number / LANES].map(|lanes| lanes[number % LANES]);
+                let expected = numbers_of(material, Square::from(f));
                 let p = material.stress(f);
-                let expected = [p.m11, p.m12, p.m21, p.m22, material.energy(f)];
+                let same = |(a, b): (&f64, f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+                assert!(expected.iter().zip([p.m11, p.m12, p.m21, p.m22, material.energy(f)]).all(same));
                 for (found, expected) in found.iter().zip(expected) {
                     let same = found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan());
                     assert!(same, "{} at {f}: {found:e} against {expected:e}", M::TITLE);
@@ -228,4 +245,64 @@ fn the_stress_in_lanes_has_the_bits_of_the_stress_of_one_gradient() {
     for &model in Model::ALL {
         model.visit(gingerbread::materials::Lame { mu: 0.7, lambda: 1.1 }, Compare);
     }
+}
+
+/// What becomes of an eigenvalue.
+type Change = fn(f64) -> f64;
+
+/// Products of the stiffness with a displacement, one triangle after another, `A (dP) D0⁻ᵀ` with what `change` makes of the eigenvalues.
+struct ProductOneByOne<'a>(&'a Simulation, &'a [f64], &'a [f64], Change);
+
+impl Visitor for ProductOneByOne<'_> {
+    type Output = Vec<f64>;
+    fn visit<M: Material>(self, material: &M) -> Vec<f64> {
+        let Self(simulation, x, d, change) = self;
+        let elements = &simulation.scene().bodies[0].elements;
+        let mut product = vec![0.0; x.len()];
+        let edges = |of: &[f64], [a, b, c]: [u32; 3]| {
+            let at = |i: u32| nalgebra::Vector2::new(of[2 * i as usize], of[2 * i as usize + 1]);
+            Matrix2::from_columns(&[at(b) - at(a), at(c) - at(a)])
+        };
+        for (&triangle, (f, area)) in elements.corners().iter().zip(elements.gradients(x)) {
+            let inverse = edges(&simulation.scene().rest, triangle).try_inverse().unwrap();
+            let df = edges(d, triangle) * inverse;
+            let stiffness = with_eigenvalues(&material.stiffness(&f), &f, change);
+            let dp = stiffness * Vector4::from_column_slice(df.as_slice());
+            let corners = Matrix2::from_column_slice(dp.as_slice()) * inverse.transpose() * area;
+            let (one, two) = (corners.column(0).into_owned(), corners.column(1).into_owned());
+            for (corner, force) in triangle.into_iter().zip([-one - two, one, two]) {
+                product[2 * corner as usize] += force.x;
+                product[2 * corner as usize + 1] += force.y;
+            }
+        }
+        product
+    }
+}
+
+#[test]
+fn the_stiffness_assembled_eight_triangles_at_a_time_is_that_of_one_after_another() {
+    let kinds: [(Tangent, Change); 3] =
+        [(Tangent::Exact, |e| e), (Tangent::Definite, |e| e.max(0.0)), (Tangent::Absolute, f64::abs)];
+    let mut random = Random(4);
+    for_every_sheet(|simulation, x, model| {
+        let elements = &simulation.scene().bodies[0].elements;
+        let mut couples = Vec::new();
+        elements.couples(&mut |a, b| couples.push([a, b]));
+        let mut matrix = BlockMatrix::new(x.len() / 2, &couples);
+        let motion = Motion { x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
+        let d: Vec<_> = x.iter().map(|_| random.between(-1.0, 1.0)).collect();
+        for (tangent, change) in kinds {
+            matrix.clear();
+            elements.add_stiffness(motion, Weights { position: 2.0, velocity: 1.0, tangent }, &mut matrix);
+            assert!(matrix.is_full());
+            let mut product = vec![0.0; x.len()];
+            matrix.add_product(&d, &mut product);
+            let expected = model.visit(elements.lame(), ProductOneByOne(simulation, x, &d, change));
+            let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+            for (found, expected) in product.iter().zip(&expected) {
+                let error = (found - 2.0 * expected).abs();
+                assert!(error < 1e-12 * scale, "{} {tangent:?}: {error:e} of {scale}", model.title());
+            }
+        }
+    });
 }

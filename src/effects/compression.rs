@@ -1,7 +1,8 @@
 use super::{Effect, EffectParameters, Motion, Twice, ZERO};
 use crate::{
-    elements::{Adding, Elements, Law, Triangles},
+    elements::{Adding, Elements, Isotropic, Law, Triangles},
     lanes::{Real, Square},
+    materials::{Moduli, Parts},
     quantity::{CompressionStrength, Quantity},
     solvers::{BlockMatrix, Weights},
 };
@@ -88,6 +89,16 @@ impl Squeezed {
     }
 }
 
+impl Isotropic for Squeezed {
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let j = parts.f.determinant();
+        let zero = j.of(0.0);
+        let missing = j.if_less(j.of(1.0), -j + 1.0, zero);
+        parts.moduli([zero, missing * missing * -self.0], [zero, missing * (2.0 * self.0)])
+    }
+}
+
 struct Resistance {
     strength: f64,
     bodies: Vec<Arc<Triangles>>,
@@ -145,7 +156,7 @@ impl Effect for Resistance {
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
         for body in &self.bodies {
             let law = self.law(body);
-            body.add_energy_tangent(motion.x, weights, matrix, |f| law.stiffness(f));
+            body.add_energy_tangent(motion.x, weights, matrix, law);
         }
     }
 }

@@ -13,6 +13,7 @@ pub(crate) use blocks::Law;
 pub use fields::Field;
 pub use spring::Springs;
 pub use survey::Survey;
+pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Kicking, Target};
 pub use triangle::Triangles;
 

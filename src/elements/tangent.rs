@@ -1,11 +1,37 @@
 //! The stiffness of triangles as 2 x 2 blocks between their corners.
 
-use super::{Triangles, triangle::Rest};
+use super::{
+    Triangles,
+    triangle::{Rest, edges},
+};
 use crate::{
-    materials::{Material, Visitor, with_eigenvalues},
+    lanes::{LANES, Lanes, Order, Quads, Real, Square, Wide},
+    materials::{Material, Moduli, Parts, Visitor},
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
+use pulp::{Arch, Simd, WithSimd};
+
+/// How many blocks of eight triangles are collected at a time: enough for what is stored number by number to have arrived when
+/// it is read lane by lane, and little enough to stay near the processor.
+const RUN: usize = 8;
+
+/// The second derivative of an isotropic energy density.
+pub trait Isotropic: Copy {
+    /// See [`Moduli`] [Pa].
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
+}
+
+/// That of a material.
+#[derive(Clone, Copy)]
+struct Stored<'a, M>(&'a M);
+
+impl<M: Material> Isotropic for Stored<'_, M> {
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        self.0.moduli(parts)
+    }
+}
 
 impl Triangles {
     /// Names the three couples of corners of each triangle.
@@ -22,25 +48,21 @@ impl Triangles {
         self.model().visit(self.lame(), Elastic { of: self, x, weights, matrix });
     }
 
-    /// Adds blocks for every triangle from `stiffness`, the second derivative of an isotropic energy density by F (4 x 4) [Pa], or
-    /// what is asked for of it.
+    /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, or what is asked for of it.
     pub(crate) fn add_energy_tangent(
         &self,
         x: &[f64],
         weights: Weights,
         matrix: &mut BlockMatrix,
-        stiffness: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+        law: impl Isotropic,
     ) {
-        let weight = weights.position;
-        match weights.tangent {
-            Tangent::Exact => self.add_tangent(x, weight, matrix, |_, f| stiffness(f)),
-            Tangent::Definite => self.add_tangent(x, weight, matrix, |_, f| {
-                with_eigenvalues(&stiffness(f), f, |eigenvalue| eigenvalue.max(0.0))
-            }),
-            Tangent::Absolute => {
-                self.add_tangent(x, weight, matrix, |_, f| with_eigenvalues(&stiffness(f), f, f64::abs));
-            }
-        }
+        let negative = match weights.tangent {
+            Tangent::Exact => None,
+            Tangent::Definite => Some(0.0),
+            Tangent::Absolute => Some(-1.0),
+        };
+        let (x, weight) = (x.as_chunks().0, weights.position);
+        Arch::new().dispatch(Assemble { law, of: self, x, weight, negative, matrix });
     }
 
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
@@ -98,6 +120,117 @@ struct Elastic<'a> {
 impl Visitor for Elastic<'_> {
     type Output = ();
     fn visit<M: Material>(self, material: &M) {
-        self.of.add_energy_tangent(self.x, self.weights, self.matrix, |f| material.stiffness(f));
+        self.of.add_energy_tangent(self.x, self.weights, self.matrix, Stored(material));
     }
+}
+
+/// Adds the blocks of all triangles, eight at a time.
+struct Assemble<'a, L> {
+    law: L,
+    of: &'a Triangles,
+    x: &'a [[f64; 2]],
+    weight: f64,
+    /// What negative eigenvalues are multiplied by.
+    negative: Option<f64>,
+    matrix: &'a mut BlockMatrix,
+}
+
+impl<L: Isotropic> WithSimd for Assemble<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) {
+        let Self { law, of, x, weight, negative, matrix } = self;
+        let order = Order::new();
+        let (mut now, mut rest) = ([Quads::default(); RUN], [Quads::default(); RUN]);
+        let mut scales = [Lanes::default(); RUN];
+        let mut out = [[Quads::default(); 6]; RUN];
+        for (run, triangles) in of.corners().chunks(RUN * LANES).enumerate() {
+            for (number, &triangle) in triangles.iter().enumerate() {
+                let Rest { inverse, area } = of.rest(run * RUN * LANES + number);
+                let (block, lane) = (number / LANES, number % LANES);
+                now[block][lane] = edges(x, triangle);
+                rest[block][lane] = [inverse.m11, inverse.m21, inverse.m12, inverse.m22];
+                scales[block][order.lane[lane]] = area * weight;
+            }
+            for (((now, rest), scale), out) in now.iter().zip(&rest).zip(&scales).zip(&mut out) {
+                for part in 0..Wide::<S>::PARTS {
+                    let [m11, m21, m12, m22] = Wide::load_quads(set, rest, part);
+                    let inverse = Square::new(m11, m12, m21, m22);
+                    let [m11, m21, m12, m22] = Wide::load_quads(set, now, part);
+                    let parts = Parts::of(Square::new(m11, m12, m21, m22).times(inverse));
+                    let moduli = law.moduli(&parts);
+                    let moduli = if let Some(factor) = negative { moduli.with_negative_times(factor) } else { moduli };
+                    let moduli = moduli.times(Wide::load(set, scale, part));
+                    for (out, block) in out.iter_mut().zip(corner_blocks(&parts, &moduli, inverse)) {
+                        Wide::store_quads(block, out, part);
+                    }
+                }
+            }
+            for (number, &triangle) in triangles.iter().enumerate() {
+                let (block, quad) = (&out[number / LANES], order.quad[number % LANES]);
+                matrix.triangle(triangle, &[0, 1, 2, 3, 4, 5].map(|entry| block[entry][quad]));
+            }
+        }
+    }
+}
+
+/// What both parts of F, U and M, make of the gradient of a corner's shape function, and these times the moduli.
+#[derive(Clone, Copy)]
+struct Corner<R> {
+    turned: [R; 2],
+    mirrored: [R; 2],
+    by_turned: [R; 2],
+    by_mirrored: [R; 2],
+    twisted: [R; 2],
+    flipped: [R; 2],
+}
+
+impl<R: Real> Corner<R> {
+    #[inline(always)]
+    fn new(parts: &Parts<R>, moduli: &Moduli<R>, [x, y]: [R; 2]) -> Self {
+        let ([c, s], [d, t]) = (parts.turned, parts.mirrored);
+        let (turned, mirrored) = ([c * x - s * y, s * x + c * y], [d * x + t * y, t * x - d * y]);
+        let (([u0, u1], [m0, m1]), [pp, pq, qq]) = ((turned, mirrored), moduli.sizes);
+        Self {
+            turned,
+            mirrored,
+            by_turned: [u0 * pp + m0 * pq, u1 * pp + m1 * pq],
+            by_mirrored: [u0 * pq + m0 * qq, u1 * pq + m1 * qq],
+            twisted: [u0 * moduli.twist, u1 * moduli.twist],
+            flipped: [m0 * moduli.flip, m1 * moduli.flip],
+        }
+    }
+
+    /// An entry of the block of this corner with another.
+    #[inline(always)]
+    fn entry(&self, of: &Self, row: usize, column: usize) -> R {
+        let along = self.by_turned[row] * of.turned[column] + self.by_mirrored[row] * of.mirrored[column];
+        let across = self.twisted[1 - row] * of.turned[1 - column] + self.flipped[1 - row] * of.mirrored[1 - column];
+        if row == column { along + across } else { along - across }
+    }
+}
+
+/// Blocks of the three corners with themselves, then of the first with the second, the first with the third and the second with
+/// the third, each column by column: the formula of [`Rest::corner_blocks`], with C taken apart into its eigenvectors.
+#[inline(always)]
+fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Square<R>) -> [[R; 4]; 6] {
+    let one = Corner::new(parts, moduli, [inverse.m11, inverse.m12]);
+    let two = Corner::new(parts, moduli, [inverse.m21, inverse.m22]);
+    let (b11, b12, b22) = (one.entry(&one, 0, 0), one.entry(&one, 0, 1), one.entry(&one, 1, 1));
+    let (c11, c12, c22) = (two.entry(&two, 0, 0), two.entry(&two, 0, 1), two.entry(&two, 1, 1));
+    let (a11, a21) = (one.entry(&two, 0, 0), one.entry(&two, 1, 0));
+    let (a12, a22) = (one.entry(&two, 0, 1), one.entry(&two, 1, 1));
+    // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
+    let to_one = [-b11 - a11, -b12 - a12, -b12 - a21, -b22 - a22];
+    let to_two = [-a11 - c11, -a21 - c12, -a12 - c12, -a22 - c22];
+    let off = -to_one[2] - to_two[2];
+    [
+        [-to_one[0] - to_two[0], off, off, -to_one[3] - to_two[3]],
+        [b11, b12, b12, b22],
+        [c11, c12, c12, c22],
+        to_one,
+        to_two,
+        [a11, a21, a12, a22],
+    ]
 }

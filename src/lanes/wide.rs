@@ -45,6 +45,14 @@ impl<S: Simd> Wide<S> {
         set.deinterleave_shfl_f64s(quads).map(|values| Self { set, values })
     }
 
+    /// Writes the first, second, third and fourth numbers of one part: each element's at its [`Order::quad`].
+    #[inline(always)]
+    pub fn store_quads(numbers: [Self; 4], to: &mut Quads, part: usize) {
+        let set = numbers[0].set;
+        let quads = set.interleave_shfl_f64s(numbers.map(|numbers| numbers.values));
+        S::as_mut_simd_f64s(to.as_flattened_mut()).0[4 * part..4 * part + 4].copy_from_slice(&quads);
+    }
+
     /// Writes vectors of these x and y to one part.
     #[inline(always)]
     pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
@@ -133,6 +141,8 @@ pub struct Order {
     pub lane: [usize; LANES],
     /// Where [`Wide::store_pairs`] then writes its vector.
     pub place: [usize; LANES],
+    /// Where [`Wide::store_quads`] then writes its numbers.
+    pub quad: [usize; LANES],
 }
 
 impl Order {
@@ -140,25 +150,27 @@ impl Order {
     pub fn new() -> Self {
         struct Try;
         impl WithSimd for Try {
-            type Output = (Lanes, Pairs);
+            type Output = (Lanes, Pairs, Quads);
 
             #[inline(always)]
             fn with_simd<S: Simd>(self, set: S) -> Self::Output {
                 let elements = std::array::from_fn(|element| [element as f64; 4]);
-                let (mut lanes, mut pairs) = (Lanes::default(), Pairs::default());
+                let (mut lanes, mut pairs, mut quads) = (Lanes::default(), Pairs::default(), Quads::default());
                 for part in 0..Wide::<S>::PARTS {
                     let [element, ..] = Wide::load_quads(set, &elements, part);
                     element.store(&mut lanes, part);
                     Wide::store_pairs(element, element, &mut pairs, part);
+                    Wide::store_quads([element; 4], &mut quads, part);
                 }
-                (lanes, pairs)
+                (lanes, pairs, quads)
             }
         }
-        let (lanes, pairs) = Arch::new().dispatch(Try);
-        let mut order = Self { lane: [0; LANES], place: [0; LANES] };
-        for (at, (element, [placed, _])) in lanes.into_iter().zip(pairs).enumerate() {
+        let (lanes, pairs, quads) = Arch::new().dispatch(Try);
+        let mut order = Self { lane: [0; LANES], place: [0; LANES], quad: [0; LANES] };
+        for (at, ((element, [placed, _]), [quad, ..])) in lanes.into_iter().zip(pairs).zip(quads).enumerate() {
             order.lane[element as usize] = at;
             order.place[placed as usize] = at;
+            order.quad[quad as usize] = at;
         }
         order
     }

@@ -1,6 +1,7 @@
-use super::{Lame, Material, outer};
+use super::{Lame, Material, Moduli, Parts, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
+use std::f64::consts::SQRT_2;
 
 /// Corotated linear elasticity: Hooke's law in the frame that turns with the triangle.
 ///
@@ -78,6 +79,16 @@ impl Material for Corotated {
         let (r, trace) = nearest_rotation(Square::from(f));
         let r = Matrix2::from(r);
         Matrix4::identity() * (2.0 * mu) + outer(&r, &r) * lambda + turn(f, lambda * (trace - 2.0) - 2.0 * mu)
+    }
+
+    /// psi = mu (I - 2 sqrt(2) p + 2) + lambda/2 (sqrt(2) p - 2)².
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let Lame { mu, lambda } = self.lame;
+        let two_mu = parts.p.of(2.0 * mu);
+        let turn = ((parts.p * SQRT_2 - 2.0) * lambda - 2.0 * mu) * SQRT_2;
+        let twist = two_mu + parts.if_decided(turn / parts.p);
+        Moduli { twist, flip: two_mu, sizes: [two_mu + 2.0 * lambda, parts.p.of(0.0), two_mu] }
     }
 
     fn is_continued(&self, f: &Matrix2<f64>) -> bool {

@@ -1,6 +1,7 @@
-use super::{COFACTOR, Corotated, Lame, Material, corotated::turn, nearest_rotation, outer};
+use super::{COFACTOR, Corotated, Lame, Material, Moduli, Parts, corotated::turn, nearest_rotation, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
+use std::f64::consts::SQRT_2;
 
 /// Fixed corotated elasticity: the corotated model with the true change of area.
 ///
@@ -50,6 +51,16 @@ impl Material for FixedCorotated {
             + turn(f, -2.0 * mu)
             + outer(&g, &g) * lambda
             + COFACTOR * (lambda * (f.determinant() - 1.0))
+    }
+
+    /// |F - R|² = I - 2 sqrt(2) p + 2.
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let Lame { mu, lambda } = self.lame;
+        let j = parts.f.determinant();
+        let moduli = parts.moduli([j.of(mu), (j - 1.0) * lambda], [j.of(0.0), j.of(lambda)]);
+        let turn = parts.if_decided(j.of(-2.0 * SQRT_2 * mu) / parts.p);
+        Moduli { twist: moduli.twist + turn, ..moduli }
     }
 
     fn is_continued(&self, f: &Matrix2<f64>) -> bool {

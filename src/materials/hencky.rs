@@ -1,4 +1,4 @@
-use super::{COFACTOR, Lame, Material, outer};
+use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -119,6 +119,30 @@ impl Material for Hencky {
             + outer(&k, &k) * (mu * (2.0 * stretches.slope() / sum - h / (2.0 * j)))
             - (outer(&g, &k) + outer(&k, &g)) * (mu * h / j);
         times_j / j
+    }
+
+    /// With u = y h² = atanh²(sqrt y) of y = q²/p², u' = h/(1 - y) and u'' = (h' + u')/(1 - y); 1 - y = 2 J/p².
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let two_mu = 2.0 * self.lame.mu;
+        let Stretches { j, y, h, .. } = Stretches::of(parts.f);
+        let (square, inverse) = (parts.p * parts.p, j.of(1.0) / j);
+        let rest = square * inverse * 0.5;
+        let series = (1..TERMS).rev().fold(y.of(0.0), |tail, k| tail * y + f64::from(k) / f64::from(2 * k + 1));
+        let slope = y.if_less(y.of(NEAR), series, (rest - h) / (y * 2.0));
+        let first = h * rest;
+        let second = (slope + first) * rest;
+        // By p² and q², both times p², as dy = (dq² - y dp²)/p².
+        let (by_q, log) = (first * two_mu, j.logarithm());
+        let (volume, bend) = (log * inverse * self.bulk(), (-log + 1.0) * inverse * inverse * self.bulk());
+        let scale = y.of(1.0) / square;
+        let (twist, flip) = (volume - by_q * y * scale * 2.0, by_q * scale * 2.0 - volume);
+        let (bent, q_square) = (second * two_mu, parts.q * parts.q);
+        let pp = (bent * y * y + by_q * y * 2.0) * scale * 4.0;
+        let pq = -(bent * y + by_q) * scale * scale * 4.0;
+        let qq = bent * scale * scale * 4.0;
+        let sizes = [twist + square * bend + pp, parts.p * parts.q * (pq - bend), flip + q_square * (bend + qq)];
+        Moduli { twist, flip, sizes }
     }
 
     #[inline(always)]

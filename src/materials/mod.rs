@@ -11,6 +11,7 @@
 mod corotated;
 mod fixed_corotated;
 mod hencky;
+mod moduli;
 mod neo_hookean;
 mod parameters;
 mod projection;
@@ -20,6 +21,7 @@ mod stable_neo_hookean;
 pub use corotated::{Corotated, nearest_rotation};
 pub use fixed_corotated::FixedCorotated;
 pub use hencky::Hencky;
+pub use moduli::{Moduli, Parts};
 pub use neo_hookean::NeoHookean;
 pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
 pub use projection::with_eigenvalues;
@@ -81,6 +83,9 @@ pub trait Material: Copy + Send + Sync {
 
     /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
+
+    /// The same as the derivatives by what F consists of, in as many lanes.
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 
     /// Whether this gradient is beyond where the formula is used to the letter: never where its determinant is [`WHOLE`] or more.
     fn is_continued(&self, _f: &Matrix2<f64>) -> bool {

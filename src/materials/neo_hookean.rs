@@ -1,4 +1,4 @@
-use super::{COFACTOR, Lame, Material, outer};
+use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::LN_10;
@@ -72,6 +72,20 @@ impl Material for NeoHookean {
         let g = Matrix2::from(Square::from(f).cofactor());
         let pull = lambda * log - mu;
         Matrix4::identity() * mu + outer(&g, &g) * (lambda * slope * slope + pull * bend) + COFACTOR * (pull * slope)
+    }
+
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let Lame { mu, lambda } = self.lame;
+        let j = parts.f.determinant();
+        let (log, t) = log(j);
+        let flat = j.of(FLAT);
+        let inverse = j.of(1.0) / flat.if_less(j, j, flat);
+        let slope = j.if_less(flat, (-t + 1.0) * (1.0 / FLAT), inverse);
+        let bend = -(inverse * inverse);
+        let pull = log * lambda - mu;
+        let second = slope * slope * lambda + pull * bend;
+        parts.moduli([j.of(0.5 * mu), pull * slope], [j.of(0.0), second])
     }
 
     fn is_continued(&self, f: &Matrix2<f64>) -> bool {

@@ -1,4 +1,4 @@
-use super::{Lame, Material, outer};
+use super::{Lame, Material, Moduli, Parts, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -65,6 +65,16 @@ impl Material for StVenantKirchhoff {
             }
         }
         stiffness
+    }
+
+    /// psi = mu (I² - 2 J² - 2 I + 2)/4 + lambda (I - 2)²/8.
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let Lame { mu, lambda } = self.lame;
+        let square = parts.f.norm_squared();
+        let by_i = (square - 1.0) * (0.5 * mu) + (square - 2.0) * (0.25 * lambda);
+        let by_j = parts.f.determinant() * -mu;
+        parts.moduli([by_i, by_j], [square.of(0.5 * mu + 0.25 * lambda), square.of(-mu)])
     }
 
     #[inline(always)]

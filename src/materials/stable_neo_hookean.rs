@@ -1,4 +1,4 @@
-use super::{COFACTOR, Lame, Material, outer};
+use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -69,6 +69,14 @@ impl Material for StableNeoHookean {
             + COFACTOR * volume
             + outer(f, f) * (3.0 * self.lame.mu / (more * more))
             + outer(&g, &g) * self.bulk()
+    }
+
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let (shear, volume) = self.factors(parts.f);
+        let more = parts.f.norm_squared() + 1.0;
+        let second = more.of(0.75 * self.lame.mu) / (more * more);
+        parts.moduli([shear * 0.5, volume], [second, more.of(self.bulk())])
     }
 
     /// P33 of the model in three dimensions: the factor of F33 = 1, plus J times that of G.

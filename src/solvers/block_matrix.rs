@@ -59,6 +59,15 @@ impl BlockMatrix {
         Self { diagonal, blocks, couples, slots, cursor: 0 }
     }
 
+    /// Whether it was made for so many vertices and this list.
+    pub fn is_for(&self, vertices: usize, listed: &[[u32; 2]]) -> bool {
+        let named = self.slots.iter().map(|slot| {
+            let [row, column] = self.couples[(slot >> 1) as usize];
+            if slot & 1 == 0 { [row, column] } else { [column, row] }
+        });
+        self.vertices() == vertices && named.eq(listed.iter().copied())
+    }
+
     /// Sets every entry to zero and goes back to the first couple.
     pub fn clear(&mut self) {
         self.diagonal.fill(Matrix2::zeros());
@@ -85,6 +94,25 @@ impl BlockMatrix {
             }
         }
         self.cursor += 1;
+    }
+
+    /// Adds the six blocks of a triangle, each column by column: those of its corners with themselves, and those of the next three
+    /// couples of the list, (first, second), (first, third) and (second, third). More couples than listed are ignored.
+    #[inline(always)]
+    pub fn triangle(&mut self, corners: [u32; 3], blocks: &[[f64; 4]; 6]) {
+        let (own, couples) = blocks.split_at(3);
+        for (corner, block) in corners.into_iter().zip(own) {
+            let into: &mut [[f64; 2]; 2] = self.diagonal[corner as usize].as_mut();
+            into.as_flattened_mut().iter_mut().zip(block).for_each(|(into, entry)| *into += entry);
+        }
+        if let Some(slots) = self.slots.get(self.cursor..self.cursor + 3) {
+            for (slot, [m11, m21, m12, m22]) in slots.iter().zip(couples) {
+                let (m21, m12) = if slot & 1 == 0 { (m21, m12) } else { (m12, m21) };
+                let into: &mut [[f64; 2]; 2] = self.blocks[(slot >> 1) as usize].as_mut();
+                into.as_flattened_mut().iter_mut().zip([m11, m21, m12, m22]).for_each(|(into, entry)| *into += entry);
+            }
+        }
+        self.cursor += 3;
     }
 
     /// Takes the matrix to other axes, given by the first of them for each vertex, flat: `Q_aᵀ B_ab Q_b`.

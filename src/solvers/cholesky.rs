@@ -1,162 +1,234 @@
-use super::BlockMatrix;
-use faer::sparse::{
-    SymbolicSparseColMatRef,
-    linalg::{
-        SupernodalThreshold,
-        cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky},
-    },
+use super::{
+    BlockMatrix,
+    dense::{Columns, add_products, dot, eliminate},
+    elimination::{Elimination, Front},
 };
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Matrix2;
+use pulp::{Arch, Simd, WithSimd};
 
-/// The factorisation `A = L D Lᵀ` of a symmetric positive definite [`BlockMatrix`], with 2 x 2 blocks throughout.
+/// Bytes that the processor moves at a time.
+const LINE: usize = 64;
+
+/// The factorisation `A = L Lᵀ` of a symmetric positive definite [`BlockMatrix`].
 ///
 /// The order of elimination (approximate minimum degree) and the places of the entries of L come from faer, once for a
-/// topology. The numbers are worked out here, row by row (Davis, *Direct Methods for Sparse Linear Systems*, section 4.7,
-/// up-looking, by blocks), because they must be the same bits on every processor: faer's own kernels take whatever
-/// vector and fused operations the machine at hand has. Blocks of two also need a quarter of the indices.
+/// topology. The numbers are worked out here, by fronts (Duff and Reid, *The multifrontal solution of indefinite sparse
+/// symmetric linear systems*, ACM Transactions on Mathematical Software 9, 1983; Davis, *Direct Methods for Sparse Linear
+/// Systems*, section 4.8): columns of L with the same rows are one dense panel, which is worked on in lanes, and what its
+/// elimination takes from all others waits on a stack until the next front takes it up. They must be the same bits on every
+/// processor; faer's own kernels take whatever vector and fused operations the machine at hand has.
 #[derive(Clone, Debug)]
 pub struct Factor {
-    /// The vertex eliminated at each place.
-    vertex_at: Vec<u32>,
-    /// For each place the range of its row in `entries`.
-    entry_ends: Vec<u32>,
-    /// Place of the column, then twice the number of the block in the matrix, odd if it has to be transposed.
-    entries: Vec<[u32; 2]>,
-    /// For each place the range of its row in `row_columns`: the columns of L that have an entry in that row, ascending.
-    row_ends: Vec<u32>,
-    row_columns: Vec<u32>,
-    /// For each place the start of its column in `rows` and `values`; entries below the diagonal, rows ascending.
-    column_starts: Vec<u32>,
-    rows: Vec<u32>,
-    values: Vec<Matrix2<f64>>,
-    /// D⁻¹.
-    inverse: Vec<Matrix2<f64>>,
-    /// How far each column is filled.
-    filled: Vec<u32>,
-    /// The row that is worked on.
-    row: Vec<Matrix2<f64>>,
-    solution: Vec<Vector2<f64>>,
+    elimination: Elimination,
+    /// The panels.
+    values: Vec<f64>,
+    /// Updates that wait.
+    stacks: [Vec<f64>; 2],
+    solution: Vec<f64>,
+    below: Vec<f64>,
 }
 
 impl Factor {
     /// Settles where the entries of L are. `None` if they are too many for the memory.
     pub fn new(matrix: &BlockMatrix) -> Option<Self> {
-        let count = matrix.vertices();
-        let (starts, indices) = upper_columns(matrix);
-        let pattern = SymbolicSparseColMatRef::new_checked(count, count, &starts, None, &indices);
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
-            ..CholeskySymbolicParams::default()
-        };
-        let order = SymmetricOrdering::Amd;
-        let symbolic = factorize_symbolic_cholesky(pattern, faer::Side::Upper, order, parameters).ok()?;
-        let SymbolicCholeskyRaw::Simplicial(lower) = symbolic.raw() else { return None };
-        let (vertex_at, place_of) = symbolic.perm()?.arrays();
-        let (starts, rows) = (lower.col_ptr(), lower.row_idx());
-        let columns = (0..count).flat_map(|column| {
-            let rows = &rows[starts[column] as usize..starts[column + 1] as usize];
-            rows.iter().filter(move |row| **row as usize > column).map(move |row| [*row, column as u32])
-        });
-        let (row_ends, row_columns) = bucketed(count, columns);
-        let transposed = columns_of(&row_ends, &row_columns);
-        let (column_ends, rows) = bucketed(count, transposed.into_iter());
-        let entries = matrix.couples().iter().enumerate().map(|(block, [a, b])| {
-            let (a, b) = (place_of[*a as usize], place_of[*b as usize]);
-            (a.max(b), [a.min(b), 2 * block as u32 + u32::from(a < b)])
-        });
-        let (entry_ends, entries) = bucketed_pairs(count, entries);
-        let values = vec![Matrix2::zeros(); rows.len()];
+        let elimination = Elimination::new(matrix)?;
+        let room = |size: usize| vec![0.0; size + LINE / size_of::<f64>()];
+        let deepest = elimination.fronts.iter().map(Front::update_stride).max().unwrap_or(0);
         Some(Self {
-            vertex_at: vertex_at.to_vec(),
-            entry_ends,
-            entries,
-            row_ends,
-            row_columns,
-            column_starts: std::iter::once(0).chain(column_ends).collect(),
-            rows,
-            values,
-            inverse: vec![Matrix2::zeros(); count],
-            filled: vec![0; count],
-            row: vec![Matrix2::zeros(); count],
-            solution: vec![Vector2::zeros(); count],
+            values: room(elimination.size),
+            stacks: elimination.stacks.map(room),
+            solution: vec![0.0; 2 * matrix.vertices()],
+            below: room(deepest),
+            elimination,
         })
     }
 
     /// Factorises `A + shift W`. Rows and columns of numbers whose 1/W is zero are taken to be those of the identity.
     /// Returns whether the matrix was positive definite; if not, nothing can be solved.
     pub fn factorise(&mut self, matrix: &BlockMatrix, inverse_weight: &[f64], shift: f64) -> bool {
-        let count = self.vertex_at.len();
-        self.filled.copy_from_slice(&self.column_starts[..count]);
-        let mut entry = 0;
-        let mut column_begin = 0;
-        for place in 0..count {
-            let vertex = self.vertex_at[place] as usize;
-            let own = free(inverse_weight, vertex);
-            for &[column, block] in &self.entries[entry..self.entry_ends[place] as usize] {
-                let value = &matrix.blocks()[(block >> 1) as usize];
-                let value = if block & 1 == 0 { *value } else { value.transpose() };
-                self.row[column as usize] =
-                    masked(&value, own, free(inverse_weight, self.vertex_at[column as usize] as usize));
-            }
-            entry = self.entry_ends[place] as usize;
-            let mut diagonal = masked(&matrix.diagonals()[vertex], own, own);
-            for (axis, free) in own.into_iter().enumerate() {
-                diagonal[(axis, axis)] += if free { shift / inverse_weight[2 * vertex + axis] } else { 1.0 };
-            }
-            let columns = column_begin..self.row_ends[place] as usize;
-            column_begin = columns.end;
-            for at in columns {
-                let column = self.row_columns[at] as usize;
-                let value = std::mem::replace(&mut self.row[column], Matrix2::zeros());
-                let filled = self.filled[column] as usize;
-                let above = self.column_starts[column] as usize..filled;
-                for (row, lower) in self.rows[above.clone()].iter().zip(&self.values[above]) {
-                    self.row[*row as usize] -= value * lower.transpose();
-                }
-                let lower = value * self.inverse[column];
-                diagonal -= lower * value.transpose();
-                self.values[filled] = lower;
-                self.filled[column] += 1;
-            }
-            let Some(inverse) = inverse(&diagonal) else {
-                self.row.fill(Matrix2::zeros());
-                return false;
-            };
-            self.inverse[place] = inverse;
-        }
-        true
+        let all = inverse_weight.iter().all(|weight| *weight > 0.0);
+        Arch::new().dispatch(Factorise { of: self, matrix, inverse_weight, shift, all })
     }
 
     /// Solves `A x = b` with the last factorisation; b is flat and is overwritten with x.
     pub fn solve(&mut self, b: &mut [f64]) {
-        for (value, vertex) in self.solution.iter_mut().zip(&self.vertex_at) {
-            let at = 2 * *vertex as usize;
-            *value = Vector2::new(b[at], b[at + 1]);
-        }
-        let count = self.vertex_at.len();
-        let column = |place: usize| self.column_starts[place] as usize..self.column_starts[place + 1] as usize;
-        for place in 0..count {
-            let value = self.solution[place];
-            for (row, lower) in self.rows[column(place)].iter().zip(&self.values[column(place)]) {
-                self.solution[*row as usize] -= lower * value;
-            }
-        }
-        for place in (0..count).rev() {
-            let mut value = self.inverse[place] * self.solution[place];
-            for (row, lower) in self.rows[column(place)].iter().zip(&self.values[column(place)]) {
-                value -= lower.transpose() * self.solution[*row as usize];
-            }
-            self.solution[place] = value;
-        }
-        for (value, vertex) in self.solution.iter().zip(&self.vertex_at) {
-            let at = 2 * *vertex as usize;
-            (b[at], b[at + 1]) = (value.x, value.y);
-        }
+        Arch::new().dispatch(Solve { of: self, b });
     }
 
-    /// Number of blocks of L below the diagonal.
+    /// Number of blocks of L, those of the diagonal and zeros that are kept for convenience included.
     pub fn entries(&self) -> usize {
-        self.rows.len()
+        self.elimination.fronts.iter().map(|front| front.width * (front.width + 2 + 2 * front.depth()) / 8).sum()
+    }
+}
+
+/// What follows the first number that starts a line of memory.
+fn lined(values: &mut [f64]) -> &mut [f64] {
+    let skip = values.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
+    &mut values[skip..]
+}
+
+struct Factorise<'a> {
+    of: &'a mut Factor,
+    matrix: &'a BlockMatrix,
+    inverse_weight: &'a [f64],
+    shift: f64,
+    /// Whether nothing is fixed.
+    all: bool,
+}
+
+impl WithSimd for Factorise<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) -> bool {
+        let Self { of, matrix, inverse_weight, shift, all } = self;
+        let Factor { elimination, values, stacks, .. } = of;
+        let values = lined(values);
+        let [even, odd] = stacks;
+        let mut stacks = [lined(even), lined(odd)];
+        for front in &elimination.fronts {
+            let (width, top, depth, stride) = (front.width, front.top(), front.depth(), front.stride());
+            let panel = &mut values[front.panel..front.panel + width * stride];
+            panel.fill(0.0);
+            fill(panel, elimination, front, (matrix, inverse_weight, shift, all));
+            let [even, odd] = &mut stacks;
+            let (own, other) = if front.stack == 0 { (even, odd) } else { (odd, even) };
+            let mut panel = Columns { values: panel, stride };
+            let values = &mut own[front.update..front.update + depth * front.update_stride()];
+            values.fill(0.0);
+            let mut update = Columns { values, stride: front.update_stride() };
+            for child in &elimination.children[front.children.clone()] {
+                let child = &elimination.fronts[*child as usize];
+                take_up(&mut panel, &mut update, top, (elimination, child, &other[child.update..]));
+            }
+            if !eliminate(set, &mut panel, &mut update, (width, top, depth)) {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+/// Puts a front's own entries of the matrix into its panel.
+#[inline(always)]
+fn fill(
+    panel: &mut [f64],
+    elimination: &Elimination,
+    front: &Front,
+    (matrix, inverse_weight, shift, all): (&BlockMatrix, &[f64], f64, bool),
+) {
+    let stride = front.stride();
+    let mut put = |at: usize, block: &Matrix2<f64>| {
+        (panel[at], panel[at + 1]) = (block.m11, block.m21);
+        (panel[at + stride], panel[at + stride + 1]) = (block.m12, block.m22);
+    };
+    for entry in &elimination.entries[front.entries.clone()] {
+        let number = (entry.block >> 1) as usize;
+        let mut block = matrix.blocks()[number];
+        if !all {
+            let [row, column] = matrix.couples()[number].map(|vertex| free(inverse_weight, vertex as usize));
+            block = masked(&block, row, column);
+        }
+        put(entry.to as usize, &if entry.block & 1 == 0 { block } else { block.transpose() });
+    }
+    for column in (0..front.width).step_by(2) {
+        let vertex = elimination.vertex_at[front.first / 2 + column / 2] as usize;
+        let own = free(inverse_weight, vertex);
+        let mut block = masked(&matrix.diagonals()[vertex], own, own);
+        for (axis, free) in own.into_iter().enumerate() {
+            block[(axis, axis)] += if free { shift / inverse_weight[2 * vertex + axis] } else { 1.0 };
+        }
+        block.m21 = 0.5 * (block.m12 + block.m21);
+        put(column * (stride + 1), &block);
+    }
+}
+
+/// Adds the update of a front below to the front that takes it up.
+#[inline(always)]
+fn take_up(
+    panel: &mut Columns<'_>,
+    update: &mut Columns<'_>,
+    top: usize,
+    (elimination, child, values): (&Elimination, &Front, &[f64]),
+) {
+    let runs = &elimination.runs[child.runs.clone()];
+    let stride = child.update_stride();
+    for (number, run) in runs.iter().enumerate() {
+        for column in 0..run.count as usize {
+            let from = run.from as usize + column;
+            let to = run.to as usize + column;
+            let source = &values[from * stride..(from + 1) * stride];
+            let (target, skip) = if to < top {
+                (&mut panel.values[to * panel.stride..(to + 1) * panel.stride], 0)
+            } else {
+                (&mut update.values[(to - top) * update.stride..(to - top + 1) * update.stride], top)
+            };
+            for (number, run) in runs[number..].iter().enumerate() {
+                // Above the diagonal nothing is of use.
+                let skipped = if number == 0 { column } else { 0 };
+                let (from, to) = (run.from as usize + skipped, run.to as usize + skipped - skip);
+                let count = run.count as usize - skipped;
+                for (target, source) in target[to..to + count].iter_mut().zip(&source[from..from + count]) {
+                    *target += source;
+                }
+            }
+        }
+    }
+}
+
+struct Solve<'a> {
+    of: &'a mut Factor,
+    b: &'a mut [f64],
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { of: Factor { elimination, values, solution, below, .. }, b } = self;
+        let values = &*lined(values);
+        let below = lined(below);
+        for (value, vertex) in solution.as_chunks_mut::<2>().0.iter_mut().zip(&elimination.vertex_at) {
+            let at = 2 * *vertex as usize;
+            *value = [b[at], b[at + 1]];
+        }
+        for front in &elimination.fronts {
+            let (panel, stride) = (&values[front.panel..front.panel + front.width * front.stride()], front.stride());
+            let own = &mut solution[front.first..front.first + front.width];
+            for (column, values) in panel.chunks_exact(stride).enumerate() {
+                let value = own[column] * values[column];
+                own[column] = value;
+                for (other, lower) in own[column + 1..].iter_mut().zip(&values[column + 1..front.width]) {
+                    *other -= lower * value;
+                }
+            }
+            let below = &mut below[..front.depth()];
+            below.fill(0.0);
+            add_products(below, panel, stride, front.top(), own);
+            for (below, place) in below.chunks_exact(2).zip(&elimination.rows[front.below.clone()]) {
+                solution[2 * *place as usize] -= below[0];
+                solution[2 * *place as usize + 1] -= below[1];
+            }
+        }
+        for front in elimination.fronts.iter().rev() {
+            let (panel, stride) = (&values[front.panel..front.panel + front.width * front.stride()], front.stride());
+            let below = &mut below[..front.depth()];
+            for (below, place) in below.chunks_exact_mut(2).zip(&elimination.rows[front.below.clone()]) {
+                below[0] = solution[2 * *place as usize];
+                below[1] = solution[2 * *place as usize + 1];
+            }
+            let own = &mut solution[front.first..front.first + front.width];
+            for (column, values) in panel.chunks_exact(stride).enumerate().rev() {
+                let lower = dot(&values[front.top()..front.top() + front.depth()], below);
+                let beside = dot(&values[column + 1..front.width], &own[column + 1..]);
+                own[column] = (own[column] - lower - beside) * values[column];
+            }
+        }
+        for (value, vertex) in solution.as_chunks::<2>().0.iter().zip(&elimination.vertex_at) {
+            let at = 2 * *vertex as usize;
+            [b[at], b[at + 1]] = *value;
+        }
     }
 }
 
@@ -173,62 +245,4 @@ fn masked(block: &Matrix2<f64>, rows: [bool; 2], columns: [bool; 2]) -> Matrix2<
         return *block;
     }
     Matrix2::from_fn(|row, column| if rows[row] && columns[column] { block[(row, column)] } else { 0.0 })
-}
-
-/// The inverse of the symmetric part of a block, if it is positive definite.
-#[inline]
-fn inverse(block: &Matrix2<f64>) -> Option<Matrix2<f64>> {
-    let off = 0.5 * (block.m12 + block.m21);
-    let determinant = block.m11 * block.m22 - off * off;
-    let positive = block.m11 > 0.0 && determinant > 0.0 && determinant.is_finite();
-    positive.then(|| Matrix2::new(block.m22, -off, -off, block.m11) / determinant)
-}
-
-/// The upper triangle by columns, with the diagonal: starts of the columns, and rows.
-fn upper_columns(matrix: &BlockMatrix) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0];
-    let mut indices = Vec::with_capacity(matrix.couples().len() + matrix.vertices());
-    let mut couples = matrix.couples().iter().peekable();
-    for column in 0..matrix.vertices() as u32 {
-        while let Some([_, row]) = couples.next_if(|couple| couple[0] == column) {
-            indices.push(*row);
-        }
-        indices.push(column);
-        starts.push(indices.len() as u32);
-    }
-    (starts, indices)
-}
-
-/// Sorts (bucket, value) pairs into buckets, keeping their order in each: ends of the buckets, and values.
-fn bucketed(count: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) -> (Vec<u32>, Vec<u32>) {
-    let (ends, values) = bucketed_pairs(count, pairs.map(|[bucket, value]| (bucket, [value, 0])));
-    (ends, values.into_iter().map(|[value, _]| value).collect())
-}
-
-fn bucketed_pairs(count: usize, pairs: impl Iterator<Item = (u32, [u32; 2])> + Clone) -> (Vec<u32>, Vec<[u32; 2]>) {
-    let mut ends = vec![0; count];
-    for (bucket, _) in pairs.clone() {
-        ends[bucket as usize] += 1;
-    }
-    let mut sum = 0;
-    for end in &mut ends {
-        sum += std::mem::replace(end, sum);
-    }
-    let mut values = vec![[0; 2]; sum as usize];
-    for (bucket, value) in pairs {
-        values[ends[bucket as usize] as usize] = value;
-        ends[bucket as usize] += 1;
-    }
-    (ends, values)
-}
-
-/// The (column, row) pairs of rows given by their ends and columns.
-fn columns_of(row_ends: &[u32], row_columns: &[u32]) -> Vec<[u32; 2]> {
-    let mut begin = 0;
-    let mut pairs = Vec::with_capacity(row_columns.len());
-    for (row, &end) in row_ends.iter().enumerate() {
-        pairs.extend(row_columns[begin..end as usize].iter().map(|column| [*column, row as u32]));
-        begin = end as usize;
-    }
-    pairs
 }

@@ -3,6 +3,8 @@
 
 mod block_matrix;
 mod cholesky;
+mod dense;
+mod elimination;
 mod newton;
 
 pub use block_matrix::{BlockMatrix, Tangent, Weights};

@@ -70,6 +70,8 @@ impl NewtonCounts {
 #[derive(Default)]
 pub struct Newton {
     system: Option<(BlockMatrix, Factor)>,
+    /// Whether the couples have to be listed again.
+    doubtful: bool,
     g: Vec<f64>,
     trial: Vec<f64>,
     trial_g: Vec<f64>,
@@ -88,9 +90,9 @@ impl Newton {
     /// Share of the slope at the start up to which a step may point back.
     const BACK: f64 = 0.9;
 
-    /// Forgets which vertices are coupled.
+    /// Asks anew which vertices are coupled before the next step. Where they are the same, what was worked out for them serves on.
     pub fn forget(&mut self) {
-        self.system = None;
+        self.doubtful = true;
     }
 
     /// Largest change of any vertex's z in each iteration of the last solve.
@@ -181,8 +183,8 @@ impl Newton {
         least: Caution,
         counts: &mut NewtonCounts,
     ) -> Option<Caution> {
-        if self.system.is_none() {
-            self.system = analyse(equations, z.len() / 2);
+        if self.system.is_none() || std::mem::take(&mut self.doubtful) {
+            self.system = analyse(self.system.take(), equations, z.len() / 2);
         }
         let (matrix, factor) = self.system.as_mut()?;
         if !z.iter().all(|z| z.is_finite()) {
@@ -281,10 +283,17 @@ impl Caution {
     }
 }
 
-/// The matrix and its factor, for the couples of the equations.
-fn analyse(equations: &dyn Equations, vertices: usize) -> Option<(BlockMatrix, Factor)> {
+/// The matrix and its factor, for the couples of the equations: those there were, if they are of the same.
+fn analyse(
+    before: Option<(BlockMatrix, Factor)>,
+    equations: &dyn Equations,
+    vertices: usize,
+) -> Option<(BlockMatrix, Factor)> {
     let mut couples = Vec::new();
     equations.couples(&mut |a, b| couples.push([a, b]));
+    if let Some(before) = before.filter(|(matrix, _)| matrix.is_for(vertices, &couples)) {
+        return Some(before);
+    }
     let matrix = BlockMatrix::new(vertices, &couples);
     let factor = Factor::new(&matrix)?;
     Some((matrix, factor))

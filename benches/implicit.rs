@@ -1,0 +1,155 @@
+//! What an implicit step costs and where the time goes: `cargo bench --bench implicit`. Assembly is told per triangle, all else
+//! as it is.
+#![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use gingerbread::{
+    files,
+    materials::Model,
+    meshes::NoFiles,
+    scene::Scene,
+    simulation::Simulation,
+    solvers::{BlockMatrix, Factor, Tangent, Weights},
+};
+use nalgebra::Matrix2;
+use std::time::{Duration, Instant};
+
+/// Quads along a side: 2,048, 10,082 and 100,352 triangles.
+const SIDES: [u32; 3] = [32, 71, 224];
+/// The step [s].
+const STEP: f64 = 1.0 / 60.0;
+
+fn built(text: &str) -> Simulation {
+    let level = files::parse(text, "bench.ron").unwrap();
+    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+    let state = scene.start.clone();
+    Simulation::new(scene, state)
+}
+
+/// A unit square of n x n quads, density 1, E = 1e3, nu = 0.3 in plane strain, stretched 1.2 in x.
+fn sheet(n: u32, model: Model) -> Simulation {
+    built(&format!(
+        "(name: \"sheet\", substeps: 1, integrator: ImplicitEuler(), bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1),
+          mesh: Rectangle(width: 1, height: 1, columns: {n}, rows: {n}, diagonals: Grid),
+          material: (model: {}, young: 1000, poisson: 0.3, plane: Strain))])",
+        model.name()
+    ))
+}
+
+/// The matrix of a step from the stretched start.
+struct System {
+    simulation: Simulation,
+    matrix: BlockMatrix,
+}
+
+impl System {
+    fn new(n: u32, model: Model) -> Self {
+        let simulation = sheet(n, model);
+        let mut couples = Vec::new();
+        simulation.scene().effects.iter().for_each(|effect| effect.couples(&mut |a, b| couples.push([a, b])));
+        let matrix = BlockMatrix::new(simulation.scene().rest.len() / 2, &couples);
+        let mut system = Self { simulation, matrix };
+        system.assemble(Tangent::Definite);
+        system
+    }
+
+    fn assemble(&mut self, tangent: Tangent) {
+        let (scene, state) = (self.simulation.scene(), self.simulation.state());
+        self.matrix.clear();
+        let weights = Weights { position: STEP * STEP, velocity: STEP, tangent };
+        for effect in &scene.effects {
+            effect.add_stiffness(scene.motion(state, None), weights, &mut self.matrix);
+        }
+        for (vertex, mass) in scene.mass.chunks_exact(2).enumerate() {
+            self.matrix.diagonal(vertex, &Matrix2::new(mass[0], 0.0, 0.0, mass[1]));
+        }
+    }
+}
+
+fn assembly(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("assembly, per triangle");
+    for n in SIDES {
+        for &model in Model::ALL {
+            for tangent in [Tangent::Exact, Tangent::Definite] {
+                let mut system = System::new(n, model);
+                let id = BenchmarkId::new(format!("{} {tangent:?}", model.name()), 2 * n * n);
+                group.bench_function(id, |bencher| {
+                    bencher.iter_custom(|count| {
+                        let begin = Instant::now();
+                        (0..count).for_each(|_| system.assemble(tangent));
+                        begin.elapsed() / (2 * n * n)
+                    });
+                });
+            }
+        }
+    }
+}
+
+fn factor(criterion: &mut Criterion) {
+    for n in SIDES {
+        let System { simulation, matrix } = System::new(n, Model::NeoHookean);
+        let weight = &simulation.scene().inverse_mass;
+        let name = |what: &str| format!("{what}/{}", 2 * n * n);
+        criterion.bench_function(&name("analysis"), |bencher| bencher.iter(|| Factor::new(&matrix).unwrap()));
+        let mut factor = Factor::new(&matrix).unwrap();
+        criterion.bench_function(&name("factor"), |bencher| {
+            bencher.iter(|| assert!(factor.factorise(&matrix, weight, 0.0)));
+        });
+        let mut b = vec![1.0; weight.len()];
+        criterion.bench_function(&name("solve"), |bencher| {
+            bencher.iter(|| {
+                b.fill(1.0);
+                factor.solve(&mut b);
+            });
+        });
+    }
+}
+
+/// Time of `steps` steps. Starts over after each `lap`, so that what is measured is always the same motion.
+fn laps(simulation: &mut Simulation, steps: u64, lap: u64) -> Duration {
+    let start = simulation.scene().start.clone();
+    let mut time = Duration::ZERO;
+    for taken in (0..steps).step_by(lap as usize) {
+        simulation.set_state(start.clone());
+        let count = lap.min(steps - taken);
+        let begin = Instant::now();
+        assert_eq!(simulation.advance(count, &mut || true), count);
+        time += begin.elapsed();
+    }
+    time
+}
+
+/// The first step from the stretched start, over and over.
+fn step(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step");
+    for n in SIDES {
+        for &model in Model::ALL {
+            let mut simulation = sheet(n, model);
+            // What is settled once for a topology.
+            assert_eq!(simulation.advance(1, &mut || true), 1);
+            group.bench_function(BenchmarkId::new(model.name(), 2 * n * n), |bencher| {
+                bencher.iter_custom(|steps| laps(&mut simulation, steps, 1));
+            });
+        }
+    }
+}
+
+/// 2,000 triangles: the first second after letting go of a stretched man, over and over.
+fn man(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step of the man");
+    for &model in Model::ALL {
+        let mut simulation = built(&format!(
+            "(name: \"man\", substeps: 1, integrator: ImplicitEuler(), bodies: [(name: \"man\", mesh: Gingerbread(resolution: 2000),
+              material: (model: {}, young: 1000, poisson: 0.3, plane: Stress), mass: Total(25), stretch: (1.15, 0.95))])",
+            model.name()
+        ));
+        group.bench_function(model.name(), |bencher| bencher.iter_custom(|steps| laps(&mut simulation, steps, 60)));
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(200));
+    targets = assembly, factor, step, man
+}
+criterion_main!(benches);

@@ -1,0 +1,111 @@
+//! The stiffness of isotropic materials as five numbers, in lanes.
+
+use crate::lanes::{Real, Square};
+
+/// Every F is a turn times a size plus a mirror image times a size, both parts orthogonal to each other:
+/// `F = p U + q M`, where U and M have length 1 as vectors of four entries.
+///
+/// p is (s1 + s2)/sqrt(2) and q is (s1 - s2)/sqrt(2), with s1 and s2 the principal stretches: `tr FᵀF = p² + q²`,
+/// `det F = (p² - q²)/2`.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<R> {
+    /// F itself.
+    pub f: Square<R>,
+    /// Size of the turned part.
+    pub p: R,
+    /// Size of the mirrored part.
+    pub q: R,
+    /// The first column of U; the second is this turned by 90 degrees.
+    pub turned: [R; 2],
+    /// The first column of M; the second is this turned by -90 degrees.
+    pub mirrored: [R; 2],
+}
+
+/// A turned part that is not larger could be round-off of zero.
+const UNDECIDED: f64 = 1e-12;
+
+impl<R: Real> Parts<R> {
+    /// Takes F apart.
+    #[inline(always)]
+    pub fn of(f: Square<R>) -> Self {
+        let (p, turned) = part(f.m11 + f.m22, f.m21 - f.m12, UNDECIDED);
+        let (q, mirrored) = part(f.m11 - f.m22, f.m21 + f.m12, 0.0);
+        Self { f, p, q, turned, mirrored }
+    }
+
+    /// `then` where the turn is decided, zero where every turn is equally near.
+    #[inline(always)]
+    pub fn if_decided(&self, then: R) -> R {
+        let zero = then.of(0.0);
+        then.of(UNDECIDED).if_less(self.p * std::f64::consts::SQRT_2, then, zero)
+    }
+
+    /// The moduli of an energy density that depends on `I = tr FᵀF` and `J = det F`, from its derivatives by I and J, and its second ones
+    /// by I and by J.
+    #[inline(always)]
+    pub fn moduli(&self, [by_i, by_j]: [R; 2], [by_ii, by_jj]: [R; 2]) -> Moduli<R> {
+        let (twice, four) = (by_i * 2.0, by_ii * 4.0);
+        let (twist, flip) = (twice + by_j, twice - by_j);
+        let sizes = [
+            twist + self.p * self.p * (four + by_jj),
+            self.p * self.q * (four - by_jj),
+            flip + self.q * self.q * (four + by_jj),
+        ];
+        Moduli { twist, flip, sizes }
+    }
+}
+
+/// Length of (x, y) over sqrt(2), and its direction, of length sqrt(1/2); where it is not above `least` it is the first axis.
+#[inline(always)]
+fn part<R: Real>(x: R, y: R, least: f64) -> (R, [R; 2]) {
+    const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    let length = (x * x + y * y).sqrt();
+    let (zero, one, least) = (x.of(0.0), x.of(1.0), x.of(least));
+    let scale = one / least.if_less(length, length, one) * HALF;
+    let direction = [least.if_less(length, x * scale, x.of(HALF)), least.if_less(length, y * scale, zero)];
+    (length * HALF, direction)
+}
+
+/// dP/dF of an isotropic energy density psi(p, q) [Pa]. Its eigenvectors are known from F alone (Smith, de Goes and Kim, *Analytic
+/// Eigensystems for Isotropic Distortion Energies*, ACM Transactions on Graphics 38, 2019): to turn either part and keep its
+/// size is one, and the two sizes are coupled with each other alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Moduli<R> {
+    /// Turning the turned part: (dpsi/dp)/p.
+    pub twist: R,
+    /// Turning the mirrored part: (dpsi/dq)/q.
+    pub flip: R,
+    /// The second derivatives of psi by p p, p q and q q.
+    pub sizes: [R; 3],
+}
+
+impl<R: Real> Moduli<R> {
+    /// All of them times a factor.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(self, factor: R) -> Self {
+        let [a, b, c] = self.sizes;
+        Self { twist: self.twist * factor, flip: self.flip * factor, sizes: [a * factor, b * factor, c * factor] }
+    }
+
+    /// The same with negative eigenvalues multiplied by `factor`.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_negative_times(self, factor: f64) -> Self {
+        let zero = self.twist.of(0.0);
+        let [a, b, c] = self.sizes;
+        let (middle, half) = ((a + c) * 0.5, (a - c) * 0.5);
+        let radius = (half * half + b * b).sqrt();
+        let (least, greatest) = (changed(middle - radius, factor), changed(middle + radius, factor));
+        let slope = zero.if_less(radius, (greatest - least) / zero.if_less(radius, radius * 2.0, zero.of(1.0)), zero);
+        let centre = (least + greatest) * 0.5;
+        let sizes = [centre + slope * half, slope * b, centre - slope * half];
+        Self { twist: changed(self.twist, factor), flip: changed(self.flip, factor), sizes }
+    }
+}
+
+/// An eigenvalue, times a factor if it is negative.
+#[inline(always)]
+fn changed<R: Real>(eigenvalue: R, factor: f64) -> R {
+    eigenvalue.if_less(eigenvalue.of(0.0), eigenvalue * factor, eigenvalue)
+}

@@ -1,0 +1,275 @@
+//! In which order vertices are eliminated, and what that fills: settled once for a topology.
+
+use super::BlockMatrix;
+use crate::lanes::LANES;
+use faer::sparse::{
+    SymbolicSparseColMatRef,
+    linalg::{
+        SupernodalThreshold, SymbolicSupernodalParams,
+        cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky},
+    },
+};
+use std::ops::Range;
+
+/// Columns of L with nearly the same rows are kept together even where some entries are zero for that: so many columns, or
+/// fewer, while the share of zeros is below this.
+const RELAX: &[(usize, f64)] = &[(4, 0.8), (16, 0.2), (48, 0.1), (usize::MAX, 0.05)];
+
+/// Vertices that are eliminated together: their columns of L have the same rows below, and are kept as one dense panel.
+///
+/// All counts are of single numbers, two for each vertex. A panel is stored column by column. First come the rows of the
+/// vertices themselves, then those below; either is filled up to whole lanes.
+#[derive(Clone, Debug)]
+pub struct Front {
+    /// The first of its numbers, in the order of elimination.
+    pub first: usize,
+    /// How many columns it has.
+    pub width: usize,
+    /// The places of the vertices below in [`Elimination::rows`].
+    pub below: Range<usize>,
+    /// Where its panel starts in the values.
+    pub panel: usize,
+    /// What it takes from the matrix, in [`Elimination::entries`].
+    pub entries: Range<usize>,
+    /// Fronts whose updates it takes, in [`Elimination::children`].
+    pub children: Range<usize>,
+    /// Which of two stacks its own update goes to, and where it starts there.
+    pub stack: usize,
+    pub update: usize,
+    /// Where its rows below are in the front above, in [`Elimination::runs`].
+    pub runs: Range<usize>,
+}
+
+impl Front {
+    /// For these places, and those below; where it is kept is not settled yet.
+    const fn new(places: Range<usize>, below: Range<usize>) -> Self {
+        Self {
+            first: 2 * places.start,
+            width: 2 * (places.end - places.start),
+            below,
+            panel: 0,
+            entries: 0..0,
+            children: 0..0,
+            stack: 0,
+            update: 0,
+            runs: 0..0,
+        }
+    }
+
+    /// How many rows are below.
+    pub const fn depth(&self) -> usize {
+        2 * (self.below.end - self.below.start)
+    }
+
+    /// The row of the panel at which those below start.
+    pub const fn top(&self) -> usize {
+        self.width.next_multiple_of(LANES)
+    }
+
+    /// From one column of the update to the next.
+    pub const fn update_stride(&self) -> usize {
+        spread(self.depth().next_multiple_of(LANES))
+    }
+
+    /// From one column of the panel to the next.
+    pub const fn stride(&self) -> usize {
+        spread(self.top() + self.depth().next_multiple_of(LANES))
+    }
+}
+
+/// Columns a multiple of 512 bytes apart would all lie in the same few lines of the processor's nearest memory.
+const fn spread(rows: usize) -> usize {
+    if rows.is_multiple_of(64) && rows > 0 { rows + LANES } else { rows }
+}
+
+/// Rows that follow each other in a front and in the one above.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// The first row in the update.
+    pub from: u32,
+    /// The row in the panel above.
+    pub to: u32,
+    /// How many.
+    pub count: u32,
+}
+
+/// A block of the matrix on its way into a panel.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Where its first number goes in the panel.
+    pub to: u32,
+    /// Twice the number of the block, odd if it has to be transposed.
+    pub block: u32,
+}
+
+/// The order of elimination and all places of the entries of L.
+#[derive(Clone, Debug)]
+pub struct Elimination {
+    /// The vertex eliminated at each place.
+    pub vertex_at: Vec<u32>,
+    /// Each after those it takes updates from.
+    pub fronts: Vec<Front>,
+    pub rows: Vec<u32>,
+    pub entries: Vec<Entry>,
+    pub children: Vec<u32>,
+    pub runs: Vec<Run>,
+    /// How many numbers all panels have, and how high either stack grows.
+    pub size: usize,
+    pub stacks: [usize; 2],
+}
+
+impl Elimination {
+    /// For the pattern of a matrix; `None` if L has too many entries for the memory.
+    pub fn new(matrix: &BlockMatrix) -> Option<Self> {
+        let count = matrix.vertices();
+        let (starts, indices) = upper_columns(matrix);
+        let pattern = SymbolicSparseColMatRef::new_checked(count, count, &starts, None, &indices);
+        let parameters = CholeskySymbolicParams {
+            // Also where nothing is coupled: zero, which forces most, is not below zero operations.
+            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
+            supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
+            ..CholeskySymbolicParams::default()
+        };
+        let order = SymmetricOrdering::Amd;
+        let symbolic = factorize_symbolic_cholesky(pattern, faer::Side::Upper, order, parameters).ok()?;
+        let (vertex_at, place_of) = symbolic.perm()?.arrays();
+        let mut own = vec![0; count];
+        let (mut rows, mut fronts) = (Vec::new(), Vec::new());
+        let mut add = |places: Range<usize>, pattern: &[u32]| {
+            own[places.clone()].fill(fronts.len());
+            let below = rows.len();
+            rows.extend_from_slice(pattern);
+            rows[below..].sort_unstable();
+            fronts.push(Front::new(places, below..rows.len()));
+        };
+        match symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(lower) => {
+                for (number, (begin, end)) in lower.supernode_begin().iter().zip(lower.supernode_end()).enumerate() {
+                    add(*begin as usize..*end as usize, lower.supernode(number).pattern());
+                }
+            }
+            SymbolicCholeskyRaw::Simplicial(_) if count == 0 => {}
+            SymbolicCholeskyRaw::Simplicial(_) => return None,
+        }
+        let mut elimination = Self {
+            vertex_at: vertex_at.to_vec(),
+            fronts,
+            rows,
+            entries: Vec::new(),
+            children: Vec::new(),
+            runs: Vec::new(),
+            size: 0,
+            stacks: [0; 2],
+        };
+        elimination.order(&own);
+        elimination.place(matrix, place_of);
+        Some(elimination)
+    }
+
+    /// Sorts the fronts so that updates can be stacked: each right after the last of those it takes updates from. `own` tells
+    /// the front of each place.
+    fn order(&mut self, own: &[usize]) {
+        let count = self.fronts.len();
+        let parent = |front: &Front| self.rows[front.below.clone()].first().map(|row| own[*row as usize]);
+        let parents: Vec<_> = self.fronts.iter().map(parent).collect();
+        let mut children = vec![Vec::new(); count];
+        for (front, parent) in parents.iter().enumerate() {
+            if let Some(parent) = parent {
+                children[*parent].push(front);
+            }
+        }
+        let mut order = Vec::with_capacity(count);
+        let mut level = vec![0; count];
+        // Roots last first, as what is turned round at the end.
+        let mut waiting: Vec<_> = (0..count).filter(|front| parents[*front].is_none()).collect();
+        while let Some(front) = waiting.pop() {
+            order.push(front);
+            for child in &children[front] {
+                level[*child] = level[front] + 1;
+                waiting.push(*child);
+            }
+        }
+        order.reverse();
+        let mut number_of = vec![0; count];
+        for (number, front) in order.iter().enumerate() {
+            number_of[*front] = number as u32;
+        }
+        let mut heights = [0; 2];
+        let mut sorted = Vec::with_capacity(count);
+        for &old in &order {
+            let mut front = self.fronts[old].clone();
+            let mut own_children: Vec<_> = children[old].iter().map(|child| number_of[*child]).collect();
+            own_children.sort_unstable();
+            front.children = self.children.len()..self.children.len() + own_children.len();
+            front.stack = level[old] % 2;
+            front.update = heights[front.stack];
+            heights[front.stack] += front.update_stride() * front.depth();
+            self.stacks[front.stack] = self.stacks[front.stack].max(heights[front.stack]);
+            if let Some(first) = own_children.first() {
+                let first: &Front = &sorted[*first as usize];
+                heights[first.stack] = first.update;
+            }
+            self.children.extend(own_children);
+            front.panel = self.size;
+            self.size += front.stride() * front.width;
+            sorted.push(front);
+        }
+        self.fronts = sorted;
+    }
+
+    /// Finds where entries of the matrix and rows of updates go.
+    fn place(&mut self, matrix: &BlockMatrix, place_of: &[u32]) {
+        let mut columns = vec![Vec::new(); matrix.vertices()];
+        for (block, [a, b]) in matrix.couples().iter().enumerate() {
+            let (a, b) = (place_of[*a as usize], place_of[*b as usize]);
+            columns[a.min(b) as usize].push((a.max(b), 2 * block as u32 + u32::from(a < b)));
+        }
+        // The row of each place in the panel at hand.
+        let mut row_of = vec![0; matrix.vertices()];
+        for number in 0..self.fronts.len() {
+            let front = self.fronts[number].clone();
+            let places = front.first / 2..front.first / 2 + front.width / 2;
+            for (row, place) in places.clone().enumerate() {
+                row_of[place] = 2 * row;
+            }
+            for (row, place) in self.rows[front.below.clone()].iter().enumerate() {
+                row_of[*place as usize] = front.top() + 2 * row;
+            }
+            let begin = self.entries.len();
+            for (column, place) in places.enumerate() {
+                let entry = |(row, block): &(u32, u32)| Entry {
+                    to: (2 * column * front.stride() + row_of[*row as usize]) as u32,
+                    block: *block,
+                };
+                self.entries.extend(columns[place].iter().map(entry));
+            }
+            self.fronts[number].entries = begin..self.entries.len();
+            for child in self.children[front.children].iter().map(|child| *child as usize) {
+                let begin = self.runs.len();
+                for (row, place) in self.rows[self.fronts[child].below.clone()].iter().enumerate() {
+                    let (from, to) = (2 * row as u32, row_of[*place as usize] as u32);
+                    match self.runs[begin..].last_mut() {
+                        Some(run) if run.to + run.count == to => run.count += 2,
+                        _ => self.runs.push(Run { from, to, count: 2 }),
+                    }
+                }
+                self.fronts[child].runs = begin..self.runs.len();
+            }
+        }
+    }
+}
+
+/// The upper triangle by columns, with the diagonal: starts of the columns, and rows.
+fn upper_columns(matrix: &BlockMatrix) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0];
+    let mut indices = Vec::with_capacity(matrix.couples().len() + matrix.vertices());
+    let mut couples = matrix.couples().iter().peekable();
+    for column in 0..matrix.vertices() as u32 {
+        while let Some([_, row]) = couples.next_if(|couple| couple[0] == column) {
+            indices.push(*row);
+        }
+        indices.push(column);
+        starts.push(indices.len() as u32);
+    }
+    (starts, indices)
+}

@@ -1,0 +1,180 @@
+//! Facts about the sparse factorisation: against dense solutions, however vertices are numbered, and where there is none.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::Random;
+use gingerbread::solvers::{BlockMatrix, Factor};
+use nalgebra::{DMatrix, DVector, Matrix2};
+
+/// Couples of several shapes: none, a chain, a star, all with all, a grid, islands, and whatever chance gives.
+fn patterns() -> Vec<(usize, Vec<[u32; 2]>)> {
+    let mut random = Random(5);
+    let grid = |n: u32| {
+        let across = (0..n).flat_map(move |y| (1..n).map(move |x| [y * n + x, y * n + x - 1]));
+        let up = (1..n).flat_map(move |y| (0..n).map(move |x| [y * n + x - n, y * n + x]));
+        let diagonal = (1..n).flat_map(move |y| (1..n).map(move |x| [y * n + x, y * n + x - n - 1]));
+        (((n * n) as usize), across.chain(up).chain(diagonal).collect::<Vec<_>>())
+    };
+    let mut patterns = vec![
+        (1, vec![]),
+        (7, vec![]),
+        (40, (1..40).map(|vertex| [vertex - 1, vertex]).collect()),
+        (30, (1..30).map(|vertex| [0, vertex]).collect()),
+        (41, (0..41).flat_map(|a| (0..a).map(move |b| [a, b])).collect()),
+        grid(3),
+        grid(12),
+        grid(20),
+        (50, (0..50).filter(|vertex| vertex % 5 != 0).map(|vertex| [vertex, vertex - 1]).collect()),
+    ];
+    for count in [10_u32, 60, 150] {
+        let any = |random: &mut Random| random.between(0.0, f64::from(count)) as u32;
+        let couples = (0..2 * count).map(|_| [any(&mut random), any(&mut random)]).filter(|[a, b]| a != b);
+        patterns.push((count as usize, couples.collect()));
+    }
+    patterns
+}
+
+/// A positive definite matrix with this pattern.
+fn filled(vertices: usize, couples: &[[u32; 2]]) -> BlockMatrix {
+    let mut random = Random(vertices as u64);
+    let mut matrix = BlockMatrix::new(vertices, couples);
+    for [a, b] in couples {
+        let block = Matrix2::from_fn(|_, _| random.between(-1.0, 1.0));
+        matrix.couple(&block);
+        for vertex in [*a, *b] {
+            matrix.diagonal(vertex as usize, &Matrix2::from_diagonal_element(2.0));
+        }
+    }
+    for vertex in 0..vertices {
+        let off = random.between(-0.5, 0.5);
+        matrix.diagonal(vertex, &Matrix2::new(random.between(0.6, 1.0), off, off, random.between(0.6, 1.0)));
+    }
+    assert!(matrix.is_full());
+    matrix
+}
+
+fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
+    let count = 2 * matrix.vertices();
+    DMatrix::from_columns(
+        &(0..count)
+            .map(|column| {
+                let mut product = DVector::zeros(count);
+                let unit: Vec<_> = (0..count).map(|number| f64::from(u8::from(number == column))).collect();
+                matrix.add_product(&unit, product.as_mut_slice());
+                product
+            })
+            .collect::<Vec<_>>(),
+    )
+}
+
+#[test]
+fn the_factor_solves_as_a_dense_matrix_does_and_the_numbering_does_not_matter() {
+    for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
+        let matrix = filled(vertices, &couples);
+        let mut random = Random(number as u64);
+        let b: Vec<_> = (0..2 * vertices).map(|_| random.between(-1.0, 1.0)).collect();
+        let expected = dense(&matrix).cholesky().unwrap().solve(&DVector::from_column_slice(&b));
+        let mut factor = Factor::new(&matrix).unwrap();
+        let mut first = None;
+        for _ in 0..2 {
+            assert!(factor.factorise(&matrix, &vec![1.0; b.len()], 0.0));
+            let mut x = b.clone();
+            factor.solve(&mut x);
+            for (x, expected) in x.iter().zip(&expected) {
+                assert!((x - expected).abs() < 1e-12, "pattern {number}: {x} instead of {expected}");
+            }
+            // What is left from the first time does not show.
+            assert_eq!(first.get_or_insert(x.clone()), &x);
+        }
+        // The same matrix with vertices in another order, and couples the other way round.
+        let mut place: Vec<_> = (0..vertices as u32).collect();
+        for last in (1..vertices).rev() {
+            place.swap(last, random.between(0.0, last as f64 + 1.0) as usize);
+        }
+        let renumbered: Vec<_> =
+            matrix.couples().iter().map(|[a, b]| [place[*b as usize], place[*a as usize]]).collect();
+        let mut other = BlockMatrix::new(vertices, &renumbered);
+        matrix.blocks().iter().for_each(|block| other.couple(&block.transpose()));
+        let mut moved = vec![0.0; b.len()];
+        for (vertex, block) in matrix.diagonals().iter().enumerate() {
+            let to = place[vertex] as usize;
+            other.diagonal(to, block);
+            moved[2 * to..2 * to + 2].copy_from_slice(&b[2 * vertex..2 * vertex + 2]);
+        }
+        let mut factor = Factor::new(&other).unwrap();
+        assert!(factor.factorise(&other, &vec![1.0; b.len()], 0.0));
+        factor.solve(&mut moved);
+        for (number, expected) in expected.iter().enumerate() {
+            let found = moved[2 * place[number / 2] as usize + number % 2];
+            assert!((found - expected).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest() {
+    for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
+        let matrix = filled(vertices, &couples);
+        let mut random = Random(number as u64);
+        let count = 2 * vertices;
+        let weight: Vec<_> = (0..count).map(|_| random.between(-0.5, 1.0).max(0.0)).collect();
+        let b: Vec<_> = weight.iter().map(|w| if *w > 0.0 { random.between(-1.0, 1.0) } else { 0.0 }).collect();
+        let whole = dense(&matrix);
+        let reduced = DMatrix::from_fn(count, count, |row, column| {
+            let own = if weight[row] > 0.0 { 0.3 / weight[row] } else { 1.0 };
+            let entry = if weight[row] > 0.0 && weight[column] > 0.0 { whole[(row, column)] } else { 0.0 };
+            entry + if row == column { own } else { 0.0 }
+        });
+        let expected = reduced.cholesky().unwrap().solve(&DVector::from_column_slice(&b));
+        let mut factor = Factor::new(&matrix).unwrap();
+        assert!(factor.factorise(&matrix, &weight, 0.3));
+        let mut x = b;
+        factor.solve(&mut x);
+        for ((x, expected), weight) in x.iter().zip(&expected).zip(&weight) {
+            assert!((x - expected).abs() < 1e-12 && (*weight > 0.0 || *x == 0.0), "pattern {number}");
+        }
+    }
+}
+
+#[test]
+fn an_indefinite_matrix_is_reported_wherever_it_is_so_and_the_factor_serves_again() {
+    for (vertices, couples) in patterns() {
+        let matrix = filled(vertices, &couples);
+        let least = dense(&matrix).symmetric_eigenvalues().min();
+        let weight = vec![1.0; 2 * vertices];
+        let mut factor = Factor::new(&matrix).unwrap();
+        assert!(factor.factorise(&matrix, &weight, -least + 1e-6));
+        assert!(!factor.factorise(&matrix, &weight, -least - 1e-6));
+        for vertex in (0..vertices).step_by(7) {
+            for bad in [-1e6, f64::NAN] {
+                let mut spoilt = matrix.clone();
+                spoilt.diagonal(vertex, &Matrix2::new(0.0, 0.0, 0.0, bad));
+                assert!(!factor.factorise(&spoilt, &weight, 0.0));
+            }
+        }
+        assert!(factor.factorise(&matrix, &weight, 0.0));
+    }
+}
+
+#[test]
+fn a_matrix_knows_which_list_it_was_made_for() {
+    for (vertices, couples) in patterns() {
+        let matrix = filled(vertices, &couples);
+        assert!(matrix.is_for(vertices, &couples));
+        assert!(!matrix.is_for(vertices + 1, &couples));
+        if let Some(([a, b], rest)) = couples.split_first() {
+            assert!(!matrix.is_for(vertices, rest));
+            assert!(!matrix.is_for(vertices, &[&[[*b, *a]], rest].concat()));
+        }
+    }
+}
+
+#[test]
+fn nothing_at_all_is_solved_too() {
+    let nothing = BlockMatrix::new(0, &[]);
+    let mut factor = Factor::new(&nothing).unwrap();
+    assert!(factor.factorise(&nothing, &[], 0.0));
+    factor.solve(&mut []);
+    assert_eq!(factor.entries(), 0);
+}

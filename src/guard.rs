@@ -101,6 +101,11 @@ impl Guard {
         self.last.is_some() || kinetic > self.unsuspicious
     }
 
+    /// The greatest kinetic energy that is not suspicious [J]; less than nothing if any is.
+    pub const fn unsuspicious(&self) -> f64 {
+        if self.last.is_some() { -1.0 } else { self.unsuspicious }
+    }
+
     /// Judges a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);

@@ -17,7 +17,7 @@ use crate::{
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
-    study::{Saving, Savings},
+    study::{Saving, Savings, threads},
     untangle::{Tangle, untangled},
 };
 use serde::Serialize;
@@ -45,6 +45,9 @@ pub struct Run {
     /// Constitutive model for every body, instead of the level's own.
     #[arg(long, value_parser = model)]
     pub model: Option<Model>,
+    /// Number of threads for one large body, at most two; as many as there are if not given. The same bits come of any number.
+    #[arg(long)]
+    pub threads: Option<usize>,
     /// Write the last positions and velocities here, as CSV: vertex,x,y,vx,vy.
     #[arg(long)]
     pub state: Option<PathBuf>,
@@ -224,6 +227,7 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
         simulation.set_state(free);
     }
     simulation.set_timed(request.report.is_some());
+    simulation.set_threads(request.threads.unwrap_or_else(threads));
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
     let begin = Instant::now();

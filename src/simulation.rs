@@ -6,6 +6,7 @@ mod paces;
 mod reach;
 mod sleep;
 mod system;
+mod together;
 
 use crate::{
     effects::Grab,
@@ -22,6 +23,7 @@ use pulp::Arch;
 use sleep::Islands;
 use std::cell::RefCell;
 use system::{Scratch, System, ToySystem};
+use together::Team;
 
 /// A running scene.
 pub struct Simulation {
@@ -37,6 +39,7 @@ pub struct Simulation {
     scratch: Scratch,
     islands: Islands,
     paces: Paces,
+    team: Team,
     grab: Option<Grab>,
     guard: Guard,
     fault: Option<Fault>,
@@ -54,8 +57,8 @@ struct Checkpoint {
     /// What had been counted and booked then.
     counts: Counts,
     costs: Vec<EffectCost>,
-    /// What the guard had booked.
-    put_in: Option<f64>,
+    /// What the guard knew.
+    guard: Guard,
 }
 
 /// Steps between two checkpoints, and between two looks at the clock.
@@ -73,6 +76,7 @@ impl Simulation {
             stale: true,
             islands: Islands::new(&scene),
             paces: Paces::new(&scene),
+            team: Team::default(),
             scene,
             state,
             scratch,
@@ -209,39 +213,47 @@ impl Simulation {
                 self.pass(steps - taken);
                 return steps;
             }
-            taken += u64::from(self.take_step());
+            taken += self.take_steps(steps - taken);
         }
         taken
     }
 
-    /// Takes a step if it can be taken; a fault otherwise. Returns whether it was taken.
-    fn take_step(&mut self) -> bool {
+    /// Takes a step if it can be taken, or up to so many where several threads share the work; a fault otherwise. Returns how many
+    /// were taken.
+    fn take_steps(&mut self, most: u64) -> u64 {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
-            self.look_who_is_calm();
-            self.set_checkpoint();
-            self.fall_asleep();
-            if self.is_asleep() {
-                self.pass(1);
-                return true;
+            if !self.team.resumes() {
+                self.look_who_is_calm();
+                self.set_checkpoint();
+                self.fall_asleep();
+                if self.is_asleep() {
+                    self.pass(1);
+                    return 1;
+                }
+                self.look_for_room();
             }
-            self.look_for_room();
+            let taken = self.step_together(most);
+            if taken > 0 {
+                return taken;
+            }
         }
         self.step();
         if !self.is_sound() {
-            return self.retake();
+            return if self.was_alone() { u64::from(self.retake()) } else { self.walk_alone(1) };
         }
         // Going back relies on all steps since the checkpoint being of one length.
         self.stale |= self.guard.calm_down();
-        true
+        1
     }
 
     fn set_checkpoint(&mut self) {
         std::mem::swap(&mut self.checkpoint, &mut self.older);
         self.joined = !std::mem::take(&mut self.stale);
+        self.team.pass_checkpoint();
         self.checkpoint.state.clone_from(&self.state);
         self.checkpoint.counts = self.scratch.counts;
         self.checkpoint.costs.clone_from(&self.scratch.costs);
-        self.checkpoint.put_in = self.guard.put_in();
+        self.checkpoint.guard = self.guard.clone();
     }
 
     /// One step, in as many shorter ones as the guard wants.
@@ -317,7 +329,7 @@ impl Simulation {
         self.shape += 1;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
-        self.guard.book(self.checkpoint.put_in);
+        self.guard.book(self.checkpoint.guard.put_in());
         self.scratch.work.forget();
         self.scratch.room = -1.0;
         while self.state.steps < step {

@@ -24,6 +24,7 @@ use crate::{
     meshes::Files,
     sandbox::{Refused, Sandbox},
     snapshot::Snapshot,
+    study::threads,
 };
 use canvas::Canvas;
 use clock::{Clock, Spent};
@@ -63,6 +64,8 @@ pub struct App {
     last: Option<f64>,
     /// Time for stepping in a frame [s].
     budget: f64,
+    /// How many threads this machine has.
+    threads: usize,
 }
 
 impl App {
@@ -103,6 +106,7 @@ impl App {
             commands: Vec::new(),
             last: None,
             budget: BUDGET,
+            threads: threads(),
         })
     }
 
@@ -283,12 +287,12 @@ impl App {
         }
     }
 
-    /// Reads the clock around each effect only while somebody looks at what it says.
+    /// Reads the clock around each effect only while somebody looks at what it says. Otherwise threads may share the work.
     fn time_effects(&mut self) {
         let timed = self.view.ledger;
-        self.sandbox.set_timed(timed);
-        if let Some(panes) = &mut self.comparison {
-            panes.b.set_timed(timed);
+        for sandbox in [&mut self.sandbox].into_iter().chain(self.comparison.as_mut().map(|panes| &mut panes.b)) {
+            sandbox.set_timed(timed);
+            sandbox.set_threads(self.threads);
         }
         if !timed {
             self.meter.stop();

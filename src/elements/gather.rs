@@ -26,9 +26,11 @@ pub struct Gather {
     first: usize,
     /// How many stages the buffer of corners holds.
     window: usize,
+    /// How many corners each vertex that lies in several parts has in each of them, one vertex after another.
+    shares: Vec<u32>,
 }
 
-/// Vertices with as many corners as each other.
+/// Vertices with as many corners as each other; one vertex, if that lies in several parts.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     /// When they have all their forces.
@@ -39,14 +41,17 @@ struct Run {
     count: u32,
     /// Whether their numbers follow each other.
     dense: bool,
+    /// In how many parts they lie.
+    parts: u32,
 }
 
 /// Vertices in a row are a run of their own if runs are so long on average.
 const LONG: usize = 8;
 
 impl Gather {
-    /// `corners` holds the scene vertex numbers of each element's corners.
-    pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>) -> Self {
+    /// `corners` holds the scene vertex numbers of each element's corners. The sum at a vertex that lies in several parts is one
+    /// of sums over the parts; the elements at which parts begin are the `cuts`.
+    pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>, cuts: &[usize]) -> Self {
         let mut meeting = vec![Vec::new(); vertices.len()];
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
@@ -60,25 +65,28 @@ impl Gather {
         let place = |&(element, number): &(usize, usize)| {
             (element / LANES % (window * STAGE) * N + number) * LANES + order.place[element % LANES]
         };
+        let part = |element: usize| cuts.partition_point(|cut| *cut <= element);
+        let same_part = |one: &(usize, usize), other: &(usize, usize)| part(one.0) == part(other.0);
+        let parts = |vertex: u32| meeting[vertex as usize].chunk_by(same_part);
         // A vertex is summed in the stage of its last corner.
         let key = |vertex: &u32| {
             let meeting = &meeting[*vertex as usize];
-            (stage(meeting.last()) as u32, meeting.len() as u32)
+            (stage(meeting.last()) as u32, parts(*vertex).count() as u32, meeting.len() as u32)
         };
         let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
         ordered.sort_by_key(key);
         let runs = ordered.chunk_by(|one, other| key(one) == key(other)).flat_map(|alike| {
-            let (stage, degree) = key(&alike[0]);
+            let (stage, parts, degree) = key(&alike[0]);
             let follows = |one: &u32, other: &u32| one + 1 == *other;
             let dense = LONG * alike.chunk_by(follows).count() <= alike.len();
-            alike.chunk_by(move |one, other| !dense || follows(one, other)).map(move |run| {
-                let count = run.len() as u32;
-                Run { stage, degree, count, dense }
-            })
+            let joins = move |one: &u32, other: &u32| parts <= 1 && (!dense || follows(one, other));
+            alike.chunk_by(joins).map(move |run| Run { stage, degree, count: run.len() as u32, dense, parts })
         });
         let runs = runs.collect();
+        let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
+        let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
         let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
-        Self { runs, vertices: ordered, places, first: vertices.start, window }
+        Self { runs, vertices: ordered, places, first: vertices.start, window, shares }
     }
 
     /// How many blocks of elements the buffer of corners has to hold, of so many in all.
@@ -97,6 +105,7 @@ impl Gather {
             runs: self.runs.as_slice(),
             vertices: self.vertices.as_slice(),
             places: self.places.as_slice(),
+            shares: self.shares.as_slice(),
             first: self.first,
             stage: 0,
         }
@@ -108,6 +117,7 @@ pub struct Stages<'a> {
     runs: &'a [Run],
     vertices: &'a [u32],
     places: &'a [u32],
+    shares: &'a [u32],
     first: usize,
     stage: u32,
 }
@@ -117,11 +127,19 @@ impl Stages<'_> {
     #[inline(always)]
     pub fn add(&mut self, corners: &[Pairs], to: &mut impl Target) {
         let corners = corners.as_flattened();
-        while let Some((&Run { stage, degree, count, dense }, runs)) = self.runs.split_first()
+        while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
             let (now, vertices) = self.vertices.split_at(count as usize);
             let (of_now, places) = self.places.split_at((degree * count) as usize);
+            (self.runs, self.vertices, self.places) = (runs, vertices, places);
+            if parts > 1 {
+                let (shares, others) = self.shares.split_at(parts as usize);
+                self.shares = others;
+                let force = sum_by_parts(of_now, shares, corners);
+                to.take(now.iter().map(|vertex| (self.first + *vertex as usize, force)));
+                continue;
+            }
             /// One loop for each of these numbers of corners, with nothing to count inside; one for all others.
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
@@ -133,10 +151,26 @@ impl Stages<'_> {
                 };
             }
             loops!(1 2 3 4 5 6 7 8 9 10 11 12);
-            (self.runs, self.vertices, self.places) = (runs, vertices, places);
         }
         self.stage += 1;
     }
+}
+
+/// The sum of the sums over the places in each part.
+fn sum_by_parts(mut places: &[u32], shares: &[u32], corners: &[[f64; 2]]) -> f64x2 {
+    let mut sum = f64x2::ZERO;
+    for &share in shares {
+        let (now, others) = places.split_at(share as usize);
+        sum += sum_at(now, corners);
+        places = others;
+    }
+    sum
+}
+
+/// The sum over these places.
+#[inline(always)]
+fn sum_at(places: &[u32], corners: &[[f64; 2]]) -> f64x2 {
+    places.iter().fold(f64x2::ZERO, |sum, &place| sum + f64x2::new(corners[place as usize]))
 }
 
 /// Hands out the sums over the places of these vertices, counted from the first of the scene's; `dense` says that their numbers
@@ -149,8 +183,7 @@ fn sum<'a>(
     (first, dense): (usize, bool),
     to: &mut impl Target,
 ) {
-    let forces =
-        places.map(|places| places.iter().fold(f64x2::ZERO, |sum, &place| sum + f64x2::new(corners[place as usize])));
+    let forces = places.map(|places| sum_at(places, corners));
     match vertices {
         [start, ..] if dense => to.take_run(first + *start as usize, forces),
         _ => to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces)),

@@ -3,6 +3,7 @@
 mod blocks;
 mod fields;
 mod gather;
+mod parts;
 mod spring;
 mod survey;
 mod tangent;
@@ -11,6 +12,7 @@ mod triangle;
 
 pub(crate) use blocks::Law;
 pub use fields::Field;
+pub(crate) use parts::{Walker, Way};
 pub use spring::Springs;
 pub use survey::Survey;
 pub(crate) use tangent::Isotropic;

@@ -34,7 +34,7 @@ impl Springs {
         let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
         let links: Vec<_> = links.collect();
         let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
-        Self { gather: Gather::new(&ends, &vertices), links, vertices }
+        Self { gather: Gather::new(&ends, &vertices, &[]), links, vertices }
     }
 
     /// Scene numbers of the net's particles.

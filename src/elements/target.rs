@@ -98,17 +98,29 @@ impl Target for Kicking<'_> {
     }
 }
 
+/// Positions and velocities by vertices.
+type Moving<'a> = [&'a mut [[f64; 2]]; 2];
+
+/// Masses and their reciprocals by vertices.
+type Masses<'a> = [&'a [[f64; 2]]; 2];
+
 /// What is the same for every vertex.
 #[derive(Clone, Copy)]
-struct Kick {
+pub(super) struct Kick {
     field: f64x2,
     step: f64x2,
 }
 
 impl Kick {
+    /// For an acceleration that every vertex is given [m/s²], and steps of a length [s].
+    #[inline(always)]
+    pub fn new(field: [f64; 2], step: f64) -> Self {
+        Self { field: f64x2::new(field), step: f64x2::splat(step) }
+    }
+
     /// Moves one vertex; its mass times the squares of its velocity.
     #[inline(always)]
-    fn of(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], force: f64x2) -> f64x2 {
+    pub fn of(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], force: f64x2) -> f64x2 {
         let [mass, inverse_mass] = masses.map(f64x2::new);
         let now = f64x2::new(*v) + self.step * (force + mass * self.field) * inverse_mass;
         // Both numbers are written at once, as they are read next: together what was written apart is not at hand.
@@ -121,10 +133,10 @@ impl Kick {
 impl Kicking<'_> {
     /// Positions and velocities, masses and their reciprocals, all by vertices, and what is the same for all.
     #[inline(always)]
-    fn parts(&mut self) -> ([&mut [[f64; 2]]; 2], [&[[f64; 2]]; 2], Kick) {
+    fn parts(&mut self) -> (Moving<'_>, Masses<'_>, Kick) {
         let moving = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut().0);
         let masses = [self.mass, self.inverse_mass].map(|values| values.as_chunks().0);
-        (moving, masses, Kick { field: f64x2::new(self.field), step: f64x2::splat(self.step) })
+        (moving, masses, Kick::new(self.field, self.step))
     }
 
     #[inline(always)]

@@ -1,7 +1,8 @@
 use super::{
     Adding, Kicking, Target,
-    blocks::{self, Blocks, CornerForces, Elastic, Forces, Law},
+    blocks::{self, Block, Blocks, CornerForces, Elastic, Forces, Law},
     gather::{Gather, STAGE, pairs, room},
+    parts::{self, Parts, Walker, Way},
 };
 use crate::{
     effects::{Effect, Motion},
@@ -11,7 +12,7 @@ use crate::{
 };
 use nalgebra::{Matrix2, Matrix4, Vector4};
 use pulp::Arch;
-use std::ops::Range;
+use std::{ops::Range, sync::OnceLock};
 
 /// The linear triangles of one body, all of one material and unit thickness.
 ///
@@ -28,6 +29,8 @@ pub struct Triangles {
     lame: Lame,
     plane_stress: bool,
     gather: Gather,
+    /// For those who share the work; found when it is first wanted.
+    parts: OnceLock<Parts>,
 }
 
 /// The rest shape of a triangle.
@@ -51,9 +54,9 @@ impl Triangles {
             Rest { inverse: Matrix2::new(edges.m22, -edges.m12, -edges.m21, edges.m11) / (2.0 * area), area }
         });
         let blocks = Blocks::new(&shapes.collect::<Vec<_>>());
-        let gather = Gather::new(&corners, &vertices);
+        let gather = Gather::new(&corners, &vertices, &parts::cuts(&corners));
         let (model, lame, plane_stress) = material;
-        Self { vertices, corners, blocks, model, lame, plane_stress, gather }
+        Self { vertices, corners, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
     }
 
     /// Scene numbers of the body's vertices.
@@ -132,16 +135,25 @@ impl Triangles {
 
     /// Computes the force of a stress on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands it out.
     pub(crate) fn sweep(&self, law: impl Law, target: &mut impl Target, scratch: &mut [f64]) {
-        let Self { corners, blocks, .. } = self;
-        let pairs = pairs(scratch);
-        let (mut stages, arch) = (self.gather.stages(), Arch::new());
-        for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
-            let blocks = blocks.stage(stage * STAGE);
-            let out: &mut [CornerForces] = pairs[3 * self.gather.slot(stage)..].as_chunks_mut().0;
-            let [x, v] = target.motion();
-            arch.dispatch(Forces { law, corners, blocks, x, v, out });
-            arch.dispatch(|| stages.add(pairs, target));
+        sweep(law, (&self.corners, self.blocks.stage(0)), &self.gather, target, scratch);
+    }
+
+    /// The body in parts, where it is large enough for several to share the work.
+    pub(crate) fn parts(&self) -> &Parts {
+        self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices))
+    }
+
+    /// Moves the vertices of one part on their way through a number of steps, together with those who move the others.
+    pub(crate) fn walk(&self, walker: &mut Walker, way: &Way<'_>) {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, &'a Way<'b>);
+        impl Visitor for Visit<'_, '_> {
+            type Output = ();
+            fn visit<M: Material>(self, material: &M) {
+                let Self(of, walker, way) = self;
+                walker.walk(Elastic(material), of.parts(), of.blocks.stage(0), way);
+            }
         }
+        self.model.visit(self.lame, Visit(self, walker, way));
     }
 
     /// Adds the derivative of the force of a stress, the other way round, times a displacement `d` [m] to `product` [N]; `tangent`
@@ -169,6 +181,25 @@ impl Triangles {
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
         edge_matrix(field, self.corners[number]) * self.rest(number).inverse
+    }
+}
+
+/// Computes the force of a stress on the corners of triangles, sums it at their vertices and hands it out.
+pub(super) fn sweep(
+    law: impl Law,
+    (corners, blocks): (&[[u32; 3]], &[Block]),
+    gather: &Gather,
+    target: &mut impl Target,
+    scratch: &mut [f64],
+) {
+    let pairs = pairs(scratch);
+    let (mut stages, arch) = (gather.stages(), Arch::new());
+    for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
+        let blocks = &blocks[stage * STAGE..];
+        let out: &mut [CornerForces] = pairs[3 * gather.slot(stage)..].as_chunks_mut().0;
+        let [x, v] = target.motion();
+        arch.dispatch(Forces { law, corners, blocks, x, v, out });
+        arch.dispatch(|| stages.add(pairs, target));
     }
 }
 

@@ -55,10 +55,9 @@ impl Simulation {
         if self.scratch.room >= 0.0 {
             return true;
         }
-        let box_of_all = self.scratch.free.unwrap_or(WORLD);
-        if self.state.is_within(box_of_all) {
+        if self.state.is_within(self.scratch.free.unwrap_or(WORLD)) {
             if self.scratch.kinetic.is_some() {
-                self.scratch.room = room(extents(&self.state.x), box_of_all);
+                self.measure_room();
             }
             return true;
         }
@@ -68,6 +67,11 @@ impl Simulation {
         self.go_back_to(self.state.steps - 1);
         self.step();
         self.state.is_finite()
+    }
+
+    /// Looks how far everything may go.
+    pub(super) fn measure_room(&mut self) {
+        self.scratch.room = room(extents(&self.state.x), self.scratch.free.unwrap_or(WORLD));
     }
 }
 

@@ -78,6 +78,13 @@ impl Islands {
     }
 }
 
+impl Islands {
+    /// Steps between two looks at who is calm; as many as there are where nobody looks.
+    pub const fn every(&self) -> u64 {
+        if self.possible { self.every } else { u64::MAX }
+    }
+}
+
 impl Simulation {
     /// Which bodies, and after them which nets, sleep.
     pub fn sleeping(&self) -> impl Iterator<Item = bool> {

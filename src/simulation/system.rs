@@ -78,7 +78,7 @@ pub(super) struct Scratch {
     /// The energy of motion after the step [J], if it came along.
     pub kinetic: Option<f64>,
     /// The least mass of what can move [kg].
-    lightest: f64,
+    pub lightest: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
     /// Whether effects are timed.
@@ -124,9 +124,16 @@ impl Scratch {
     /// Takes off from the room what the fastest vertex may have gone in a step of length h [s]: its energy was not above all there
     /// was, and round-off is far below what is added for it.
     pub fn shrink_room(&mut self, h: f64) {
-        let speed = self.kinetic.map_or(f64::NAN, |kinetic| (2.0 * kinetic / self.lightest).sqrt());
-        let way = 1.000_001 * h * speed;
-        self.room = if speed <= State::LIMIT { self.room - way } else { -1.0 };
+        self.room = shrunk(self.room, self.kinetic.unwrap_or(f64::NAN), self.lightest, h);
+    }
+
+    /// The acceleration that everything is given [m/s²], if nothing else acts just now beside the elements, and nobody wants to
+    /// know what each effect costs.
+    pub fn field(&self, scene: &Scene, motion: Motion<'_>) -> Option<[f64; 2]> {
+        let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
+        let mut acting = self.plan.forces.iter().filter(acts);
+        let field = acting.next().map_or(Some([0.0; 2]), |number| scene.effects[*number].field());
+        field.filter(|_| acting.next().is_none() && !self.timed)
     }
 
     /// Runs one effect and books its time and, if it is a call of its own, its elements.
@@ -155,6 +162,12 @@ impl Scratch {
     }
 }
 
+/// What is left of the room after a step with this energy of motion at its end [J]; less than nothing if there is no telling.
+pub(super) fn shrunk(room: f64, kinetic: f64, lightest: f64, h: f64) -> f64 {
+    let speed = (2.0 * kinetic / lightest).sqrt();
+    if speed <= State::LIMIT { room - 1.000_001 * h * speed } else { -1.0 }
+}
+
 /// A scene as the integrator sees it.
 pub(super) struct System<'a> {
     pub scene: &'a Scene,
@@ -178,15 +191,22 @@ fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effe
 }
 
 impl System<'_> {
-    /// The acceleration that everything is given [m/s²], if nothing else acts just now beside the elements, and nobody wants to
-    /// know what each effect costs.
-    fn field(&self, x: &[f64], v: &[f64]) -> Option<[f64; 2]> {
-        let motion = self.motion(x, v);
-        let acts =
-            |number: &&usize| !self.scratch.costs[**number].auto || self.scene.effects[**number].idle(motion).is_none();
-        let mut acting = self.scratch.plan.forces.iter().filter(acts);
-        let field = acting.next().map_or(Some([0.0; 2]), |number| self.scene.effects[*number].field());
-        field.filter(|_| acting.next().is_none() && !self.scratch.timed)
+    /// Books a step in which the vertices are moved while the elements are swept over.
+    pub fn book_kick(&mut self, x: &[f64], v: &[f64]) {
+        let scene = self.scene;
+        let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
+        counts.force_evaluations += 1;
+        for number in &plan.sleeping {
+            costs[*number].pass_over(ASLEEP);
+        }
+        for number in plan.elements.iter().chain(&plan.forces) {
+            let (effect, cost) = (&scene.effects[*number], &mut costs[*number]);
+            match effect.idle(motion).filter(|_| cost.auto) {
+                Some(why) => cost.pass_over(why),
+                None => cost.call(effect.elements(motion)),
+            }
+        }
     }
 }
 
@@ -218,31 +238,20 @@ impl Dynamics for System<'_> {
 
     /// Where nothing acts but elements and gravity, the vertices are moved while the elements are swept over.
     fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
-        let Some(field) = self.field(x, v) else {
+        let Some(field) = self.scratch.field(self.scene, self.motion(x, v)) else {
             self.force(x, v, force);
             return kick_and_drift(x, v, force, self.inverse_mass(), h);
         };
+        self.book_kick(x, v);
         let scene = self.scene;
-        let Scratch { plan, held, costs, effects, .. } = &mut *self.scratch;
+        let Scratch { plan, held, effects, .. } = &mut *self.scratch;
         let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
-        let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
-        for number in &plan.sleeping {
-            costs[*number].pass_over(ASLEEP);
-        }
-        for number in plan.elements.iter().chain(&plan.forces) {
-            let (effect, cost) = (&scene.effects[*number], &mut costs[*number]);
-            match effect.idle(motion).filter(|_| cost.auto) {
-                Some(why) => cost.pass_over(why),
-                None => cost.call(effect.elements(motion)),
-            }
-        }
         let mut vertices = Kicking { x, v, mass: &scene.mass, inverse_mass, field, step: h, twice_kinetic: 0.0 };
         for number in &plan.elements {
             let effect = &scene.effects[*number];
             effect.kick(&mut vertices, &mut effects[..effect.scratch()]);
         }
         self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
-        self.scratch.counts.force_evaluations += 1;
     }
 
     fn mass(&self) -> &[f64] {

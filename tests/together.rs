@@ -1,0 +1,92 @@
+//! One large body stepped by two threads has the bits it has with one.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{level, simulation};
+use gingerbread::{level::Level, simulation::Simulation};
+
+/// A sheet of 9248 triangles, row by row.
+fn large(body: &str, rest: &str) -> Level {
+    level(&format!(
+        "(name: \"large\", {rest}, bodies: [(name: \"large\", mass: Density(1), {body} mesh: Rectangle(width: 1, height: 1, columns: 68, rows: 68),
+          material: (model: StableNeoHookean, young: 1000, poisson: 0.3, plane: Strain))])"
+    ))
+}
+
+fn work(simulation: &Simulation) -> impl PartialEq + std::fmt::Debug {
+    let costs = simulation.costs().iter().map(|cost| (cost.name, cost.calls, cost.elements, cost.skipped, cost.idle));
+    (simulation.state().hash(), simulation.state().time, simulation.counts(), costs.collect::<Vec<_>>())
+}
+
+/// Runs a level with one thread and with two, and compares them every now and then.
+fn compare(level: &Level, stretches: u32, steps: u64) -> Simulation {
+    let [mut one, mut two] = [level; 2].map(simulation);
+    one.set_threads(1);
+    two.set_threads(2);
+    for stretch in 0..stretches {
+        let taken = [&mut one, &mut two].map(|run| run.advance(steps, &mut || true));
+        assert_eq!(taken[0], taken[1], "stretch {stretch}");
+        assert_eq!(work(&one), work(&two), "stretch {stretch}");
+        assert_eq!((one.fault(), one.parts()), (two.fault(), two.parts()));
+    }
+    two
+}
+
+#[test]
+fn two_threads_come_to_the_bits_and_books_of_one() {
+    let gravity = "effects: [(effect: Gravity(down: 1, right: 2)), (effect: MouseSpring(stiffness: 10))]";
+    for (body, rest) in [
+        ("stretch: (1.1, 1),", "substeps: 700, effects: []"),
+        ("pins: [Top],", &format!("substeps: 700, sleep: Off, {gravity}")),
+        ("velocity: (3, 0), spin: 5,", "substeps: 700, guard: Off, effects: []"),
+    ] {
+        // Steps in odd numbers, so that stretches begin and end anywhere.
+        let run = compare(&large(body, rest), 7, 333);
+        assert!(run.steps_together() > 1000, "only {} steps were taken together", run.steps_together());
+    }
+}
+
+#[test]
+fn what_falls_on_a_floor_while_two_share_the_work_is_stopped_where_it_would_be() {
+    let floor = "(effect: Walls(obstacles: [Plane(point: (0, -0.02), normal: (0, 1), eps: 0.001)]))";
+    let rest = format!("substeps: 700, effects: [(effect: Gravity(down: 20)), {floor}]");
+    let run = compare(&large("stretch: (1.02, 1),", &rest), 5, 700);
+    assert!(run.counts().constrained > 0 && run.steps_together() > 300, "{:?} {}", run.counts(), run.steps_together());
+}
+
+/// Too long a step: the guard goes back and takes shorter ones, from just the same steps.
+#[test]
+fn the_guard_steps_in_where_it_would_with_one_thread() {
+    let rest = "substeps: 60, effects: [(effect: Gravity(down: 1))]";
+    let run = compare(&large("stretch: (1.1, 1),", rest), 12, 200);
+    assert!(
+        run.counts().retaken > 0 && run.counts().guarded > 0,
+        "the step should have been too long: {:?}",
+        run.counts()
+    );
+    let rest = "substeps: 60, guard: Off, effects: [(effect: Gravity(down: 1))]";
+    let run = compare(&large("stretch: (1.1, 1),", rest), 12, 200);
+    assert!(run.fault().is_some(), "without the guard it should have blown up");
+}
+
+#[test]
+fn a_mesh_in_no_order_is_left_to_one_thread_and_small_ones_too() {
+    let side = 68;
+    let points: Vec<_> = (0..side * side).map(|i| (f64::from(i % side), f64::from(i / side))).collect();
+    let square = |i: u32| {
+        let corner = i / (side - 1) * side + i % (side - 1);
+        [(corner, corner + 1, corner + side), (corner + 1, corner + side + 1, corner + side)]
+    };
+    let by_row: Vec<_> = (0..(side - 1) * (side - 1)).flat_map(square).collect();
+    // 2053 is a prime that does not divide their number: every triangle comes once.
+    let triangles: Vec<_> = (0..by_row.len()).map(|i| by_row[i * 2053 % by_row.len()]).collect();
+    let text = format!(
+        "(name: \"shuffled\", substeps: 10, effects: [(effect: Gravity(down: 1))], bodies: [(name: \"shuffled\", mass: Density(1),
+          stretch: (1.1, 1), mesh: Points(points: {points:?}, triangles: {triangles:?}),
+          material: (model: Corotated, young: 1000, poisson: 0.3))])"
+    );
+    for level in [level(&text), common::sheet("Corotated", "", "effects: [(effect: Gravity(down: 1))]")] {
+        assert_eq!(compare(&level, 2, 100).steps_together(), 0);
+    }
+}

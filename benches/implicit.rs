@@ -134,6 +134,20 @@ fn step(criterion: &mut Criterion) {
     }
 }
 
+/// The same from 500 triangles to 200,000.
+fn sizes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step of so many triangles");
+    group.sample_size(10);
+    for n in [16, 50, 158, 316] {
+        let mut simulation = sheet(n, Model::Corotated);
+        assert_eq!(simulation.advance(1, &mut || true), 1);
+        group.bench_function(format!("{}", 2 * n * n), |bencher| {
+            bencher.iter_custom(|steps| laps(&mut simulation, steps, 1));
+        });
+    }
+    group.finish();
+}
+
 /// 2,000 triangles: the first second after letting go of a stretched man, over and over.
 fn man(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of the man");
@@ -150,6 +164,6 @@ fn man(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(200));
-    targets = assembly, factor, step, man
+    targets = assembly, factor, step, sizes, man
 }
 criterion_main!(benches);

@@ -129,8 +129,30 @@ fn steps(criterion: &mut Criterion) {
             group.bench_function(&name, |bencher| {
                 bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
             });
+            simulation.set_threads(2);
+            if n > 22 {
+                group.bench_function(format!("{name}, two threads"), |bencher| {
+                    bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+                });
+            }
             group.bench_function(format!("{name}, plain"), |bencher| {
                 bencher.iter_custom(|count| plain.steps(&simulation, count) / (2 * n * n));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// From 500 triangles to a million.
+fn sizes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step of so many triangles, per triangle");
+    group.sample_size(10);
+    for n in [16, 50, 158, 500, 707] {
+        let mut simulation = sheet(n, Model::Corotated);
+        for threads in [1, 2] {
+            simulation.set_threads(threads);
+            group.bench_function(format!("{}, {threads} threads", 2 * n * n), |bencher| {
+                bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
             });
         }
     }
@@ -180,6 +202,6 @@ fn frame(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = steps, springs, frame
+    targets = steps, sizes, springs, frame
 }
 criterion_main!(benches);

@@ -75,6 +75,14 @@ struct Part {
     gather: Gather,
 }
 
+impl Part {
+    /// The numbers of the vertices that are its alone, if they follow each other.
+    fn in_a_row(&self) -> Option<Range<usize>> {
+        let (first, last) = (*self.own.first()? as usize, *self.own.last()? as usize);
+        (last - first < self.own.len()).then_some(first..last + 1)
+    }
+}
+
 impl Parts {
     /// The parts of a mesh.
     pub fn new(corners: &[[u32; 3]], vertices: &Range<usize>) -> Self {
@@ -119,8 +127,15 @@ pub struct Board(Vec<Post>);
 struct Post {
     /// After how many steps; the greatest number once it has left.
     steps: AtomicU32,
-    /// For each vertex of the seams two numbers of force [N], and then twice the energy of motion of the vertices of its own [J].
-    pages: [Vec<AtomicU64>; 2],
+    pages: [Page; 2],
+}
+
+/// The bits of what is posted after a step.
+struct Page {
+    /// The sum of forces at each vertex of the seams [N].
+    forces: Vec<[AtomicU64; 2]>,
+    /// Twice the energy of motion of the vertices of its own [J].
+    kinetic: AtomicU64,
 }
 
 /// Looks at a post before the processor is offered to others.
@@ -128,12 +143,13 @@ const PATIENCE: u32 = 200;
 
 impl Post {
     fn new(seam: usize) -> Self {
-        let page = || (0..=2 * seam).map(|_| AtomicU64::new(0)).collect();
+        let zero = || AtomicU64::new(0);
+        let page = || Page { forces: (0..seam).map(|_| [zero(), zero()]).collect(), kinetic: zero() };
         Self { steps: AtomicU32::new(0), pages: [page(), page()] }
     }
 
     /// Waits until so many steps are posted, and returns the page of the last.
-    fn page(&self, steps: u32) -> &[AtomicU64] {
+    fn page(&self, steps: u32) -> &Page {
         let mut looks = 0;
         while self.steps.load(Ordering::Acquire) < steps {
             looks += 1;
@@ -202,7 +218,11 @@ impl Walker {
         for (own, whole) in own.into_iter().zip(whole) {
             let whole: &[[f64; 2]] = whole.as_chunks().0;
             own.clear();
-            own.extend(part.own.iter().chain(&parts.seam).map(|vertex| whole[*vertex as usize]));
+            match part.in_a_row() {
+                Some(run) => own.extend_from_slice(&whole[run]),
+                None => own.extend(part.own.iter().map(|vertex| whole[*vertex as usize])),
+            }
+            own.extend(parts.seam.iter().map(|vertex| whole[*vertex as usize]));
         }
         self.seam.clear();
         self.seam.resize(parts.seam.len(), f64x2::ZERO);
@@ -215,9 +235,12 @@ impl Walker {
         let seam = if self.part == 0 { parts.seam.as_slice() } else { &[] };
         for (whole, own) in [(x, &self.x), (v, &self.v)] {
             let whole: &mut [[f64; 2]] = whole.as_chunks_mut().0;
-            for (vertex, own) in part.own.iter().chain(seam).zip(own) {
-                whole[*vertex as usize] = *own;
+            let (own, of_seam) = own.split_at(part.own.len());
+            match part.in_a_row() {
+                Some(run) => whole[run].copy_from_slice(own),
+                None => part.own.iter().zip(own).for_each(|(vertex, own)| whole[*vertex as usize] = *own),
             }
+            seam.iter().zip(of_seam).for_each(|(vertex, own)| whole[*vertex as usize] = *own);
         }
     }
 
@@ -236,9 +259,11 @@ impl Walker {
             sweep(law, (&part.corners, &blocks[part.block..]), &part.gather, &mut target, scratch);
             let squares = target.squares.to_array();
             let page = &post.pages[self.steps as usize % 2];
-            let posted = seam.iter().flat_map(|force| force.to_array()).chain([squares[0] + squares[1]]);
-            for (to, value) in page.iter().zip(posted) {
-                to.store(value.to_bits(), Ordering::Relaxed);
+            page.kinetic.store((squares[0] + squares[1]).to_bits(), Ordering::Relaxed);
+            for ([x, y], force) in page.forces.iter().zip(&*seam) {
+                let [fx, fy] = force.to_array().map(f64::to_bits);
+                x.store(fx, Ordering::Relaxed);
+                y.store(fy, Ordering::Relaxed);
             }
             post.steps.store(self.steps, Ordering::Release);
             let twice_kinetic = self.move_seam(kick, own, way.board);
@@ -257,11 +282,11 @@ impl Walker {
         let mut twice_kinetic = 0.0;
         for post in &board.0 {
             let page = post.page(self.steps);
-            let number = |at: usize| f64::from_bits(page[at].load(Ordering::Relaxed));
-            for (at, sum) in self.seam.iter_mut().enumerate() {
-                *sum += f64x2::new([number(2 * at), number(2 * at + 1)]);
+            let read = |number: &AtomicU64| f64::from_bits(number.load(Ordering::Relaxed));
+            for ([x, y], sum) in page.forces.iter().zip(&mut self.seam) {
+                *sum += f64x2::new([read(x), read(y)]);
             }
-            twice_kinetic += number(2 * self.seam.len());
+            twice_kinetic += read(&page.kinetic);
         }
         let moving = self.x[own..].iter_mut().zip(&mut self.v[own..]);
         let masses = self.mass[own..].iter().zip(&self.inverse_mass[own..]);

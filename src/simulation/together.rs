@@ -15,8 +15,8 @@ use crate::{
 use std::sync::Arc;
 
 /// How many triangles a stretch may step at most, and steps: who asks for them wants to be asked whether to go on.
-const WORK: usize = 2_000_000;
-const STEPS: u64 = 10 * BATCH;
+const WORK: usize = 3_000_000;
+const STEPS: u64 = 40 * BATCH;
 
 /// Those who step a body together.
 #[derive(Default)]
@@ -24,6 +24,8 @@ pub(super) struct Team {
     /// How many threads there may be.
     threads: usize,
     walkers: Vec<Walker>,
+    /// The revision of the simulation that they arrived at: while it is the same, they are where everything is.
+    arrived: Option<u64>,
     /// How many steps were taken together.
     steps: u64,
     /// Whether steps after the last checkpoint, and between that and the one before, were taken together.
@@ -88,7 +90,9 @@ impl Simulation {
         let mut walkers = std::mem::take(&mut self.team.walkers);
         if walkers.len() != parts.count() {
             walkers = (0..parts.count()).map(Walker::new).collect();
+            self.team.arrived = None;
         }
+        let arrived = self.team.arrived == Some(self.revision);
         let (h, lightest) = (self.scene.step, self.scratch.lightest);
         let way = Way {
             board: &parts.board(),
@@ -103,7 +107,9 @@ impl Simulation {
         let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
         let whole: [&[f64]; 4] = [&state.x, &state.v, &scene.mass, inverse_mass];
         let walk = |walker: &mut Walker| {
-            walker.set_out(parts, whole);
+            if !arrived {
+                walker.set_out(parts, whole);
+            }
             body.walk(walker, &way);
         };
         std::thread::scope(|scope| {
@@ -123,6 +129,7 @@ impl Simulation {
         self.team.walked[0] = true;
         self.team.steps += taken;
         self.book_stretch(taken);
+        self.team.arrived = Some(self.revision);
         if self.is_sound() { taken } else { self.walk_alone(taken) }
     }
 
@@ -152,7 +159,7 @@ impl Simulation {
 
     /// Whether the steps since the checkpoints that a failed step is taken again from were all taken alone.
     pub(super) const fn was_alone(&self) -> bool {
-        !self.team.walked[0] && !(self.joined && self.team.walked[1])
+        !(self.team.walked[0] || self.joined && self.team.walked[1])
     }
 
     /// After a stretch that was not sound: back as far as the guard may want to go, and on to the start of the stretch alone, with
@@ -167,6 +174,7 @@ impl Simulation {
         self.guard = self.checkpoint.guard.clone();
         self.go_back_to(self.checkpoint.state.steps);
         (self.team.alone_until, self.team.resumes, self.team.walked) = (end, true, [false; 2]);
+        self.team.arrived = None;
         while self.state.steps < start && self.fault.is_none() {
             self.take_steps(1);
         }

@@ -81,7 +81,7 @@ impl Simulation {
         let steps = most.min(STEPS).min((WORK / triangles.max(1)) as u64).min(self.until_look());
         let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
         let parts = body.parts();
-        if steps < 2 || most_kinetic < 0.0 || parts.count() < 2 {
+        if steps < BATCH || most_kinetic < 0.0 || parts.count() < 2 {
             return 0;
         }
         if self.scratch.room < 0.0 {

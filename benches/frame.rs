@@ -39,9 +39,6 @@ struct Window {
     harness: Harness<'static, App>,
     frame: eframe::Frame,
     time: f64,
-    /// The shortest frame so far, and the vertices that the last one handed to the graphics card.
-    least: Duration,
-    vertices: usize,
 }
 
 impl Window {
@@ -60,8 +57,7 @@ impl Window {
         // Nobody reads the screen aloud.
         harness.ctx.disable_accesskit();
         let time = harness.ctx.input(|input| input.time);
-        let mut window =
-            Self { harness, frame: eframe::Frame::_new_kittest(), time, least: Duration::MAX, vertices: 0 };
+        let mut window = Self { harness, frame: eframe::Frame::_new_kittest(), time };
         window.frames(BEFORE);
         window
     }
@@ -85,16 +81,8 @@ impl Window {
                 app.logic(ui.ctx(), &mut self.frame);
                 app.ui(ui, &mut self.frame);
             });
-            let drawn = ctx.tessellate(output.shapes, output.pixels_per_point);
-            let elapsed = begin.elapsed();
-            (spent, self.least) = (spent + elapsed, self.least.min(elapsed));
-            self.vertices = drawn
-                .iter()
-                .map(|part| match &part.primitive {
-                    egui::epaint::Primitive::Mesh(mesh) => mesh.vertices.len(),
-                    egui::epaint::Primitive::Callback(_) => 0,
-                })
-                .sum();
+            std::hint::black_box(ctx.tessellate(output.shapes, output.pixels_per_point));
+            spent += begin.elapsed();
         }
         spent
     }
@@ -116,7 +104,6 @@ fn body(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, mesh: &str) {
     let mut sandbox = Sandbox::new(level(mesh), Box::new(NoFiles)).unwrap();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     let mut snapshot = Snapshot::default();
-    println!("{name}: {} triangles", sandbox.simulation().scene().triangles.len());
     group.bench_function(format!("{name}, step alone"), |bencher| {
         bencher.iter(|| sandbox.advance(1, &mut || true));
     });
@@ -137,9 +124,6 @@ fn body(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, mesh: &str) {
             let window = window.get_or_insert_with(|| Window::new(level(mesh), switches));
             bencher.iter_custom(|count| window.frames(count as usize));
         });
-        if let Some(window) = &window {
-            println!("{name}, {what}: least {:?}, {} vertices drawn", window.least, window.vertices);
-        }
     }
 }
 

@@ -62,7 +62,8 @@ impl SecondOrder for LinearlyImplicitEuler {
         axes::straighten(axes, state.x.len());
         before.copy_from_slice(&state.x);
         let (origin, free_x): (&[f64], &[f64]) = (before, before);
-        let mut stage = Stage { system: &mut *system, origin, free_x, free_v, inverse, axes, x, v, affine };
+        let velocity = &*free_v;
+        let mut stage = Stage { system: &mut *system, origin, velocity, free_x, free_v, inverse, axes, x, v, affine };
         let newton = newton.linear(&mut stage, none, g, z);
         for (number, z) in z.iter().enumerate() {
             state.v[number] += h * z;

@@ -33,7 +33,7 @@ pub use velocity_verlet::VelocityVerlet;
 use crate::{
     quantity::Quantity,
     registry::registry,
-    solvers::{Newton, NewtonCounts},
+    solvers::{Newton, NewtonCounts, Path},
     state::State,
 };
 
@@ -142,6 +142,11 @@ pub struct Work {
 }
 
 impl Work {
+    /// For schemes that solve linear systems in this way.
+    pub fn new(path: Path) -> Self {
+        Self { newton: Newton::new(path), ..Self::default() }
+    }
+
     /// Forgets which vertices are coupled: for a new scene.
     pub fn forget(&mut self) {
         self.newton.forget();

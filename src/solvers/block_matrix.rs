@@ -133,6 +133,30 @@ impl BlockMatrix {
         }
     }
 
+    /// Makes rows and columns of numbers whose 1/weight is zero those of the identity.
+    pub fn fix(&mut self, inverse_weight: &[f64]) {
+        if inverse_weight.iter().all(|weight| *weight > 0.0) {
+            return;
+        }
+        for (block, weight) in self.diagonal.iter_mut().zip(inverse_weight.chunks_exact(2)) {
+            for axis in (0..2).filter(|axis| !(weight[*axis] > 0.0)) {
+                block.fill_row(axis, 0.0);
+                block.fill_column(axis, 0.0);
+                block[(axis, axis)] = 1.0;
+            }
+        }
+        for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
+            for axis in 0..2 {
+                if !(inverse_weight[2 * *row as usize + axis] > 0.0) {
+                    block.fill_row(axis, 0.0);
+                }
+                if !(inverse_weight[2 * *column as usize + axis] > 0.0) {
+                    block.fill_column(axis, 0.0);
+                }
+            }
+        }
+    }
+
     /// Whether as many couples were added as were listed.
     pub fn is_full(&self) -> bool {
         self.cursor == self.slots.len()

@@ -3,10 +3,13 @@
 
 mod block_matrix;
 mod cholesky;
+mod coarsening;
+mod conjugate;
 mod dense;
 mod elimination;
 mod newton;
+mod two_level;
 
 pub use block_matrix::{BlockMatrix, Tangent, Weights};
 pub use cholesky::Factor;
-pub use newton::{Equations, Newton, NewtonCounts};
+pub use newton::{Equations, Newton, NewtonCounts, Path};

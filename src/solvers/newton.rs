@@ -1,4 +1,7 @@
-use super::{BlockMatrix, Factor, Tangent};
+use super::{
+    BlockMatrix, Factor, Tangent,
+    conjugate::{Aim, Iterative, Outcome, greatest},
+};
 
 /// Equations `g(z) = 0` whose matrix of derivatives is symmetric, or taken to be.
 pub trait Equations {
@@ -25,6 +28,24 @@ pub trait Equations {
 
     /// How far the vector of any vertex may be from the solution.
     fn tolerance(&self, z: &[f64]) -> f64;
+
+    /// How far the solution itself is from what it stands for, as far as that is known. Large systems need not be solved to more
+    /// than a small share of it.
+    fn error(&self, _z: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+/// How linear systems are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Path {
+    /// The cheaper way for the size and the pattern of the matrix.
+    #[default]
+    Chosen,
+    /// By factorising the matrix.
+    Direct,
+    /// By iterations where they get there.
+    Iterative,
 }
 
 /// What solving took.
@@ -40,11 +61,26 @@ pub struct NewtonCounts {
     pub indefinite: u64,
     /// Solves that stopped before they reached their tolerance.
     pub unconverged: u64,
+    /// Iterations of conjugate gradients.
+    pub linear_iterations: u64,
+    /// Linear systems solved with what had been factorised for an earlier one.
+    pub reused: u64,
+    /// Solves whose linear systems were factorised after all, as iterations were too slow.
+    pub abandoned: u64,
 }
 
 impl NewtonCounts {
     /// Nothing to solve.
-    pub const NONE: Self = Self { iterations: 0, cuts: 0, factorisations: 0, indefinite: 0, unconverged: 0 };
+    pub const NONE: Self = Self {
+        iterations: 0,
+        cuts: 0,
+        factorisations: 0,
+        indefinite: 0,
+        unconverged: 0,
+        linear_iterations: 0,
+        reused: 0,
+        abandoned: 0,
+    };
 
     /// Adds what another solve took.
     pub fn add(&mut self, other: &Self) {
@@ -53,6 +89,9 @@ impl NewtonCounts {
         self.factorisations += other.factorisations;
         self.indefinite += other.indefinite;
         self.unconverged += other.unconverged;
+        self.linear_iterations += other.linear_iterations;
+        self.reused += other.reused;
+        self.abandoned += other.abandoned;
     }
 }
 
@@ -67,9 +106,18 @@ impl NewtonCounts {
 ///
 /// It stops when the steps, shrinking as they did last, cannot add up to more than the tolerance any more
 /// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.8).
+///
+/// Large systems are solved by iterations ([`Path`]), each step as far as is of use so far from the solution (Eisenstat and Walker,
+/// *Choosing the forcing terms in an inexact Newton method*, SIAM Journal on Scientific Computing 17, 1996, choice 2), and all of
+/// it no further than a thousandth of what the equations are off by themselves.
 #[derive(Default)]
 pub struct Newton {
-    system: Option<(BlockMatrix, Factor)>,
+    system: Option<System>,
+    path: Path,
+    /// The norm of g at the last step, and the share of its error that step was allowed to leave, while there was one.
+    forced: Option<(f64, f64)>,
+    /// The share of its error that the step at hand has left.
+    left: f64,
     /// Whether the couples have to be listed again.
     doubtful: bool,
     g: Vec<f64>,
@@ -89,6 +137,20 @@ impl Newton {
     const STUCK: f64 = 1e-6;
     /// Share of the slope at the start up to which a step may point back.
     const BACK: f64 = 0.9;
+    /// Share of the error of the equations themselves to which large systems are solved.
+    const SHARE: f64 = 1e-3;
+    /// Share of its error that a step by iterations may leave, at most, and at least where it is the only one. Eisenstat and
+    /// Walker's factor.
+    const FORCING: f64 = 1e-2;
+    const ONLY: f64 = 1e-6;
+    const GAMMA: f64 = 0.9;
+    /// Share of the tolerance that is enough for a linear system.
+    const INNER: f64 = 0.1;
+
+    /// Solves linear systems in this way.
+    pub fn new(path: Path) -> Self {
+        Self { path, ..Self::default() }
+    }
 
     /// Asks anew which vertices are coupled before the next step. Where they are the same, what was worked out for them serves on.
     pub fn forget(&mut self) {
@@ -103,7 +165,7 @@ impl Newton {
     /// Solves g(z) = 0 from z, or from the other start. What is not a number at both leaves z not a number.
     pub fn solve(&mut self, equations: &mut dyn Equations, z: &mut [f64]) -> NewtonCounts {
         let mut counts = NewtonCounts::NONE;
-        self.resize(z.len());
+        self.prepare(equations, z.len());
         self.start(equations, z);
         let mut last = f64::INFINITY;
         let mut least = Caution::EXACT;
@@ -111,10 +173,11 @@ impl Newton {
             if self.g.iter().all(|g| *g == 0.0) {
                 return counts;
             }
-            let Some(caution) = self.find_step(equations, z, least, &mut counts) else { break };
+            let aim = self.aim(equations, z);
+            let Some(caution) = self.find_step(equations, z, least, aim, &mut counts) else { break };
             counts.iterations += 1;
             let size = greatest(&self.step);
-            let tolerance = equations.tolerance(z);
+            let tolerance = self.tolerance(equations, z);
             self.sizes.push(size);
             // A step made short by a shift says nothing about the way left.
             if size <= tolerance && !caution.shifts() {
@@ -124,7 +187,7 @@ impl Newton {
             let share = self.search(equations, z, &mut counts);
             least = caution.after(share);
             let whole = share == 1.0 && !caution.shifts();
-            let ratio = size / last;
+            let ratio = (size / last).max(self.left);
             if whole && last.is_finite() && ratio < 1.0 && size * ratio / (1.0 - ratio) <= tolerance {
                 return counts;
             }
@@ -137,9 +200,10 @@ impl Newton {
     /// One linear solve: z such that `derivative(at) z = -g`. Where nothing comes of it z is not a number.
     pub fn linear(&mut self, equations: &mut dyn Equations, at: &[f64], g: &[f64], z: &mut [f64]) -> NewtonCounts {
         let mut counts = NewtonCounts::NONE;
-        self.resize(z.len());
+        self.prepare(equations, z.len());
         self.g.copy_from_slice(g);
-        if self.find_step(equations, at, Caution::EXACT, &mut counts).is_some() {
+        let aim = Aim { share: Self::ONLY, error: 0.0 };
+        if self.find_step(equations, at, Caution::EXACT, aim, &mut counts).is_some() {
             z.copy_from_slice(&self.step);
         } else {
             z.fill(f64::NAN);
@@ -148,12 +212,40 @@ impl Newton {
         counts
     }
 
-    fn resize(&mut self, count: usize) {
+    fn prepare(&mut self, equations: &dyn Equations, count: usize) {
+        if self.system.is_none() || std::mem::take(&mut self.doubtful) {
+            self.system = analyse(self.system.take(), equations, count / 2, self.path);
+        }
         for buffer in [&mut self.g, &mut self.trial, &mut self.trial_g, &mut self.step] {
             buffer.resize(count, 0.0);
         }
         self.sizes.clear();
         self.sizes.reserve(Self::ITERATIONS);
+        self.forced = None;
+        if let Some(iterative) = self.system.as_mut().and_then(|system| system.iterative.as_mut()) {
+            iterative.begin();
+        }
+    }
+
+    /// How far any vertex may be from the solution.
+    fn tolerance(&self, equations: &dyn Equations, z: &[f64]) -> f64 {
+        let is_large = self.system.as_ref().is_some_and(|system| system.iterative.is_some());
+        let share = if is_large { Self::SHARE * equations.error(z) } else { 0.0 };
+        equations.tolerance(z).max(share)
+    }
+
+    /// How exact the next step has to be.
+    fn aim(&mut self, equations: &dyn Equations, z: &[f64]) -> Aim {
+        let norm = weighted(&self.g, equations.inverse_weight()).sqrt();
+        let share = self.forced.map_or(Self::FORCING, |(last, share)| {
+            let fast = Self::GAMMA * (norm / last) * (norm / last);
+            let slow = Self::GAMMA * share * share;
+            // Not all of a sudden more exact than the last one promises.
+            let forced = if slow > 0.1 { fast.max(slow) } else { fast };
+            forced.min(Self::FORCING)
+        });
+        self.forced = Some((norm, share));
+        Aim { share, error: Self::INNER * self.tolerance(equations, z) }
     }
 
     /// Chooses between the two starts.
@@ -164,8 +256,8 @@ impl Newton {
         equations.residual(&self.trial, &mut self.trial_g);
         self.step.iter_mut().zip(&*z).zip(&self.trial).for_each(|((step, z), trial)| *step = z - trial);
         let is_apart = equations.longest_step(&self.trial, &self.step) <= 1.0;
-        let size = |g: &[f64]| g.iter().zip(equations.inverse_weight()).map(|(g, w)| g * g * w).sum::<f64>();
-        let (one, other) = (size(&self.g), size(&self.trial_g));
+        let weight = equations.inverse_weight();
+        let (one, other) = (weighted(&self.g, weight), weighted(&self.trial_g, weight));
         if other < one || !one.is_finite() || is_apart && other.is_finite() {
             z.copy_from_slice(&self.trial);
             std::mem::swap(&mut self.g, &mut self.trial_g);
@@ -181,12 +273,10 @@ impl Newton {
         equations: &mut dyn Equations,
         z: &[f64],
         least: Caution,
+        aim: Aim,
         counts: &mut NewtonCounts,
     ) -> Option<Caution> {
-        if self.system.is_none() || std::mem::take(&mut self.doubtful) {
-            self.system = analyse(self.system.take(), equations, z.len() / 2);
-        }
-        let (matrix, factor) = self.system.as_mut()?;
+        let System { matrix, factor, iterative } = self.system.as_mut()?;
         if !z.iter().all(|z| z.is_finite()) {
             return None;
         }
@@ -198,6 +288,20 @@ impl Newton {
                 equations.derivative(z, tangent, matrix);
             }
             let weight = equations.inverse_weight();
+            if let Some(iterative) = iterative.as_mut().filter(|_| !caution.shifts()) {
+                match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), aim, counts) {
+                    Outcome::Solved(share) => {
+                        self.left = share;
+                        return self.step.iter().all(|step| step.is_finite()).then_some(caution);
+                    }
+                    Outcome::Indefinite => {
+                        counts.indefinite += 1;
+                        continue;
+                    }
+                    Outcome::Slow => {}
+                }
+            }
+            self.left = 0.0;
             counts.factorisations += 1;
             if factor.factorise(matrix, weight, caution.shift() * heaviest(matrix, weight)) {
                 self.step.iter_mut().zip(&self.g).for_each(|(step, g)| *step = -g);
@@ -283,20 +387,28 @@ impl Caution {
     }
 }
 
-/// The matrix and its factor, for the couples of the equations: those there were, if they are of the same.
-fn analyse(
-    before: Option<(BlockMatrix, Factor)>,
-    equations: &dyn Equations,
-    vertices: usize,
-) -> Option<(BlockMatrix, Factor)> {
+/// The matrix, its factor, and iterations in its place where they are worth while.
+struct System {
+    matrix: BlockMatrix,
+    factor: Factor,
+    iterative: Option<Iterative>,
+}
+
+/// What the couples of the equations need: what there was, if it was for the same.
+fn analyse(before: Option<System>, equations: &dyn Equations, vertices: usize, path: Path) -> Option<System> {
     let mut couples = Vec::new();
     equations.couples(&mut |a, b| couples.push([a, b]));
-    if let Some(before) = before.filter(|(matrix, _)| matrix.is_for(vertices, &couples)) {
+    if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &couples)) {
         return Some(before);
     }
     let matrix = BlockMatrix::new(vertices, &couples);
     let factor = Factor::new(&matrix)?;
-    Some((matrix, factor))
+    let iterative = match path {
+        Path::Chosen => Iterative::by_size(&matrix, &factor),
+        Path::Direct => None,
+        Path::Iterative => Iterative::new(&matrix, &factor),
+    };
+    Some(System { matrix, factor, iterative })
 }
 
 /// The greatest entry of the diagonal over its weight.
@@ -305,8 +417,7 @@ fn heaviest(matrix: &BlockMatrix, inverse_weight: &[f64]) -> f64 {
     diagonals.zip(inverse_weight).fold(0.0, |greatest, (entry, inverse)| greatest.max(entry * inverse))
 }
 
-/// The greatest length of the vector of any vertex: no other than after a turn.
-fn greatest(values: &[f64]) -> f64 {
-    let squares = values.chunks(2).map(|vector| vector.iter().map(|value| value * value).sum());
-    squares.fold(0.0, f64::max).sqrt()
+/// `sum g²/weight`.
+fn weighted(g: &[f64], inverse_weight: &[f64]) -> f64 {
+    g.iter().zip(inverse_weight).map(|(g, w)| g * g * w).sum()
 }

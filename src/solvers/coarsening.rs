@@ -1,0 +1,180 @@
+//! Groups of coupled vertices, and how what is said of groups is spread over their vertices.
+
+use super::BlockMatrix;
+use nalgebra::Matrix2;
+
+/// Of a vertex the share that it takes from its neighbours (Vaněk, Mandel and Brezina, *Algebraic multigrid by smoothed
+/// aggregation for second and fourth order elliptic problems*, Computing 56, 1996): as much as leaves least of what changes its
+/// sign from each vertex to the next.
+const SMOOTHING: f64 = 2.0 / 3.0;
+
+/// Belongs to no group yet.
+const NONE: u32 = u32::MAX;
+
+/// A smaller system that stands for a large one: a vertex for each group of coupled vertices.
+///
+/// It is found from the couples alone, once for a topology. What is said of a group goes to its vertices and, in shares, to the
+/// neighbours of these: each vertex takes two thirds from around it, so that what is the same for all groups is the same for all
+/// vertices, and there is no jump from one group to the next.
+#[derive(Clone, Debug)]
+pub struct Coarsening {
+    groups: usize,
+    /// Where the shares of each vertex start.
+    starts: Vec<u32>,
+    /// Groups and what a vertex takes of them.
+    shares: Vec<(u32, f64)>,
+}
+
+impl Coarsening {
+    /// For the couples of a matrix.
+    pub fn new(matrix: &BlockMatrix) -> Self {
+        let around = Neighbours::new(matrix);
+        let (group_of, groups) = groups(&around);
+        let mut coarsening = Self { groups, starts: vec![0], shares: Vec::new() };
+        for (vertex, own) in group_of.iter().enumerate() {
+            let others = around.of(vertex);
+            let mut add = |group: u32, share: f64| {
+                let begin = coarsening.starts[vertex] as usize;
+                match coarsening.shares[begin..].iter_mut().find(|(other, _)| *other == group) {
+                    Some((_, sum)) => *sum += share,
+                    None => coarsening.shares.push((group, share)),
+                }
+            };
+            add(*own, if others.is_empty() { 1.0 } else { 1.0 - SMOOTHING });
+            others.iter().for_each(|other| add(group_of[*other as usize], SMOOTHING / others.len() as f64));
+            coarsening.starts.push(coarsening.shares.len() as u32);
+        }
+        coarsening
+    }
+
+    /// What a vertex takes of which groups.
+    #[inline]
+    fn of(&self, vertex: usize) -> &[(u32, f64)] {
+        &self.shares[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+
+    /// An empty matrix for the groups.
+    pub fn matrix(&self, fine: &BlockMatrix) -> BlockMatrix {
+        let mut listed = Vec::new();
+        for vertex in 0..fine.vertices() {
+            let shares = self.of(vertex);
+            for (number, (a, _)) in shares.iter().enumerate() {
+                listed.extend(shares[number + 1..].iter().map(|(b, _)| [*a, *b]));
+            }
+        }
+        for [row, column] in fine.couples() {
+            for (a, _) in self.of(*row as usize) {
+                listed.extend(self.of(*column as usize).iter().filter(|(b, _)| a != b).map(|(b, _)| [*a, *b]));
+            }
+        }
+        BlockMatrix::new(self.groups, &listed)
+    }
+
+    /// Makes `coarse`, which [`Self::matrix`] gave, what the matrix A is to vectors that are spread from groups: `Pᵀ A P`. Of
+    /// numbers whose 1/weight is zero it takes nothing.
+    pub fn project(&self, fine: &BlockMatrix, inverse_weight: &[f64], coarse: &mut BlockMatrix) {
+        coarse.clear();
+        for (vertex, block) in fine.diagonals().iter().enumerate() {
+            let shares = self.of(vertex);
+            let mut block = *block;
+            for axis in (0..2).filter(|axis| inverse_weight[2 * vertex + axis] == 0.0) {
+                block[(axis, axis)] = 0.0;
+            }
+            for (number, (a, share)) in shares.iter().enumerate() {
+                coarse.diagonal(*a as usize, &(block * (share * share)));
+                shares[number + 1..].iter().for_each(|(_, other)| coarse.couple(&(block * (share * other))));
+            }
+        }
+        for ([row, column], block) in fine.couples().iter().zip(fine.blocks()) {
+            let both: Matrix2<f64> = block + block.transpose();
+            for (a, share) in self.of(*row as usize) {
+                for (b, other) in self.of(*column as usize) {
+                    if a == b {
+                        coarse.diagonal(*a as usize, &(both * (share * other)));
+                    } else {
+                        coarse.couple(&(block * (share * other)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// `coarse = Pᵀ fine`: what groups get of a flat vector.
+    pub fn gather(&self, fine: &[f64], coarse: &mut [f64]) {
+        coarse.fill(0.0);
+        let coarse = coarse.as_chunks_mut::<2>().0;
+        for (vertex, [x, y]) in fine.as_chunks().0.iter().enumerate() {
+            for (group, share) in self.of(vertex) {
+                let into = &mut coarse[*group as usize];
+                into[0] += share * x;
+                into[1] += share * y;
+            }
+        }
+    }
+
+    /// `fine += P coarse`: what vertices get of groups.
+    pub fn spread(&self, coarse: &[f64], fine: &mut [f64]) {
+        let coarse = coarse.as_chunks::<2>().0;
+        for (vertex, [x, y]) in fine.as_chunks_mut().0.iter_mut().enumerate() {
+            for (group, share) in self.of(vertex) {
+                let from = coarse[*group as usize];
+                *x += share * from[0];
+                *y += share * from[1];
+            }
+        }
+    }
+}
+
+/// The vertices that each is coupled with.
+struct Neighbours {
+    starts: Vec<u32>,
+    all: Vec<u32>,
+}
+
+impl Neighbours {
+    fn new(matrix: &BlockMatrix) -> Self {
+        let mut starts = vec![0; matrix.vertices() + 1];
+        for vertex in matrix.couples().as_flattened() {
+            starts[*vertex as usize + 1] += 1;
+        }
+        for vertex in 0..matrix.vertices() {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut all = vec![0; 2 * matrix.couples().len()];
+        for [a, b] in matrix.couples() {
+            for (of, other) in [(*a, *b), (*b, *a)] {
+                all[next[of as usize] as usize] = other;
+                next[of as usize] += 1;
+            }
+        }
+        Self { starts, all }
+    }
+
+    fn of(&self, vertex: usize) -> &[u32] {
+        &self.all[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+}
+
+/// The group of each vertex, and how many there are: first every vertex with all around it, where none of these is taken yet; what
+/// is left goes to a group next to it.
+fn groups(around: &Neighbours) -> (Vec<u32>, usize) {
+    let count = around.starts.len() - 1;
+    let mut group_of = vec![NONE; count];
+    let mut groups = 0;
+    for vertex in 0..count {
+        let others = around.of(vertex);
+        if group_of[vertex] == NONE && others.iter().all(|other| group_of[*other as usize] == NONE) {
+            group_of[vertex] = groups;
+            others.iter().for_each(|other| group_of[*other as usize] = groups);
+            groups += 1;
+        }
+    }
+    let first = group_of.clone();
+    for (vertex, group) in group_of.iter_mut().enumerate().filter(|(_, group)| **group == NONE) {
+        // Something around it is taken, or the vertex would be a group.
+        let next = around.of(vertex).iter().map(|other| first[*other as usize]).find(|group| *group != NONE);
+        *group = next.unwrap_or(0);
+    }
+    (group_of, groups as usize)
+}

@@ -3,10 +3,12 @@
 
 mod hard;
 mod paces;
+mod solves;
 mod study;
 
 pub use hard::{Hard, Hardness, hard};
 pub use paces::PaceReport;
+pub use solves::SolveReport;
 pub use study::{Study, study};
 
 use crate::{
@@ -129,16 +131,9 @@ pub struct RunReport {
     pub inner_steps: u64,
     /// Steps inside the steps taken again, shorter, for their error.
     pub rejected_steps: u64,
-    /// Iterations of Newton's method.
-    pub newton_iterations: u64,
-    /// Newton steps cut by the line search.
-    pub line_search_cuts: u64,
-    /// Sparse factorisations.
-    pub factorisations: u64,
-    /// Factorisations repeated with another matrix, as it was not positive definite.
-    pub indefinite: u64,
-    /// Steps whose equations were not solved to tolerance.
-    pub unconverged_steps: u64,
+    /// What solving equations took.
+    #[serde(flatten)]
+    pub solves: SolveReport,
     /// Steps that the guard had taken in shorter ones.
     pub guarded_steps: u64,
     /// Steps in which everything slept.
@@ -366,11 +361,7 @@ fn report(level: &Level, simulation: &Simulation, wall_seconds: f64, savings: &[
         integrator: scene.integrator.name(),
         inner_steps: counts.inner_steps,
         rejected_steps: counts.rejected,
-        newton_iterations: counts.newton_iterations,
-        line_search_cuts: counts.line_search_cuts,
-        factorisations: counts.factorisations,
-        indefinite: counts.indefinite,
-        unconverged_steps: counts.unconverged,
+        solves: counts.into(),
         guarded_steps: counts.guarded,
         slept_steps: counts.slept,
         retaken_steps: counts.retaken,

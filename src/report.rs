@@ -25,6 +25,12 @@ pub struct Counts {
     pub indefinite: u64,
     /// Steps whose equations were not solved to tolerance.
     pub unconverged: u64,
+    /// Iterations of conjugate gradients for linear systems.
+    pub linear_iterations: u64,
+    /// Linear systems solved with what had been factorised for an earlier one.
+    pub reused_factors: u64,
+    /// Solves whose linear systems were factorised after all, as iterations were too slow.
+    pub abandoned_iterations: u64,
     /// Vertices whose velocity or position an effect changed.
     pub constrained: u64,
     /// Steps that the guard had taken in shorter ones.
@@ -45,6 +51,9 @@ impl Counts {
         self.factorisations += step.newton.factorisations;
         self.indefinite += step.newton.indefinite;
         self.unconverged += step.newton.unconverged;
+        self.linear_iterations += step.newton.linear_iterations;
+        self.reused_factors += step.newton.reused;
+        self.abandoned_iterations += step.newton.abandoned;
     }
 
     /// Adds what steps of a part of a scene by itself did; they are no steps of the scene.

@@ -4,7 +4,7 @@
 mod common;
 
 use common::Random;
-use gingerbread::solvers::{BlockMatrix, Factor};
+use gingerbread::solvers::{BlockMatrix, Equations, Factor, Newton, Path, Tangent};
 use nalgebra::{DMatrix, DVector, Matrix2};
 
 /// Couples of several shapes: none, a chain, a star, all with all, a grid, islands, and whatever chance gives.
@@ -177,4 +177,67 @@ fn nothing_at_all_is_solved_too() {
     assert!(factor.factorise(&nothing, &[], 0.0));
     factor.solve(&mut []);
     assert_eq!(factor.entries(), 0);
+}
+
+/// `A z = b`, with some numbers fixed.
+struct Linear {
+    matrix: BlockMatrix,
+    couples: Vec<[u32; 2]>,
+    b: Vec<f64>,
+    inverse_weight: Vec<f64>,
+}
+
+impl Equations for Linear {
+    fn residual(&mut self, z: &[f64], g: &mut [f64]) {
+        g.fill(0.0);
+        self.matrix.add_product(z, g);
+        for ((g, b), inverse) in g.iter_mut().zip(&self.b).zip(&self.inverse_weight) {
+            *g = if *inverse == 0.0 { 0.0 } else { *g - b };
+        }
+    }
+
+    fn derivative(&mut self, _: &[f64], _: Tangent, matrix: &mut BlockMatrix) {
+        self.matrix.diagonals().iter().enumerate().for_each(|(vertex, block)| matrix.diagonal(vertex, block));
+        self.matrix.blocks().iter().for_each(|block| matrix.couple(block));
+    }
+
+    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.couples.iter().for_each(|[a, b]| add(*a, *b));
+    }
+
+    fn inverse_weight(&self) -> &[f64] {
+        &self.inverse_weight
+    }
+
+    fn other_start(&self, _: &mut [f64]) {}
+
+    fn tolerance(&self, _: &[f64]) -> f64 {
+        1e-11
+    }
+}
+
+#[test]
+fn iterations_solve_what_the_factor_solves_whatever_is_coupled_and_fixed() {
+    for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
+        let matrix = filled(vertices, &couples);
+        let couples = matrix.couples().to_vec();
+        let mut random = Random(number as u64);
+        let b: Vec<_> = (0..2 * vertices).map(|_| random.between(-1.0, 1.0)).collect();
+        for fixed in [0.0, 0.3, 1.0] {
+            let inverse_weight: Vec<_> =
+                b.iter().map(|_| f64::from(u8::from(random.between(0.0, 1.0) >= fixed))).collect();
+            let mut equations =
+                Linear { matrix: matrix.clone(), couples: couples.clone(), b: b.clone(), inverse_weight };
+            let [direct, iterative] = [Path::Direct, Path::Iterative].map(|path| {
+                let mut z = vec![0.0; b.len()];
+                let counts = Newton::new(path).solve(&mut equations, &mut z);
+                assert_eq!((counts.unconverged, counts.indefinite), (0, 0), "pattern {number}: {counts:?}");
+                assert!(path == Path::Direct || counts.abandoned == 0, "pattern {number}: {counts:?}");
+                z
+            });
+            for (one, other) in direct.iter().zip(&iterative) {
+                assert!((one - other).abs() < 1e-10, "pattern {number}: {one} instead of {other}");
+            }
+        }
+    }
 }

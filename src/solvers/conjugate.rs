@@ -124,7 +124,7 @@ impl Iterative {
         direction.copy_from_slice(z);
         let first = dot(r, z);
         let mut size = first;
-        let most = (MOST / self.iteration) as usize;
+        let most = (1.0 / self.iteration).max(LEAST) as usize;
         let mut shares = [1.0; WINDOW];
         for iteration in 0..=most {
             if size == 0.0 {
@@ -155,9 +155,7 @@ impl Iterative {
             }
             let way = size / curvature;
             Arch::new().dispatch(|| {
-                for (((x, direction), r), product) in
-                    x.iter_mut().zip(&*direction).zip(r.iter_mut()).zip(&*product)
-                {
+                for (((x, direction), r), product) in x.iter_mut().zip(&*direction).zip(r.iter_mut()).zip(&*product) {
                     *x += way * direction;
                     *r -= way * product;
                 }
@@ -175,11 +173,11 @@ impl Iterative {
 /// Iterations over which the pace is measured.
 const WINDOW: usize = 4;
 
-/// So many times the time of a factorisation may be spent on iterations before the matrix is factorised after all.
-const MOST: f64 = 1.0;
+/// As many iterations as cost as much as a factorisation are taken before the matrix is factorised after all, but not fewer.
+const LEAST: f64 = 16.0;
 
 /// How many times faster iterations must be to be chosen, and how many a solve usually takes.
-const GAIN: f64 = 2.0;
+const GAIN: f64 = 1.3;
 const USUAL: f64 = 5.0;
 
 /// What an iteration and making the groups' matrix anew cost [ns]; without levels from what these are of a usual mesh.

@@ -22,12 +22,9 @@ pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
         let mut balance = Balance::new(scene, &x, holding * scale, 1e-6 * scale);
         let mut z = vec![0.0; x.len()];
         let round = newton.solve(&mut balance, &mut z);
-        counts.iterations += round.iterations;
-        counts.factorisations += round.factorisations;
-        counts.cuts += round.cuts;
-        counts.indefinite += round.indefinite;
         // Only the last round must be exact.
-        counts.unconverged = round.unconverged;
+        counts.unconverged = 0;
+        counts.add(&round);
         if !z.iter().all(|z| z.is_finite()) {
             return None;
         }

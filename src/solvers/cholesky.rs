@@ -10,8 +10,8 @@ use pulp::{Arch, Simd, WithSimd};
 const LINE: usize = 64;
 
 /// What a multiplication and subtraction of factorising costs, and a block of L in factorising and solving once [ns].
-const PRODUCT: f64 = 0.1;
-const ENTRY: f64 = 20.0;
+const PRODUCT: f64 = 0.05;
+const ENTRY: f64 = 9.0;
 
 /// The factorisation `A = L Lᵀ` of a symmetric positive definite [`BlockMatrix`].
 ///

@@ -31,8 +31,8 @@ pub enum Outcome {
 #[derive(Clone, Debug)]
 pub struct Iterative {
     levels: TwoLevel,
-    /// The costs of an iteration and of making the groups' matrix anew, as shares of factorising the whole matrix and solving
-    /// with its factor.
+    /// What an iteration and making the groups' matrix anew take, as shares of factorising the whole matrix and solving with its
+    /// factor.
     iteration: f64,
     refreshment: f64,
     /// For which derivative the groups' matrix was made, and how many iterations it took then to leave 1/e of the error.
@@ -48,7 +48,7 @@ pub struct Iterative {
 impl Iterative {
     /// For a matrix, if this is worth while; the factor tells what the other way costs.
     pub fn by_size(matrix: &BlockMatrix, factor: &Factor) -> Option<Self> {
-        let [iteration, refreshment] = costs(matrix, None);
+        let [iteration, refreshment] = times(matrix, None);
         let worth = factor.time() > GAIN * (refreshment + USUAL * iteration);
         if worth { Self::new(matrix, factor) } else { None }
     }
@@ -56,7 +56,7 @@ impl Iterative {
     /// For any matrix. `None` if there is no memory for it.
     pub fn new(matrix: &BlockMatrix, factor: &Factor) -> Option<Self> {
         let levels = TwoLevel::new(matrix)?;
-        let [iteration, refreshment] = costs(matrix, Some(&levels)).map(|cost| cost / factor.time());
+        let [iteration, refreshment] = times(matrix, Some(&levels)).map(|time| time / factor.time());
         let [r, z, direction, product] = [(); 4].map(|()| vec![0.0; 2 * matrix.vertices()]);
         Some(Self { levels, iteration, refreshment, made: None, is_off: false, r, z, direction, product })
     }
@@ -134,14 +134,15 @@ impl Iterative {
                 return Outcome::Indefinite;
             }
             let share = (size / first).sqrt();
-            if share <= aim.share || iteration > 0 && share * greatest(x) <= aim.error {
+            let enough = aim.share.max(aim.error / greatest(x));
+            if share <= enough && iteration > 0 {
                 return Outcome::Solved(share);
             }
             // At the pace of the last few iterations.
             let earlier = std::mem::replace(&mut shares[iteration % WINDOW], share);
             if iteration >= WINDOW {
                 let pace = libm::log(earlier / share) / WINDOW as f64;
-                let missing = libm::log(share / aim.share) / pace;
+                let missing = libm::log(share / enough) / pace;
                 if pace <= 0.0 || iteration as f64 + missing > most as f64 {
                     return Outcome::Slow;
                 }
@@ -180,11 +181,12 @@ const LEAST: f64 = 16.0;
 const GAIN: f64 = 1.3;
 const USUAL: f64 = 5.0;
 
-/// What an iteration and making the groups' matrix anew cost [ns]; without levels from what these are of a usual mesh.
-fn costs(matrix: &BlockMatrix, levels: Option<&TwoLevel>) -> [f64; 2] {
-    let entries = levels.map_or(4.3 * matrix.vertices() as f64, |levels| levels.entries() as f64);
+/// About how long an iteration and making the groups' matrix anew take [ns], as [`Factor::time`] counts; without levels for the
+/// groups of a usual mesh.
+fn times(matrix: &BlockMatrix, levels: Option<&TwoLevel>) -> [f64; 2] {
+    let entries = levels.map_or(2.2 * matrix.vertices() as f64, |levels| levels.entries() as f64);
     let blocks = matrix.couples().len() as f64;
-    [25.0 * blocks + 3.0 * entries, 20.0 * blocks + 18.0 * entries]
+    [12.0 * blocks + 8.0 * entries, 10.0 * blocks + 18.0 * entries]
 }
 
 /// The greatest length of the vector of any vertex: no other than after a turn.

@@ -5,6 +5,7 @@ mod block_matrix;
 mod cholesky;
 mod coarsening;
 mod conjugate;
+mod counts;
 mod dense;
 mod elimination;
 mod newton;
@@ -12,4 +13,5 @@ mod two_level;
 
 pub use block_matrix::{BlockMatrix, Tangent, Weights};
 pub use cholesky::Factor;
-pub use newton::{Equations, Newton, NewtonCounts, Path};
+pub use counts::NewtonCounts;
+pub use newton::{Equations, Newton, Path};

@@ -1,5 +1,5 @@
 use super::{
-    BlockMatrix, Factor, Tangent,
+    BlockMatrix, Factor, NewtonCounts, Tangent,
     conjugate::{Aim, Iterative, Outcome, greatest},
 };
 
@@ -46,53 +46,6 @@ pub enum Path {
     Direct,
     /// By iterations where they get there.
     Iterative,
-}
-
-/// What solving took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NewtonCounts {
-    /// Newton iterations.
-    pub iterations: u64,
-    /// How often a Newton step was halved.
-    pub cuts: u64,
-    /// Factorisations of the matrix, failed ones included.
-    pub factorisations: u64,
-    /// Factorisations that had to be repeated with another matrix, as it was not positive definite.
-    pub indefinite: u64,
-    /// Solves that stopped before they reached their tolerance.
-    pub unconverged: u64,
-    /// Iterations of conjugate gradients.
-    pub linear_iterations: u64,
-    /// Linear systems solved with what had been factorised for an earlier one.
-    pub reused: u64,
-    /// Solves whose linear systems were factorised after all, as iterations were too slow.
-    pub abandoned: u64,
-}
-
-impl NewtonCounts {
-    /// Nothing to solve.
-    pub const NONE: Self = Self {
-        iterations: 0,
-        cuts: 0,
-        factorisations: 0,
-        indefinite: 0,
-        unconverged: 0,
-        linear_iterations: 0,
-        reused: 0,
-        abandoned: 0,
-    };
-
-    /// Adds what another solve took.
-    pub fn add(&mut self, other: &Self) {
-        self.iterations += other.iterations;
-        self.cuts += other.cuts;
-        self.factorisations += other.factorisations;
-        self.indefinite += other.indefinite;
-        self.unconverged += other.unconverged;
-        self.linear_iterations += other.linear_iterations;
-        self.reused += other.reused;
-        self.abandoned += other.abandoned;
-    }
 }
 
 /// Newton's method with a line search, and everything it keeps between solves.
@@ -177,7 +130,11 @@ impl Newton {
             let Some(caution) = self.find_step(equations, z, least, aim, &mut counts) else { break };
             counts.iterations += 1;
             let size = greatest(&self.step);
-            let tolerance = self.tolerance(equations, z);
+            let tolerance = if self.left > 0.0 && caution == Caution::EXACT {
+                Self::loose(equations, z)
+            } else {
+                equations.tolerance(z)
+            };
             self.sizes.push(size);
             // A step made short by a shift says nothing about the way left.
             if size <= tolerance && !caution.shifts() {
@@ -227,11 +184,10 @@ impl Newton {
         }
     }
 
-    /// How far any vertex may be from the solution.
-    fn tolerance(&self, equations: &dyn Equations, z: &[f64]) -> f64 {
-        let is_large = self.system.as_ref().is_some_and(|system| system.iterative.is_some());
-        let share = if is_large { Self::SHARE * equations.error(z) } else { 0.0 };
-        equations.tolerance(z).max(share)
+    /// How far any vertex may be from the solution where iterations find it with the true derivative. What is less smooth might
+    /// stop too early at that.
+    fn loose(equations: &dyn Equations, z: &[f64]) -> f64 {
+        equations.tolerance(z).max(Self::SHARE * equations.error(z))
     }
 
     /// How exact the next step has to be.
@@ -245,7 +201,7 @@ impl Newton {
             forced.min(Self::FORCING)
         });
         self.forced = Some((norm, share));
-        Aim { share, error: Self::INNER * self.tolerance(equations, z) }
+        Aim { share, error: Self::INNER * Self::loose(equations, z) }
     }
 
     /// Chooses between the two starts.
@@ -289,6 +245,8 @@ impl Newton {
             }
             let weight = equations.inverse_weight();
             if let Some(iterative) = iterative.as_mut().filter(|_| !caution.shifts()) {
+                let error = Self::INNER * equations.tolerance(z);
+                let aim = if caution == Caution::EXACT { aim } else { Aim { error, ..aim } };
                 match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), aim, counts) {
                     Outcome::Solved(share) => {
                         self.left = share;

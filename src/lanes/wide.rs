@@ -119,6 +119,12 @@ impl<S: Simd> Real for Wide<S> {
     }
 
     #[inline(always)]
+    fn all_less(self, than: Self) -> bool {
+        let less = self.set.less_than_f64s(self.values, than.values);
+        self.set.first_true_m64s(self.set.not_m64s(less)) == S::F64_LANES
+    }
+
+    #[inline(always)]
     fn split(self) -> (Self, Self) {
         let (mut m, mut k) = (self, self);
         for (m, k) in numbers(&mut m.values).iter_mut().zip(numbers(&mut k.values)) {

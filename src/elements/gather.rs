@@ -1,7 +1,7 @@
 //! From forces at the corners of elements to forces on vertices.
 
 use super::Target;
-use crate::lanes::{LANES, Order, Pairs};
+use crate::lanes::{LANES, Order, Pairs, SPARE, lined};
 use std::{iter::repeat_n, ops::Range};
 use wide::f64x2;
 
@@ -190,16 +190,12 @@ fn sum<'a>(
     }
 }
 
-/// Bytes that the processor moves at a time.
-const LINE: usize = 64;
-
 /// How many numbers of scratch hold so many [`Pairs`].
 pub const fn room(pairs: usize) -> usize {
-    2 * LANES * pairs + LINE / size_of::<f64>()
+    2 * LANES * pairs + SPARE
 }
 
 /// [`Pairs`] in scratch, from where a line of memory begins.
 pub fn pairs(scratch: &mut [f64]) -> &mut [Pairs] {
-    let skip = scratch.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
-    scratch[skip..].as_chunks_mut().0.as_chunks_mut().0
+    lined(scratch).as_chunks_mut().0.as_chunks_mut().0
 }

@@ -4,10 +4,12 @@
 //! Only operations that IEEE 754 rounds in one way are used (`+ - * /` and the square root, no contraction), so every lane
 //! holds the bits that `f64` would, and a run is the same on every processor.
 
+mod lines;
 mod logarithm;
 mod square;
 mod wide;
 
+pub use lines::{SPARE, lined};
 pub use square::Square;
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
 

@@ -6,10 +6,12 @@
 
 mod lines;
 mod logarithm;
+mod sets;
 mod square;
 mod wide;
 
 pub use lines::{SPARE, lined};
+pub use sets::{sets, width};
 pub use square::Square;
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
 

@@ -6,7 +6,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
-    lanes::Square,
+    lanes::{Square, sets, width},
     level::{Level, Toggle},
     levels,
     materials::{Material, Model, Visitor},
@@ -17,10 +17,19 @@ use gingerbread::{
     snapshot::{Field, Snapshot},
 };
 use nalgebra::Matrix2;
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 /// A unit square of n x n quads, density 1, E = 1e3, nu = 0.3 in plane strain, stretched 1.2 in x.
 fn sheet(n: u32, model: Model) -> Simulation {
+    let scene = sheet_scene(n, model);
+    let state = scene.start.clone();
+    Simulation::new(scene, state)
+}
+
+fn sheet_scene(n: u32, model: Model) -> Scene {
     // The step follows the size of the triangles, so that every mesh is stable.
     let text = format!(
         "(name: \"sheet\", substeps: {}, bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1),
@@ -30,9 +39,7 @@ fn sheet(n: u32, model: Model) -> Simulation {
         model.name()
     );
     let level = files::parse(&text, "sheet.ron").unwrap();
-    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
-    let state = scene.start.clone();
-    Simulation::new(scene, state)
+    Scene::build(&level, level.mode, &NoFiles, None).unwrap()
 }
 
 /// The same step as a course would write it: symplectic Euler, forces scattered triangle by triangle.
@@ -153,6 +160,26 @@ fn steps(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// In every instruction set of the processor.
+fn widths(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step in lanes, per triangle");
+    for model in [Model::StVenantKirchhoff, Model::Corotated, Model::NeoHookean] {
+        for set in sets() {
+            let (n, mut scene) = (71, sheet_scene(71, model));
+            let elements = Arc::new(scene.bodies[0].elements.in_set(set));
+            scene.bodies[0].elements = Arc::clone(&elements);
+            scene.effects[0] = elements;
+            let state = scene.start.clone();
+            let mut simulation = Simulation::new(scene, state);
+            let name = format!("{} triangles, {}, {} at a time", 2 * n * n, model.name(), width(set));
+            group.bench_function(name, |bencher| {
+                bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+            });
+        }
+    }
+    group.finish();
+}
+
 /// From 500 triangles to a million.
 fn sizes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step of so many triangles, per triangle");
@@ -212,6 +239,6 @@ fn frame(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = steps, sizes, springs, frame
+    targets = steps, widths, sizes, springs, frame
 }
 criterion_main!(benches);

@@ -77,6 +77,22 @@ fn slow_drift_is_left_alone() {
     assert_eq!(run.counts().guarded, 0);
 }
 
+/// Energy of motion gives an explicit explosion away. Equations may be answered by a shape that stores more and hardly moves.
+#[test]
+fn after_every_implicit_step_it_looks_at_what_is_stored_too() {
+    let sweeps = |integrator: &str, guard: &str| {
+        let mut run = released("Corotated", 0.1, &format!("integrator: {integrator}(), guard: {guard}"));
+        run.advance(1, &mut || true);
+        let before = run.energy_sweeps();
+        run.advance(50, &mut || true);
+        run.energy_sweeps() - before
+    };
+    for integrator in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint"] {
+        assert_eq!((sweeps(integrator, "On"), sweeps(integrator, "Off")), (50, 0), "{integrator}");
+    }
+    assert!(sweeps("SymplecticEuler", "On") < 25);
+}
+
 #[test]
 fn no_shipped_level_needs_it() {
     for (file, text) in BUILT_IN {

@@ -6,7 +6,7 @@ mod common;
 use common::{Random, level, rotation, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
-    lanes::{LANES, Order, Quads, Real, Square, Wide},
+    lanes::{LANES, Order, Quads, Real, Square, Wide, sets},
     materials::{Material, Model, Parts, Visitor, with_eigenvalues},
     simulation::Simulation,
     solvers::{BlockMatrix, Tangent, Weights},
@@ -47,11 +47,13 @@ fn the_logarithm_has_the_bits_of_libm_over_the_whole_range() {
         }
     }
     let numbers = numbers();
-    let wide = Arch::new().dispatch(Logs(numbers.as_chunks().0));
-    for (x, wide) in numbers.iter().zip(wide) {
-        let (one, expected) = (x.logarithm(), libm::log(*x));
-        let same = |log: f64| log.to_bits() == expected.to_bits() || (log.is_nan() && expected.is_nan());
-        assert!(same(one) && same(wide), "ln {x:e} = {expected:e}, not {one:e} or {wide:e}");
+    for set in sets() {
+        let wide = set.dispatch(Logs(numbers.as_chunks().0));
+        for (x, wide) in numbers.iter().zip(wide) {
+            let (one, expected) = (x.logarithm(), libm::log(*x));
+            let same = |log: f64| log.to_bits() == expected.to_bits() || (log.is_nan() && expected.is_nan());
+            assert!(same(one) && same(wide), "ln {x:e} = {expected:e}, not {one:e} or {wide:e}");
+        }
     }
 }
 
@@ -80,9 +82,11 @@ fn eight_elements_are_found_where_the_order_says() {
             check(set, self.0);
         }
     }
-    Arch::new().dispatch(Check(Order::new()));
+    for set in sets() {
+        set.dispatch(Check(Order::new(set)));
+    }
     let natural = std::array::from_fn(|element| element);
-    check(Scalar, Order { lane: natural, place: natural, quad: natural });
+    check(Scalar, Order { set: Arch::Scalar, lane: natural, place: natural, quad: natural });
 }
 
 /// A sheet of 2 x 5 x 7 triangles, which leaves lanes over, of every model and for each map of its points.
@@ -149,6 +153,46 @@ fn eight_triangles_at_a_time_are_one_after_another_for_every_model() {
     });
 }
 
+/// Forces, energy and stiffness times a displacement, bit by bit.
+fn bits_of(elements: &dyn Effect, motion: Motion<'_>) -> Vec<u64> {
+    let mut random = Random(6);
+    let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; motion.x.len()]);
+    elements.force(motion, &mut scratch, &mut force);
+    let mut couples = Vec::new();
+    elements.couples(&mut |a, b| couples.push([a, b]));
+    let mut matrix = BlockMatrix::new(motion.x.len() / 2, &couples);
+    matrix.clear();
+    elements.add_stiffness(motion, Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Definite }, &mut matrix);
+    let d: Vec<_> = motion.x.iter().map(|_| random.between(-1.0, 1.0)).collect();
+    let mut product = vec![0.0; d.len()];
+    matrix.add_product(&d, &mut product);
+    force.iter().chain(&product).chain([&elements.energy(motion)]).map(|number| number.to_bits()).collect()
+}
+
+#[test]
+fn every_instruction_set_of_the_processor_comes_to_the_same_bits() {
+    assert!(sets().len() > 1 || !cfg!(target_arch = "x86_64"), "beside plain numbers there should be lanes");
+    for_every_sheet(|simulation, x, model| {
+        let motion = Motion { x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
+        let plain = bits_of(&simulation.scene().bodies[0].elements.in_set(Arch::Scalar), motion);
+        for set in sets() {
+            let found = bits_of(&simulation.scene().bodies[0].elements.in_set(set), motion);
+            assert_eq!(found, plain, "{} with {set:?}", model.title());
+        }
+    });
+    let net = simulation(&level(
+        "(name: \"net\", nets: [(name: \"net\", mass: 0.001, net: Sheet(width: 1, height: 1, columns: 37, rows: 41, structural: 100,
+          shear: 50, flexion: 20, corner: (0, 0)))])",
+    ));
+    let (mut random, scene) = (Random(7), net.scene());
+    let x: Vec<_> = scene.rest.iter().map(|x| x + random.between(-0.02, 0.02)).collect();
+    let motion = Motion { x: &x, v: &x, mass: &scene.mass, inverse_mass: &[], grab: None };
+    let plain = bits_of(&scene.nets[0].springs.in_set(Arch::Scalar), motion);
+    for set in sets() {
+        assert_eq!(bits_of(&scene.nets[0].springs.in_set(set), motion), plain, "springs with {set:?}");
+    }
+}
+
 /// Far more triangles than are kept before their forces are summed: row by row, and in an order in which neighbours are far apart.
 #[test]
 fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
@@ -191,7 +235,7 @@ fn numbers_of<M: Material, R: Real>(material: &M, f: Square<R>) -> [R; NUMBERS] 
     [p.m11, p.m12, p.m21, p.m22, energy, moduli.twist, moduli.flip, a, b, c, positive.twist, positive.flip, d, e, g]
 }
 
-/// Lanes as wide as the processor has them give the very bits of `f64`.
+/// Lanes of any width that the processor has give the very bits of `f64`.
 #[test]
 fn stress_and_stiffness_in_lanes_have_the_bits_of_those_of_one_gradient() {
     struct Stresses<'a, M>(&'a M, &'a [[[f64; LANES]; 4]]);
@@ -228,16 +272,18 @@ fn stress_and_stiffness_in_lanes_have_the_bits_of_those_of_one_gradient() {
                     [lanes(|f| f.m11), lanes(|f| f.m12), lanes(|f| f.m21), lanes(|f| f.m22)]
                 })
                 .collect();
-            let found = Arch::new().dispatch(Stresses(material, &blocks));
+            let found: Vec<_> = sets().iter().map(|set| set.dispatch(Stresses(material, &blocks))).collect();
             for (number, f) in gradients.iter().enumerate() {
-                let found = found[number / LANES].map(|lanes| lanes[number % LANES]);
                 let expected = numbers_of(material, Square::from(f));
                 let p = material.stress(f);
                 let same = |(a, b): (&f64, f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
                 assert!(expected.iter().zip([p.m11, p.m12, p.m21, p.m22, material.energy(f)]).all(same));
-                for (found, expected) in found.iter().zip(expected) {
-                    let same = found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan());
-                    assert!(same, "{} at {f}: {found:e} against {expected:e}", M::TITLE);
+                for found in &found {
+                    let found = found[number / LANES].map(|lanes| lanes[number % LANES]);
+                    for (found, expected) in found.iter().zip(expected) {
+                        let same = found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan());
+                        assert!(same, "{} at {f}: {found:e} against {expected:e}", M::TITLE);
+                    }
                 }
             }
         }

@@ -309,6 +309,22 @@ fn neo_hookean_rubber_follows_its_logarithm_down_to_a_tenth_of_its_area() {
     // At J = 0 the series is ln 0.1 - 3/2, and its slope 20.
     let pull = Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, 0.0))).m22;
     assert!((pull - 20.0 * (lambda * (0.1_f64.ln() - 1.5) - mu)).abs() < 1e-12 * pull.abs());
+    // Below J = -0.1 it is ln 0.1 - 1 + 30 J: a straight line that carries on stress and energy.
+    let pull = |j: f64| Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, j))).m22;
+    for j in [-0.100_001, -1.0, -100.0] {
+        let exact = mu * j + 30.0 * (lambda * (0.1_f64.ln() - 1.0 + 30.0 * j) - mu);
+        assert!((pull(j) - exact).abs() < 1e-12 * exact.abs(), "{j}");
+    }
+    assert!((pull(-0.1 - 1e-9) - pull(-0.1 + 1e-9)).abs() < 1e-7 * pull(-0.1).abs());
+}
+
+/// However far it is inside out: a stiffness that grew with the distance would leave Newton's method no way back.
+#[test]
+fn the_energy_of_neo_hookean_rubber_inside_out_grows_as_the_square_of_its_area() {
+    let energy = |j: f64| Model::NeoHookean.visit(LAME, EnergyOf(Matrix2::new(j, 0.0, 0.0, 1.0)));
+    for j in [-1e3, -1e6, -1e9] {
+        assert!((energy(2.0 * j) / energy(j) - 4.0).abs() < 1e-2, "{j}: {}", energy(2.0 * j) / energy(j));
+    }
 }
 
 #[test]
@@ -322,6 +338,15 @@ fn an_inverted_corotated_triangle_is_pushed_back_and_its_frame_is_a_rotation() {
         assert!(((r.transpose() * f).trace() - trace).abs() < 1e-13);
         let stress = Model::Corotated.visit(LAME, StressOf(f));
         assert!(stress.norm() > 1e-3, "a mirrored triangle must not be at rest");
+    }
+}
+
+struct EnergyOf(Matrix2<f64>);
+
+impl Visitor for EnergyOf {
+    type Output = f64;
+    fn visit<M: Material>(self, material: &M) -> f64 {
+        Material::energy(material, &self.0)
     }
 }
 

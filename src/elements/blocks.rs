@@ -6,7 +6,7 @@ use crate::{
     materials::Material,
 };
 use nalgebra::Matrix2;
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 /// How many blocks have their corners collected at a time: enough for what is stored number by number to have arrived when
 /// it is read lane by lane, and little enough to stay near the processor.
@@ -55,9 +55,9 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Packs rest shapes; the lanes left over are triangles of no area.
-    pub fn new(shapes: &[Rest]) -> Self {
-        let order = Order::new();
+    /// Packs rest shapes for an instruction set; the lanes left over are triangles of no area.
+    pub fn new(shapes: &[Rest], set: Arch) -> Self {
+        let order = Order::new(set);
         let pack = |shapes: &[Rest]| {
             let mut block = Block::default();
             for (Rest { inverse, area }, lane) in shapes.iter().zip(order.lane) {
@@ -69,6 +69,11 @@ impl Blocks {
             block
         };
         Self { blocks: shapes.chunks(LANES).map(pack).collect(), order }
+    }
+
+    /// The instruction set.
+    pub const fn set(&self) -> Arch {
+        self.order.set
     }
 
     /// How many there are.

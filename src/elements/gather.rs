@@ -1,7 +1,8 @@
 //! From forces at the corners of elements to forces on vertices.
 
 use super::Target;
-use crate::lanes::{LANES, Order, Pairs};
+use crate::lanes::{LANES, Order, Pairs, SPARE, lined};
+use pulp::Arch;
 use std::{iter::repeat_n, ops::Range};
 use wide::f64x2;
 
@@ -28,6 +29,8 @@ pub struct Gather {
     window: usize,
     /// How many corners each vertex that lies in several parts has in each of them, one vertex after another.
     shares: Vec<u32>,
+    /// What the forces are computed with.
+    set: Arch,
 }
 
 /// Vertices with as many corners as each other; one vertex, if that lies in several parts.
@@ -49,9 +52,9 @@ struct Run {
 const LONG: usize = 8;
 
 impl Gather {
-    /// `corners` holds the scene vertex numbers of each element's corners. The sum at a vertex that lies in several parts is one
+    /// `corners` holds the scene vertex numbers of each element's corners, whose forces are computed with an instruction set. The sum at a vertex that lies in several parts is one
     /// of sums over the parts; the elements at which parts begin are the `cuts`.
-    pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>, cuts: &[usize]) -> Self {
+    pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>, cuts: &[usize], set: Arch) -> Self {
         let mut meeting = vec![Vec::new(); vertices.len()];
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
@@ -61,7 +64,7 @@ impl Gather {
         let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / (LANES * STAGE));
         // Until a vertex has all its forces they have to stay in the buffer.
         let window = 1 + meeting.iter().map(|all| stage(all.last()) - stage(all.first())).max().unwrap_or(0);
-        let order = Order::new();
+        let order = Order::new(set);
         let place = |&(element, number): &(usize, usize)| {
             (element / LANES % (window * STAGE) * N + number) * LANES + order.place[element % LANES]
         };
@@ -86,7 +89,12 @@ impl Gather {
         let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
         let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
-        Self { runs, vertices: ordered, places, first: vertices.start, window, shares }
+        Self { runs, vertices: ordered, places, first: vertices.start, window, shares, set }
+    }
+
+    /// The instruction set.
+    pub const fn set(&self) -> Arch {
+        self.set
     }
 
     /// How many blocks of elements the buffer of corners has to hold, of so many in all.
@@ -190,16 +198,12 @@ fn sum<'a>(
     }
 }
 
-/// Bytes that the processor moves at a time.
-const LINE: usize = 64;
-
 /// How many numbers of scratch hold so many [`Pairs`].
 pub const fn room(pairs: usize) -> usize {
-    2 * LANES * pairs + LINE / size_of::<f64>()
+    2 * LANES * pairs + SPARE
 }
 
 /// [`Pairs`] in scratch, from where a line of memory begins.
 pub fn pairs(scratch: &mut [f64]) -> &mut [Pairs] {
-    let skip = scratch.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
-    scratch[skip..].as_chunks_mut().0.as_chunks_mut().0
+    lined(scratch).as_chunks_mut().0.as_chunks_mut().0
 }

@@ -14,6 +14,7 @@ use super::{
     triangle::sweep,
 };
 use crate::lanes::LANES;
+use pulp::Arch;
 use std::{
     ops::Range,
     sync::atomic::{AtomicU32, AtomicU64, Ordering},
@@ -84,8 +85,8 @@ impl Part {
 }
 
 impl Parts {
-    /// The parts of a mesh.
-    pub fn new(corners: &[[u32; 3]], vertices: &Range<usize>) -> Self {
+    /// The parts of a mesh, for an instruction set.
+    pub fn new(corners: &[[u32; 3]], vertices: &Range<usize>, set: Arch) -> Self {
         let cuts = cuts(corners);
         let seam = seam(corners, &cuts, vertices);
         let ends = cuts.iter().copied().chain([corners.len()]);
@@ -101,7 +102,7 @@ impl Parts {
                 Err(_) => own.len() + seam.partition_point(|other| *other < vertex),
             };
             let corners: Vec<_> = corners.iter().map(|corners| corners.map(|vertex| number(vertex) as u32)).collect();
-            let gather = Gather::new(&corners, &(0..own.len() + seam.len()), &[]);
+            let gather = Gather::new(&corners, &(0..own.len() + seam.len()), &[], set);
             Part { own, corners, block: begin / LANES, gather }
         };
         Self { parts: begins.zip(ends).map(part).collect(), seam }

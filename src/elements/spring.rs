@@ -34,7 +34,15 @@ impl Springs {
         let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
         let links: Vec<_> = links.collect();
         let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
-        Self { gather: Gather::new(&ends, &vertices, &[]), links, vertices }
+        Self { gather: Gather::new(&ends, &vertices, &[], Arch::new()), links, vertices }
+    }
+
+    /// The same for another instruction set than the best: with the same bits, in more time.
+    #[must_use]
+    pub fn in_set(&self, set: Arch) -> Self {
+        let ends: Vec<_> = self.links.iter().map(|link| link.ends).collect();
+        let gather = Gather::new(&ends, &self.vertices, &[], set);
+        Self { gather, links: self.links.clone(), vertices: self.vertices.clone() }
     }
 
     /// Scene numbers of the net's particles.
@@ -59,11 +67,11 @@ impl Springs {
     /// Computes the forces on the particles and hands them out.
     fn sweep(&self, target: &mut impl Target, scratch: &mut [f64]) {
         let pairs = pairs(scratch);
-        let (mut stages, arch) = (self.gather.stages(), Arch::new());
+        let (mut stages, set) = (self.gather.stages(), self.gather.set());
         for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
             let out = pairs[2 * self.gather.slot(stage)..].as_chunks_mut().0;
-            arch.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
-            arch.dispatch(|| stages.add(pairs, target));
+            set.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
+            set.dispatch(|| stages.add(pairs, target));
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 /// How many blocks of eight triangles are collected at a time: enough for what is stored number by number to have arrived when
 /// it is read lane by lane, and little enough to stay near the processor.
@@ -62,7 +62,7 @@ impl Triangles {
             Tangent::Absolute => Some(-1.0),
         };
         let (x, weight) = (x.as_chunks().0, weights.position);
-        Arch::new().dispatch(Assemble { law, of: self, x, weight, negative, matrix });
+        self.set().dispatch(Assemble { law, of: self, x, weight, negative, matrix });
     }
 
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
@@ -141,7 +141,7 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
         let Self { law, of, x, weight, negative, matrix } = self;
-        let order = Order::new();
+        let order = Order::new(of.set());
         let (mut now, mut rest) = ([Quads::default(); RUN], [Quads::default(); RUN]);
         let mut scales = [Lanes::default(); RUN];
         let mut out = [[Quads::default(); 6]; RUN];

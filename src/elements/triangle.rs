@@ -53,10 +53,33 @@ impl Triangles {
             let area = 0.5 * edges.determinant();
             Rest { inverse: Matrix2::new(edges.m22, -edges.m12, -edges.m21, edges.m11) / (2.0 * area), area }
         });
-        let blocks = Blocks::new(&shapes.collect::<Vec<_>>());
-        let gather = Gather::new(&corners, &vertices, &parts::cuts(&corners));
-        let (model, lame, plane_stress) = material;
+        let shapes: Vec<_> = shapes.collect();
+        Self::of_shapes(&shapes, vertices, corners, material, Arch::new())
+    }
+
+    fn of_shapes(
+        shapes: &[Rest],
+        vertices: Range<usize>,
+        corners: Vec<[u32; 3]>,
+        (model, lame, plane_stress): (Model, Lame, bool),
+        set: Arch,
+    ) -> Self {
+        let blocks = Blocks::new(shapes, set);
+        let gather = Gather::new(&corners, &vertices, &parts::cuts(&corners), set);
         Self { vertices, corners, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
+    }
+
+    /// The same for another instruction set than the best: with the same bits, in more time.
+    #[must_use]
+    pub fn in_set(&self, set: Arch) -> Self {
+        let shapes: Vec<_> = (0..self.corners.len()).map(|triangle| self.rest(triangle)).collect();
+        let material = (self.model, self.lame, self.plane_stress);
+        Self::of_shapes(&shapes, self.vertices.clone(), self.corners.clone(), material, set)
+    }
+
+    /// The instruction set that forces, energies and stiffness are computed with.
+    pub(super) const fn set(&self) -> Arch {
+        self.blocks.set()
     }
 
     /// Scene numbers of the body's vertices.
@@ -127,7 +150,7 @@ impl Triangles {
             type Output = f64;
             fn visit<M: Material>(self, material: &M) -> f64 {
                 let Self(Triangles { corners, blocks, .. }, x) = self;
-                Arch::new().dispatch(blocks::Energy { material, corners, blocks, x })
+                blocks.set().dispatch(blocks::Energy { material, corners, blocks, x })
             }
         }
         self.model.visit(self.lame, Visit(self, x))
@@ -140,7 +163,7 @@ impl Triangles {
 
     /// The body in parts, where it is large enough for several to share the work.
     pub(crate) fn parts(&self) -> &Parts {
-        self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices))
+        self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices, self.set()))
     }
 
     /// Moves the vertices of one part on their way through a number of steps, together with those who move the others.
@@ -193,13 +216,13 @@ pub(super) fn sweep(
     scratch: &mut [f64],
 ) {
     let pairs = pairs(scratch);
-    let (mut stages, arch) = (gather.stages(), Arch::new());
+    let (mut stages, set) = (gather.stages(), gather.set());
     for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
         let blocks = &blocks[stage * STAGE..];
         let out: &mut [CornerForces] = pairs[3 * gather.slot(stage)..].as_chunks_mut().0;
         let [x, v] = target.motion();
-        arch.dispatch(Forces { law, corners, blocks, x, v, out });
-        arch.dispatch(|| stages.add(pairs, target));
+        set.dispatch(Forces { law, corners, blocks, x, v, out });
+        set.dispatch(|| stages.add(pairs, target));
     }
 }
 

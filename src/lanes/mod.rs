@@ -4,10 +4,14 @@
 //! Only operations that IEEE 754 rounds in one way are used (`+ - * /` and the square root, no contraction), so every lane
 //! holds the bits that `f64` would, and a run is the same on every processor.
 
+mod lines;
 mod logarithm;
+mod sets;
 mod square;
 mod wide;
 
+pub use lines::{SPARE, lined};
+pub use sets::{sets, width};
 pub use square::Square;
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
 
@@ -37,6 +41,10 @@ pub trait Real:
     #[must_use]
     fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self;
 
+    /// Whether it is less in every lane: then there is no need to compute what other lanes would take.
+    #[must_use]
+    fn all_less(self, than: Self) -> bool;
+
     /// m and k with `self = m 2^k` and m from sqrt(1/2) to sqrt(2), for positive normal numbers; anything for others.
     fn split(self) -> (Self, Self);
 
@@ -46,6 +54,25 @@ pub trait Real:
     fn logarithm(self) -> Self {
         logarithm::log(self)
     }
+}
+
+/// `c0 + c1 x + c2 x² + ...`, with even and odd powers apart: they do not wait for each other.
+#[inline(always)]
+pub fn polynomial<R: Real>(x: R, coefficients: &[f64]) -> R {
+    every_other(x * x, &coefficients[1..]) * x + every_other(x * x, coefficients)
+}
+
+/// `c0 + c2 y + c4 y² + ...` by Horner's rule.
+#[inline(always)]
+fn every_other<R: Real>(y: R, coefficients: &[f64]) -> R {
+    let mut number = (coefficients.len() - 1) / 2 * 2;
+    let mut sum = y.of(coefficients[number]);
+    // `fold` would be a call, in which registers are not used in their full width.
+    while number > 0 {
+        number -= 2;
+        sum = sum * y + coefficients[number];
+    }
+    sum
 }
 
 impl Real for f64 {
@@ -62,6 +89,11 @@ impl Real for f64 {
     #[inline(always)]
     fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self {
         if self < than { then } else { otherwise }
+    }
+
+    #[inline(always)]
+    fn all_less(self, than: Self) -> bool {
+        self < than
     }
 
     #[inline(always)]

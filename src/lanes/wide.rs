@@ -119,6 +119,12 @@ impl<S: Simd> Real for Wide<S> {
     }
 
     #[inline(always)]
+    fn all_less(self, than: Self) -> bool {
+        let less = self.set.less_than_f64s(self.values, than.values);
+        self.set.first_true_m64s(self.set.not_m64s(less)) == S::F64_LANES
+    }
+
+    #[inline(always)]
     fn split(self) -> (Self, Self) {
         let (mut m, mut k) = (self, self);
         for (m, k) in numbers(&mut m.values).iter_mut().zip(numbers(&mut k.values)) {
@@ -134,9 +140,11 @@ fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(values))
 }
 
-/// Where eight elements are: whichever order the processor takes numbers apart and puts them together in.
+/// Where eight elements are: whichever order an instruction set takes numbers apart and puts them together in.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
+    /// The instruction set.
+    pub set: Arch,
     /// The lane of each element, once [`Wide::load_quads`] has read it.
     pub lane: [usize; LANES],
     /// Where [`Wide::store_pairs`] then writes its vector.
@@ -146,8 +154,8 @@ pub struct Order {
 }
 
 impl Order {
-    /// The order of this processor, found by trying.
-    pub fn new() -> Self {
+    /// The order of an instruction set, found by trying.
+    pub fn new(set: Arch) -> Self {
         struct Try;
         impl WithSimd for Try {
             type Output = (Lanes, Pairs, Quads);
@@ -165,19 +173,13 @@ impl Order {
                 (lanes, pairs, quads)
             }
         }
-        let (lanes, pairs, quads) = Arch::new().dispatch(Try);
-        let mut order = Self { lane: [0; LANES], place: [0; LANES], quad: [0; LANES] };
+        let (lanes, pairs, quads) = set.dispatch(Try);
+        let mut order = Self { set, lane: [0; LANES], place: [0; LANES], quad: [0; LANES] };
         for (at, ((element, [placed, _]), [quad, ..])) in lanes.into_iter().zip(pairs).zip(quads).enumerate() {
             order.lane[element as usize] = at;
             order.place[placed as usize] = at;
             order.quad[quad as usize] = at;
         }
         order
-    }
-}
-
-impl Default for Order {
-    fn default() -> Self {
-        Self::new()
     }
 }

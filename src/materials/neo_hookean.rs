@@ -11,9 +11,12 @@ use std::f64::consts::LN_10;
 ///
 /// (Bonet and Wood, *Nonlinear Continuum Mechanics for Finite Element Analysis*, 2nd edition, section 6.4.3, in two
 /// dimensions). The model is `L = ln J`. That is used to the last bit down to `J = J0 = 0.1`, which no honest answer goes
-/// below. From there on L is the Taylor series of the logarithm to second order,
-/// `L = ln J0 + t - t²/2` with `t = J/J0 - 1`: energy, stress and stiffness go on without a jump, and are finite for every F.
-/// While lambda >= 0, a triangle that is flat or inverted is pushed back, the harder the farther.
+/// below. From there on L is the Taylor series of the logarithm to second order, `L = ln J0 + t - t²/2` with `t = J/J0 - 1`:
+/// energy, stress and stiffness go on without a jump. Below `J = -J0`, where t = -2, it is the tangent of that: energy and stress
+/// have no jump there either, and are finite for every F. While lambda >= 0, a triangle that is flat or inverted is pushed
+/// back, the harder the farther, by an energy that in the end grows as J². (Were the series used all the way it would grow as
+/// J⁴, the eighth power of a length: from a scrambled start Newton's method then loses its way. Were the tangent used from J0
+/// on, a mirror image would be pushed too softly to come home.)
 #[derive(Clone, Copy, Debug)]
 pub struct NeoHookean {
     lame: Lame,
@@ -22,17 +25,28 @@ pub struct NeoHookean {
 /// J0: where the logarithm is continued by its Taylor series.
 const FLAT: f64 = 0.1;
 
-/// L and t.
+/// The t below which the series is continued by its tangent.
+const INVERTED: f64 = -2.0;
+
+/// L, and, where it is not the logarithm, J0 times its derivative: 1 - t, and no more than at [`INVERTED`].
 #[inline(always)]
 fn log<R: Real>(j: R) -> (R, R) {
     let t = j * (1.0 / FLAT) - 1.0;
-    (j.if_less(j.of(FLAT), t - t * t * 0.5 - LN_10, j.logarithm()), t)
+    let u = t.if_less(t.of(INVERTED), t.of(INVERTED), t);
+    let slope = -u + 1.0;
+    let continued = u - u * u * 0.5 + slope * (t - u) - LN_10;
+    (j.if_less(j.of(FLAT), continued, j.logarithm()), slope)
 }
 
 /// L with its first and second derivative.
 fn derivatives(j: f64) -> [f64; 3] {
-    let (log, t) = log(j);
-    if j < FLAT { [log, (1.0 - t) / FLAT, -1.0 / (FLAT * FLAT)] } else { [log, 1.0 / j, -1.0 / (j * j)] }
+    const LEAST: f64 = FLAT * (1.0 + INVERTED);
+    let (log, slope) = log(j);
+    match j {
+        ..LEAST => [log, slope / FLAT, 0.0],
+        ..FLAT => [log, slope / FLAT, -1.0 / (FLAT * FLAT)],
+        _ => [log, 1.0 / j, -1.0 / (j * j)],
+    }
 }
 
 impl NeoHookean {
@@ -47,7 +61,7 @@ impl Material for NeoHookean {
     const LETTER: &'static str = "N";
     const FORMULA: &'static str = "ψ = μ/2 (|F|² − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
     const BARRIER: bool = true;
-    const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series";
+    const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series, below −0.1 as a straight line";
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
@@ -60,9 +74,9 @@ impl Material for NeoHookean {
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        let (log, t) = log(j);
+        let (log, slope) = log(j);
         let pull = log * lambda - mu;
-        f * mu + f.cofactor() * j.if_less(j.of(FLAT), pull * ((-t + 1.0) * (1.0 / FLAT)), pull / j)
+        f * mu + f.cofactor() * j.if_less(j.of(FLAT), pull * (slope * (1.0 / FLAT)), pull / j)
     }
 
     /// dP = mu dF + (lambda L'² + (lambda L - mu) L'') (G : dF) G + (lambda L - mu) L' dG.
@@ -78,11 +92,11 @@ impl Material for NeoHookean {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
         let Lame { mu, lambda } = self.lame;
         let j = parts.f.determinant();
-        let (log, t) = log(j);
-        let flat = j.of(FLAT);
+        let (log, slope) = log(j);
+        let (flat, inverted) = (j.of(FLAT), j.of(FLAT * (1.0 + INVERTED)));
         let inverse = j.of(1.0) / flat.if_less(j, j, flat);
-        let slope = j.if_less(flat, (-t + 1.0) * (1.0 / FLAT), inverse);
-        let bend = -(inverse * inverse);
+        let slope = j.if_less(flat, slope * (1.0 / FLAT), inverse);
+        let bend = j.if_less(inverted, j.of(0.0), -(inverse * inverse));
         let pull = log * lambda - mu;
         let second = slope * slope * lambda + pull * bend;
         parts.moduli([j.of(0.5 * mu), pull * slope], [j.of(0.0), second])
@@ -97,9 +111,9 @@ impl Material for NeoHookean {
     fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        let (log, t) = log(j);
+        let (log, slope) = log(j);
         let pull = log * lambda - mu;
-        j.if_less(j.of(FLAT), pull * ((-t + 1.0) * (1.0 / FLAT)) * j, pull) + mu
+        j.if_less(j.of(FLAT), pull * (slope * (1.0 / FLAT)) * j, pull) + mu
     }
 
     /// mu w² + (lambda L - mu) L' s w = 0, which is mu (w² - 1) + lambda ln(s w) = 0 from J0 on, by Newton's method on

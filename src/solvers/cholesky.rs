@@ -3,11 +3,9 @@ use super::{
     dense::{Columns, add_products, dot, eliminate},
     elimination::{Elimination, Front},
 };
+use crate::lanes::{SPARE, lined};
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
-
-/// Bytes that the processor moves at a time.
-const LINE: usize = 64;
 
 /// What a multiplication and subtraction of factorising costs, and a block of L in factorising and solving once [ns].
 const PRODUCT: f64 = 0.05;
@@ -36,7 +34,7 @@ impl Factor {
     /// Settles where the entries of L are. `None` if they are too many for the memory.
     pub fn new(matrix: &BlockMatrix) -> Option<Self> {
         let elimination = Elimination::new(matrix)?;
-        let room = |size: usize| vec![0.0; size + LINE / size_of::<f64>()];
+        let room = |size: usize| vec![0.0; size + SPARE];
         let deepest = elimination.fronts.iter().map(Front::update_stride).max().unwrap_or(0);
         Some(Self {
             values: room(elimination.size),
@@ -75,12 +73,6 @@ impl Factor {
     pub fn entries(&self) -> usize {
         self.elimination.fronts.iter().map(|front| front.width * (front.width + 2 + 2 * front.depth()) / 8).sum()
     }
-}
-
-/// What follows the first number that starts a line of memory.
-fn lined(values: &mut [f64]) -> &mut [f64] {
-    let skip = values.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
-    &mut values[skip..]
 }
 
 struct Factorise<'a> {

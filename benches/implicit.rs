@@ -153,51 +153,43 @@ fn sizes(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Steps whose linear systems are factorised, and solved by iterations: the first three from the stretched start, taken in turn
-/// with either, so that whatever else the machine does meets both alike. What is told is the least time of each over rounds.
+/// The first three steps from the stretched start with linear systems factorised, solved by iterations, and either as the size has
+/// it: a few rounds of each in turn, so that whatever else the machine does meets all alike, told by the least time of each.
 fn paths(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("three steps, factors and iterations");
-    let mut ratios = Vec::new();
-    for n in [32, 71, 224, 316] {
-        for model in [Model::Corotated, Model::NeoHookean] {
-            let simulation = sheet(n, model);
-            let scene = simulation.scene();
-            let mut works =
-                [Path::Direct, Path::Iterative, Path::Chosen].map(|path| (path, Work::new(path), f64::INFINITY));
-            let mut physics = Physics::new(scene);
-            let mut run = |work: &mut Work| {
-                let mut state = scene.start.clone();
-                let begin = Instant::now();
-                let linear =
-                    |_| ImplicitEuler::default().step(&mut physics, &mut state, work, STEP).newton.linear_iterations;
-                let linear: u64 = (0..3).map(linear).sum();
-                (begin.elapsed(), linear)
-            };
-            // What is settled once for a topology, and a few rounds in turn.
-            for round in 0..6 {
-                for (_, work, least) in &mut works {
-                    let (time, _) = run(work);
-                    *least = if round == 0 { *least } else { least.min(time.as_secs_f64()) };
-                }
-            }
-            let linear = run(&mut works[2].1).1;
-            let [direct, iterative, chosen] = [0, 1, 2].map(|number: usize| 1e3 * works[number].2);
-            ratios.push(format!(
-                "{:>12} {:>7} triangles: factors {direct:8.2} ms, iterations {iterative:8.2} ms, ratio {:.2}, chosen {} {chosen:8.2} ms",
-                model.name(),
-                2 * n * n,
-                direct / iterative,
-                if linear > 0 { "iterations" } else { "factors" },
-            ));
-            for (path, work, _) in &mut works {
-                group.bench_function(format!("{path:?} {}/{}", model.name(), 2 * n * n), |bencher| {
-                    bencher.iter_custom(|count| (0..count).map(|_| run(work).0).sum());
-                });
+    let mut group = criterion.benchmark_group("three steps");
+    for (n, model) in [32, 71, 224, 316].into_iter().flat_map(|n| [(n, Model::Corotated), (n, Model::NeoHookean)]) {
+        let simulation = sheet(n, model);
+        let scene = simulation.scene();
+        let mut physics = Physics::new(scene);
+        let mut run = |work: &mut Work| {
+            let mut state = scene.start.clone();
+            let begin = Instant::now();
+            let mut step =
+                || ImplicitEuler::default().step(&mut physics, &mut state, work, STEP).newton.linear_iterations;
+            let linear: u64 = (0..3).map(|_| step()).sum();
+            (begin.elapsed(), linear)
+        };
+        let mut works = [Path::Direct, Path::Iterative, Path::Chosen].map(Work::new);
+        let mut least = [f64::INFINITY; 3];
+        // The first round settles what is settled once for a topology.
+        let linear = works.each_mut().map(|work| run(work).1);
+        for _ in 0..4 {
+            for (least, work) in least.iter_mut().zip(&mut works) {
+                *least = least.min(1e3 * run(work).0.as_secs_f64());
             }
         }
+        let [direct, iterative, chosen] = least;
+        let name = format!("{}/{}", model.name(), 2 * n * n);
+        let way = if linear[2] > 0 { "iterations" } else { "factors" };
+        let ratio = direct / iterative;
+        println!(
+            "{name}: factors {direct:.2} ms, iterations {iterative:.2} ms, ratio {ratio:.2}, chosen {way} {chosen:.2} ms"
+        );
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|count| (0..count).map(|_| run(&mut works[2]).0).sum());
+        });
     }
     group.finish();
-    ratios.iter().for_each(|line| println!("{line}"));
 }
 
 /// 2,000 triangles: the first second after letting go of a stretched man, over and over.

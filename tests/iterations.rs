@@ -89,7 +89,6 @@ fn iterations_end_where_factors_do_but_for_a_thousandth_of_what_the_scheme_is_of
             {
                 let scene = sheet(20, model, 0.3, body);
                 let (off, counts) = compare(&scene, floor, &integrator(name), 4);
-                println!("{model} {name} {body} {floor}: {off:.1e} {counts:?}");
                 assert!(off < 1e-3, "{model} {name} {body}: {off}");
                 assert!(counts.linear_iterations > 0, "{model} {name} {body}: {counts:?}");
                 assert!(counts.abandoned <= 1, "{model} {name} {body}: {counts:?}");
@@ -119,6 +118,17 @@ fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
 }
 
 #[test]
+fn a_system_sixteen_times_as_large_takes_about_as_many_iterations() {
+    let [small, large] = [20, 80].map(|n| {
+        let scene = sheet(n, "Corotated", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
+        let euler = integrator("ImplicitEuler");
+        stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(Path::Iterative)).1
+    });
+    assert!(large.abandoned == 0 && large.iterations <= small.iterations, "{small:?} {large:?}");
+    assert!(2 * large.linear_iterations <= 3 * small.linear_iterations, "{small:?} {large:?}");
+}
+
+#[test]
 fn small_systems_are_factorised_and_large_ones_iterated_by_what_couples_what() {
     for (n, path) in [(32, Path::Direct), (110, Path::Iterative)] {
         for model in ["Corotated", "NeoHookean"] {
@@ -139,7 +149,6 @@ fn where_iterations_are_slow_factors_take_over_and_that_is_counted() {
     for model in ["Corotated", "NeoHookean"] {
         let scene = scene(strip, model, 0.4999, "pins: [Left, Right],");
         let (off, counts) = compare(&scene, f64::NEG_INFINITY, &integrator("ImplicitEuler"), 4);
-        println!("{model}: {off:.1e} {counts:?}");
         assert!(off < 1e-3, "{model}: {off}");
         assert!(counts.abandoned > 0 && counts.factorisations >= counts.abandoned, "{model}: {counts:?}");
     }
@@ -150,7 +159,6 @@ fn a_matrix_that_is_not_definite_is_met_and_replaced() {
     for model in ["Corotated", "StVenantKirchhoff"] {
         let scene = sheet(20, model, 0.3, "stretch: (0.6, 0.6),");
         let (_, counts) = compare(&scene, f64::NEG_INFINITY, &integrator("ImplicitEuler"), 2);
-        println!("{model}: {counts:?}");
         assert!(counts.indefinite > 0, "{model}: {counts:?}");
     }
 }

@@ -139,7 +139,7 @@ impl BlockMatrix {
             return;
         }
         for (block, weight) in self.diagonal.iter_mut().zip(inverse_weight.chunks_exact(2)) {
-            for axis in (0..2).filter(|axis| !(weight[*axis] > 0.0)) {
+            for axis in (0..2).filter(|axis| weight[*axis] == 0.0) {
                 block.fill_row(axis, 0.0);
                 block.fill_column(axis, 0.0);
                 block[(axis, axis)] = 1.0;
@@ -147,10 +147,10 @@ impl BlockMatrix {
         }
         for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
             for axis in 0..2 {
-                if !(inverse_weight[2 * *row as usize + axis] > 0.0) {
+                if inverse_weight[2 * *row as usize + axis] == 0.0 {
                     block.fill_row(axis, 0.0);
                 }
-                if !(inverse_weight[2 * *column as usize + axis] > 0.0) {
+                if inverse_weight[2 * *column as usize + axis] == 0.0 {
                     block.fill_column(axis, 0.0);
                 }
             }

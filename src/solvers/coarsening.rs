@@ -41,7 +41,9 @@ impl Coarsening {
                 }
             };
             add(*own, if others.is_empty() { 1.0 } else { 1.0 - SMOOTHING });
-            others.iter().for_each(|other| add(group_of[*other as usize], SMOOTHING / others.len() as f64));
+            for other in others {
+                add(group_of[*other as usize], SMOOTHING / others.len() as f64);
+            }
             coarsening.starts.push(coarsening.shares.len() as u32);
         }
         coarsening
@@ -166,7 +168,9 @@ fn groups(around: &Neighbours) -> (Vec<u32>, usize) {
         let others = around.of(vertex);
         if group_of[vertex] == NONE && others.iter().all(|other| group_of[*other as usize] == NONE) {
             group_of[vertex] = groups;
-            others.iter().for_each(|other| group_of[*other as usize] = groups);
+            for other in others {
+                group_of[*other as usize] = groups;
+            }
             groups += 1;
         }
     }

@@ -23,11 +23,13 @@ pub enum Outcome {
 /// Conjugate gradients for large systems (Hestenes and Stiefel, *Methods of conjugate gradients for solving linear systems*,
 /// Journal of Research of the National Bureau of Standards 49, 1952), steered by [`TwoLevel`].
 ///
-/// Of a sheet of 100,000 triangles in a step of 1/60 s an iteration costs a twentieth of factorising the matrix and solving with the
-/// factor, four iterations leave a hundredth of the error and nineteen 1e-8 of it, nearly whatever the size. The factor of an
-/// earlier matrix steers better, two and nine iterations, but to solve with it takes a quarter of the time of a factorisation, for
-/// it has to pass through all its entries. Near incompressibility neither serves, nor does anything else that looks at one vertex
-/// at a time: there the matrix is factorised.
+/// Of a sheet of 100,000 triangles in a step of 1/60 s an iteration takes a twentieth of the time of factorising the matrix and
+/// solving with the factor; four iterations leave a hundredth of the error and nineteen 1e-8 of it, nearly whatever the size. The
+/// factor of an earlier matrix steers better, with two and nine iterations, but to solve with it takes a quarter of that time, for
+/// all its entries pass through the processor; and a step must not depend on what was solved before it. Near incompressibility
+/// neither serves, nor does anything else that looks at one vertex at a time: there the matrix is factorised.
+///
+/// No step allocates: all that is needed is settled with the couples.
 #[derive(Clone, Debug)]
 pub struct Iterative {
     levels: TwoLevel,

@@ -16,7 +16,7 @@ pub(crate) use parts::{Walker, Way};
 pub use spring::Springs;
 pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
-pub use target::{Adding, Kicking, Target};
+pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
 
 use std::sync::Arc;

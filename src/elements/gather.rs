@@ -10,6 +10,9 @@ use wide::f64x2;
 /// vertices with as many corners as each other, and little enough for the forces to be still near the processor.
 pub const STAGE: usize = 128;
 
+/// The same in elements.
+pub const STRETCH: usize = LANES * STAGE;
+
 /// For each vertex the corners that meet there.
 ///
 /// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements: the
@@ -61,7 +64,7 @@ impl Gather {
                 meeting[corner as usize - vertices.start].push((element, number));
             }
         }
-        let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / (LANES * STAGE));
+        let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STRETCH);
         // Until a vertex has all its forces they have to stay in the buffer.
         let window = 1 + meeting.iter().map(|all| stage(all.last()) - stage(all.first())).max().unwrap_or(0);
         let order = Order::new(set);

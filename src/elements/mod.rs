@@ -12,6 +12,7 @@ mod triangle;
 
 pub(crate) use blocks::Law;
 pub use fields::Field;
+pub(crate) use gather::STRETCH;
 pub(crate) use parts::{Walker, Way};
 pub use spring::Springs;
 pub use survey::Survey;

@@ -69,10 +69,13 @@ impl Curve {
 /// With one thread and, where the simulation lets two share the work, with two.
 fn explicit(number: usize) -> [Curve; 2] {
     let mut curves = [1, 2].map(|threads| Curve::new("explicit", number, threads));
+    // The longest stable step at rest is as long as a quad is wide, but for a factor.
+    let small = sheet(EXPLICIT[2], MODELS[number], "SymplecticEuler");
+    let rest = State { x: small.rest.clone(), ..small.start.clone() };
+    let stable = critical_step(&small, &rest).unwrap() * f64::from(EXPLICIT[2]);
     for n in EXPLICIT {
         let mut scene = sheet(n, MODELS[number], "SymplecticEuler");
-        let rest = State { x: scene.rest.clone(), ..scene.start.clone() };
-        scene.step = 0.8 * critical_step(&scene, &rest).unwrap();
+        scene.step = 0.8 * stable / f64::from(n);
         let start = scene.start.clone();
         let mut simulation = Simulation::new(scene, start);
         assert_eq!(simulation.advance(LEAD, &mut || true), LEAD);
@@ -133,39 +136,44 @@ const INK: RGBColor = RGBColor(0x4A, 0x2E, 0x1E);
 const FAINT: RGBColor = RGBColor(0xE6, 0xDA, 0xCB);
 const COLOURS: [RGBColor; 3] = [RGBColor(0xC0, 0x39, 0x2B), RGBColor(0x1F, 0x7A, 0x5A), RGBColor(0x2C, 0x5A, 0xA8)];
 
-/// Two panels side by side, on paper of their own, so that they can be read on dark pages too.
+/// Two panels side by side, each with the exponents fitted over all its sizes, on paper of their own, so that they can be read on dark pages too.
 fn draw(path: &str, curves: &[Curve]) {
     let area = SVGBackend::new(path, (1200, 520)).into_drawing_area();
     area.fill(&PAPER).unwrap();
     let (left, right) = area.split_horizontally(600);
     let (explicit, implicit): (Vec<_>, Vec<_>) = curves.iter().partition(|curve| curve.name == "explicit");
     let each = |(triangles, time): (f64, f64)| (triangles, 1e9 * time / triangles);
-    panel(&left, ["Explicit step, per triangle", "ns per triangle and step"], 1e2..2e6, 1.0..30.0, &explicit, each);
-    panel(&right, ["Implicit step of 1/60 s", "seconds per step"], 1e2..2e6, 1e-4..2.0, &implicit, |point| point);
+    let (above, below) = (SeriesLabelPosition::UpperLeft, SeriesLabelPosition::LowerRight);
+    // The list of names has its place above what is nearly level, and below what rises.
+    panel(&left, ["Explicit step, per triangle", "ns per triangle and step"], (above, [2.0, 12.0]), &explicit, each);
+    panel(&right, ["Implicit step of 1/60 s", "seconds per step"], (below, [3.0, 2.0]), &implicit, |point| point);
     area.present().unwrap();
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
+/// One of them, with so many times the room below and above its values.
 fn panel(
     area: &Area<'_>,
     [title, unit]: [&str; 2],
-    x: std::ops::Range<f64>,
-    y: std::ops::Range<f64>,
+    (names, [below, above]): (SeriesLabelPosition, [f64; 2]),
     curves: &[&Curve],
     value: impl Fn((f64, f64)) -> (f64, f64),
 ) {
+    let values = || curves.iter().flat_map(|curve| &curve.points).map(|point| value(*point).1);
+    let least = values().fold(f64::INFINITY, f64::min) / below;
+    let greatest = values().fold(0.0, f64::max) * above;
     let text = |size: i32| ("sans-serif", size).into_font().color(&INK);
     let mut chart = ChartBuilder::on(area)
         .caption(title, text(20))
         .margin(16)
         .x_label_area_size(48)
         .y_label_area_size(64)
-        .build_cartesian_2d(x.log_scale(), y.log_scale())
+        .build_cartesian_2d((2e2..2e6).log_scale(), (least..greatest).log_scale())
         .unwrap();
     chart
         .configure_mesh()
-        .x_desc("triangles")
+        .x_desc("triangles N")
         .y_desc(unit)
         .axis_desc_style(text(16))
         .label_style(text(14))
@@ -199,7 +207,7 @@ fn panel(
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        .position(names)
         .background_style(PAPER)
         .border_style(FAINT)
         .label_font(text(14))

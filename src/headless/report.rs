@@ -124,7 +124,8 @@ impl RunReport {
 impl std::fmt::Display for RunReport {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { level, steps, time, wall_seconds, energy, .. } = self;
-        write!(out, "{level}: {steps} steps to {time:.4} s in {wall_seconds:.3} s")?;
+        let plural = if *steps == 1 { "" } else { "s" };
+        write!(out, "{level}: {steps} step{plural} to {time:.4} s in {wall_seconds:.3} s")?;
         if let Some(each) = self.ns_per_triangle_step {
             write!(out, " ({each:.1} ns per triangle and step)")?;
         }

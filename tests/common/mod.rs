@@ -1,6 +1,7 @@
 //! What several test files share: random numbers that are the same on every run, and small scenes.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
 
+pub mod studies;
 pub mod systems;
 
 use gingerbread::{

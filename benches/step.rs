@@ -19,23 +19,29 @@ use gingerbread::{
 use nalgebra::Matrix2;
 use std::{
     sync::Arc,
+    thread,
     time::{Duration, Instant},
 };
 
 /// A unit square of n x n quads, density 1, E = 1e3, nu = 0.3 in plane strain, stretched 1.2 in x.
 fn sheet(n: u32, model: Model) -> Simulation {
-    let scene = sheet_scene(n, model);
+    simulation(strip([n, n], model))
+}
+
+fn simulation(scene: Scene) -> Simulation {
     let state = scene.start.clone();
     Simulation::new(scene, state)
 }
 
-fn sheet_scene(n: u32, model: Model) -> Scene {
+/// The lowest rows of the square of as many rows as columns.
+fn strip([columns, rows]: [u32; 2], model: Model) -> Scene {
     // The step follows the size of the triangles, so that every mesh is stable.
     let text = format!(
         "(name: \"sheet\", substeps: {}, bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1),
-          mesh: Rectangle(width: 1, height: 1, columns: {n}, rows: {n}, diagonals: Grid),
+          mesh: Rectangle(width: 1, height: {}, columns: {columns}, rows: {rows}, diagonals: Grid),
           material: (model: {}, young: 1000, poisson: 0.3, plane: Strain))])",
-        10 * n,
+        10 * columns,
+        f64::from(rows) / f64::from(columns),
         model.name()
     );
     let level = files::parse(&text, "sheet.ron").unwrap();
@@ -136,6 +142,15 @@ fn laps(simulation: &mut Simulation, steps: u64, lap: u64) -> Duration {
     time
 }
 
+/// Time of `steps` steps of two at once.
+fn laps_apart(simulations: &mut [Simulation; 2], steps: u64, lap: u64) -> Duration {
+    let [one, other] = simulations;
+    thread::scope(|scope| {
+        let other = scope.spawn(|| laps(other, steps, lap));
+        laps(one, steps, lap).max(other.join().unwrap())
+    })
+}
+
 fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step, per triangle");
     for n in [22, 71, 224] {
@@ -151,6 +166,11 @@ fn steps(criterion: &mut Criterion) {
                 group.bench_function(format!("{name}, two threads"), |bencher| {
                     bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
                 });
+                // What two threads can come to on this machine: they share the work, but have nothing to tell each other.
+                let mut halves = [n / 2, n - n / 2].map(|rows| self::simulation(strip([n, rows], model)));
+                group.bench_function(format!("{name}, two halves apart"), |bencher| {
+                    bencher.iter_custom(|count| laps_apart(&mut halves, count, 2000) / (2 * n * n));
+                });
             }
             group.bench_function(format!("{name}, plain"), |bencher| {
                 bencher.iter_custom(|count| plain.steps(&simulation, count) / (2 * n * n));
@@ -165,12 +185,11 @@ fn widths(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step in lanes, per triangle");
     for model in [Model::StVenantKirchhoff, Model::Corotated, Model::NeoHookean] {
         for set in sets() {
-            let (n, mut scene) = (71, sheet_scene(71, model));
+            let (n, mut scene) = (71, strip([71, 71], model));
             let elements = Arc::new(scene.bodies[0].elements.in_set(set));
             scene.bodies[0].elements = Arc::clone(&elements);
             scene.effects[0] = elements;
-            let state = scene.start.clone();
-            let mut simulation = Simulation::new(scene, state);
+            let mut simulation = simulation(scene);
             let name = format!("{} triangles, {}, {} at a time", 2 * n * n, model.name(), width(set));
             group.bench_function(name, |bencher| {
                 bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));

@@ -80,6 +80,8 @@ fn effects(criterion: &mut Criterion) {
     group.bench_function("bare element loop", |bencher| bencher.iter_custom(|steps| bare(&alone, steps) / triangles));
     for (name, effects) in [
         ("gravity only", GRAVITY.to_owned()),
+        ("gravity and damping by mass", format!("{GRAVITY} (effect: Rayleigh(mass: 1)),")),
+        ("gravity and drag", format!("{GRAVITY} (effect: Drag(coefficient: 0.00001)),")),
         ("gravity and damping", format!("{GRAVITY} (effect: Rayleigh(mass: 1, stiffness: 0.000001)),")),
         ("gravity, walls out of reach", format!("{GRAVITY} {FAR}")),
         ("gravity, walls in contact", format!("{GRAVITY} {FLOOR}")),

@@ -103,6 +103,7 @@ fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model
     }
     let (body, number, volume_ratio, undefined) = worst?;
     let crushed = (undefined && volume_ratio <= 0.0).then(|| body.elements.model());
+    let number = body.mesh.numbering().element_name(number);
     Some((Culprit::Triangle { body: body.name.clone(), number, volume_ratio }, crushed))
 }
 
@@ -110,7 +111,7 @@ fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model
 fn worst_spring(scene: &Scene, state: &State) -> Option<Culprit> {
     let springs = scene.nets.iter().flat_map(|net| net.springs.links().iter().enumerate().map(move |link| (net, link)));
     let measured = springs.map(|(net, (number, link))| {
-        let length = link.length(&state.x);
+        let (length, number) = (link.length(&state.x), net.numbering.element_name(number));
         ((length - link.rest).abs(), Culprit::Spring { net: net.name.clone(), number, length })
     });
     measured.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, culprit)| culprit)

@@ -263,18 +263,16 @@ impl Sandbox {
         Ok(())
     }
 
-    /// The pinned vertices of a shown body or net, by their number in it.
+    /// The pinned vertices of a shown body or net, by their number in its level, ascending.
     fn pins_of(&self, owner: Owner) -> Vec<u32> {
         let scene = self.simulation.scene();
-        let vertices = match owner {
-            Owner::Body(number) => &scene.bodies[number].vertices,
-            Owner::Net(number) => &scene.nets[number].vertices,
-        };
-        let own = scene.pins.iter().filter(|pin| vertices.contains(&(**pin as usize)));
-        own.map(|pin| pin - vertices.start as u32).collect()
+        let owned = scene.pins.iter().filter_map(|pin| scene.owner_of(*pin as usize));
+        let mut own: Vec<_> = owned.filter(|(other, _)| *other == owner).map(|(_, number)| number as u32).collect();
+        own.sort_unstable();
+        own
     }
 
-    /// The places of a shown body's vertices at rest [m], where the document puts it.
+    /// The places of a shown body's vertices at rest [m], as they are listed, where the document puts it.
     fn rest_points(&self, body: usize) -> Vec<Point> {
         let scene = self.simulation.scene();
         let source = self.document.level.bodies.get(self.document.source(body));
@@ -283,7 +281,8 @@ impl Sandbox {
             return Vec::new();
         };
         let ([x, y], [from_x, from_y]) = (source.place.offset.get(), listed.place.offset.get());
-        let rest = scene.rest[2 * shown.vertices.start..2 * shown.vertices.end].chunks_exact(2);
+        let rest = scene.listed(&scene.rest);
+        let rest = rest[2 * shown.vertices.start..2 * shown.vertices.end].chunks_exact(2);
         rest.map_while(|point| Point::new([point[0] + x - from_x, point[1] + y - from_y]).ok()).collect()
     }
 
@@ -352,7 +351,8 @@ impl Sandbox {
     /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.
     pub fn saved(&self) -> Level {
         let mode = self.effect_mode(&self.document);
-        Level { state: saved(self.simulation.state()), mode, ..Level::clone(&self.shown) }
+        let state = saved(&self.simulation.scene().listed_state(self.simulation.state()));
+        Level { mode, state, ..Level::clone(&self.shown) }
     }
 }
 

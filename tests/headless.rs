@@ -81,6 +81,30 @@ fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
     assert_eq!((&off["switch"], &off["calls"], off["saved_ms_per_frame"].is_null()), (&"Off".into(), &0.into(), true));
 }
 
+/// Clocks in the effects would send every step another, slower way, on which threads do not share the work either.
+#[test]
+fn a_report_tells_what_a_run_without_clocks_costs_and_what_each_effect_does_from_a_run_of_its_own() {
+    let folder = Folder::new("clocks");
+    let (level, report) = (folder.file("sheet.ron"), folder.file("report.json"));
+    let text = "(name: \"sheet\", substeps: 1000, bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1), mesh: Rectangle(width: 1,
+        height: 1, columns: 71, rows: 71, diagonals: Grid), material: (model: Corotated, young: 1000, poisson: 0.3))])";
+    fs::write(&level, text).unwrap();
+    let run = |more: &[&str]| {
+        let output = gingerbread(&[&["run", &level, "--steps", "300", "--threads", "2"][..], more].concat());
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        said(&output.stdout).rsplit(' ').next().unwrap().trim().to_owned()
+    };
+    assert_eq!(run(&["--report", &report]), run(&[]), "the same bits come of both");
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+    assert!(report["steps_together"].as_u64().unwrap() >= 50, "{}", report["steps_together"]);
+    let seconds = |name: &str| report[name].as_f64().unwrap();
+    let each = seconds("wall_seconds") * 1e9 / (300.0 * 10_082.0);
+    assert!((seconds("ns_per_triangle_step") / each - 1.0).abs() < 1e-9);
+    let elasticity = &report["effects"][0];
+    assert_eq!((&elasticity["name"], &elasticity["calls"]), (&"Elasticity".into(), &300.into()));
+    assert!(elasticity["seconds"].as_f64().unwrap() > 0.0);
+}
+
 #[test]
 fn a_report_says_how_each_body_stepped_that_went_at_its_own_pace() {
     let folder = Folder::new("paces");

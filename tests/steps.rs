@@ -226,6 +226,10 @@ fn vertices_moved_as_soon_as_their_force_is_known_get_the_bits_of_forces_first_a
     let more = [
         "effects: [(effect: Gravity(down: 3)), (effect: Gravity(down: 2))]",
         "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.0001))]",
+        "effects: [(effect: Rayleigh(mass: 0.5, stiffness: 0)), (effect: Drag(coefficient: 0.01))]",
+        "effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5, stiffness: 0.0001)), (effect: Drag(coefficient: 0.01))]",
+        "effects: [(effect: Drag(coefficient: 0.01)), (effect: Rayleigh(mass: 0, stiffness: 0.0001)), (effect: Gravity(down: 3))]",
+        "effects: [(effect: Rayleigh(mass: 0.5, stiffness: 0.0001)), (effect: Rayleigh(mass: 0, stiffness: 0.0002))]",
         "effects: [(effect: Gravity(down: 3)), (effect: Boundary(least: (-1, -0.2), greatest: (2, 2)))]",
     ];
     let mut levels: Vec<(Level, bool)> = Vec::new();

@@ -1,38 +1,25 @@
 //! Promises about what accuracy costs: errors against better references, diagrams, suggestions, and that all of it repeats.
+//! Drift and meshes have a file of their own.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 mod common;
 
-use common::{level, released, released_of};
+use common::{
+    level, released, released_of,
+    studies::{WHOLE, built_in, kind, trial, without_times},
+};
 use gingerbread::{
     command::Command,
     integrators::{Class, IntegratorKind},
     level::{Level, Substeps},
     meshes::NoFiles,
     sandbox::Sandbox,
-    study::{
-        Drift, Invariant, Locking, Measure, MeshMoment, MeshPlan, MeshStudy, Plan, Price, ReferenceJob, Run, Setting,
-        Source, Status, Trial, WorkPrecision, is_time_column,
-    },
+    study::{Plan, Price, ReferenceJob, Run, Setting, Source, Status, Trial, WorkPrecision},
 };
 use std::time::Duration;
 
-const WHOLE: Duration = Duration::MAX;
-
-fn trial(level: &Level, seconds: f64) -> Trial {
-    Trial::new(level, &NoFiles, seconds).unwrap()
-}
-
 fn substeps(counts: &[u32]) -> Vec<Substeps> {
     counts.iter().map(|count| Substeps::new(*count).unwrap()).collect()
-}
-
-fn kind(name: &str) -> IntegratorKind {
-    IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
-}
-
-fn setting(name: &str, count: u32) -> Setting {
-    Setting { integrator: kind(name), substeps: Substeps::new(count).unwrap() }
 }
 
 fn diagram(level: &Level, seconds: f64, plan: Plan) -> WorkPrecision {
@@ -163,19 +150,6 @@ fn a_suggestion_applied_and_rerun_from_scratch_keeps_its_promise() {
     assert!(diagram.suggest(1e-30, Price::Time).is_none(), "nothing is promised that was not measured");
 }
 
-/// The table without its measured times.
-fn without_times(csv: &str) -> Vec<Vec<String>> {
-    let (head, rows): (Vec<_>, Vec<_>) = csv.lines().partition(|line| line.starts_with('#'));
-    let columns: Vec<_> = rows[0].split(',').map(|name| !is_time_column(name)).collect();
-    assert!(columns.contains(&false), "times are in columns of their own");
-    let keep = |row: &&str| {
-        let cells = row.split(',').zip(&columns);
-        cells.filter(|(_, keep)| **keep).map(|(cell, _)| cell.to_owned()).collect::<Vec<_>>()
-    };
-    let head = head.iter().map(|line| vec![(*line).to_owned()]);
-    head.chain(rows.iter().map(keep)).collect()
-}
-
 #[test]
 fn two_tables_are_equal_but_for_their_times_whatever_the_budget_and_the_threads() {
     let plan = |threads| Plan { threads, smallest_error: 1e-3, ..Plan::default() };
@@ -216,174 +190,6 @@ fn partial_results_can_be_read_and_are_not_changed_by_going_on() {
     assert!(job.curves().iter().all(|curve| curve.points.iter().all(|point| point.outcome.is_some())));
 }
 
-fn bar(columns: u32, rows: u32) -> Level {
-    level(&format!(
-        "(name: \"bar\", bodies: [(name: \"bar\", mass: Density(1000), pins: [Left],
-            mesh: Rectangle(width: 0.8, height: 0.1, columns: {columns}, rows: {rows}, diagonals: Crossed, corner: (0.1, 0.6)),
-            material: (model: NeoHookean, young: 400000, poisson: 0.3, plane: Stress))], effects: [(effect: Gravity(down: 1))])"
-    ))
-}
-
-#[test]
-fn finer_meshes_come_nearer_and_the_order_is_that_of_linear_triangles() {
-    for measure in Measure::ALL {
-        let plan = MeshPlan { measure, triangles: vec![64, 256, 1024, 4096], threads: 2, ..MeshPlan::default() };
-        let mut study = MeshStudy::new(&bar(16, 4), &NoFiles, 1.0, plan).unwrap();
-        while !study.advance(Duration::from_millis(50)).finished {}
-        let errors: Vec<_> = study.points().map(|point| study.error_of(point).unwrap()).collect();
-        let points: Vec<_> = study.points().collect();
-        assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "{measure:?}: {errors:?} {points:?}");
-        let order = study.order().unwrap();
-        assert!((1.0..2.3).contains(&order), "{measure:?}: order {order}");
-        let (_, own) = study.reference().unwrap();
-        assert!(own < 0.02, "{measure:?}: {own}");
-        assert!(study.csv(&[]).contains("measured_order"));
-    }
-}
-
-#[test]
-fn meshes_are_compared_at_the_end_of_a_time_where_nothing_rests() {
-    let plan = |moment| MeshPlan { moment, measure: Measure::ElasticEnergy, triangles: vec![24, 96, 384], threads: 1 };
-    let refused = MeshStudy::new(&released(""), &NoFiles, 0.1, plan(MeshMoment::AtRest)).err().unwrap().to_string();
-    assert!(refused.contains("does not hold"), "{refused}");
-    let mut study = MeshStudy::new(&released(""), &NoFiles, 0.1, plan(MeshMoment::AtTheEnd)).unwrap();
-    while !study.advance(Duration::from_millis(50)).finished {}
-    assert_eq!(study.points().map(|point| point.triangles).collect::<Vec<_>>(), [24, 96, 384]);
-    assert!(study.points().all(|point| point.value.is_some_and(|value| value > 0.0)));
-}
-
-#[test]
-fn linear_triangles_lock_when_nearly_incompressible_and_the_number_says_how_much() {
-    let mut locking = Locking::new(&bar(16, 2), &NoFiles).unwrap();
-    while !locking.advance().finished {}
-    let numbers = locking.numbers();
-    let [ordinary, tight] = numbers.as_slice() else { unreachable!("two Poisson's ratios") };
-    assert_eq!(tight.poisson, 0.4999);
-    assert!(ordinary.ratio() > 0.5 && ordinary.ratio() < 1.0, "{}", ordinary.ratio());
-    assert!(tight.ratio() < 0.3 * ordinary.ratio(), "{} against {}", tight.ratio(), ordinary.ratio());
-}
-
-/// Frames of a live simulation with its twin.
-#[test]
-fn drift_shows_who_keeps_energy_and_that_nobody_loses_momentum() {
-    let trial = trial(&released(""), 0.5);
-    let settings = vec![setting("ForwardEuler", 400), setting("SymplecticEuler", 50), setting("ImplicitEuler", 20)];
-    let mut drift = Drift::new(trial, settings, 2);
-    while !drift.advance(Duration::from_millis(20)).finished {}
-    let [forward, symplectic, implicit] = drift.runs() else { unreachable!("three settings") };
-    let change = |run: &gingerbread::study::DriftRun| run.moments.last().unwrap().energy / run.moments[0].energy - 1.0;
-    assert!(forward.fault().is_some() || change(forward) > 0.05, "forward Euler gains");
-    let bounded = drift.greatest_change(symplectic, Invariant::Energy);
-    assert!(bounded < 0.1, "{bounded}");
-    assert!(change(implicit) < -0.05, "implicit Euler loses: {}", change(implicit));
-    assert_eq!(symplectic.moments.len(), 31);
-    for moment in &symplectic.moments {
-        assert!(moment.momentum.iter().all(|p| p.abs() < 1e-12) && moment.angular.abs() < 1e-12, "{moment:?}");
-    }
-    assert!(drift.csv().lines().count() > 90);
-}
-
-/// A drift study of a level, worked on like this to its end.
-fn drift(level: &Level, seconds: f64, settings: Vec<Setting>, threads: usize, budget: Duration) -> Drift {
-    let mut drift = Drift::new(trial(level, seconds), settings, threads);
-    while !drift.advance(budget).finished {}
-    drift
-}
-
-#[test]
-fn symplectic_euler_keeps_its_energy_error_bounded_while_that_of_forward_euler_grows() {
-    let settings = vec![setting("SymplecticEuler", 40), setting("ForwardEuler", 4000)];
-    let drift = drift(&released_of(100, ""), 4.0, settings, 2, WHOLE);
-    let [symplectic, forward] = drift.runs() else { unreachable!("two settings") };
-    let halves = |run: &gingerbread::study::DriftRun| {
-        [0..121, 121..241].map(|frames| {
-            let changes = run.moments[frames].iter().map(|moment| drift.change(run, Invariant::Energy, moment));
-            changes.fold(0.0_f64, |greatest, change| greatest.max(change.abs()))
-        })
-    };
-    let ([bounded, later], [small, grown]) = (halves(symplectic), halves(forward));
-    assert!(bounded > 1e-4 && later < 1.5 * bounded, "{bounded} then {later}");
-    assert!(grown > 1.7 * small, "{small} then {grown}");
-    let gains = forward.moments.windows(2).all(|pair| pair[1].energy > pair[0].energy);
-    assert!(gains, "it gains in every frame");
-}
-
-#[test]
-fn drift_and_mesh_tables_repeat_but_for_their_times_whatever_the_budget_and_the_threads() {
-    let names = ["ForwardEuler", "VelocityVerlet", "DormandPrince", "ImplicitMidpoint"];
-    let settings = || names.map(|name| setting(name, 20)).to_vec();
-    let tables = [(1, WHOLE), (3, Duration::from_micros(200))]
-        .map(|(threads, budget)| drift(&released(""), 0.2, settings(), threads, budget).csv());
-    let rows =
-        |csv: &str| csv.lines().filter(|line| !line.starts_with("# threads")).map(str::to_owned).collect::<Vec<_>>();
-    assert_eq!(rows(&tables[0]), rows(&tables[1]));
-    assert!(tables[0].lines().count() > 4 * 12);
-
-    let tables = [(1, WHOLE), (3, Duration::from_micros(200))].map(|(threads, budget)| {
-        let plan = MeshPlan { triangles: vec![64, 256, 1024], threads, ..MeshPlan::default() };
-        let mut study = MeshStudy::new(&bar(16, 4), &NoFiles, 1.0, plan).unwrap();
-        while !study.advance(budget).finished {}
-        study.csv(&[])
-    });
-    let rows =
-        |csv: &str| without_times(csv).into_iter().filter(|row| !row[0].starts_with("# threads")).collect::<Vec<_>>();
-    assert_eq!(rows(&tables[0]), rows(&tables[1]));
-}
-
-#[test]
-fn the_head_of_every_table_says_where_its_numbers_come_from() {
-    let drift = drift(&released(""), 0.05, vec![setting("RungeKutta4", 20)], 1, WHOLE).csv();
-    let plan = MeshPlan { triangles: vec![64, 256, 1024], threads: 1, ..MeshPlan::default() };
-    let mut study = MeshStudy::new(&bar(16, 4), &NoFiles, 1.0, plan).unwrap();
-    while !study.advance(WHOLE).finished {}
-    let mut locking = Locking::new(&bar(16, 2), &NoFiles).unwrap();
-    while !locking.advance().finished {}
-    let meshes = study.csv(&locking.numbers());
-    let general = ["level: ", "start_hash: ", "commit: ", "processor: ", "threads: 1", "simulated_seconds: "];
-    let own = [
-        (&drift, ["energy_scale_j: ", "energy_is_changed_by: ", "momentum_is_changed_by: "]),
-        (&meshes, ["reference: ", "reference_error_at_most: ", "locking_at_nu_0.4999: "]),
-    ];
-    for (table, own) in own {
-        for entry in general.into_iter().chain(own) {
-            assert!(
-                table.contains(&format!("\n# {entry}")) || table.starts_with(&format!("# {entry}")),
-                "{entry}: {table}"
-            );
-        }
-    }
-}
-
-#[test]
-fn what_takes_energy_and_momentum_by_right_is_named() {
-    let settings = || vec![setting("SymplecticEuler", 40)];
-    let free = drift(&released(""), 0.1, settings(), 1, WHOLE);
-    assert!(Invariant::ALL.into_iter().all(|invariant| free.changed_by(invariant).is_empty()));
-    let effects = "effects: [(effect: Gravity(down: 20)), (effect: Boundary(least: (0, 0.28), greatest: (1, 1)))]";
-    let fallen = drift(&released(effects), 0.2, settings(), 1, WHOLE);
-    assert_eq!(fallen.changed_by(Invariant::Energy), ["walls that are touched"]);
-    assert_eq!(fallen.changed_by(Invariant::Momentum), ["walls that are touched", "gravity"]);
-    let chain = drift(&built_in("chain"), 0.1, settings(), 1, WHOLE);
-    assert_eq!(chain.changed_by(Invariant::Energy), ["damping"]);
-    assert_eq!(chain.changed_by(Invariant::AngularMomentum), ["damping", "gravity", "pins"]);
-    let strip = drift(&built_in("uniaxial_strip"), 0.05, settings(), 1, WHOLE);
-    assert!(strip.changed_by(Invariant::Momentum).contains(&"sides that slide"));
-    let circle = drift(&built_in("circle"), 0.5, vec![setting("ForwardEuler", 4)], 1, WHOLE);
-    assert_eq!(circle.nothing_of(Invariant::Energy), None);
-    assert!(circle.nothing_of(Invariant::Momentum).is_some_and(|words| words.contains("toy")));
-    let still = drift(&level(RESTING), 0.1, settings(), 1, WHOLE);
-    assert!(still.nothing_of(Invariant::Energy).is_some_and(|words| words.contains("Hardly anything moves")));
-}
-
-/// A sheet on which nothing acts.
-const RESTING: &str = "(name: \"resting\", substeps: 20, bodies: [(name: \"sheet\", mass: Density(1),
-    mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
-    material: (model: NeoHookean, young: 100, poisson: 0.3))])";
-
-fn built_in(name: &str) -> Level {
-    gingerbread::files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap()
-}
-
 #[test]
 fn nets_and_toys_have_a_diagram_with_what_blew_up_marked_as_such() {
     let mut unstable = 0;
@@ -408,24 +214,6 @@ fn nets_and_toys_have_a_diagram_with_what_blew_up_marked_as_such() {
         }
     }
     assert!(unstable > 0, "some of the long steps are too long");
-}
-
-#[test]
-fn a_mesh_study_says_in_words_where_it_has_nothing_to_say() {
-    for name in ["chain", "hanging_net", "spring_pendulum", "circle", "pendulum"] {
-        let plan = MeshPlan { moment: MeshMoment::AtTheEnd, ..MeshPlan::default() };
-        let refused = MeshStudy::new(&built_in(name), &NoFiles, 0.1, plan).err().unwrap().to_string();
-        assert!(refused.contains("no mesh of this level has a resolution"), "{name}: {refused}");
-    }
-    let remark = |level: &Level, moment| {
-        let plan = MeshPlan { moment, triangles: vec![12, 48, 96], threads: 1, ..MeshPlan::default() };
-        let mut study = MeshStudy::new(level, &NoFiles, 0.05, plan).unwrap();
-        while !study.advance(WHOLE).finished {}
-        assert_eq!((study.reference(), study.order()), (None, None), "there is no error of what tells nothing");
-        study.remark().unwrap()
-    };
-    assert!(remark(&level(RESTING), MeshMoment::AtTheEnd).contains("Nothing moves"));
-    assert!(remark(&built_in("stretch_test"), MeshMoment::AtRest).contains("pins prescribe"));
 }
 
 #[test]

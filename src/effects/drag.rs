@@ -1,6 +1,6 @@
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::Elements,
+    elements::{Elements, Everywhere},
     quantity::{DragCoefficient, Quantity},
     solvers::{BlockMatrix, Weights},
 };
@@ -62,6 +62,10 @@ impl Effect for Viscous {
     /// The lightest free vertex is slowed most.
     fn damping(&self, motion: Motion<'_>) -> [f64; 2] {
         [self.0 * motion.inverse_mass.iter().copied().fold(0.0, f64::max), 0.0]
+    }
+
+    fn everywhere(&self) -> Option<Everywhere> {
+        Some(Everywhere { drag: self.0, ..Everywhere::default() })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {

@@ -1,6 +1,6 @@
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::Elements,
+    elements::{Elements, Everywhere},
     quantity::{self, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -70,8 +70,8 @@ impl Effect for Field {
         points.map(|(x, m)| -m[0] * (gx * x[0] + gy * x[1])).sum()
     }
 
-    fn field(&self) -> Option<[f64; 2]> {
-        Some(self.0)
+    fn everywhere(&self) -> Option<Everywhere> {
+        Some(Everywhere { field: self.0, ..Everywhere::default() })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {

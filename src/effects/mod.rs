@@ -18,11 +18,12 @@ pub use friction::Friction;
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
 pub use rayleigh::Rayleigh;
+pub(crate) use rayleigh::Viscous;
 pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
-    elements::{Elements, Kicking},
+    elements::{Elements, Everywhere, Kicking},
     obstacles::{Start, Surface},
     quantity::Quantity,
     registry::registry,
@@ -200,13 +201,13 @@ pub trait Effect: Send + Sync {
     /// Adds the force on every vertex [N] to `force` (two numbers a vertex).
     fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
 
-    /// The acceleration that it gives every vertex, if that is all it does [m/s²]: [`Self::force`] then adds mass times this.
-    fn field(&self) -> Option<[f64; 2]> {
+    /// What it does, if it does the same everywhere: [`Self::force`] then adds just that.
+    fn everywhere(&self) -> Option<Everywhere> {
         None
     }
 
-    /// Elements only: computes the same forces as [`Self::force`] and moves the vertices by them, each as soon as it has all of
-    /// its force.
+    /// Elements only: computes the same forces as [`Self::force`], with those of what acts everywhere, and moves the vertices by
+    /// them, each as soon as it has all of its force. There is as much scratch as any effect of the scene asks for.
     fn kick(&self, _vertices: &mut Kicking<'_>, _scratch: &mut [f64]) {}
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.

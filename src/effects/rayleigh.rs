@@ -1,6 +1,6 @@
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Law, Springs, Triangles},
+    elements::{Adding, Elements, Everywhere, Law, Springs, Triangles},
     lanes::{Real, Square},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
@@ -86,9 +86,16 @@ fn viscous_tangent(f: &Matrix2<f64>, rate: &Matrix2<f64>, weights: Weights, [mu,
 
 /// The viscous stress `F (2 mu E' + lambda tr(E') I)`, the parameters times beta [Pa s].
 #[derive(Clone, Copy)]
-struct Viscous {
+pub struct Viscous {
     two_mu: f64,
     lambda: f64,
+}
+
+impl Viscous {
+    /// From beta [s] and the parameters of the material.
+    pub fn new(beta: f64, Lame { mu, lambda }: Lame) -> Self {
+        Self { two_mu: 2.0 * beta * mu, lambda: beta * lambda }
+    }
 }
 
 impl Law for Viscous {
@@ -129,8 +136,15 @@ impl Effect for Damping {
         if self.alpha == 0.0 && self.beta == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
+    /// Enough for elastic forces as well: see [`Self::everywhere`].
     fn scratch(&self) -> usize {
-        self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
+        2 * self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
+    }
+
+    /// Dampers beside springs are summed one after another.
+    fn everywhere(&self) -> Option<Everywhere> {
+        let everywhere = Everywhere { mass_damping: self.alpha, stiffness_damping: self.beta, ..Everywhere::default() };
+        self.nets.is_empty().then_some(everywhere)
     }
 
     fn damping(&self, _: Motion<'_>) -> [f64; 2] {
@@ -142,8 +156,7 @@ impl Effect for Damping {
             *force -= self.alpha * mass * v;
         }
         for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
-            let Lame { mu, lambda } = body.lame();
-            let law = Viscous { two_mu: 2.0 * self.beta * mu, lambda: self.beta * lambda };
+            let law = Viscous::new(self.beta, body.lame());
             let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
             body.sweep(law, &mut forces, &mut scratch[..body.scratch()]);
         }

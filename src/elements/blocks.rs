@@ -34,6 +34,37 @@ pub trait Law: Copy {
     fn stress<R: Real>(&self, f: Square<R>, rate: Square<R>) -> Square<R>;
 }
 
+/// Several stresses of the same triangles, whose forces are summed up each by itself.
+pub trait Laws<const N: usize>: Copy {
+    /// Whether any asks for dF/dt; if not, `rate` is not to be used.
+    const RATE: bool;
+
+    /// The stresses [Pa].
+    fn stresses<R: Real>(&self, f: Square<R>, rate: Square<R>) -> [Square<R>; N];
+}
+
+impl<L: Law> Laws<1> for L {
+    const RATE: bool = L::RATE;
+
+    #[inline(always)]
+    fn stresses<R: Real>(&self, f: Square<R>, rate: Square<R>) -> [Square<R>; 1] {
+        [self.stress(f, rate)]
+    }
+}
+
+/// Two of them.
+#[derive(Clone, Copy)]
+pub struct Both<A, B>(pub A, pub B);
+
+impl<A: Law, B: Law> Laws<2> for Both<A, B> {
+    const RATE: bool = A::RATE || B::RATE;
+
+    #[inline(always)]
+    fn stresses<R: Real>(&self, f: Square<R>, rate: Square<R>) -> [Square<R>; 2] {
+        [self.0.stress(f, rate), self.1.stress(f, rate)]
+    }
+}
+
 /// The stress of a material.
 #[derive(Clone, Copy)]
 pub struct Elastic<'a, M>(pub &'a M);
@@ -113,42 +144,53 @@ fn taken_apart<S: Simd>(set: S, of: &Quads, part: usize) -> Square<Wide<S>> {
 /// Part of D0⁻¹.
 #[inline(always)]
 fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
-    let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of.inverse[entry], part));
-    Square::new(m11, m12, m21, m22)
+    let [m11, m21, m12, m22] = &of.inverse;
+    Square::new(
+        Wide::load(set, m11, part),
+        Wide::load(set, m12, part),
+        Wide::load(set, m21, part),
+        Wide::load(set, m22, part),
+    )
 }
 
-/// Computes the forces at all corners from a [`Law`].
-pub struct Forces<'a, L> {
-    pub law: L,
+/// Computes the forces at all corners from [`Laws`].
+pub struct Forces<'a, L, const N: usize> {
+    pub laws: L,
     pub corners: &'a [[u32; 3]],
     pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
-    pub out: &'a mut [CornerForces],
+    /// Those of each stress.
+    pub out: [&'a mut [CornerForces]; N],
 }
 
-impl<L: Law> WithSimd for Forces<'_, L> {
+impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { law, corners, blocks, x, v, out } = self;
+        let Self { laws, corners, blocks, x, v, out } = self;
         let (x, v) = (x.as_chunks().0, v.as_chunks().0);
         let (mut now, mut rates) = ([Quads::default(); RUN], [Quads::default(); RUN]);
-        for ((corners, blocks), out) in corners.chunks(RUN * LANES).zip(blocks.chunks(RUN)).zip(out.chunks_mut(RUN)) {
+        for (run, (corners, blocks)) in corners.chunks(RUN * LANES).zip(blocks.chunks(RUN)).enumerate() {
             collect(x, corners, &mut now);
             if L::RATE {
                 collect(v, corners, &mut rates);
             }
-            for (((block, now), rates), out) in blocks.iter().zip(&now).zip(&rates).zip(out) {
+            let blocks = blocks.iter().take(corners.len().div_ceil(LANES));
+            for (number, ((block, now), rates)) in blocks.zip(&now).zip(&rates).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
                     let inverse = inverse(set, block, part);
                     let f = taken_apart(set, now, part).times(inverse);
                     let rate = if L::RATE { taken_apart(set, rates, part).times(inverse) } else { f };
-                    let h = law.stress(f, rate).times(inverse.transpose()) * -Wide::load(set, &block.area, part);
-                    let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
-                    for (out, [x, y]) in out.iter_mut().zip(forces) {
-                        Wide::store_pairs(x, y, out, part);
+                    let stresses = laws.stresses(f, rate);
+                    let (turned, area) = (inverse.transpose(), -Wide::load(set, &block.area, part));
+                    for law in 0..N {
+                        let h = stresses[law].times(turned) * area;
+                        let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
+                        for (out, [x, y]) in out[law][run * RUN + number].iter_mut().zip(forces) {
+                            Wide::store_pairs(x, y, out, part);
+                        }
                     }
                 }
             }

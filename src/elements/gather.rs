@@ -10,6 +10,9 @@ use wide::f64x2;
 /// vertices with as many corners as each other, and little enough for the forces to be still near the processor.
 pub const STAGE: usize = 128;
 
+/// The same in elements.
+pub const STRETCH: usize = LANES * STAGE;
+
 /// For each vertex the corners that meet there.
 ///
 /// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements: the
@@ -61,7 +64,7 @@ impl Gather {
                 meeting[corner as usize - vertices.start].push((element, number));
             }
         }
-        let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / (LANES * STAGE));
+        let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STRETCH);
         // Until a vertex has all its forces they have to stay in the buffer.
         let window = 1 + meeting.iter().map(|all| stage(all.last()) - stage(all.first())).max().unwrap_or(0);
         let order = Order::new(set);
@@ -131,10 +134,10 @@ pub struct Stages<'a> {
 }
 
 impl Stages<'_> {
-    /// Sums what is at the corners of the vertices of the next stage, and hands each its force.
+    /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
     #[inline(always)]
-    pub fn add(&mut self, corners: &[Pairs], to: &mut impl Target) {
-        let corners = corners.as_flattened();
+    pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
+        let corners = corners.map(<[Pairs]>::as_flattened);
         while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
@@ -144,8 +147,8 @@ impl Stages<'_> {
             if parts > 1 {
                 let (shares, others) = self.shares.split_at(parts as usize);
                 self.shares = others;
-                let force = sum_by_parts(of_now, shares, corners);
-                to.take(now.iter().map(|vertex| (self.first + *vertex as usize, force)));
+                let forces = sum_by_parts(of_now, shares, corners);
+                to.take(now.iter().map(|vertex| (self.first + *vertex as usize, forces)));
                 continue;
             }
             /// One loop for each of these numbers of corners, with nothing to count inside; one for all others.
@@ -164,32 +167,43 @@ impl Stages<'_> {
     }
 }
 
-/// The sum of the sums over the places in each part.
-fn sum_by_parts(mut places: &[u32], shares: &[u32], corners: &[[f64; 2]]) -> f64x2 {
-    let mut sum = f64x2::ZERO;
+/// What is at the corners, for each of several stresses.
+type Corners<'a, const N: usize> = [&'a [[f64; 2]]; N];
+
+/// The sums of the sums over the places in each part.
+fn sum_by_parts<const N: usize>(mut places: &[u32], shares: &[u32], corners: Corners<'_, N>) -> [f64x2; N] {
+    let mut sums = [f64x2::ZERO; N];
     for &share in shares {
         let (now, others) = places.split_at(share as usize);
-        sum += sum_at(now, corners);
+        for (sum, of_part) in sums.iter_mut().zip(sum_at(now, corners)) {
+            *sum += of_part;
+        }
         places = others;
     }
-    sum
+    sums
 }
 
-/// The sum over these places.
+/// The sums over these places.
 #[inline(always)]
-fn sum_at(places: &[u32], corners: &[[f64; 2]]) -> f64x2 {
-    places.iter().fold(f64x2::ZERO, |sum, &place| sum + f64x2::new(corners[place as usize]))
+fn sum_at<const N: usize>(places: &[u32], corners: Corners<'_, N>) -> [f64x2; N] {
+    let mut sums = [f64x2::ZERO; N];
+    for &place in places {
+        for (sum, corners) in sums.iter_mut().zip(corners) {
+            *sum += f64x2::new(corners[place as usize]);
+        }
+    }
+    sums
 }
 
 /// Hands out the sums over the places of these vertices, counted from the first of the scene's; `dense` says that their numbers
 /// follow each other.
 #[inline(always)]
-fn sum<'a>(
+fn sum<'a, const N: usize>(
     vertices: &[u32],
     places: impl ExactSizeIterator<Item = &'a [u32]>,
-    corners: &[[f64; 2]],
+    corners: Corners<'_, N>,
     (first, dense): (usize, bool),
-    to: &mut impl Target,
+    to: &mut impl Target<N>,
 ) {
     let forces = places.map(|places| sum_at(places, corners));
     match vertices {

@@ -12,11 +12,12 @@ mod triangle;
 
 pub(crate) use blocks::Law;
 pub use fields::Field;
+pub(crate) use gather::STRETCH;
 pub(crate) use parts::{Walker, Way};
 pub use spring::Springs;
 pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
-pub use target::{Adding, Kicking, Target};
+pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
 
 use std::sync::Arc;

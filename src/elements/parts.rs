@@ -7,7 +7,7 @@
 //! know the same, and stop after the same step.
 
 use super::{
-    Law, Target,
+    Everywhere, Law, Target,
     blocks::Block,
     gather::{Gather, room},
     target::Kick,
@@ -249,7 +249,7 @@ impl Walker {
     pub fn walk(&mut self, law: impl Law, parts: &Parts, blocks: &[Block], way: &Way<'_>) {
         let part = &parts.parts[self.part];
         let own = part.own.len();
-        let kick = Kick::new(way.field, way.step);
+        let kick = Kick::new(Everywhere { field: way.field, ..Everywhere::default() }, way.step);
         let post = &way.board.0[self.part];
         let _presence = Presence(post);
         (self.steps, self.room) = (0, way.room);
@@ -293,7 +293,7 @@ impl Walker {
         let masses = self.mass[own..].iter().zip(&self.inverse_mass[own..]);
         let mut squares = f64x2::ZERO;
         for (((x, v), (mass, inverse_mass)), force) in moving.zip(masses).zip(&mut self.seam) {
-            squares += kick.of([x, v], [*mass, *inverse_mass], *force);
+            squares += kick.of([x, v], [*mass, *inverse_mass], [*force]);
             // What is not in a part gets no force from it.
             *force = f64x2::ZERO;
         }
@@ -319,7 +319,7 @@ impl Shared<'_> {
     fn one(&mut self, vertex: usize, force: f64x2) {
         let [mass, inverse_mass] = self.masses;
         let masses = [mass[vertex], inverse_mass[vertex]];
-        self.squares += self.kick.of([&mut self.x[vertex], &mut self.v[vertex]], masses, force);
+        self.squares += self.kick.of([&mut self.x[vertex], &mut self.v[vertex]], masses, [force]);
     }
 }
 
@@ -330,8 +330,8 @@ impl Target for Shared<'_> {
     }
 
     #[inline(always)]
-    fn take(&mut self, forces: impl Iterator<Item = (usize, f64x2)>) {
-        for (vertex, force) in forces {
+    fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; 1])>) {
+        for (vertex, [force]) in forces {
             match vertex.checked_sub(self.own) {
                 Some(at) => self.seam[at] = force,
                 None => self.one(vertex, force),
@@ -340,7 +340,7 @@ impl Target for Shared<'_> {
     }
 
     #[inline(always)]
-    fn take_run(&mut self, first: usize, mut forces: impl ExactSizeIterator<Item = f64x2>) {
+    fn take_run(&mut self, first: usize, mut forces: impl ExactSizeIterator<Item = [f64x2; 1]>) {
         let end = first + forces.len();
         let run = first.min(self.own)..end.min(self.own);
         let [mass, inverse_mass] = self.masses;

@@ -71,7 +71,7 @@ impl Springs {
         for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
             let out = pairs[2 * self.gather.slot(stage)..].as_chunks_mut().0;
             set.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
-            set.dispatch(|| stages.add(pairs, target));
+            set.dispatch(|| stages.add([&*pairs], target));
         }
     }
 
@@ -206,7 +206,7 @@ impl Effect for Springs {
     }
 
     fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
-        self.sweep(vertices, scratch);
+        self.sweep(vertices, &mut scratch[..self.scratch()]);
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {

@@ -4,16 +4,16 @@
 use wide::f64x2;
 
 /// Positions and velocities that forces are computed from, and what is done with the forces. Vertices are numbered as in the
-/// scene.
-pub trait Target {
+/// scene. Each of N stresses has its own forces.
+pub trait Target<const N: usize = 1> {
     /// Positions [m], and velocities [m/s] if a stress depends on them; flat.
     fn motion(&self) -> [&[f64]; 2];
 
     /// Takes the forces on some vertices [N]. Each vertex comes once, after everything that depends on where it is.
-    fn take(&mut self, forces: impl Iterator<Item = (usize, f64x2)>);
+    fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>);
 
     /// The same for vertices whose numbers follow each other from `first` on.
-    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = f64x2>);
+    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = [f64x2; N]>);
 }
 
 /// Adds the forces to others.
@@ -33,24 +33,54 @@ impl Target for Adding<'_> {
     }
 
     #[inline(always)]
-    fn take(&mut self, forces: impl Iterator<Item = (usize, f64x2)>) {
+    fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; 1])>) {
         let so_far: &mut [[f64; 2]] = self.force.as_chunks_mut().0;
-        for (vertex, force) in forces {
+        for (vertex, [force]) in forces {
             let at = &mut so_far[vertex];
             *at = (f64x2::new(*at) + force).to_array();
         }
     }
 
     #[inline(always)]
-    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = f64x2>) {
+    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = [f64x2; 1]>) {
         let so_far: &mut [[f64; 2]] = self.force.as_chunks_mut().0;
-        for (at, force) in so_far[first..first + forces.len()].iter_mut().zip(forces) {
+        for (at, [force]) in so_far[first..first + forces.len()].iter_mut().zip(forces) {
             *at = (f64x2::new(*at) + force).to_array();
         }
     }
 }
 
-/// Moves each vertex by a step of symplectic Euler: `v += h (f + m g)/m`, then `x += h v`, for vertices that nothing else acts on.
+/// What acts everywhere beside the elements, and is added to their forces in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Everywhere {
+    /// An acceleration g that every vertex is given, by the force `m g` [m/s²].
+    pub field: [f64; 2],
+    /// alpha of the force `-alpha m v` [1/s].
+    pub mass_damping: f64,
+    /// beta of the forces of a viscous stress in all triangles [s].
+    pub stiffness_damping: f64,
+    /// k of the force `-k v` [N s/m].
+    pub drag: f64,
+}
+
+impl Everywhere {
+    /// Both, if `other` has nothing that would be added before anything of this.
+    pub fn and(self, other: Self) -> Option<Self> {
+        let acts =
+            |of: Self| [of.field != [0.0; 2], of.mass_damping != 0.0, of.stiffness_damping != 0.0, of.drag != 0.0];
+        let end = acts(self).iter().rposition(|acts| *acts).map_or(0, |last| last + 1);
+        let begin = acts(other).iter().position(|acts| *acts).unwrap_or(end);
+        (end <= begin).then(|| Self {
+            field: [0, 1].map(|axis| self.field[axis] + other.field[axis]),
+            mass_damping: self.mass_damping + other.mass_damping,
+            stiffness_damping: self.stiffness_damping + other.stiffness_damping,
+            drag: self.drag + other.drag,
+        })
+    }
+}
+
+/// Moves each vertex by a step of symplectic Euler, `v += h f/m`, then `x += h v`, with the forces of elements and of what acts
+/// everywhere. Where forces are handed out apart, the others are those of the viscous stress.
 pub struct Kicking<'a> {
     /// Positions, flat [m].
     pub x: &'a mut [f64],
@@ -60,39 +90,39 @@ pub struct Kicking<'a> {
     pub mass: &'a [f64],
     /// 1/mass, flat [1/kg]; zero where nothing moves.
     pub inverse_mass: &'a [f64],
-    /// An acceleration g that every vertex is given beside its force [m/s²].
-    pub field: [f64; 2],
+    /// What acts beside the elements.
+    pub everywhere: Everywhere,
     /// Length of the step h [s].
     pub step: f64,
     /// Twice the energy of motion of all that was moved [J].
     pub twice_kinetic: f64,
 }
 
-impl Target for Kicking<'_> {
+impl<const N: usize> Target<N> for Kicking<'_> {
     #[inline(always)]
     fn motion(&self) -> [&[f64]; 2] {
-        [self.x, &[]]
+        [self.x, self.v]
     }
 
     #[inline(always)]
-    fn take(&mut self, forces: impl Iterator<Item = (usize, f64x2)>) {
+    fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
         let ([x, v], [mass, inverse_mass], kick) = self.parts();
         let mut squares = f64x2::ZERO;
-        for (vertex, force) in forces {
-            squares += kick.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], force);
+        for (vertex, forces) in forces {
+            squares += kick.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], forces);
         }
         self.book(squares);
     }
 
     #[inline(always)]
-    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = f64x2>) {
+    fn take_run(&mut self, first: usize, forces: impl ExactSizeIterator<Item = [f64x2; N]>) {
         let run = first..first + forces.len();
         let ([x, v], [mass, inverse_mass], kick) = self.parts();
         let moving = x[run.clone()].iter_mut().zip(&mut v[run.clone()]);
         let masses = mass[run.clone()].iter().zip(&inverse_mass[run]);
         let mut squares = f64x2::ZERO;
-        for ((force, (x, v)), (mass, inverse_mass)) in forces.zip(moving).zip(masses) {
-            squares += kick.of([x, v], [*mass, *inverse_mass], force);
+        for ((forces, (x, v)), (mass, inverse_mass)) in forces.zip(moving).zip(masses) {
+            squares += kick.of([x, v], [*mass, *inverse_mass], forces);
         }
         self.book(squares);
     }
@@ -108,21 +138,39 @@ type Masses<'a> = [&'a [[f64; 2]]; 2];
 #[derive(Clone, Copy)]
 pub(super) struct Kick {
     field: f64x2,
+    mass_damping: f64x2,
+    drag: f64x2,
+    /// Whether any of both is there.
+    slows: bool,
     step: f64x2,
 }
 
 impl Kick {
-    /// For an acceleration that every vertex is given [m/s²], and steps of a length [s].
+    /// For what acts everywhere, and steps of a length [s].
     #[inline(always)]
-    pub fn new(field: [f64; 2], step: f64) -> Self {
-        Self { field: f64x2::new(field), step: f64x2::splat(step) }
+    pub fn new(everywhere: Everywhere, step: f64) -> Self {
+        let Everywhere { field, mass_damping, drag, .. } = everywhere;
+        Self {
+            field: f64x2::new(field),
+            mass_damping: f64x2::splat(mass_damping),
+            drag: f64x2::splat(drag),
+            slows: mass_damping != 0.0 || drag != 0.0,
+            step: f64x2::splat(step),
+        }
     }
 
     /// Moves one vertex; its mass times the squares of its velocity.
     #[inline(always)]
-    pub fn of(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], force: f64x2) -> f64x2 {
+    pub fn of<const N: usize>(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], forces: [f64x2; N]) -> f64x2 {
         let [mass, inverse_mass] = masses.map(f64x2::new);
-        let now = f64x2::new(*v) + self.step * (force + mass * self.field) * inverse_mass;
+        let before = f64x2::new(*v);
+        let mut force = forces[0] + mass * self.field;
+        if N > 1 || self.slows {
+            force -= self.mass_damping * mass * before;
+            force = forces[1..].iter().fold(force, |force, viscous| force + *viscous);
+            force -= self.drag * before;
+        }
+        let now = before + self.step * force * inverse_mass;
         // Both numbers are written at once, as they are read next: together what was written apart is not at hand.
         *v = now.to_array();
         *x = (f64x2::new(*x) + self.step * now).to_array();
@@ -136,7 +184,7 @@ impl Kicking<'_> {
     fn parts(&mut self) -> (Moving<'_>, Masses<'_>, Kick) {
         let moving = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut().0);
         let masses = [self.mass, self.inverse_mass].map(|values| values.as_chunks().0);
-        (moving, masses, Kick::new(self.field, self.step))
+        (moving, masses, Kick::new(self.everywhere, self.step))
     }
 
     #[inline(always)]

@@ -1,11 +1,11 @@
 use super::{
     Adding, Kicking, Target,
-    blocks::{self, Block, Blocks, CornerForces, Elastic, Forces, Law},
+    blocks::{self, Block, Blocks, Both, Elastic, Forces, Laws},
     gather::{Gather, STAGE, pairs, room},
     parts::{self, Parts, Walker, Way},
 };
 use crate::{
-    effects::{Effect, Motion},
+    effects::{Effect, Motion, Viscous},
     lanes::LANES,
     materials::{Lame, Material, Model, Visitor},
     solvers::{BlockMatrix, Weights},
@@ -143,6 +143,19 @@ impl Triangles {
         self.model.visit(self.lame, Visit(self, target, scratch));
     }
 
+    /// Moves this body's vertices by its elastic and its viscous forces, both of which need scratch.
+    fn kick_damped(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut Kicking<'b>, &'a mut [f64]);
+        impl Visitor for Visit<'_, '_> {
+            type Output = ();
+            fn visit<M: Material>(self, material: &M) {
+                let viscous = Viscous::new(self.1.everywhere.stiffness_damping, self.0.lame);
+                self.0.sweep(Both(Elastic(material), viscous), self.1, self.2);
+            }
+        }
+        self.model.visit(self.lame, Visit(self, vertices, scratch));
+    }
+
     /// Stored energy at these positions [J].
     pub fn elastic_energy(&self, x: &[f64]) -> f64 {
         struct Visit<'a>(&'a Triangles, &'a [f64]);
@@ -156,9 +169,9 @@ impl Triangles {
         self.model.visit(self.lame, Visit(self, x))
     }
 
-    /// Computes the force of a stress on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands it out.
-    pub(crate) fn sweep(&self, law: impl Law, target: &mut impl Target, scratch: &mut [f64]) {
-        sweep(law, (&self.corners, self.blocks.stage(0)), &self.gather, target, scratch);
+    /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them out. Each needs scratch.
+    pub(crate) fn sweep<const N: usize>(&self, laws: impl Laws<N>, target: &mut impl Target<N>, scratch: &mut [f64]) {
+        sweep(laws, (&self.corners, self.blocks.stage(0)), &self.gather, target, scratch);
     }
 
     /// The body in parts, where it is large enough for several to share the work.
@@ -207,21 +220,23 @@ impl Triangles {
     }
 }
 
-/// Computes the force of a stress on the corners of triangles, sums it at their vertices and hands it out.
-pub(super) fn sweep(
-    law: impl Law,
+/// Computes the forces of stresses on the corners of triangles, sums them at their vertices and hands them out.
+pub(super) fn sweep<const N: usize>(
+    laws: impl Laws<N>,
     (corners, blocks): (&[[u32; 3]], &[Block]),
     gather: &Gather,
-    target: &mut impl Target,
-    scratch: &mut [f64],
+    target: &mut impl Target<N>,
+    mut scratch: &mut [f64],
 ) {
-    let pairs = pairs(scratch);
+    let each = scratch.len() / N;
+    let mut pairs = [(); N].map(|()| pairs(scratch.split_off_mut(..each).unwrap_or_default()));
     let (mut stages, set) = (gather.stages(), gather.set());
     for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
         let blocks = &blocks[stage * STAGE..];
-        let out: &mut [CornerForces] = pairs[3 * gather.slot(stage)..].as_chunks_mut().0;
+        let out = pairs.each_mut().map(|pairs| pairs[3 * gather.slot(stage)..].as_chunks_mut().0);
         let [x, v] = target.motion();
-        set.dispatch(Forces { law, corners, blocks, x, v, out });
+        set.dispatch(Forces { laws, corners, blocks, x, v, out });
+        let pairs = pairs.each_ref().map(|pairs| &**pairs);
         set.dispatch(|| stages.add(pairs, target));
     }
 }
@@ -294,7 +309,12 @@ impl Effect for Triangles {
     }
 
     fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
-        self.hand_out(vertices, scratch);
+        let size = self.scratch();
+        if vertices.everywhere.stiffness_damping == 0.0 {
+            self.hand_out(vertices, &mut scratch[..size]);
+        } else {
+            self.kick_damped(vertices, &mut scratch[..2 * size]);
+        }
     }
 
     /// Of a body in which no triangle is turned over none shall be, if its material has a barrier.

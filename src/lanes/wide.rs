@@ -40,24 +40,24 @@ impl<S: Simd> Wide<S> {
     /// The first, second, third and fourth numbers of one part; lanes are in [`Order::lane`].
     #[inline(always)]
     pub fn load_quads(set: S, from: &Quads, part: usize) -> [Self; 4] {
-        let quads = S::as_simd_f64s(from.as_flattened()).0;
-        let quads = [0, 1, 2, 3].map(|register| quads[4 * part + register]);
-        set.deinterleave_shfl_f64s(quads).map(|values| Self { set, values })
+        // No `map`: it may stay a call, in which registers are not used in their full width.
+        let [a, b, c, d] = set.deinterleave_shfl_f64s(S::as_simd_f64s(from.as_flattened()).0.as_chunks().0[part]);
+        [Self { set, values: a }, Self { set, values: b }, Self { set, values: c }, Self { set, values: d }]
     }
 
     /// Writes the first, second, third and fourth numbers of one part: each element's at its [`Order::quad`].
     #[inline(always)]
     pub fn store_quads(numbers: [Self; 4], to: &mut Quads, part: usize) {
-        let set = numbers[0].set;
-        let quads = set.interleave_shfl_f64s(numbers.map(|numbers| numbers.values));
-        S::as_mut_simd_f64s(to.as_flattened_mut()).0[4 * part..4 * part + 4].copy_from_slice(&quads);
+        let [a, b, c, d] = numbers;
+        let quads = a.set.interleave_shfl_f64s([a.values, b.values, c.values, d.values]);
+        S::as_mut_simd_f64s(to.as_flattened_mut()).0.as_chunks_mut().0[part] = quads;
     }
 
     /// Writes vectors of these x and y to one part.
     #[inline(always)]
     pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
         let pairs = x.set.interleave_shfl_f64s([x.values, y.values]);
-        S::as_mut_simd_f64s(to.as_flattened_mut()).0[2 * part..2 * part + 2].copy_from_slice(&pairs);
+        S::as_mut_simd_f64s(to.as_flattened_mut()).0.as_chunks_mut().0[part] = pairs;
     }
 
     /// The same number in every lane.

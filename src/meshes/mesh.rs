@@ -1,6 +1,6 @@
 //! The mesh every recipe ends in: points, counter-clockwise triangles and icing, all of it checked.
 
-use super::{Locator, MeshError, Stroke, error::MOST_TRIANGLES, topology::Topology};
+use super::{Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, topology::Topology};
 
 /// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
 const FLATTEST: f64 = 1e-12;
@@ -13,6 +13,7 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     icing: Vec<Stroke>,
     messages: Vec<String>,
+    numbering: Numbering,
 }
 
 impl Mesh {
@@ -46,7 +47,7 @@ impl Mesh {
             messages.push(format!("the mesh is {pieces} separate pieces"));
         }
         messages.extend(coincident(base, &points));
-        Ok(Self { points, triangles, icing: Vec::new(), messages })
+        Ok(Self { points, triangles, icing: Vec::new(), messages, numbering: Numbering::default() })
     }
 
     /// The same mesh with icing on it.
@@ -60,6 +61,31 @@ impl Mesh {
     pub(super) fn with_message(mut self, message: String) -> Self {
         self.messages.push(message);
         self
+    }
+
+    /// The same mesh with vertices and triangles in another order.
+    #[must_use]
+    pub fn renumbered(&self, numbering: Numbering) -> Self {
+        let corners = |corners: [u32; 3]| corners.map(|corner| numbering.vertex(corner));
+        let mut icing = self.icing.clone();
+        if !icing.is_empty() {
+            let mut places = vec![0; self.triangles.len()];
+            (0..places.len()).for_each(|triangle| places[numbering.element_name(triangle)] = triangle as u32);
+            let embedded = icing.iter_mut().flat_map(|stroke| &mut stroke.points);
+            embedded.for_each(|point| point.triangle = places[point.triangle as usize]);
+        }
+        Self {
+            points: numbering.vertices_of(&self.points),
+            triangles: numbering.elements_of(&self.triangles).into_iter().map(corners).collect(),
+            icing,
+            messages: self.messages.clone(),
+            numbering,
+        }
+    }
+
+    /// What its vertices and triangles are called where they were listed.
+    pub const fn numbering(&self) -> &Numbering {
+        &self.numbering
     }
 
     /// Positions at rest [m].

@@ -1,10 +1,13 @@
 //! Particles and springs, and what can be wrong with them.
 
+use crate::meshes::Numbering;
+
 /// Particles at their start, and the springs between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Net {
     points: Vec<[f64; 2]>,
     links: Vec<Link>,
+    numbering: Numbering,
 }
 
 /// A spring between two particles: it pulls with `k (length - rest)`.
@@ -113,8 +116,21 @@ impl Net {
         }
         match held.iter().position(|held| !held) {
             Some(particle) => Err(NetError::Unused { particle, count: held.iter().filter(|held| !**held).count() }),
-            None => Ok(Self { points, links }),
+            None => Ok(Self { points, links, numbering: Numbering::default() }),
         }
+    }
+
+    /// The same net with particles and springs in another order.
+    #[must_use]
+    pub fn renumbered(&self, numbering: Numbering) -> Self {
+        let link = |link: Link| Link { ends: link.ends.map(|end| numbering.vertex(end)), ..link };
+        let links = numbering.elements_of(&self.links).into_iter().map(link).collect();
+        Self { points: numbering.vertices_of(&self.points), links, numbering }
+    }
+
+    /// What its particles and springs are called where they were listed.
+    pub const fn numbering(&self) -> &Numbering {
+        &self.numbering
     }
 
     /// Where the particles start [m].

@@ -1,20 +1,26 @@
 //! Which vertices do not move, or only along a side.
 
-use super::{extent, nearest_vertex};
-use crate::level::{Pin, Side};
+use super::{extent, nearest};
+use crate::{
+    level::{Pin, Side},
+    meshes::Numbering,
+};
 
-/// The vertices that the rules pin, ascending, judged on flat rest positions.
-pub(super) fn pinned(pins: &[Pin], rest: &[f64]) -> Result<Vec<u32>, String> {
+/// The vertices that the rules pin, ascending, judged on flat rest positions. Of vertices equally near the one listed first is pinned.
+pub(super) fn pinned(pins: &[Pin], rest: &[f64], numbering: &Numbering) -> Result<Vec<u32>, String> {
     let count = rest.len() / 2;
     let on_edge = |axis: usize, greatest: bool| on_edge(rest, axis, greatest);
     let mut pinned = Vec::new();
     for &pin in pins {
         match pin {
-            Pin::Vertex(vertex) if (vertex as usize) < count => pinned.push(vertex),
+            Pin::Vertex(vertex) if (vertex as usize) < count => pinned.push(numbering.vertex(vertex)),
             Pin::Vertex(vertex) => {
                 return Err(format!("a pin names vertex {vertex}, but they go from 0 to {}", count - 1));
             }
-            Pin::Nearest(point) => pinned.extend(nearest_vertex(rest, point.get()).map(|i| i as u32)),
+            Pin::Nearest(point) => {
+                let listed = (0..count as u32).map(|name| numbering.vertex(name) as usize);
+                pinned.extend(nearest(listed, rest, point.get()).map(|i| i as u32));
+            }
             Pin::Left => pinned.extend(on_edge(0, false)),
             Pin::Right => pinned.extend(on_edge(0, true)),
             Pin::Bottom => pinned.extend(on_edge(1, false)),

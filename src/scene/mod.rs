@@ -4,7 +4,9 @@
 mod alone;
 mod effects;
 mod held;
+mod names;
 mod net;
+mod order;
 mod start;
 
 pub use alone::Alone;
@@ -210,12 +212,12 @@ impl Scene {
             return Err(SceneError::State { positions, velocities, vertices });
         }
         let flat = |points: &[Point]| points.iter().flat_map(|point| point.get()).collect::<Vec<_>>();
-        let mut v = flat(&saved.velocities);
+        let mut v = self.unlisted(&flat(&saved.velocities));
         for (v, _) in v.iter_mut().zip(&self.inverse_mass).filter(|(_, inverse_mass)| **inverse_mass == 0.0) {
             *v = 0.0;
         }
         Ok(State {
-            x: flat(&saved.positions),
+            x: self.unlisted(&flat(&saved.positions)),
             v,
             time: saved.time.get(),
             steps: saved.steps,
@@ -229,16 +231,6 @@ impl Scene {
         Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
     }
 
-    /// The body or net that a vertex belongs to, and the vertex's number in it.
-    pub fn owner_of(&self, vertex: usize) -> Option<(Owner, usize)> {
-        let (bodies, nets) = (&self.bodies, &self.nets);
-        if let Some(number) = bodies.iter().position(|body| body.vertices.contains(&vertex)) {
-            return Some((Owner::Body(number), vertex - bodies[number].vertices.start));
-        }
-        let number = nets.iter().position(|net| net.vertices.contains(&vertex))?;
-        Some((Owner::Net(number), vertex - nets[number].vertices.start))
-    }
-
     /// How many of the effects, from the first, are elements: what they store is elastic energy.
     pub fn element_count(&self) -> usize {
         self.bodies.len() + self.nets.len()
@@ -247,10 +239,14 @@ impl Scene {
     fn add_body(&mut self, level: &BodyLevel, files: &dyn Files, previous: Option<&Self>) -> Result<(), String> {
         let before = previous.into_iter().flat_map(|scene| &scene.bodies);
         let known = self.bodies.iter().chain(before).find(|body| body.recipe == level.mesh);
-        let mesh = match known {
-            Some(body) => Arc::clone(&body.mesh),
-            None => Arc::new(level.mesh.kind().build(files).map_err(|error| error.to_string())?),
+        let mesh = if let Some(body) = known {
+            Arc::clone(&body.mesh)
+        } else {
+            let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
+            let order = order::mended(mesh.points().len(), mesh.triangles());
+            Arc::new(if let Some(order) = order { mesh.renumbered(order) } else { mesh })
         };
+        let numbering = mesh.numbering();
         let first = self.rest.len() / 2;
         let vertices = first..first + mesh.points().len();
         self.rest.extend(placed(level, &mesh));
@@ -268,13 +264,14 @@ impl Scene {
         let stuff = (material.model(), material.lame(), material.plane() == Plane::Stress);
         let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), corners, stuff));
         if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
+            let flat = numbering.element_name(flat);
             return Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"));
         }
         let masses = lumped(level.mass, &elements);
-        let pins = pinned(&level.pins, rest)?;
+        let pins = pinned(&level.pins, rest, numbering)?;
         let slides: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
         let mut start = stretched(level, rest);
-        start::reshape(level.start, &pins, &slides, &mut start);
+        start::reshape(level.start, (&pins, &slides), numbering, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));
@@ -370,8 +367,16 @@ fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
 }
 
 /// The number of the vertex nearest to a point, by flat positions; the lowest of equals.
-pub fn nearest_vertex(x: &[f64], [px, py]: [f64; 2]) -> Option<usize> {
-    let distance = |point: &[f64]| (point[0] - px) * (point[0] - px) + (point[1] - py) * (point[1] - py);
-    let distances = x.chunks_exact(2).map(distance).enumerate();
-    distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(vertex, _)| vertex)
+pub fn nearest_vertex(x: &[f64], point: [f64; 2]) -> Option<usize> {
+    nearest(0..x.len() / 2, x, point)
+}
+
+/// The one of these vertices that is nearest to a point, by flat positions; the first of equals.
+fn nearest(vertices: impl Iterator<Item = usize>, x: &[f64], [px, py]: [f64; 2]) -> Option<usize> {
+    let square = |vertex: usize| {
+        let (dx, dy) = (x[2 * vertex] - px, x[2 * vertex + 1] - py);
+        dx * dx + dy * dy
+    };
+    let squares = vertices.map(|vertex| (vertex, square(vertex)));
+    squares.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(vertex, _)| vertex)
 }

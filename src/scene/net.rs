@@ -1,7 +1,7 @@
 //! Nets made ready for stepping.
 
-use super::{Scene, pinned};
-use crate::{elements::Springs, level::NetLevel};
+use super::{Scene, order, pinned};
+use crate::{elements::Springs, level::NetLevel, meshes::Numbering};
 use std::{ops::Range, sync::Arc};
 
 /// One net of a scene.
@@ -13,15 +13,19 @@ pub struct Net {
     pub vertices: Range<usize>,
     /// Its elements.
     pub springs: Arc<Springs>,
+    /// What its particles and springs are called in the level.
+    pub numbering: Numbering,
 }
 
 impl Scene {
     pub(super) fn add_net(&mut self, level: &NetLevel) -> Result<(), String> {
         let net = level.net.kind().build().map_err(|error| error.to_string())?;
+        let ends: Vec<_> = net.links().iter().map(|link| link.ends).collect();
+        let net = if let Some(order) = order::mended(net.points().len(), &ends) { net.renumbered(order) } else { net };
         let first = self.rest.len() / 2;
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();
-        let pins = pinned(&level.pins, points)?;
+        let pins = pinned(&level.pins, points, net.numbering())?;
         let (vx, vy) = (level.velocity.0.get(), level.velocity.1.get());
         self.rest.extend(points);
         self.start.x.extend(points);
@@ -29,7 +33,7 @@ impl Scene {
         self.mass.extend(std::iter::repeat_n(level.mass.get(), 2 * vertices.len()));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         let springs = Arc::new(Springs::new(&net, vertices.clone()));
-        self.nets.push(Net { name: level.name.clone(), vertices, springs });
+        self.nets.push(Net { name: level.name.clone(), vertices, springs, numbering: net.numbering().clone() });
         Ok(())
     }
 }

@@ -1,10 +1,15 @@
 //! Shapes that a body may start in.
 
 use super::extent;
-use crate::{chance, level::StartShape};
+use crate::{chance, level::StartShape, meshes::Numbering};
 
-/// Puts the free vertices of a body, flat [m], where its start shape says.
-pub(super) fn reshape(shape: StartShape, pins: &[u32], slides: &[(u32, usize)], x: &mut [f64]) {
+/// Puts the free vertices of a body, flat [m], where its start shape says. Chance goes through them as they are listed.
+pub(super) fn reshape(
+    shape: StartShape,
+    (pins, slides): (&[u32], &[(u32, usize)]),
+    numbering: &Numbering,
+    x: &mut [f64],
+) {
     let held: Vec<(usize, f64)> = {
         let pinned = pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
         let numbers = pinned.chain(slides.iter().copied()).map(|(vertex, axis)| 2 * vertex as usize + axis);
@@ -17,19 +22,26 @@ pub(super) fn reshape(shape: StartShape, pins: &[u32], slides: &[(u32, usize)], 
         StartShape::Rest => return,
         StartShape::Scrambled { seed } => {
             let mut chance = chance::stream(seed);
-            for point in x.chunks_exact_mut(2) {
+            for vertex in listed(numbering, x.len() / 2) {
                 for axis in 0..2 {
-                    point[axis] = middle[axis] + half[axis] * chance.next().unwrap_or(0.0);
+                    x[2 * vertex + axis] = middle[axis] + half[axis] * chance.next().unwrap_or(0.0);
                 }
             }
         }
-        StartShape::Line { seed, noise } => map(x, middle, [1.0, 0.0], (seed, noise.get() * size(half))),
-        StartShape::Point { seed, noise } => map(x, middle, [0.0, 0.0], (seed, noise.get() * size(half))),
-        StartShape::Mirrored { seed, noise } => map(x, middle, [1.0, -1.0], (seed, noise.get() * size(half))),
+        StartShape::Line { seed, noise } => map(x, numbering, middle, [1.0, 0.0], (seed, noise.get() * size(half))),
+        StartShape::Point { seed, noise } => map(x, numbering, middle, [0.0, 0.0], (seed, noise.get() * size(half))),
+        StartShape::Mirrored { seed, noise } => {
+            map(x, numbering, middle, [1.0, -1.0], (seed, noise.get() * size(half)));
+        }
     }
     for (number, value) in held {
         x[number] = value;
     }
+}
+
+/// So many vertices, as they are listed.
+fn listed(numbering: &Numbering, count: usize) -> impl Iterator<Item = usize> {
+    (0..count as u32).map(|name| numbering.vertex(name) as usize)
 }
 
 /// Length of the longer side of a box, from its halves.
@@ -39,11 +51,12 @@ fn size([width, height]: [f64; 2]) -> f64 {
 
 /// Multiplies what lies along a direction of the seed and what lies across it, both seen from the middle; then adds noise of up
 /// to so many metres along each axis.
-fn map(x: &mut [f64], middle: [f64; 2], factors: [f64; 2], (seed, noise): (u32, f64)) {
+fn map(x: &mut [f64], numbering: &Numbering, middle: [f64; 2], factors: [f64; 2], (seed, noise): (u32, f64)) {
     let mut chance = chance::stream(seed);
     let angle = std::f64::consts::PI * chance.next().unwrap_or(0.0);
     let (c, s) = (libm::cos(angle), libm::sin(angle));
-    for point in x.chunks_exact_mut(2) {
+    for vertex in listed(numbering, x.len() / 2) {
+        let point = &mut x[2 * vertex..2 * vertex + 2];
         let away = [point[0] - middle[0], point[1] - middle[1]];
         let along = factors[0] * (c * away[0] + s * away[1]);
         let across = factors[1] * (c * away[1] - s * away[0]);

@@ -2,7 +2,7 @@
 
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    elements::Kicking,
+    elements::{Everywhere, Kicking},
     integrators::{Dynamics, Ode, Work, kick_and_drift},
     obstacles::{Start, Surface},
     report::{Counts, EffectCost},
@@ -127,13 +127,12 @@ impl Scratch {
         self.room = shrunk(self.room, self.kinetic.unwrap_or(f64::NAN), self.lightest, h);
     }
 
-    /// The acceleration that everything is given [m/s²], if nothing else acts just now beside the elements, and nobody wants to
-    /// know what each effect costs.
-    pub fn field(&self, scene: &Scene, motion: Motion<'_>) -> Option<[f64; 2]> {
+    /// What acts everywhere just now, if nothing else does beside the elements, and nobody wants to know what each effect costs.
+    pub fn everywhere(&self, scene: &Scene, motion: Motion<'_>) -> Option<Everywhere> {
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
-        let mut acting = self.plan.forces.iter().filter(acts);
-        let field = acting.next().map_or(Some([0.0; 2]), |number| scene.effects[*number].field());
-        field.filter(|_| acting.next().is_none() && !self.timed)
+        let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].everywhere());
+        let all = acting.try_fold(Everywhere::default(), |all, next| all.and(next?));
+        all.filter(|_| !self.timed)
     }
 
     /// Runs one effect and books its time and, if it is a call of its own, its elements.
@@ -236,9 +235,9 @@ impl Dynamics for System<'_> {
         }
     }
 
-    /// Where nothing acts but elements and gravity, the vertices are moved while the elements are swept over.
+    /// Where nothing acts but elements and what does the same everywhere, the vertices are moved while the elements are swept over.
     fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
-        let Some(field) = self.scratch.field(self.scene, self.motion(x, v)) else {
+        let Some(everywhere) = self.scratch.everywhere(self.scene, self.motion(x, v)) else {
             self.force(x, v, force);
             return kick_and_drift(x, v, force, self.inverse_mass(), h);
         };
@@ -246,10 +245,9 @@ impl Dynamics for System<'_> {
         let scene = self.scene;
         let Scratch { plan, held, effects, .. } = &mut *self.scratch;
         let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
-        let mut vertices = Kicking { x, v, mass: &scene.mass, inverse_mass, field, step: h, twice_kinetic: 0.0 };
+        let mut vertices = Kicking { x, v, mass: &scene.mass, inverse_mass, everywhere, step: h, twice_kinetic: 0.0 };
         for number in &plan.elements {
-            let effect = &scene.effects[*number];
-            effect.kick(&mut vertices, &mut effects[..effect.scratch()]);
+            scene.effects[*number].kick(&mut vertices, effects);
         }
         self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
     }

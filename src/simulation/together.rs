@@ -9,7 +9,7 @@ use super::{
     system::{System, shrunk},
 };
 use crate::{
-    elements::{Triangles, Walker, Way},
+    elements::{Everywhere, Triangles, Walker, Way},
     integrators::{IntegratorKind, StepCounts},
 };
 use std::sync::Arc;
@@ -66,8 +66,9 @@ impl Simulation {
         let plain = matches!(self.scene.integrator, IntegratorKind::SymplecticEuler(_)) && !self.paces.differ();
         let free = self.scratch.plan.constraints.is_empty() || self.scratch.free.is_some();
         let body = self.scene.bodies.get(number).filter(|_| plain && free && self.guard.level() == 0)?;
-        let field = self.scratch.field(&self.scene, self.scene.motion(&self.state, self.grab))?;
-        Some((Arc::clone(&body.elements), field))
+        let everywhere = self.scratch.everywhere(&self.scene, self.scene.motion(&self.state, self.grab))?;
+        let alone = everywhere == Everywhere { field: everywhere.field, ..Everywhere::default() };
+        alone.then(|| (Arc::clone(&body.elements), everywhere.field))
     }
 
     /// Takes a stretch of up to so many steps from a checkpoint with several threads, if that is worth it and nothing is to be done

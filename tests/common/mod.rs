@@ -2,6 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
 
 pub mod physics;
+pub mod studies;
 pub mod systems;
 
 use gingerbread::{

@@ -101,6 +101,7 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
         }
         let words = match (on && now.guarded > 0, now.parts) {
             (false, _) => return,
+            (true, 1) if now.guarded == 1 => "1 step was taken in shorter ones".to_owned(),
             (true, 1) => format!("{} steps were taken in shorter ones", count(now.guarded as usize)),
             (true, parts) => format!("takes {parts} steps for one; {} so far", count(now.guarded as usize)),
         };

@@ -29,7 +29,7 @@
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`nets`] | where particles and springs come from: chains, sheets, lists |
 //! | [`obstacles`] | what bodies bump into; the one room that says parry2d |
-//! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, Newton's method |
+//! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, conjugate gradients, Newton's method |
 //! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles and springs themselves |
 //! | [`state`] | positions and velocities: what moves |
 //! | [`integrators`] | how time passes, without any physics |

@@ -5,8 +5,8 @@ mod energies;
 mod paces;
 mod reach;
 mod sleep;
+mod stretch;
 mod system;
-mod together;
 
 use crate::{
     effects::Grab,
@@ -22,8 +22,8 @@ use paces::Paces;
 use pulp::Arch;
 use sleep::Islands;
 use std::cell::RefCell;
+use stretch::Team;
 use system::{Scratch, System, ToySystem};
-use together::Team;
 
 /// A running scene.
 pub struct Simulation {
@@ -218,8 +218,7 @@ impl Simulation {
         taken
     }
 
-    /// Takes a step if it can be taken, or up to so many where several threads share the work; a fault otherwise. Returns how many
-    /// were taken.
+    /// Takes a step if it can be taken, or a stretch of up to so many; a fault otherwise. Returns how many were taken.
     fn take_steps(&mut self, most: u64) -> u64 {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
             if !self.team.resumes() {
@@ -232,14 +231,14 @@ impl Simulation {
                 }
                 self.look_for_room();
             }
-            let taken = self.step_together(most);
+            let taken = self.stride(most);
             if taken > 0 {
                 return taken;
             }
         }
         self.step();
         if !self.is_sound() {
-            return if self.was_alone() { u64::from(self.retake()) } else { self.walk_alone(1) };
+            return if self.was_plain() { u64::from(self.retake()) } else { self.step_plainly(1) };
         }
         // Going back relies on all steps since the checkpoint being of one length.
         self.stale |= self.guard.calm_down();

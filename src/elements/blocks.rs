@@ -107,14 +107,9 @@ impl Blocks {
         self.order.set
     }
 
-    /// How many there are.
-    pub const fn count(&self) -> usize {
-        self.blocks.len()
-    }
-
-    /// The blocks from one on.
-    pub fn stage(&self, first: usize) -> &[Block] {
-        &self.blocks[first..]
+    /// All of them.
+    pub fn all(&self) -> &[Block] {
+        &self.blocks
     }
 
     /// The rest shape of one triangle.

@@ -32,8 +32,32 @@ pub struct Gather {
     window: usize,
     /// How many corners each vertex that lies in several parts has in each of them, one vertex after another.
     shares: Vec<u32>,
+    plan: Plan,
     /// What the forces are computed with.
     set: Arch,
+}
+
+/// Which elements belong to which stage.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    /// How many blocks of elements there are.
+    blocks: usize,
+    /// Whether the last ones come first.
+    backwards: bool,
+}
+
+impl Plan {
+    /// The stage of an element.
+    const fn stage(self, element: usize) -> usize {
+        let block = element / LANES;
+        if self.backwards { (self.blocks - 1 - block) / STAGE } else { block / STAGE }
+    }
+
+    /// The blocks of a stage; none after the last.
+    fn span(self, stage: usize) -> Range<usize> {
+        let [begin, end] = [stage, stage + 1].map(|stage| (stage * STAGE).min(self.blocks));
+        if self.backwards { self.blocks - end..self.blocks - begin } else { begin..end }
+    }
 }
 
 /// Vertices with as many corners as each other; one vertex, if that lies in several parts.
@@ -55,21 +79,35 @@ struct Run {
 const LONG: usize = 8;
 
 impl Gather {
-    /// `corners` holds the scene vertex numbers of each element's corners, whose forces are computed with an instruction set. The sum at a vertex that lies in several parts is one
-    /// of sums over the parts; the elements at which parts begin are the `cuts`.
-    pub fn new<const N: usize>(corners: &[[u32; N]], vertices: &Range<usize>, cuts: &[usize], set: Arch) -> Self {
+    /// `corners` holds the scene vertex numbers of each element's corners, whose forces are computed with an instruction set. The
+    /// sum at a vertex that lies in several parts is one of sums over the parts; the elements at which parts begin are the `cuts`.
+    /// Stages may begin with the last elements: what is summed at a vertex, and in which order, is the same.
+    pub fn new<const N: usize>(
+        corners: &[[u32; N]],
+        vertices: &Range<usize>,
+        (cuts, backwards): (&[usize], bool),
+        set: Arch,
+    ) -> Self {
+        let plan = Plan { blocks: corners.len().div_ceil(LANES), backwards };
         let mut meeting = vec![Vec::new(); vertices.len()];
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
                 meeting[corner as usize - vertices.start].push((element, number));
             }
         }
-        let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STRETCH);
+        let ends = |all: &[(usize, usize)]| {
+            let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| plan.stage(*element));
+            let (one, other) = (stage(all.first()), stage(all.last()));
+            (one.min(other), one.max(other))
+        };
         // Until a vertex has all its forces they have to stay in the buffer.
-        let window = 1 + meeting.iter().map(|all| stage(all.last()) - stage(all.first())).max().unwrap_or(0);
+        let stays = |all: &Vec<(usize, usize)>| ends(all).1 - ends(all).0;
+        let window = 1 + meeting.iter().map(stays).max().unwrap_or(0);
         let order = Order::new(set);
         let place = |&(element, number): &(usize, usize)| {
-            (element / LANES % (window * STAGE) * N + number) * LANES + order.place[element % LANES]
+            let stage = plan.stage(element);
+            let block = stage % window * STAGE + element / LANES - plan.span(stage).start;
+            (block * N + number) * LANES + order.place[element % LANES]
         };
         let part = |element: usize| cuts.partition_point(|cut| *cut <= element);
         let same_part = |one: &(usize, usize), other: &(usize, usize)| part(one.0) == part(other.0);
@@ -77,7 +115,7 @@ impl Gather {
         // A vertex is summed in the stage of its last corner.
         let key = |vertex: &u32| {
             let meeting = &meeting[*vertex as usize];
-            (stage(meeting.last()) as u32, parts(*vertex).count() as u32, meeting.len() as u32)
+            (ends(meeting).1 as u32, parts(*vertex).count() as u32, meeting.len() as u32)
         };
         let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
         ordered.sort_by_key(key);
@@ -92,7 +130,7 @@ impl Gather {
         let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
         let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
-        Self { runs, vertices: ordered, places, first: vertices.start, window, shares, set }
+        Self { runs, vertices: ordered, places, first: vertices.start, window, shares, plan, set }
     }
 
     /// The instruction set.
@@ -100,9 +138,29 @@ impl Gather {
         self.set
     }
 
-    /// How many blocks of elements the buffer of corners has to hold, of so many in all.
-    pub fn blocks(&self, all: usize) -> usize {
-        all.min(self.window * STAGE)
+    /// How many blocks of elements the buffer of corners has to hold.
+    pub fn blocks(&self) -> usize {
+        self.plan.blocks.min(self.window * STAGE)
+    }
+
+    /// How many stages there are.
+    pub const fn count(&self) -> usize {
+        self.plan.blocks.div_ceil(STAGE)
+    }
+
+    /// The stage of an element.
+    pub const fn stage(&self, element: usize) -> usize {
+        self.plan.stage(element)
+    }
+
+    /// The blocks of a stage.
+    pub fn span(&self, stage: usize) -> Range<usize> {
+        self.plan.span(stage)
+    }
+
+    /// After how many stages more than these all their vertices have their forces.
+    pub const fn lag(&self) -> usize {
+        self.window - 1
     }
 
     /// The first block in the buffer that the elements of a stage write to: what they overwrite was summed before.

@@ -1,24 +1,29 @@
 //! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
 
 mod blocks;
+mod board;
 mod fields;
 mod gather;
 mod parts;
 mod spring;
 mod survey;
+mod sweep;
 mod tangent;
 mod target;
 mod triangle;
+mod walk;
 
 pub(crate) use blocks::Law;
+pub(crate) use board::Board;
 pub use fields::Field;
 pub(crate) use gather::STRETCH;
-pub(crate) use parts::{Walker, Way};
+pub(crate) use parts::{Parts, Walker};
 pub use spring::Springs;
 pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
+pub(crate) use walk::{Outcome, VAST, Way, wave};
 
 use std::sync::Arc;
 

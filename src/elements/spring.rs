@@ -34,14 +34,14 @@ impl Springs {
         let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
         let links: Vec<_> = links.collect();
         let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
-        Self { gather: Gather::new(&ends, &vertices, &[], Arch::new()), links, vertices }
+        Self { gather: Gather::new(&ends, &vertices, (&[], false), Arch::new()), links, vertices }
     }
 
     /// The same for another instruction set than the best: with the same bits, in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
         let ends: Vec<_> = self.links.iter().map(|link| link.ends).collect();
-        let gather = Gather::new(&ends, &self.vertices, &[], set);
+        let gather = Gather::new(&ends, &self.vertices, (&[], false), set);
         Self { gather, links: self.links.clone(), vertices: self.vertices.clone() }
     }
 
@@ -198,7 +198,7 @@ impl Effect for Springs {
     }
 
     fn scratch(&self) -> usize {
-        room(2 * self.gather.blocks(self.links.len().div_ceil(LANES)))
+        room(2 * self.gather.blocks())
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {

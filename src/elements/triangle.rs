@@ -1,12 +1,13 @@
 use super::{
-    Adding, Kicking, Target,
-    blocks::{self, Block, Blocks, Both, Elastic, Forces, Laws},
-    gather::{Gather, STAGE, pairs, room},
-    parts::{self, Parts, Walker, Way},
+    Adding, Everywhere, Kicking, Target,
+    blocks::{self, Blocks, Both, Elastic, Laws},
+    gather::Gather,
+    parts::{self, Parts, Walker},
+    sweep::Piece,
+    walk::{Ground, Outcome, Way, walk},
 };
 use crate::{
     effects::{Effect, Motion, Viscous},
-    lanes::LANES,
     materials::{Lame, Material, Model, Visitor},
     solvers::{BlockMatrix, Weights},
 };
@@ -30,7 +31,7 @@ pub struct Triangles {
     plane_stress: bool,
     gather: Gather,
     /// For those who share the work; found when it is first wanted.
-    parts: OnceLock<Parts>,
+    parts: OnceLock<Option<Parts>>,
 }
 
 /// The rest shape of a triangle.
@@ -65,7 +66,7 @@ impl Triangles {
         set: Arch,
     ) -> Self {
         let blocks = Blocks::new(shapes, set);
-        let gather = Gather::new(&corners, &vertices, &parts::cuts(&corners), set);
+        let gather = Gather::new(&corners, &vertices, (&parts::cuts(&corners), false), set);
         Self { vertices, corners, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
     }
 
@@ -171,25 +172,63 @@ impl Triangles {
 
     /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them out. Each needs scratch.
     pub(crate) fn sweep<const N: usize>(&self, laws: impl Laws<N>, target: &mut impl Target<N>, scratch: &mut [f64]) {
-        sweep(laws, (&self.corners, self.blocks.stage(0)), &self.gather, target, scratch);
+        self.piece().sweep(laws, target, scratch);
     }
 
-    /// The body in parts, where it is large enough for several to share the work.
-    pub(crate) fn parts(&self) -> &Parts {
-        self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices, self.set()))
+    fn piece(&self) -> Piece<'_> {
+        Piece { corners: &self.corners, blocks: self.blocks.all(), gather: &self.gather }
+    }
+
+    /// The body in parts, if it is large enough for several to share the work.
+    pub(crate) fn parts(&self) -> Option<&Parts> {
+        self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices, self.set())).as_ref()
     }
 
     /// Moves the vertices of one part on their way through a number of steps, together with those who move the others.
-    pub(crate) fn walk(&self, walker: &mut Walker, way: &Way<'_>) {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, &'a Way<'b>);
+    pub(crate) fn walk_part(&self, walker: &mut Walker, parts: &Parts, way: &Way<'_>) {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, &'a Parts, &'a Way<'b>);
         impl Visitor for Visit<'_, '_> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
-                let Self(of, walker, way) = self;
-                walker.walk(Elastic(material), of.parts(), of.blocks.stage(0), way);
+                let Self(of, walker, parts, way) = self;
+                match of.viscous(way.everywhere) {
+                    None => walker.walk::<_, 1>(Elastic(material), parts, of.blocks.all(), way),
+                    Some(viscous) => walker.walk::<_, 2>(Both(Elastic(material), viscous), parts, of.blocks.all(), way),
+                }
             }
         }
-        self.model.visit(self.lame, Visit(self, walker, way));
+        self.model.visit(self.lame, Visit(self, walker, parts, way));
+    }
+
+    /// Moves all vertices on their way through a number of steps; all flat.
+    pub(crate) fn walk(
+        &self,
+        [x, v]: [&mut [f64]; 2],
+        masses: [&[f64]; 2],
+        way: &Way<'_>,
+        scratch: &mut Vec<f64>,
+    ) -> Outcome {
+        struct Visit<'a, 'b>(&'a Triangles, Ground<'a>, &'a Way<'b>, &'a mut Vec<f64>);
+        impl Visitor for Visit<'_, '_> {
+            type Output = Outcome;
+            fn visit<M: Material>(self, material: &M) -> Outcome {
+                let Self(of, ground, way, scratch) = self;
+                match of.viscous(way.everywhere) {
+                    None => walk::<_, 1>(Elastic(material), ground, way, scratch),
+                    Some(viscous) => walk::<_, 2>(Both(Elastic(material), viscous), ground, way, scratch),
+                }
+            }
+        }
+        let [x, v] = [x, v].map(|values| values.as_chunks_mut().0);
+        let masses = masses.map(|masses| masses.as_chunks().0);
+        let ground = Ground { piece: self.piece(), number: 0, own: x.len(), x, v, masses, met: 0 };
+        self.model.visit(self.lame, Visit(self, ground, way, scratch))
+    }
+
+    /// The viscous stress, if there is one.
+    fn viscous(&self, everywhere: Everywhere) -> Option<Viscous> {
+        let beta = everywhere.stiffness_damping;
+        (beta != 0.0).then(|| Viscous::new(beta, self.lame))
     }
 
     /// Adds the derivative of the force of a stress, the other way round, times a displacement `d` [m] to `product` [N]; `tangent`
@@ -217,27 +256,6 @@ impl Triangles {
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
         edge_matrix(field, self.corners[number]) * self.rest(number).inverse
-    }
-}
-
-/// Computes the forces of stresses on the corners of triangles, sums them at their vertices and hands them out.
-pub(super) fn sweep<const N: usize>(
-    laws: impl Laws<N>,
-    (corners, blocks): (&[[u32; 3]], &[Block]),
-    gather: &Gather,
-    target: &mut impl Target<N>,
-    mut scratch: &mut [f64],
-) {
-    let each = scratch.len() / N;
-    let mut pairs = [(); N].map(|()| pairs(scratch.split_off_mut(..each).unwrap_or_default()));
-    let (mut stages, set) = (gather.stages(), gather.set());
-    for (stage, corners) in corners.chunks(STAGE * LANES).enumerate() {
-        let blocks = &blocks[stage * STAGE..];
-        let out = pairs.each_mut().map(|pairs| pairs[3 * gather.slot(stage)..].as_chunks_mut().0);
-        let [x, v] = target.motion();
-        set.dispatch(Forces { laws, corners, blocks, x, v, out });
-        let pairs = pairs.each_ref().map(|pairs| &**pairs);
-        set.dispatch(|| stages.add(pairs, target));
     }
 }
 
@@ -297,7 +315,7 @@ impl Effect for Triangles {
     }
 
     fn scratch(&self) -> usize {
-        room(3 * self.gather.blocks(self.blocks.count()))
+        self.piece().scratch()
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {

@@ -1,4 +1,5 @@
-//! One large body stepped by two threads has the bits it has with one.
+//! One large body stepped many steps at a stretch has the bits it has step by step: by two threads, and by one that has several steps
+//! under way at once.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 mod common;
@@ -8,8 +9,12 @@ use gingerbread::{level::Level, simulation::Simulation};
 
 /// A sheet of 9248 triangles, row by row.
 fn large(body: &str, rest: &str) -> Level {
+    square(68, body, rest)
+}
+
+fn square(side: u32, body: &str, rest: &str) -> Level {
     level(&format!(
-        "(name: \"large\", {rest}, bodies: [(name: \"large\", mass: Density(1), {body} mesh: Rectangle(width: 1, height: 1, columns: 68, rows: 68),
+        "(name: \"large\", {rest}, bodies: [(name: \"large\", mass: Density(1), {body} mesh: Rectangle(width: 1, height: 1, columns: {side}, rows: {side}),
           material: (model: StableNeoHookean, young: 1000, poisson: 0.3, plane: Strain))])"
     ))
 }
@@ -31,6 +36,44 @@ fn compare(level: &Level, stretches: u32, steps: u64) -> Simulation {
         assert_eq!((one.fault(), one.parts()), (two.fault(), two.parts()));
     }
     two
+}
+
+/// Larger than the caches: a sheet of 131,072 triangles. Fewer steps than between two checkpoints are no stretch.
+#[test]
+fn a_vast_body_whose_steps_overlap_comes_to_the_bits_and_books_of_single_steps() {
+    let damped = "effects: [(effect: Gravity(down: 1)), (effect: Rayleigh(mass: 0.3, stiffness: 1e-5))]";
+    let floor = "effects: [(effect: Walls(obstacles: [Plane(point: (0, -0.005), normal: (0, 1), eps: 0.001)]))]";
+    let too_long = "guard: Off, effects: []";
+    for (substeps, rest, threads, at_a_stretch) in
+        [(2560, damped, [1, 2], 50), (2560, floor, [1, 2], 5), (30, too_long, [1, 1], 5)]
+    {
+        let level = square(256, "stretch: (1.1, 1), velocity: (0, -10),", &format!("substeps: {substeps}, {rest}"));
+        let mut single = simulation(&level);
+        for _ in 0..9 {
+            single.advance(9, &mut || true);
+        }
+        for threads in &threads[..threads[1]] {
+            let mut run = simulation(&level);
+            run.set_threads(*threads);
+            run.advance(81, &mut || true);
+            assert_eq!(work(&single), work(&run), "{rest}");
+            assert_eq!(single.fault(), run.fault(), "{rest}");
+            let walked = [run.steps_at_a_stretch(), run.steps_together()];
+            assert!(walked[0] >= at_a_stretch && walked[1] == walked[0] * (*threads as u64 - 1), "{rest}: {walked:?}");
+        }
+        assert_eq!(single.steps_at_a_stretch(), 0);
+        assert_eq!(single.fault().is_some(), rest == too_long);
+        assert_eq!(single.counts().constrained > 0, rest == floor);
+    }
+}
+
+#[test]
+fn damping_and_drag_are_shared_as_well() {
+    let damped = "effects: [(effect: Gravity(down: 1)), (effect: Rayleigh(mass: 0.3, stiffness: 0.0001)), (effect: Drag(coefficient: 1e-6))]";
+    for (body, at_rest) in [("stretch: (1.1, 1),", false), ("", true)] {
+        let run = compare(&large(body, &format!("substeps: 700, sleep: Off, {damped}")), 4, 333);
+        assert!(run.steps_together() > 900, "at rest {at_rest}: only {} steps together", run.steps_together());
+    }
 }
 
 #[test]

@@ -1,0 +1,259 @@
+//! Many steps of a large body without a look at the whole on the way.
+//!
+//! Two things make that faster than one step after another. Where a body is larger than the caches, several steps are under way
+//! at once, each some stages behind the one before: what the first has brought from memory is still near when the others want it.
+//! And where parts of a body are walked by several threads, each sweeps from the seam inwards: it posts its sums at the seam early in a
+//! step, and by the end of it those of the others have long arrived. Nobody is told what to do while steps go on: all know the
+//! same, and stop after the same step.
+
+use super::{
+    Everywhere, Target,
+    blocks::Laws,
+    board::Board,
+    gather::Stages,
+    sweep::{Piece, buffers},
+    target::Kick,
+};
+use crate::lanes::Pairs;
+use std::array::from_fn;
+use wide::f64x2;
+
+/// How many steps of a body that is larger than the caches are under way at once: enough for memory to be no longer what they wait
+/// for, and little enough for what is in use to stay in the caches.
+const WAVE: usize = 6;
+
+/// How many of the last steps may not have been looked at yet: those of two waves.
+const RECENT: usize = 2 * WAVE;
+
+/// A body of so many triangles is larger than the caches: it takes some 114 bytes a triangle.
+pub const VAST: usize = 1 << 17;
+
+/// How many steps of a body of so many triangles are best under way at once.
+pub const fn wave(triangles: usize) -> u32 {
+    if triangles < VAST { 1 } else { WAVE as u32 }
+}
+
+/// What all walkers of a body have in common.
+pub struct Way<'a> {
+    /// Where they meet.
+    pub board: &'a Board,
+    /// How many steps they take at most.
+    pub steps: u32,
+    /// How many of them may be under way at once: [`wave`].
+    pub wave: u32,
+    /// Length of a step [s].
+    pub step: f64,
+    /// What acts beside the elements.
+    pub everywhere: Everywhere,
+    /// They stop after a step with a greater energy of motion than this [J].
+    pub most_kinetic: f64,
+    /// What is known at the start; they stop when the room is used up.
+    pub start: Outcome,
+    /// Takes off from the room what the fastest vertex may have gone in a step with this energy of motion.
+    pub shrink: &'a (dyn Fn(f64, f64) -> f64 + Sync),
+}
+
+/// What came of a walk, and what is known on the way.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// How many steps were taken.
+    pub steps: u32,
+    /// Energy of motion of all after the last of them [J].
+    pub kinetic: f64,
+    /// By how much it grew in that step [J].
+    pub growth: f64,
+    /// How far a vertex may still go [m].
+    pub room: f64,
+    /// How far the fastest may have gone in that step [m].
+    pub travel: f64,
+    /// Whether it went beyond the step at which it should have stopped.
+    pub late: bool,
+}
+
+impl Default for Outcome {
+    /// Nothing is known.
+    fn default() -> Self {
+        Self { steps: 0, kinetic: f64::NAN, growth: f64::NAN, room: -1.0, travel: f64::NAN, late: false }
+    }
+}
+
+impl Outcome {
+    /// Whether they may have to stop within the steps of a few waves, if it goes on as in the last step; or that is not known.
+    fn is_close(&self, most_kinetic: f64) -> bool {
+        const AHEAD: f64 = 4.0 * WAVE as f64;
+        let far = self.kinetic + AHEAD * self.growth <= most_kinetic && self.kinetic <= most_kinetic;
+        !(far && AHEAD * self.travel <= self.room)
+    }
+}
+
+/// Walks with the stresses of some laws.
+pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way<'_>, scratch: &mut Vec<f64>) -> Outcome {
+    let _presence = way.board.presence(ground.number);
+    let walker = Walker {
+        seam: vec![[f64x2::ZERO; N]; ground.x.len() - ground.own],
+        kick: Kick::new(way.everywhere, way.step),
+        turn: 0,
+        squares: [f64x2::ZERO; WAVE],
+        of_seam: [0.0; RECENT],
+        known: way.start,
+        ground,
+        way,
+    };
+    walker.walk(laws, scratch)
+}
+
+/// What is walked over: a body, or a part of it with the vertices on its seams after its own.
+pub struct Ground<'a> {
+    pub piece: Piece<'a>,
+    /// Of the part.
+    pub number: usize,
+    /// Positions [m].
+    pub x: &'a mut [[f64; 2]],
+    /// Velocities [m/s].
+    pub v: &'a mut [[f64; 2]],
+    /// Masses [kg] and their reciprocals.
+    pub masses: [&'a [[f64; 2]]; 2],
+    /// How many vertices come before those of the seams.
+    pub own: usize,
+    /// The stage after which it has all its forces at the seams.
+    pub met: usize,
+}
+
+struct Walker<'a, 'b, const N: usize> {
+    ground: Ground<'a>,
+    way: &'b Way<'b>,
+    kick: Kick,
+    /// Forces at the seams, of each stress [N].
+    seam: Vec<[f64x2; N]>,
+    /// Which of the steps under way it is that vertices are moved for.
+    turn: usize,
+    /// Twice the energy of motion of its own vertices in each of them.
+    squares: [f64x2; WAVE],
+    /// The same at the seams after the last steps.
+    of_seam: [f64; RECENT],
+    /// What is known of all so far.
+    known: Outcome,
+}
+
+impl<const N: usize> Walker<'_, '_, N> {
+    fn walk(mut self, laws: impl Laws<N>, scratch: &mut Vec<f64>) -> Outcome {
+        let each = N * self.ground.piece.scratch();
+        scratch.resize(self.way.wave as usize * each, 0.0);
+        let mut buffers: Vec<_> = scratch.chunks_mut(each).map(buffers::<N>).collect();
+        let alone = self.ground.own == self.ground.x.len();
+        let (mut taken, mut on) = (0, true);
+        while on && taken < self.way.steps {
+            let close = self.known.is_close(self.way.most_kinetic);
+            let count = if close { 1 } else { self.way.wave.min(self.way.steps - taken) };
+            self.surge(laws, taken + 1, &mut buffers[..count as usize]);
+            // What the others posted a wave ago has arrived already.
+            on = self.look(if alone || close { taken + count } else { taken });
+            taken += count;
+        }
+        if on {
+            self.look(taken);
+        }
+        Outcome { steps: taken, late: self.known.steps < taken, ..self.known }
+    }
+
+    /// Takes some steps at once, from a first one on, each with buffers of its own.
+    fn surge(&mut self, laws: impl Laws<N>, first: u32, buffers: &mut [[&mut [Pairs]; N]]) {
+        let (piece, count) = (self.ground.piece, buffers.len());
+        let mut stages: [Stages<'_>; WAVE] = from_fn(|_| piece.gather.stages());
+        let (ends, lag) = (piece.gather.count(), piece.gather.lag().max(self.ground.met));
+        for tick in 0..ends + (count - 1) * lag {
+            for turn in 0..count {
+                let Some(stage) = tick.checked_sub(turn * lag).filter(|stage| *stage < ends) else { continue };
+                let step = first + turn as u32;
+                if stage == 0 {
+                    if turn > 0 {
+                        self.move_seam(step - 1);
+                    }
+                    self.squares[turn] = f64x2::ZERO;
+                }
+                self.turn = turn;
+                piece.stage(stage, laws, (&mut buffers[turn], &mut stages[turn]), self);
+                if stage == self.ground.met {
+                    self.way.board.post_seam(self.ground.number, step, self.seam.as_flattened());
+                }
+                if stage + 1 == ends {
+                    let [along_x, along_y] = self.squares[turn].to_array();
+                    self.way.board.post_kinetic(self.ground.number, step, along_x + along_y);
+                }
+            }
+        }
+        self.move_seam(first + count as u32 - 1);
+    }
+
+    /// Moves the vertices on the seams, as everyone does.
+    fn move_seam(&mut self, step: u32) {
+        let Self { ground: Ground { x, v, masses: [mass, inverse_mass], own, .. }, seam, kick, .. } = self;
+        if seam.is_empty() {
+            return;
+        }
+        self.way.board.sum_seam(step, seam.as_flattened_mut());
+        let moving = x[*own..].iter_mut().zip(&mut v[*own..]);
+        let masses = mass[*own..].iter().zip(&inverse_mass[*own..]);
+        let mut squares = f64x2::ZERO;
+        for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(seam) {
+            squares += kick.of([x, v], [*mass, *inverse_mass], *forces);
+            // What is not in a part gets no force from it.
+            *forces = [f64x2::ZERO; N];
+        }
+        let [along_x, along_y] = squares.to_array();
+        self.of_seam[step as usize % RECENT] = along_x + along_y;
+    }
+
+    /// Looks at the energy of motion after each step up to one. Returns whether they may go on.
+    fn look(&mut self, last: u32) -> bool {
+        while self.known.steps < last {
+            let (before, step) = (self.known, self.known.steps + 1);
+            let kinetic = 0.5 * (self.way.board.kinetic(step) + self.of_seam[step as usize % RECENT]);
+            let room = (self.way.shrink)(before.room, kinetic);
+            let (growth, travel) = (kinetic - before.kinetic, before.room - room);
+            self.known = Outcome { steps: step, kinetic, growth, room, travel, late: false };
+            // Nothing that is not a number is below a limit.
+            if !(kinetic <= self.way.most_kinetic && room >= 0.0) {
+                return false;
+            }
+        }
+        true
+    }
+}
+
+impl<const N: usize> Target<N> for Walker<'_, '_, N> {
+    #[inline(always)]
+    fn motion(&self) -> [&[f64]; 2] {
+        [self.ground.x.as_flattened(), self.ground.v.as_flattened()]
+    }
+
+    #[inline(always)]
+    fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
+        let Ground { x, v, masses: [mass, inverse_mass], own, .. } = &mut self.ground;
+        let mut squares = self.squares[self.turn];
+        for (vertex, forces) in forces {
+            if let Some(at) = vertex.checked_sub(*own) {
+                self.seam[at] = forces;
+            } else {
+                let masses = [mass[vertex], inverse_mass[vertex]];
+                squares += self.kick.of([&mut x[vertex], &mut v[vertex]], masses, forces);
+            }
+        }
+        self.squares[self.turn] = squares;
+    }
+
+    #[inline(always)]
+    fn take_run(&mut self, first: usize, mut forces: impl ExactSizeIterator<Item = [f64x2; N]>) {
+        let end = first + forces.len();
+        let run = first.min(self.ground.own)..end.min(self.ground.own);
+        let Ground { x, v, masses: [mass, inverse_mass], .. } = &mut self.ground;
+        let moving = x[run.clone()].iter_mut().zip(&mut v[run.clone()]);
+        let masses = mass[run.clone()].iter().zip(&inverse_mass[run.clone()]);
+        let (kick, mut squares) = (self.kick, self.squares[self.turn]);
+        for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(&mut forces) {
+            squares += kick.of([x, v], [*mass, *inverse_mass], forces);
+        }
+        self.squares[self.turn] = squares;
+        self.take((first + run.len()..end).zip(forces));
+    }
+}

@@ -1,0 +1,215 @@
+//! Many steps of one large body at a stretch.
+//!
+//! A stretch is walked without looking at the whole: who walks knows when the guard or the walls want a word, and stops there. What
+//! is found then to be unsound is gone back from and stepped in the plain way, with all checkpoints on the way, so that it does not
+//! matter how long stretches are, nor how many threads share them.
+
+use super::{
+    BATCH, Simulation,
+    system::{System, shrunk},
+};
+use crate::{
+    elements::{Board, Everywhere, Outcome, Parts, Triangles, VAST, Walker, Way, wave},
+    integrators::{IntegratorKind, StepCounts},
+};
+use std::sync::Arc;
+
+/// How many triangles a stretch may step at most, and steps: who asks for them wants to be asked whether to go on.
+const WORK: usize = 6_000_000;
+const STEPS: u64 = 40 * BATCH;
+
+/// Those who step a body.
+#[derive(Default)]
+pub(super) struct Team {
+    /// How many threads there may be.
+    threads: usize,
+    /// One for each part; none after one thread alone has walked.
+    walkers: Vec<Walker>,
+    /// For one thread alone.
+    scratch: Vec<f64>,
+    /// The revision of the simulation that they arrived at and what they knew then: while it is the same, they are where
+    /// everything is.
+    arrived: Option<(u64, Outcome)>,
+    /// How many steps were taken at a stretch, and how many of them together.
+    steps: [u64; 2],
+    /// Whether steps after the last checkpoint, and between that and the one before, were taken in a stretch.
+    walked: [bool; 2],
+    /// Up to this step nobody walks.
+    plain_until: u64,
+    /// Whether it has just gone back to a checkpoint, at which everything was looked at already.
+    resumes: bool,
+}
+
+impl Team {
+    /// Whether everything was looked at already where it has gone back to. Not twice.
+    pub const fn resumes(&mut self) -> bool {
+        std::mem::replace(&mut self.resumes, false)
+    }
+
+    /// Takes note of a checkpoint.
+    pub const fn pass_checkpoint(&mut self) {
+        self.walked = [false, self.walked[0]];
+    }
+}
+
+impl Simulation {
+    /// How many threads may step one large body together; the same bits come of any number. At first it is one, and more than two
+    /// are not used.
+    pub const fn set_threads(&mut self, threads: usize) {
+        self.team.threads = threads;
+    }
+
+    /// How many steps several threads have taken together, tries included.
+    pub const fn steps_together(&self) -> u64 {
+        self.team.steps[1]
+    }
+
+    /// How many steps were taken at a stretch, without a look at the whole between them; tries included.
+    pub const fn steps_at_a_stretch(&self) -> u64 {
+        self.team.steps[0]
+    }
+
+    /// The body that alone is to be moved, and what acts on it everywhere, if there is nothing else to do.
+    fn only_work(&self) -> Option<(Arc<Triangles>, Everywhere)> {
+        let &[number] = self.scratch.plan.elements.as_slice() else { return None };
+        let plain = matches!(self.scene.integrator, IntegratorKind::SymplecticEuler(_)) && !self.paces.differ();
+        let free = self.scratch.plan.constraints.is_empty() || self.scratch.free.is_some();
+        let body = self.scene.bodies.get(number).filter(|_| plain && free && self.guard.level() == 0)?;
+        let motion = self.scene.motion(&self.state, self.grab);
+        let everywhere = self.scratch.everywhere(&self.scene, motion)?;
+        // What is not asked while nothing moves is asked from the next step on.
+        let starts = self.scratch.plan.forces.iter().any(|number| self.scene.effects[*number].idle(motion).is_some())
+            && motion.stillness().is_some();
+        (!starts).then(|| (Arc::clone(&body.elements), everywhere))
+    }
+
+    /// Takes a stretch of up to so many steps from a checkpoint, if that is worth it and nothing is to be done but to move the
+    /// vertices of one body. Returns how many were taken.
+    pub(super) fn stride(&mut self, most: u64) -> u64 {
+        if self.state.steps < self.team.plain_until || self.team.threads < 2 && self.scene.triangles.len() < VAST {
+            return 0;
+        }
+        let Some((body, everywhere)) = self.only_work() else { return 0 };
+        let triangles = body.corners().len();
+        let parts = if self.team.threads < 2 { None } else { body.parts() };
+        let work = (WORK / triangles.max(1)) as u64;
+        let steps = most.min(STEPS).min(work.max(2 * BATCH)).min(self.until_look());
+        let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
+        if steps < BATCH || most_kinetic < 0.0 || parts.is_none() && triangles < VAST {
+            return 0;
+        }
+        if self.scratch.room < 0.0 {
+            self.measure_room();
+        }
+        let (h, lightest) = (self.scene.step, self.scratch.lightest);
+        let known = self.team.arrived.filter(|(revision, _)| *revision == self.revision).map(|(_, known)| known);
+        // An elastic and, maybe, a viscous one at each vertex.
+        let (count, forces) = parts.map_or((1, 0), |parts| (parts.count(), 2 * parts.seam()));
+        let way = Way {
+            board: &Board::new(count, forces, steps as u32),
+            steps: steps as u32,
+            wave: wave(triangles),
+            step: h,
+            everywhere,
+            most_kinetic,
+            start: Outcome { steps: 0, room: self.scratch.room, ..known.unwrap_or_default() },
+            shrink: &|room, kinetic| shrunk(room, kinetic, lightest, h),
+        };
+        let outcome = match parts {
+            Some(parts) => self.walk_together(&body, parts, &way, known.is_some()),
+            None => self.walk_alone(&body, &way),
+        };
+        let taken = u64::from(outcome.steps);
+        (self.scratch.kinetic, self.scratch.room) = (Some(outcome.kinetic), outcome.room);
+        self.team.walked[0] = true;
+        self.team.steps[0] += taken;
+        self.book_stretch(taken);
+        self.team.arrived = Some((self.revision, outcome));
+        if !outcome.late && self.is_sound() { taken } else { self.step_plainly(taken) }
+    }
+
+    /// A stretch by one thread.
+    fn walk_alone(&mut self, body: &Triangles, way: &Way<'_>) -> Outcome {
+        let Self { scene, state, scratch, team, .. } = self;
+        team.walkers.clear();
+        let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
+        body.walk([&mut state.x, &mut state.v], [&scene.mass, inverse_mass], way, &mut team.scratch)
+    }
+
+    /// A stretch by a thread for each part; the walkers may have arrived where everything is.
+    fn walk_together(&mut self, body: &Triangles, parts: &Parts, way: &Way<'_>, arrived: bool) -> Outcome {
+        let Self { scene, state, scratch, team, .. } = self;
+        let arrived = arrived && !team.walkers.is_empty();
+        if team.walkers.len() != parts.count() {
+            team.walkers = (0..parts.count()).map(Walker::new).collect();
+        }
+        let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
+        let whole: [&[f64]; 4] = [&state.x, &state.v, &scene.mass, inverse_mass];
+        let walk = |walker: &mut Walker| {
+            if !arrived {
+                walker.set_out(parts, whole);
+            }
+            body.walk_part(walker, parts, way);
+        };
+        std::thread::scope(|scope| {
+            let mut walkers = team.walkers.iter_mut();
+            let own = walkers.next();
+            walkers.for_each(|walker| drop(scope.spawn(|| walk(walker))));
+            own.map(walk);
+        });
+        for walker in &team.walkers {
+            walker.arrive(parts, &mut state.x, &mut state.v);
+        }
+        let outcome = team.walkers.first().map(|walker| walker.outcome).unwrap_or_default();
+        team.steps[1] += u64::from(outcome.steps);
+        outcome
+    }
+
+    /// Steps until somebody looks who is calm.
+    fn until_look(&self) -> u64 {
+        let every = self.islands.every();
+        every - self.state.steps % every
+    }
+
+    /// Books steps that were taken together.
+    fn book_stretch(&mut self, taken: u64) {
+        let Self { scene, state, scratch, grab, .. } = &mut *self;
+        for _ in 0..taken {
+            let mut system = System { scene, scratch, grab: *grab, time: [0.0; 2] };
+            system.book_kick(&state.x, &state.v);
+            if scratch.free.is_some() {
+                scratch.pass_over_constraints();
+            }
+            scratch.counts.add(&StepCounts::ONE);
+            state.time += scene.step;
+        }
+        scratch.counts.steps += taken;
+        state.steps += taken;
+        self.revision += taken;
+        self.shape += 1;
+    }
+
+    /// Whether the steps since the checkpoints that a failed step is taken again from were all taken alone.
+    pub(super) const fn was_plain(&self) -> bool {
+        !(self.team.walked[0] || self.joined && self.team.walked[1])
+    }
+
+    /// After a stretch that was not sound: back as far as the guard may want to go, and on to the start of the stretch alone, with
+    /// everything that one thread does on its way. The steps of the stretch are to be taken again.
+    pub(super) fn step_plainly(&mut self, taken: u64) -> u64 {
+        let (start, end) = (self.state.steps - taken, self.state.steps);
+        if self.joined {
+            std::mem::swap(&mut self.checkpoint, &mut self.older);
+            self.joined = false;
+        }
+        self.scratch.free = None;
+        self.guard = self.checkpoint.guard.clone();
+        self.go_back_to(self.checkpoint.state.steps);
+        (self.team.plain_until, self.team.resumes, self.team.walked) = (end, true, [false; 2]);
+        self.team.arrived = None;
+        while self.state.steps < start && self.fault.is_none() {
+            self.take_steps(1);
+        }
+        0
+    }
+}

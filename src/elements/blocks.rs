@@ -172,12 +172,11 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
             if L::RATE {
                 collect(v, corners, &mut rates);
             }
-            let blocks = blocks.iter().take(corners.len().div_ceil(LANES));
-            for (number, ((block, now), rates)) in blocks.zip(&now).zip(&rates).enumerate() {
+            for (number, (block, now)) in blocks.iter().take(corners.len().div_ceil(LANES)).zip(&now).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
                     let inverse = inverse(set, block, part);
                     let f = taken_apart(set, now, part).times(inverse);
-                    let rate = if L::RATE { taken_apart(set, rates, part).times(inverse) } else { f };
+                    let rate = if L::RATE { taken_apart(set, &rates[number], part).times(inverse) } else { f };
                     let stresses = laws.stresses(f, rate);
                     let (turned, area) = (inverse.transpose(), -Wide::load(set, &block.area, part));
                     for law in 0..N {

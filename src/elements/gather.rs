@@ -2,7 +2,7 @@
 
 use super::Target;
 use crate::lanes::{LANES, Order, Pairs, SPARE, lined};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use std::{iter::repeat_n, ops::Range};
 use wide::f64x2;
 
@@ -177,6 +177,7 @@ impl Gather {
             shares: self.shares.as_slice(),
             first: self.first,
             stage: 0,
+            set: self.set,
         }
     }
 }
@@ -189,12 +190,28 @@ pub struct Stages<'a> {
     shares: &'a [u32],
     first: usize,
     stage: u32,
+    set: Arch,
 }
 
 impl Stages<'_> {
     /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
     #[inline(always)]
     pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
+        /// A closure might stay a call, without the instruction set.
+        struct Next<'a, 'b, T, const N: usize>(&'a mut Stages<'b>, [&'a [Pairs]; N], &'a mut T);
+        impl<T: Target<N>, const N: usize> WithSimd for Next<'_, '_, T, N> {
+            type Output = ();
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, _: S) {
+                self.0.add_next(self.1, self.2);
+            }
+        }
+        self.set.dispatch(Next(self, corners, to));
+    }
+
+    #[inline(always)]
+    fn add_next<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
         let corners = corners.map(<[Pairs]>::as_flattened);
         while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
             && stage == self.stage

@@ -71,7 +71,7 @@ impl Springs {
         for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
             let out = pairs[2 * self.gather.slot(stage)..].as_chunks_mut().0;
             set.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
-            set.dispatch(|| stages.add([&*pairs], target));
+            stages.add([&*pairs], target);
         }
     }
 

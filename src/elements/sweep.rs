@@ -46,8 +46,7 @@ impl Piece<'_> {
         let out = buffers.each_mut().map(|buffer| buffer[3 * gather.slot(stage)..].as_chunks_mut().0);
         let [x, v] = target.motion();
         gather.set().dispatch(Forces { laws, corners, blocks: &self.blocks[span], x, v, out });
-        let buffers = buffers.each_ref().map(|buffer| &**buffer);
-        gather.set().dispatch(|| stages.add(buffers, target));
+        stages.add(buffers.each_ref().map(|buffer| &**buffer), target);
     }
 }
 

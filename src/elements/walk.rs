@@ -22,7 +22,7 @@ use wide::f64x2;
 /// for, and little enough for what is in use to stay in the caches.
 const WAVE: usize = 6;
 
-/// How many of the last steps may not have been looked at yet: those of two waves.
+/// How many of the last steps may not have been looked at yet: each look is at as many as there are in a wave.
 const RECENT: usize = 2 * WAVE;
 
 /// A body of so many triangles is larger than the caches: it takes some 114 bytes a triangle.
@@ -144,11 +144,15 @@ impl<const N: usize> Walker<'_, '_, N> {
         let (mut taken, mut on) = (0, true);
         while on && taken < self.way.steps {
             let close = self.known.is_close(self.way.most_kinetic);
-            let count = if close { 1 } else { self.way.wave.min(self.way.steps - taken) };
-            self.surge(laws, taken + 1, &mut buffers[..count as usize]);
-            // What the others posted a wave ago has arrived already.
-            on = self.look(if alone || close { taken + count } else { taken });
-            taken += count;
+            let end = self.way.steps.min(taken + if close { 1 } else { WAVE as u32 });
+            // What the others posted some steps ago has arrived already.
+            let sure = if alone || close { end } else { taken };
+            while taken < end {
+                let count = self.way.wave.min(end - taken);
+                self.surge(laws, taken + 1, &mut buffers[..count as usize]);
+                taken += count;
+            }
+            on = self.look(sure);
         }
         if on {
             self.look(taken);

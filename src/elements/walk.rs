@@ -25,7 +25,8 @@ const WAVE: usize = 6;
 /// How many of the last steps may not have been looked at yet: each look is at as many as there are in a wave.
 const RECENT: usize = 2 * WAVE;
 
-/// A body of so many triangles is larger than the caches: it takes some 114 bytes a triangle.
+/// A body of so many triangles is larger than most caches: a step reads some 98 bytes a triangle (rest shape 40, numbers of corners
+/// and of their places 26, half a vertex 32) and writes 16.
 pub const VAST: usize = 1 << 17;
 
 /// How many steps of a body of so many triangles are best under way at once.
@@ -89,7 +90,7 @@ impl Outcome {
 /// Walks with the stresses of some laws.
 pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way<'_>, scratch: &mut Vec<f64>) -> Outcome {
     let _presence = way.board.presence(ground.number);
-    let walker = Walker {
+    let start = Walk {
         seam: vec![[f64x2::ZERO; N]; ground.x.len() - ground.own],
         kick: Kick::new(way.everywhere, way.step),
         turn: 0,
@@ -99,7 +100,7 @@ pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way<'
         ground,
         way,
     };
-    walker.walk(laws, scratch)
+    start.go(laws, scratch)
 }
 
 /// What is walked over: a body, or a part of it with the vertices on its seams after its own.
@@ -119,7 +120,8 @@ pub struct Ground<'a> {
     pub met: usize,
 }
 
-struct Walker<'a, 'b, const N: usize> {
+/// A part, or a whole body, under way.
+struct Walk<'a, 'b, const N: usize> {
     ground: Ground<'a>,
     way: &'b Way<'b>,
     kick: Kick,
@@ -135,8 +137,8 @@ struct Walker<'a, 'b, const N: usize> {
     known: Outcome,
 }
 
-impl<const N: usize> Walker<'_, '_, N> {
-    fn walk(mut self, laws: impl Laws<N>, scratch: &mut Vec<f64>) -> Outcome {
+impl<const N: usize> Walk<'_, '_, N> {
+    fn go(mut self, laws: impl Laws<N>, scratch: &mut Vec<f64>) -> Outcome {
         let each = N * self.ground.piece.scratch();
         scratch.resize(self.way.wave as usize * each, 0.0);
         let mut buffers: Vec<_> = scratch.chunks_mut(each).map(buffers::<N>).collect();
@@ -225,7 +227,7 @@ impl<const N: usize> Walker<'_, '_, N> {
     }
 }
 
-impl<const N: usize> Target<N> for Walker<'_, '_, N> {
+impl<const N: usize> Target<N> for Walk<'_, '_, N> {
     #[inline(always)]
     fn motion(&self) -> [&[f64]; 2] {
         [self.ground.x.as_flattened(), self.ground.v.as_flattened()]

@@ -171,7 +171,7 @@ impl Simulation {
         every - self.state.steps % every
     }
 
-    /// Books steps that were taken together.
+    /// Books steps that were taken at a stretch.
     fn book_stretch(&mut self, taken: u64) {
         let Self { scene, state, scratch, grab, .. } = &mut *self;
         for _ in 0..taken {
@@ -189,13 +189,13 @@ impl Simulation {
         self.shape += 1;
     }
 
-    /// Whether the steps since the checkpoints that a failed step is taken again from were all taken alone.
+    /// Whether the steps since the checkpoints that a failed step is taken again from were all taken in the plain way.
     pub(super) const fn was_plain(&self) -> bool {
         !(self.team.walked[0] || self.joined && self.team.walked[1])
     }
 
-    /// After a stretch that was not sound: back as far as the guard may want to go, and on to the start of the stretch alone, with
-    /// everything that one thread does on its way. The steps of the stretch are to be taken again.
+    /// After a stretch that was not sound: back as far as the guard may want to go, and on to the start of the stretch in the plain
+    /// way, with everything that is done between single steps. The steps of the stretch are to be taken again.
     pub(super) fn step_plainly(&mut self, taken: u64) -> u64 {
         let (start, end) = (self.state.steps - taken, self.state.steps);
         if self.joined {

@@ -1,6 +1,7 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
 mod books;
+mod companion;
 mod energies;
 mod paces;
 mod reach;

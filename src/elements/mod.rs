@@ -23,7 +23,7 @@ pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
-pub(crate) use walk::{Outcome, VAST, Way, wave};
+pub(crate) use walk::{Outcome, VAST, Way, shrunk, wave};
 
 use std::sync::Arc;
 

@@ -167,7 +167,7 @@ impl Walker {
     }
 
     /// Takes steps together with the walkers of the other parts.
-    pub fn walk<L: Laws<N>, const N: usize>(&mut self, laws: L, parts: &Parts, blocks: &[Block], way: &Way<'_>) {
+    pub fn walk<L: Laws<N>, const N: usize>(&mut self, laws: L, parts: &Parts, blocks: &[Block], way: &Way) {
         let part = &parts.parts[self.part];
         let ground = Ground {
             piece: Piece { corners: &part.corners, blocks: &blocks[part.block..], gather: &part.gather },

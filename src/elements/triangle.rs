@@ -185,9 +185,9 @@ impl Triangles {
     }
 
     /// Moves the vertices of one part on their way through a number of steps, together with those who move the others.
-    pub(crate) fn walk_part(&self, walker: &mut Walker, parts: &Parts, way: &Way<'_>) {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, &'a Parts, &'a Way<'b>);
-        impl Visitor for Visit<'_, '_> {
+    pub(crate) fn walk_part(&self, walker: &mut Walker, parts: &Parts, way: &Way) {
+        struct Visit<'a>(&'a Triangles, &'a mut Walker, &'a Parts, &'a Way);
+        impl Visitor for Visit<'_> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
                 let Self(of, walker, parts, way) = self;
@@ -205,11 +205,11 @@ impl Triangles {
         &self,
         [x, v]: [&mut [f64]; 2],
         masses: [&[f64]; 2],
-        way: &Way<'_>,
+        way: &Way,
         scratch: &mut Vec<f64>,
     ) -> Outcome {
-        struct Visit<'a, 'b>(&'a Triangles, Ground<'a>, &'a Way<'b>, &'a mut Vec<f64>);
-        impl Visitor for Visit<'_, '_> {
+        struct Visit<'a>(&'a Triangles, Ground<'a>, &'a Way, &'a mut Vec<f64>);
+        impl Visitor for Visit<'_> {
             type Output = Outcome;
             fn visit<M: Material>(self, material: &M) -> Outcome {
                 let Self(of, ground, way, scratch) = self;

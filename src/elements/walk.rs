@@ -14,8 +14,8 @@ use super::{
     sweep::{Piece, buffers},
     target::Kick,
 };
-use crate::lanes::Pairs;
-use std::array::from_fn;
+use crate::{lanes::Pairs, state::State};
+use std::{array::from_fn, sync::Arc};
 use wide::f64x2;
 
 /// How many steps of a body that is larger than the caches are under way at once: enough for memory to be no longer what they wait
@@ -35,9 +35,10 @@ pub const fn wave(triangles: usize) -> u32 {
 }
 
 /// What all walkers of a body have in common.
-pub struct Way<'a> {
+#[derive(Clone)]
+pub struct Way {
     /// Where they meet.
-    pub board: &'a Board,
+    pub board: Arc<Board>,
     /// How many steps they take at most.
     pub steps: u32,
     /// How many of them may be under way at once: [`wave`].
@@ -50,8 +51,8 @@ pub struct Way<'a> {
     pub most_kinetic: f64,
     /// What is known at the start; they stop when the room is used up.
     pub start: Outcome,
-    /// Takes off from the room what the fastest vertex may have gone in a step with this energy of motion.
-    pub shrink: &'a (dyn Fn(f64, f64) -> f64 + Sync),
+    /// The least mass of a vertex [kg].
+    pub lightest: f64,
 }
 
 /// What came of a walk, and what is known on the way.
@@ -87,8 +88,15 @@ impl Outcome {
     }
 }
 
+/// What is left of the room after a step of length h [s] with this energy of motion at its end [J]: none of the vertices, of which the
+/// lightest has this mass [kg], can have gone farther than with all that energy for itself. Less than nothing if there is no telling.
+pub fn shrunk(room: f64, kinetic: f64, lightest: f64, h: f64) -> f64 {
+    let speed = (2.0 * kinetic / lightest).sqrt();
+    if speed <= State::LIMIT { room - 1.000_001 * h * speed } else { -1.0 }
+}
+
 /// Walks with the stresses of some laws.
-pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way<'_>, scratch: &mut Vec<f64>) -> Outcome {
+pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way, scratch: &mut Vec<f64>) -> Outcome {
     let _presence = way.board.presence(ground.number);
     let start = Walk {
         seam: vec![[f64x2::ZERO; N]; ground.x.len() - ground.own],
@@ -123,7 +131,7 @@ pub struct Ground<'a> {
 /// A part, or a whole body, under way.
 struct Walk<'a, 'b, const N: usize> {
     ground: Ground<'a>,
-    way: &'b Way<'b>,
+    way: &'b Way,
     kick: Kick,
     /// Forces at the seams, of each stress [N].
     seam: Vec<[f64x2; N]>,
@@ -215,7 +223,7 @@ impl<const N: usize> Walk<'_, '_, N> {
         while self.known.steps < last {
             let (before, step) = (self.known, self.known.steps + 1);
             let kinetic = 0.5 * (self.way.board.kinetic(step) + self.of_seam[step as usize % RECENT]);
-            let room = (self.way.shrink)(before.room, kinetic);
+            let room = shrunk(before.room, kinetic, self.way.lightest, self.way.step);
             let (growth, travel) = (kinetic - before.kinetic, before.room - room);
             self.known = Outcome { steps: step, kinetic, growth, room, travel, late: false };
             // Nothing that is not a number is below a limit.

@@ -6,7 +6,8 @@
 
 use super::{
     BATCH, Simulation,
-    system::{System, shrunk},
+    companion::{Companion, walk},
+    system::System,
 };
 use crate::{
     elements::{Board, Everywhere, Outcome, Parts, Triangles, VAST, Walker, Way, wave},
@@ -25,6 +26,8 @@ pub(super) struct Team {
     threads: usize,
     /// One for each part; none after one thread alone has walked.
     walkers: Vec<Walker>,
+    /// Those who walk beside this thread, for the second and further parts.
+    companions: Vec<Companion>,
     /// For one thread alone.
     scratch: Vec<f64>,
     /// The revision of the simulation that they arrived at and what they knew then: while it is the same, they are where
@@ -44,6 +47,19 @@ impl Team {
     /// Whether everything was looked at already where it has gone back to. Not twice.
     pub const fn resumes(&mut self) -> bool {
         std::mem::replace(&mut self.resumes, false)
+    }
+
+    /// Calls companions, if there are too few of them for so many parts. Returns whether there are enough: where no thread is to be had
+    /// they are not asked for again.
+    fn is_complete(&mut self, parts: usize) -> bool {
+        while self.companions.len() + 1 < parts {
+            let Ok(companion) = Companion::new() else {
+                self.threads = 1;
+                return false;
+            };
+            self.companions.push(companion);
+        }
+        true
     }
 
     /// Takes note of a checkpoint.
@@ -98,22 +114,24 @@ impl Simulation {
         if steps < BATCH || most_kinetic < 0.0 || parts.is_none() && triangles < VAST {
             return 0;
         }
+        if !parts.is_none_or(|parts| self.team.is_complete(parts.count())) {
+            return 0;
+        }
         if self.scratch.room < 0.0 {
             self.measure_room();
         }
-        let (h, lightest) = (self.scene.step, self.scratch.lightest);
         let known = self.team.arrived.filter(|(revision, _)| *revision == self.revision).map(|(_, known)| known);
         // An elastic and, maybe, a viscous one at each vertex.
         let (count, forces) = parts.map_or((1, 0), |parts| (parts.count(), 2 * parts.seam()));
         let way = Way {
-            board: &Board::new(count, forces, steps as u32),
+            board: Arc::new(Board::new(count, forces, steps as u32)),
             steps: steps as u32,
             wave: wave(triangles),
-            step: h,
+            step: self.scene.step,
             everywhere,
             most_kinetic,
             start: Outcome { steps: 0, room: self.scratch.room, ..known.unwrap_or_default() },
-            shrink: &|room, kinetic| shrunk(room, kinetic, lightest, h),
+            lightest: self.scratch.lightest,
         };
         let outcome = match parts {
             Some(parts) => self.walk_together(&body, parts, &way, known.is_some()),
@@ -129,34 +147,33 @@ impl Simulation {
     }
 
     /// A stretch by one thread.
-    fn walk_alone(&mut self, body: &Triangles, way: &Way<'_>) -> Outcome {
+    fn walk_alone(&mut self, body: &Triangles, way: &Way) -> Outcome {
         let Self { scene, state, scratch, team, .. } = self;
-        team.walkers.clear();
+        (team.walkers, team.companions) = Default::default();
         let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
         body.walk([&mut state.x, &mut state.v], [&scene.mass, inverse_mass], way, &mut team.scratch)
     }
 
     /// A stretch by a thread for each part; the walkers may have arrived where everything is.
-    fn walk_together(&mut self, body: &Triangles, parts: &Parts, way: &Way<'_>, arrived: bool) -> Outcome {
+    fn walk_together(&mut self, body: &Arc<Triangles>, parts: &Parts, way: &Way, arrived: bool) -> Outcome {
         let Self { scene, state, scratch, team, .. } = self;
         let arrived = arrived && !team.walkers.is_empty();
         if team.walkers.len() != parts.count() {
             team.walkers = (0..parts.count()).map(Walker::new).collect();
         }
         let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
-        let whole: [&[f64]; 4] = [&state.x, &state.v, &scene.mass, inverse_mass];
-        let walk = |walker: &mut Walker| {
-            if !arrived {
-                walker.set_out(parts, whole);
-            }
-            body.walk_part(walker, parts, way);
-        };
-        std::thread::scope(|scope| {
-            let mut walkers = team.walkers.iter_mut();
-            let own = walkers.next();
-            walkers.for_each(|walker| drop(scope.spawn(|| walk(walker))));
-            own.map(walk);
-        });
+        if !arrived {
+            let whole: [&[f64]; 4] = [&state.x, &state.v, &scene.mass, inverse_mass];
+            team.walkers.iter_mut().for_each(|walker| walker.set_out(parts, whole));
+        }
+        let (own, others) = team.walkers.split_at_mut(1);
+        for (walker, companion) in others.iter_mut().zip(&team.companions) {
+            companion.send(walker, body, way);
+        }
+        own.iter_mut().for_each(|walker| walk(body, walker, way));
+        for (walker, companion) in others.iter_mut().zip(&mut team.companions) {
+            *walker = companion.receive();
+        }
         for walker in &team.walkers {
             walker.arrive(parts, &mut state.x, &mut state.v);
         }

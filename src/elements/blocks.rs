@@ -67,9 +67,9 @@ impl<A: Law, B: Law> Laws<2> for Both<A, B> {
 
 /// The stress of a material.
 #[derive(Clone, Copy)]
-pub struct Elastic<'a, M>(pub &'a M);
+pub struct Elastic<M>(pub M);
 
-impl<M: Material> Law for Elastic<'_, M> {
+impl<M: Material> Law for Elastic<M> {
     const RATE: bool = false;
 
     #[inline(always)]
@@ -95,7 +95,7 @@ impl Blocks {
                 for (to, from) in block.inverse.iter_mut().zip(inverse.as_slice()) {
                     to[lane] = *from;
                 }
-                block.area[lane] = *area;
+                block.area[lane] = -*area;
             }
             block
         };
@@ -117,14 +117,21 @@ impl Blocks {
     pub fn rest(&self, triangle: usize) -> Rest {
         let (block, lane) = (&self.blocks[triangle / LANES], self.order.lane[triangle % LANES]);
         let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| block.inverse[entry][lane]);
-        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: block.area[lane] }
+        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: -block.area[lane] }
     }
 }
 
 /// D of each triangle, from the vertices of its corners.
 #[inline(always)]
 fn collect(x: &[[f64; 2]], corners: &[[u32; 3]], out: &mut [Quads]) {
-    for (to, &triangle) in out.as_flattened_mut().iter_mut().zip(corners) {
+    let (whole, rest) = corners.as_chunks::<LANES>();
+    let (of_whole, of_rest) = out.split_at_mut(whole.len());
+    for (to, triangles) in of_whole.iter_mut().zip(whole) {
+        for (to, &triangle) in to.iter_mut().zip(triangles) {
+            *to = edges(x, triangle);
+        }
+    }
+    for (to, &triangle) in of_rest.as_flattened_mut().iter_mut().zip(rest) {
         *to = edges(x, triangle);
     }
 }
@@ -178,7 +185,7 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
                     let f = taken_apart(set, now, part).times(inverse);
                     let rate = if L::RATE { taken_apart(set, &rates[number], part).times(inverse) } else { f };
                     let stresses = laws.stresses(f, rate);
-                    let (turned, area) = (inverse.transpose(), -Wide::load(set, &block.area, part));
+                    let (turned, area) = (inverse.transpose(), Wide::load(set, &block.area, part));
                     for law in 0..N {
                         let h = stresses[law].times(turned) * area;
                         let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
@@ -213,7 +220,7 @@ impl<M: Material> WithSimd for Energy<'_, M> {
             collect(x, corners, &mut now);
             for part in 0..Wide::<S>::PARTS {
                 let f = taken_apart(set, &now[0], part).times(inverse(set, block, part));
-                (self.material.psi(f) * Wide::load(set, &block.area, part)).store(&mut energies, part);
+                (self.material.psi(f) * -Wide::load(set, &block.area, part)).store(&mut energies, part);
             }
             // A lane left over holds what is not a triangle.
             sum = self.blocks.order.lane[..corners.len()].iter().fold(sum, |sum, &lane| sum + energies[lane]);

@@ -24,8 +24,10 @@ pub struct Gather {
     runs: Vec<Run>,
     /// The vertices, counted from the first of the body or net.
     vertices: Vec<u32>,
-    /// The places of their corners' forces in the buffer, one vertex after another.
+    /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another.
     places: Vec<u32>,
+    /// Whether all of them are [`Near`].
+    near: bool,
     /// The first vertex of the body or net.
     first: usize,
     /// How many stages the buffer of corners holds.
@@ -107,7 +109,7 @@ impl Gather {
         let place = |&(element, number): &(usize, usize)| {
             let stage = plan.stage(element);
             let block = stage % window * STAGE + element / LANES - plan.span(stage).start;
-            (block * N + number) * LANES + order.place[element % LANES]
+            2 * ((block * N + number) * LANES + order.place[element % LANES])
         };
         let part = |element: usize| cuts.partition_point(|cut| *cut <= element);
         let same_part = |one: &(usize, usize), other: &(usize, usize)| part(one.0) == part(other.0);
@@ -130,7 +132,9 @@ impl Gather {
         let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
         let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
-        Self { runs, vertices: ordered, places, first: vertices.start, window, shares, plan, set }
+        let places: Vec<_> = places;
+        let near = places.iter().all(|place| u16::try_from(*place).is_ok());
+        Self { runs, vertices: ordered, places, near, first: vertices.start, window, shares, plan, set }
     }
 
     /// The instruction set.
@@ -174,6 +178,7 @@ impl Gather {
             runs: self.runs.as_slice(),
             vertices: self.vertices.as_slice(),
             places: self.places.as_slice(),
+            near: self.near,
             shares: self.shares.as_slice(),
             first: self.first,
             stage: 0,
@@ -187,6 +192,7 @@ pub struct Stages<'a> {
     runs: &'a [Run],
     vertices: &'a [u32],
     places: &'a [u32],
+    near: bool,
     shares: &'a [u32],
     first: usize,
     stage: u32,
@@ -203,16 +209,19 @@ impl Stages<'_> {
             type Output = ();
 
             #[inline(always)]
-            fn with_simd<S: Simd>(self, _: S) {
-                self.0.add_next(self.1, self.2);
+            fn with_simd<S: Simd>(self, set: S) {
+                let Self(stages, corners, to) = self;
+                match near(&corners) {
+                    Some(corners) if stages.near => stages.add_next(set, corners, to),
+                    _ => stages.add_next(set, corners.map(<[Pairs]>::as_flattened), to),
+                }
             }
         }
         self.set.dispatch(Next(self, corners, to));
     }
 
     #[inline(always)]
-    fn add_next<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
-        let corners = corners.map(<[Pairs]>::as_flattened);
+    fn add_next<S: Simd, const N: usize>(&mut self, set: S, corners: impl Corners<N>, to: &mut impl Target<N>) {
         while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
@@ -230,9 +239,14 @@ impl Stages<'_> {
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
-                        0 => sum(now, repeat_n(&[][..], now.len()), corners, (self.first, dense), to),
-                        $($DEGREE => sum(now, of_now.as_chunks::<$DEGREE>().0.iter().map(<[u32; $DEGREE]>::as_slice), corners, (self.first, dense), to),)+
-                        _ => sum(now, of_now.chunks(degree as usize), corners, (self.first, dense), to),
+                        $($DEGREE if dense => {
+                            let (fours, rest) = of_now.as_chunks::<$DEGREE>().0.as_chunks();
+                            let first = self.first + now[0] as usize;
+                            to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
+                        })+
+                        $($DEGREE => hand_out(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
+                        0 => hand_out(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
+                        _ => hand_out(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
                     }
                 };
             }
@@ -242,11 +256,46 @@ impl Stages<'_> {
     }
 }
 
-/// What is at the corners, for each of several stresses.
-type Corners<'a, const N: usize> = [&'a [[f64; 2]]; N];
+/// The forces at the corners, of each of several stresses.
+trait Corners<const N: usize>: Copy {
+    /// One of a stress at a place.
+    fn at(self, law: usize, place: u32) -> f64x2;
+}
+
+impl<const N: usize> Corners<N> for [&[[f64; 2]]; N] {
+    #[inline(always)]
+    fn at(self, law: usize, place: u32) -> f64x2 {
+        f64x2::new(self[law][place as usize / 2])
+    }
+}
+
+/// The buffer of corners up to where places of 16 bits reach: where that is all there is, nobody has to check them.
+type Near = [f64; NEAR];
+
+/// A force begins at the last of these places at most.
+const NEAR: usize = u16::MAX as usize + 2;
+
+impl<const N: usize> Corners<N> for [&Near; N] {
+    #[inline(always)]
+    fn at(self, law: usize, place: u32) -> f64x2 {
+        let place = usize::from(place as u16);
+        f64x2::new([self[law][place], self[law][place + 1]])
+    }
+}
+
+/// All of them up to there, if they are as long as that.
+#[inline(always)]
+fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]> {
+    let near = |corners: &'a [Pairs]| corners.as_flattened().as_flattened().first_chunk();
+    let mut all = [near(corners.first()?)?; N];
+    for (all, corners) in all.iter_mut().zip(corners) {
+        *all = near(corners)?;
+    }
+    Some(all)
+}
 
 /// The sums of the sums over the places in each part.
-fn sum_by_parts<const N: usize>(mut places: &[u32], shares: &[u32], corners: Corners<'_, N>) -> [f64x2; N] {
+fn sum_by_parts<const N: usize>(mut places: &[u32], shares: &[u32], corners: impl Corners<N>) -> [f64x2; N] {
     let mut sums = [f64x2::ZERO; N];
     for &share in shares {
         let (now, others) = places.split_at(share as usize);
@@ -260,36 +309,45 @@ fn sum_by_parts<const N: usize>(mut places: &[u32], shares: &[u32], corners: Cor
 
 /// The sums over these places.
 #[inline(always)]
-fn sum_at<const N: usize>(places: &[u32], corners: Corners<'_, N>) -> [f64x2; N] {
+fn sum_at<const N: usize>(places: &[u32], corners: impl Corners<N>) -> [f64x2; N] {
     let mut sums = [f64x2::ZERO; N];
     for &place in places {
-        for (sum, corners) in sums.iter_mut().zip(corners) {
-            *sum += f64x2::new(corners[place as usize]);
+        for (law, sum) in sums.iter_mut().enumerate() {
+            *sum += corners.at(law, place);
         }
     }
     sums
 }
 
-/// Hands out the sums over the places of these vertices, counted from the first of the scene's; `dense` says that their numbers
-/// follow each other.
+/// The sums of four vertices.
 #[inline(always)]
-fn sum<'a, const N: usize>(
-    vertices: &[u32],
-    places: impl ExactSizeIterator<Item = &'a [u32]>,
-    corners: Corners<'_, N>,
-    (first, dense): (usize, bool),
-    to: &mut impl Target<N>,
-) {
-    let forces = places.map(|places| sum_at(places, corners));
-    match vertices {
-        [start, ..] if dense => to.take_run(first + *start as usize, forces),
-        _ => to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces)),
-    }
+fn sum_at_four<const D: usize, const N: usize>(places: &[[u32; D]; 4], corners: impl Corners<N>) -> [[f64x2; N]; 4] {
+    let [a, b, c, d] = places;
+    [sum_at(a, corners), sum_at(b, corners), sum_at(c, corners), sum_at(d, corners)]
 }
 
-/// How many numbers of scratch hold so many [`Pairs`].
+/// Hands out forces on these vertices, counted from the first of the body or net.
+#[inline(always)]
+fn hand_out<const N: usize>(
+    first: usize,
+    vertices: &[u32],
+    forces: impl Iterator<Item = [f64x2; N]>,
+    to: &mut impl Target<N>,
+) {
+    to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces));
+}
+
+/// How many numbers of scratch hold so many [`Pairs`], and can be read as [`Near`].
 pub const fn room(pairs: usize) -> usize {
-    2 * LANES * pairs + SPARE
+    let numbers = 2 * LANES * pairs;
+    (if numbers < NEAR { NEAR.next_multiple_of(2 * LANES) } else { numbers }) + SPARE
+}
+
+/// Makes room in scratch. What is never touched of it is no memory of the processor's: all zeros are not written.
+pub fn make_room(scratch: &mut Vec<f64>, numbers: usize) {
+    if scratch.len() < numbers {
+        *scratch = vec![0.0; numbers];
+    }
 }
 
 /// [`Pairs`] in scratch, from where a line of memory begins.

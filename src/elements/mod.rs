@@ -16,7 +16,7 @@ mod walk;
 pub(crate) use blocks::Law;
 pub(crate) use board::Board;
 pub use fields::Field;
-pub(crate) use gather::STRETCH;
+pub(crate) use gather::{STRETCH, make_room};
 pub(crate) use parts::{Parts, Walker};
 pub use spring::Springs;
 pub use survey::Survey;

@@ -138,7 +138,7 @@ impl Triangles {
         impl<T: Target> Visitor for Visit<'_, T> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
-                self.0.sweep(Elastic(material), self.1, self.2);
+                self.0.sweep(Elastic(*material), self.1, self.2);
             }
         }
         self.model.visit(self.lame, Visit(self, target, scratch));
@@ -151,7 +151,7 @@ impl Triangles {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
                 let viscous = Viscous::new(self.1.everywhere.stiffness_damping, self.0.lame);
-                self.0.sweep(Both(Elastic(material), viscous), self.1, self.2);
+                self.0.sweep(Both(Elastic(*material), viscous), self.1, self.2);
             }
         }
         self.model.visit(self.lame, Visit(self, vertices, scratch));
@@ -192,8 +192,8 @@ impl Triangles {
             fn visit<M: Material>(self, material: &M) {
                 let Self(of, walker, parts, way) = self;
                 match of.viscous(way.everywhere) {
-                    None => walker.walk::<_, 1>(Elastic(material), parts, of.blocks.all(), way),
-                    Some(viscous) => walker.walk::<_, 2>(Both(Elastic(material), viscous), parts, of.blocks.all(), way),
+                    None => walker.walk::<_, 1>(Elastic(*material), parts, of.blocks.all(), way),
+                    Some(viscous) => walker.walk::<_, 2>(Both(Elastic(*material), viscous), parts, of.blocks.all(), way),
                 }
             }
         }
@@ -214,8 +214,8 @@ impl Triangles {
             fn visit<M: Material>(self, material: &M) -> Outcome {
                 let Self(of, ground, way, scratch) = self;
                 match of.viscous(way.everywhere) {
-                    None => walk::<_, 1>(Elastic(material), ground, way, scratch),
-                    Some(viscous) => walk::<_, 2>(Both(Elastic(material), viscous), ground, way, scratch),
+                    None => walk::<_, 1>(Elastic(*material), ground, way, scratch),
+                    Some(viscous) => walk::<_, 2>(Both(Elastic(*material), viscous), ground, way, scratch),
                 }
             }
         }

@@ -10,11 +10,12 @@ use super::{
     Everywhere, Target,
     blocks::Laws,
     board::Board,
-    gather::Stages,
+    gather::{Stages, make_room},
     sweep::{Piece, buffers},
     target::Kick,
 };
 use crate::{lanes::Pairs, state::State};
+use pulp::Simd;
 use std::{array::from_fn, sync::Arc};
 use wide::f64x2;
 
@@ -148,8 +149,8 @@ struct Walk<'a, 'b, const N: usize> {
 impl<const N: usize> Walk<'_, '_, N> {
     fn go(mut self, laws: impl Laws<N>, scratch: &mut Vec<f64>) -> Outcome {
         let each = N * self.ground.piece.scratch();
-        scratch.resize(self.way.wave as usize * each, 0.0);
-        let mut buffers: Vec<_> = scratch.chunks_mut(each).map(buffers::<N>).collect();
+        make_room(scratch, self.way.wave as usize * each);
+        let mut buffers: Vec<_> = scratch.chunks_exact_mut(each).map(buffers::<N>).collect();
         let alone = self.ground.own == self.ground.x.len();
         let (mut taken, mut on) = (0, true);
         while on && taken < self.way.steps {
@@ -257,17 +258,17 @@ impl<const N: usize> Target<N> for Walk<'_, '_, N> {
     }
 
     #[inline(always)]
-    fn take_run(&mut self, first: usize, mut forces: impl ExactSizeIterator<Item = [f64x2; N]>) {
-        let end = first + forces.len();
-        let run = first.min(self.ground.own)..end.min(self.ground.own);
-        let Ground { x, v, masses: [mass, inverse_mass], .. } = &mut self.ground;
-        let moving = x[run.clone()].iter_mut().zip(&mut v[run.clone()]);
-        let masses = mass[run.clone()].iter().zip(&inverse_mass[run.clone()]);
-        let (kick, mut squares) = (self.kick, self.squares[self.turn]);
-        for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(&mut forces) {
-            squares += kick.of([x, v], [*mass, *inverse_mass], forces);
+    fn take_run<S: Simd>(
+        &mut self,
+        set: S,
+        first: usize,
+        fours: impl ExactSizeIterator<Item = [[f64x2; N]; 4]>,
+        rest: impl ExactSizeIterator<Item = [f64x2; N]>,
+    ) {
+        let Ground { x, v, masses, own, .. } = &mut self.ground;
+        if first + 4 * fours.len() + rest.len() > *own {
+            return self.take((first..).zip(fours.flatten().chain(rest)));
         }
-        self.squares[self.turn] = squares;
-        self.take((first + run.len()..end).zip(forces));
+        self.squares[self.turn] += self.kick.of_run(set, first, [x, v], *masses, fours, rest);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    elements::{Everywhere, Kicking, shrunk},
+    elements::{Everywhere, Kicking, make_room, shrunk},
     integrators::{Dynamics, Ode, Work, kick_and_drift},
     obstacles::{Start, Surface},
     report::{Counts, EffectCost},
@@ -87,7 +87,7 @@ pub(super) struct Scratch {
 impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
         self.work.forget();
-        self.effects.resize(scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0), 0.0);
+        make_room(&mut self.effects, scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0));
         self.rest(scene, std::iter::empty());
         (self.free, self.room) = (None, -1.0);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);

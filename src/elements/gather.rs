@@ -221,7 +221,7 @@ impl Stages<'_> {
     }
 
     #[inline(always)]
-    fn add_next<S: Simd, const N: usize>(&mut self, set: S, corners: impl Corners<N>, to: &mut impl Target<N>) {
+    fn add_next<S: Simd, C: Corners<N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Target<N>) {
         while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
@@ -235,22 +235,22 @@ impl Stages<'_> {
                 to.take(now.iter().map(|vertex| (self.first + *vertex as usize, forces)));
                 continue;
             }
-            /// One loop for each of these numbers of corners, with nothing to count inside; one for all others.
+            /// One loop for each of these numbers of corners, with nothing to count or check inside; one for all others.
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
-                        $($DEGREE if dense => {
+                        $($DEGREE if C::NEAR && dense => {
                             let (fours, rest) = of_now.as_chunks::<$DEGREE>().0.as_chunks();
                             let first = self.first + now[0] as usize;
                             to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
                         })+
-                        $($DEGREE => hand_out(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
+                        $($DEGREE if C::NEAR => hand_out(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
                         0 => hand_out(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
                         _ => hand_out(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
                     }
                 };
             }
-            loops!(1 2 3 4 5 6 7 8 9 10 11 12);
+            loops!(2 3 4 5 6 7 8 12);
         }
         self.stage += 1;
     }
@@ -258,11 +258,16 @@ impl Stages<'_> {
 
 /// The forces at the corners, of each of several stresses.
 trait Corners<const N: usize>: Copy {
+    /// Whether places need no check.
+    const NEAR: bool;
+
     /// One of a stress at a place.
     fn at(self, law: usize, place: u32) -> f64x2;
 }
 
 impl<const N: usize> Corners<N> for [&[[f64; 2]]; N] {
+    const NEAR: bool = false;
+
     #[inline(always)]
     fn at(self, law: usize, place: u32) -> f64x2 {
         f64x2::new(self[law][place as usize / 2])
@@ -276,6 +281,8 @@ type Near = [f64; NEAR];
 const NEAR: usize = u16::MAX as usize + 2;
 
 impl<const N: usize> Corners<N> for [&Near; N] {
+    const NEAR: bool = true;
+
     #[inline(always)]
     fn at(self, law: usize, place: u32) -> f64x2 {
         let place = usize::from(place as u16);

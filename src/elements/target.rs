@@ -2,7 +2,10 @@
 //! it: forces may be added to others, or move the vertices at once, while everything is still near the processor.
 
 use crate::lanes::{Lanes, Wide};
-use pulp::{Simd, bytemuck::{cast_mut as flat_mut, cast_ref as flat}};
+use pulp::{
+    Simd,
+    bytemuck::{cast_mut as flat_mut, cast_ref as flat},
+};
 use wide::f64x2;
 
 /// Positions and velocities that forces are computed from, and what is done with the forces. Vertices are numbered as in the

@@ -193,7 +193,9 @@ impl Triangles {
                 let Self(of, walker, parts, way) = self;
                 match of.viscous(way.everywhere) {
                     None => walker.walk::<_, 1>(Elastic(*material), parts, of.blocks.all(), way),
-                    Some(viscous) => walker.walk::<_, 2>(Both(Elastic(*material), viscous), parts, of.blocks.all(), way),
+                    Some(viscous) => {
+                        walker.walk::<_, 2>(Both(Elastic(*material), viscous), parts, of.blocks.all(), way)
+                    }
                 }
             }
         }

@@ -37,14 +37,31 @@ const UNDECIDED: f64 = 1e-12;
 /// Also returns sqrt(a² + b²) = tr(RᵀF).
 #[inline(always)]
 pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
-    let a = f.m11 + f.m22;
-    let b = f.m21 - f.m12;
-    let length = (a * a + b * b).sqrt();
+    let ([a, b], length) = conformal(f);
     let (zero, one, least) = (a.of(0.0), a.of(1.0), a.of(UNDECIDED));
     let (c, s) = (least.if_less(length, a, one), least.if_less(length, b, zero));
     let inverse = one / least.if_less(length, length, one);
     let (c, s) = (c * inverse, s * inverse);
     (Square::new(c, -s, s, c), length)
+}
+
+/// a, b and sqrt(a² + b²) of [`nearest_rotation`].
+#[inline(always)]
+fn conformal<R: Real>(f: Square<R>) -> ([R; 2], R) {
+    let (a, b) = (f.m11 + f.m22, f.m21 - f.m12);
+    ([a, b], (a * a + b * b).sqrt())
+}
+
+/// `linear F + (constant + inverse / t) t R`, with `t = tr(RᵀF)`: what depends on R without a division for R itself, as `t R` is
+/// `[[a, -b], [b, a]]`.
+#[inline(always)]
+pub(super) fn with_rotation<R: Real>(f: Square<R>, [linear, constant, inverse]: [f64; 3]) -> Square<R> {
+    let ([a, b], trace) = conformal(f);
+    let factor = a.of(inverse) / trace + constant;
+    let least = a.of(UNDECIDED);
+    let c = least.if_less(trace, factor * a, a.of(inverse));
+    let s = least.if_less(trace, factor * b, a.of(0.0));
+    Square::new(f.m11 * linear + c, f.m12 * linear - s, f.m21 * linear + s, f.m22 * linear + c)
 }
 
 /// `factor` dR/dF (4 x 4), as in [`Material::stiffness`]: dR = T (T : dF) / tr(S), with T = R turned by 90 degrees.
@@ -69,8 +86,10 @@ impl Material for Corotated {
 
     #[inline(always)]
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
-        let (r, trace) = nearest_rotation(f);
-        (f - r) * (2.0 * self.lame.mu) + r * ((trace - 2.0) * self.lame.lambda)
+        let Lame { mu, lambda } = self.lame;
+        // 2 mu, but for round-off: just what is left at rest, where there is to be no stress.
+        let sum = lambda + mu;
+        with_rotation(f, [2.0 * (sum - lambda), lambda, -2.0 * sum])
     }
 
     /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR. dR : F vanishes because S is symmetric.

@@ -1,4 +1,8 @@
-use super::{COFACTOR, Corotated, Lame, Material, Moduli, Parts, corotated::turn, nearest_rotation, outer};
+use super::{
+    COFACTOR, Corotated, Lame, Material, Moduli, Parts,
+    corotated::{turn, with_rotation},
+    nearest_rotation, outer,
+};
 use crate::lanes::{Real, Square};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
@@ -39,8 +43,8 @@ impl Material for FixedCorotated {
 
     #[inline(always)]
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
-        let (r, _) = nearest_rotation(f);
-        (f - r) * (2.0 * self.lame.mu) + f.cofactor() * ((f.determinant() - 1.0) * self.lame.lambda)
+        let two_mu = 2.0 * self.lame.mu;
+        with_rotation(f, [two_mu, 0.0, -two_mu]) + f.cofactor() * ((f.determinant() - 1.0) * self.lame.lambda)
     }
 
     /// dP = 2 mu (dF - dR) + lambda (G : dF) G + lambda (J - 1) dG.

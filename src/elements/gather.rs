@@ -131,8 +131,8 @@ impl Gather {
         let runs = runs.collect();
         let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
-        let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
-        let places: Vec<_> = places;
+        let places: Vec<_> =
+            ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
         let near = places.iter().all(|place| u16::try_from(*place).is_ok());
         Self { runs, vertices: ordered, places, near, first: vertices.start, window, shares, plan, set }
     }

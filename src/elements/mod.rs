@@ -4,6 +4,7 @@ mod blocks;
 mod board;
 mod fields;
 mod gather;
+mod kick;
 mod parts;
 mod spring;
 mod survey;

@@ -1,11 +1,8 @@
 //! What becomes of the forces that elements sum up at their vertices. The elements are swept over in the same way for all of
 //! it: forces may be added to others, or move the vertices at once, while everything is still near the processor.
 
-use crate::lanes::{Lanes, Wide};
-use pulp::{
-    Simd,
-    bytemuck::{cast_mut as flat_mut, cast_ref as flat},
-};
+use super::kick::{Kick, Masses, Moving};
+use pulp::Simd;
 use wide::f64x2;
 
 /// Positions and velocities that forces are computed from, and what is done with the forces. Vertices are numbered as in the
@@ -146,129 +143,6 @@ impl<const N: usize> Target<N> for Kicking<'_> {
         let squares = kick.of_run(set, first, moving, masses, fours, rest);
         self.book(squares);
     }
-}
-
-/// Positions and velocities by vertices.
-pub(super) type Moving<'a> = [&'a mut [[f64; 2]]; 2];
-
-/// Masses and their reciprocals by vertices.
-pub(super) type Masses<'a> = [&'a [[f64; 2]]; 2];
-
-/// What is the same for every vertex.
-#[derive(Clone, Copy)]
-pub(super) struct Kick {
-    field: f64x2,
-    mass_damping: f64x2,
-    drag: f64x2,
-    /// Whether any of both is there.
-    slows: bool,
-    step: f64x2,
-}
-
-impl Kick {
-    /// For what acts everywhere, and steps of a length [s].
-    #[inline(always)]
-    pub fn new(everywhere: Everywhere, step: f64) -> Self {
-        let Everywhere { field, mass_damping, drag, .. } = everywhere;
-        Self {
-            field: f64x2::new(field),
-            mass_damping: f64x2::splat(mass_damping),
-            drag: f64x2::splat(drag),
-            slows: mass_damping != 0.0 || drag != 0.0,
-            step: f64x2::splat(step),
-        }
-    }
-
-    /// Moves one vertex; its mass times the squares of its velocity.
-    #[inline(always)]
-    pub fn of<const N: usize>(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], forces: [f64x2; N]) -> f64x2 {
-        let [mass, inverse_mass] = masses.map(f64x2::new);
-        let before = f64x2::new(*v);
-        let mut force = forces[0] + mass * self.field;
-        if N > 1 || self.slows {
-            force -= self.mass_damping * mass * before;
-            force = forces[1..].iter().fold(force, |force, viscous| force + *viscous);
-            force -= self.drag * before;
-        }
-        let now = before + self.step * force * inverse_mass;
-        // Both numbers are written at once, as they are read next: together what was written apart is not at hand.
-        *v = now.to_array();
-        *x = (f64x2::new(*x) + self.step * now).to_array();
-        mass * now * now
-    }
-
-    /// Moves vertices whose numbers follow each other from `first` on; the sum of their masses times the squares of their velocities.
-    #[inline(always)]
-    pub fn of_run<S: Simd, const N: usize>(
-        self,
-        set: S,
-        first: usize,
-        [x, v]: Moving<'_>,
-        [mass, inverse_mass]: Masses<'_>,
-        fours: impl ExactSizeIterator<Item = [[f64x2; N]; 4]>,
-        rest: impl ExactSizeIterator<Item = [f64x2; N]>,
-    ) -> f64x2 {
-        let run = first..first + 4 * fours.len() + rest.len();
-        let (x, x_rest) = x[run.clone()].as_chunks_mut::<4>();
-        let (v, v_rest) = v[run.clone()].as_chunks_mut::<4>();
-        let (mass, mass_rest) = mass[run.clone()].as_chunks::<4>();
-        let (inverse_mass, inverse_mass_rest) = inverse_mass[run].as_chunks::<4>();
-        let mut of_fours = Lanes::default();
-        let moving = x.iter_mut().zip(v);
-        let masses = mass.iter().zip(inverse_mass);
-        for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(fours) {
-            self.of_four(set, [x, v], [mass, inverse_mass], forces, &mut of_fours);
-        }
-        let [ax, ay, bx, by, cx, cy, dx, dy] = of_fours;
-        let mut squares = f64x2::new([ax, ay]) + f64x2::new([bx, by]) + (f64x2::new([cx, cy]) + f64x2::new([dx, dy]));
-        let moving = x_rest.iter_mut().zip(v_rest);
-        let masses = mass_rest.iter().zip(inverse_mass_rest);
-        for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(rest) {
-            squares += self.of([x, v], [*mass, *inverse_mass], forces);
-        }
-        squares
-    }
-
-    /// The same as [`Self::of`] for four vertices side by side.
-    #[inline(always)]
-    fn of_four<S: Simd, const N: usize>(
-        self,
-        set: S,
-        [x, v]: [&mut [[f64; 2]; 4]; 2],
-        masses: [&[[f64; 2]; 4]; 2],
-        forces: [[f64x2; N]; 4],
-        squares: &mut Lanes,
-    ) {
-        for part in 0..Wide::<S>::PARTS {
-            let twice = |pair: f64x2| Wide::load(set, &four([pair; 4]), part);
-            let [mass, inverse_mass] = [Wide::load(set, flat(masses[0]), part), Wide::load(set, flat(masses[1]), part)];
-            let before = Wide::load(set, flat(v), part);
-            let [a, b, c, d] = forces;
-            let force_of = |law: usize| Wide::load(set, &four([a[law], b[law], c[law], d[law]]), part);
-            let mut force = force_of(0) + mass * twice(self.field);
-            if N > 1 || self.slows {
-                force = force - twice(self.mass_damping) * mass * before;
-                for law in 1..N {
-                    force = force + force_of(law);
-                }
-                force = force - twice(self.drag) * before;
-            }
-            let step = twice(self.step);
-            let now = before + step * force * inverse_mass;
-            let moved = Wide::load(set, flat(x), part) + step * now;
-            now.store(flat_mut(v), part);
-            moved.store(flat_mut(x), part);
-            (Wide::load(set, squares, part) + mass * now * now).store(squares, part);
-        }
-    }
-}
-
-/// Four vectors as numbers side by side.
-#[inline(always)]
-fn four(pairs: [f64x2; 4]) -> Lanes {
-    let [[ax, ay], [bx, by], [cx, cy], [dx, dy]] =
-        [pairs[0].to_array(), pairs[1].to_array(), pairs[2].to_array(), pairs[3].to_array()];
-    [ax, ay, bx, by, cx, cy, dx, dy]
 }
 
 impl Kicking<'_> {

@@ -11,8 +11,8 @@ use super::{
     blocks::Laws,
     board::Board,
     gather::{Stages, make_room},
+    kick::Kick,
     sweep::{Piece, buffers},
-    target::Kick,
 };
 use crate::{lanes::Pairs, state::State};
 use pulp::Simd;

@@ -24,10 +24,10 @@ pub struct Gather {
     runs: Vec<Run>,
     /// The vertices, counted from the first of the body or net.
     vertices: Vec<u32>,
-    /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another.
-    places: Vec<u32>,
-    /// Whether all of them are [`Near`].
-    near: bool,
+    /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another: if all are [`Near`],
+    near: Vec<u16>,
+    /// or else.
+    far: Vec<u32>,
     /// The first vertex of the body or net.
     first: usize,
     /// How many stages the buffer of corners holds.
@@ -131,10 +131,11 @@ impl Gather {
         let runs = runs.collect();
         let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
-        let places: Vec<_> =
-            ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(|at| place(at) as u32).collect();
-        let near = places.iter().all(|place| u16::try_from(*place).is_ok());
-        Self { runs, vertices: ordered, places, near, first: vertices.start, window, shares, plan, set }
+        let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(place);
+        let near: Option<_> = places.clone().map(|place| u16::try_from(place).ok()).collect();
+        let far = if near.is_none() { places.map(|place| place as u32).collect() } else { Vec::new() };
+        let near = near.unwrap_or_default();
+        Self { runs, vertices: ordered, near, far, first: vertices.start, window, shares, plan, set }
     }
 
     /// The instruction set.
@@ -177,8 +178,8 @@ impl Gather {
         Stages {
             runs: self.runs.as_slice(),
             vertices: self.vertices.as_slice(),
-            places: self.places.as_slice(),
-            near: self.near,
+            near: self.near.as_slice(),
+            far: self.far.as_slice(),
             shares: self.shares.as_slice(),
             first: self.first,
             stage: 0,
@@ -191,15 +192,15 @@ impl Gather {
 pub struct Stages<'a> {
     runs: &'a [Run],
     vertices: &'a [u32],
-    places: &'a [u32],
-    near: bool,
+    near: &'a [u16],
+    far: &'a [u32],
     shares: &'a [u32],
     first: usize,
     stage: u32,
     set: Arch,
 }
 
-impl Stages<'_> {
+impl<'a> Stages<'a> {
     /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
     #[inline(always)]
     pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
@@ -212,7 +213,7 @@ impl Stages<'_> {
             fn with_simd<S: Simd>(self, set: S) {
                 let Self(stages, corners, to) = self;
                 match near(&corners) {
-                    Some(corners) if stages.near => stages.add_next(set, corners, to),
+                    Some(corners) if stages.far.is_empty() => stages.add_next(set, corners, to),
                     _ => stages.add_next(set, corners.map(<[Pairs]>::as_flattened), to),
                 }
             }
@@ -221,13 +222,15 @@ impl Stages<'_> {
     }
 
     #[inline(always)]
-    fn add_next<S: Simd, C: Corners<N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Target<N>) {
+    fn add_next<S: Simd, C: Corners<'a, N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Target<N>) {
         while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
             let (now, vertices) = self.vertices.split_at(count as usize);
-            let (of_now, places) = self.places.split_at((degree * count) as usize);
-            (self.runs, self.vertices, self.places) = (runs, vertices, places);
+            (self.runs, self.vertices) = (runs, vertices);
+            let places = C::places(self);
+            let (of_now, others) = places.split_at((degree * count) as usize);
+            *places = others;
             if parts > 1 {
                 let (shares, others) = self.shares.split_at(parts as usize);
                 self.shares = others;
@@ -257,16 +260,29 @@ impl Stages<'_> {
 }
 
 /// The forces at the corners, of each of several stresses.
-trait Corners<const N: usize>: Copy {
+trait Corners<'a, const N: usize>: Copy {
+    /// What a place is.
+    type Place: Copy + 'a;
+
     /// Whether places need no check.
     const NEAR: bool;
 
+    /// The places that are left.
+    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [Self::Place];
+
     /// One of a stress at a place.
-    fn at(self, law: usize, place: u32) -> f64x2;
+    fn at(self, law: usize, place: Self::Place) -> f64x2;
 }
 
-impl<const N: usize> Corners<N> for [&[[f64; 2]]; N] {
+impl<'a, const N: usize> Corners<'a, N> for [&[[f64; 2]]; N] {
+    type Place = u32;
+
     const NEAR: bool = false;
+
+    #[inline(always)]
+    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u32] {
+        &mut stages.far
+    }
 
     #[inline(always)]
     fn at(self, law: usize, place: u32) -> f64x2 {
@@ -280,12 +296,19 @@ type Near = [f64; NEAR];
 /// A force begins at the last of these places at most.
 const NEAR: usize = u16::MAX as usize + 2;
 
-impl<const N: usize> Corners<N> for [&Near; N] {
+impl<'a, const N: usize> Corners<'a, N> for [&Near; N] {
+    type Place = u16;
+
     const NEAR: bool = true;
 
     #[inline(always)]
-    fn at(self, law: usize, place: u32) -> f64x2 {
-        let place = usize::from(place as u16);
+    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u16] {
+        &mut stages.near
+    }
+
+    #[inline(always)]
+    fn at(self, law: usize, place: u16) -> f64x2 {
+        let place = usize::from(place);
         f64x2::new([self[law][place], self[law][place + 1]])
     }
 }
@@ -302,7 +325,11 @@ fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]>
 }
 
 /// The sums of the sums over the places in each part.
-fn sum_by_parts<const N: usize>(mut places: &[u32], shares: &[u32], corners: impl Corners<N>) -> [f64x2; N] {
+fn sum_by_parts<'a, C: Corners<'a, N>, const N: usize>(
+    mut places: &[C::Place],
+    shares: &[u32],
+    corners: C,
+) -> [f64x2; N] {
     let mut sums = [f64x2::ZERO; N];
     for &share in shares {
         let (now, others) = places.split_at(share as usize);
@@ -316,7 +343,7 @@ fn sum_by_parts<const N: usize>(mut places: &[u32], shares: &[u32], corners: imp
 
 /// The sums over these places.
 #[inline(always)]
-fn sum_at<const N: usize>(places: &[u32], corners: impl Corners<N>) -> [f64x2; N] {
+fn sum_at<'a, C: Corners<'a, N>, const N: usize>(places: &[C::Place], corners: C) -> [f64x2; N] {
     let mut sums = [f64x2::ZERO; N];
     for &place in places {
         for (law, sum) in sums.iter_mut().enumerate() {
@@ -328,7 +355,10 @@ fn sum_at<const N: usize>(places: &[u32], corners: impl Corners<N>) -> [f64x2; N
 
 /// The sums of four vertices.
 #[inline(always)]
-fn sum_at_four<const D: usize, const N: usize>(places: &[[u32; D]; 4], corners: impl Corners<N>) -> [[f64x2; N]; 4] {
+fn sum_at_four<'a, C: Corners<'a, N>, const D: usize, const N: usize>(
+    places: &[[C::Place; D]; 4],
+    corners: C,
+) -> [[f64x2; N]; 4] {
     let [a, b, c, d] = places;
     [sum_at(a, corners), sum_at(b, corners), sum_at(c, corners), sum_at(d, corners)]
 }

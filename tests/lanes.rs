@@ -193,7 +193,8 @@ fn every_instruction_set_of_the_processor_comes_to_the_same_bits() {
     }
 }
 
-/// Far more triangles than are kept before their forces are summed: row by row, and in an order in which neighbours are far apart.
+/// Far more triangles than are kept before their forces are summed: row by row, in an order in which neighbours are far apart, and all
+/// around one vertex, which waits for the last of them.
 #[test]
 fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
     let (rows, side) = (60, 61);
@@ -205,7 +206,11 @@ fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
     let by_row: Vec<_> = (0..rows * rows).flat_map(square).collect();
     // 2053 is a prime that does not divide their number: every triangle comes once.
     let scattered: Vec<_> = (0..by_row.len()).map(|i| by_row[i * 2053 % by_row.len()]).collect();
-    for triangles in [by_row, scattered] {
+    let spokes = 12_000;
+    let rim = (0..spokes).map(|i| (f64::from(i) * std::f64::consts::TAU / f64::from(spokes)).sin_cos());
+    let wheel: Vec<_> = [(0.0, 0.0)].into_iter().chain(rim.map(|(sin, cos)| (1000.0 * cos, 1000.0 * sin))).collect();
+    let around: Vec<_> = (0..spokes).map(|i| (0, i + 1, (i + 1) % spokes + 1)).collect();
+    for (points, triangles) in [(&points, by_row), (&points, scattered), (&wheel, around)] {
         let simulation = simulation(&level(&format!(
             "(name: \"large\", bodies: [(name: \"large\", mass: Density(1), mesh: Points(points: {points:?}, triangles: {triangles:?}),
               material: (model: Corotated, young: 1000, poisson: 0.3))])"

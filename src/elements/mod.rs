@@ -24,7 +24,7 @@ pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
-pub(crate) use walk::{Outcome, VAST, Way, shrunk, wave};
+pub(crate) use walk::{Outcome, VAST, Way, wave};
 
 use std::sync::Arc;
 

@@ -14,7 +14,7 @@ use super::{
     kick::Kick,
     sweep::{Piece, buffers},
 };
-use crate::{lanes::Pairs, state::State};
+use crate::lanes::Pairs;
 use pulp::Simd;
 use std::{array::from_fn, sync::Arc};
 use wide::f64x2;
@@ -54,6 +54,8 @@ pub struct Way {
     pub start: Outcome,
     /// The least mass of a vertex [kg].
     pub lightest: f64,
+    /// What is left of the room [m] after a step with an energy of motion [J], with that mass and length of a step.
+    pub shrink: fn(f64, f64, f64, f64) -> f64,
 }
 
 /// What came of a walk, and what is known on the way.
@@ -87,13 +89,6 @@ impl Outcome {
         let far = self.kinetic + AHEAD * self.growth <= most_kinetic && self.kinetic <= most_kinetic;
         !(far && AHEAD * self.travel <= self.room)
     }
-}
-
-/// What is left of the room after a step of length h [s] with this energy of motion at its end [J]: none of the vertices, of which the
-/// lightest has this mass [kg], can have gone farther than with all that energy for itself. Less than nothing if there is no telling.
-pub fn shrunk(room: f64, kinetic: f64, lightest: f64, h: f64) -> f64 {
-    let speed = (2.0 * kinetic / lightest).sqrt();
-    if speed <= State::LIMIT { room - 1.000_001 * h * speed } else { -1.0 }
 }
 
 /// Walks with the stresses of some laws.
@@ -224,7 +219,7 @@ impl<const N: usize> Walk<'_, '_, N> {
         while self.known.steps < last {
             let (before, step) = (self.known, self.known.steps + 1);
             let kinetic = 0.5 * (self.way.board.kinetic(step) + self.of_seam[step as usize % RECENT]);
-            let room = shrunk(before.room, kinetic, self.way.lightest, self.way.step);
+            let room = (self.way.shrink)(before.room, kinetic, self.way.lightest, self.way.step);
             let (growth, travel) = (kinetic - before.kinetic, before.room - room);
             self.known = Outcome { steps: step, kinetic, growth, room, travel, late: false };
             // Nothing that is not a number is below a limit.

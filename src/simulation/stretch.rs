@@ -7,7 +7,7 @@
 use super::{
     BATCH, Simulation,
     companion::{Companion, walk},
-    system::System,
+    system::{System, shrunk},
 };
 use crate::{
     elements::{Board, Everywhere, Outcome, Parts, Triangles, VAST, Walker, Way, wave},
@@ -132,6 +132,7 @@ impl Simulation {
             most_kinetic,
             start: Outcome { steps: 0, room: self.scratch.room, ..known.unwrap_or_default() },
             lightest: self.scratch.lightest,
+            shrink: shrunk,
         };
         let outcome = match parts {
             Some(parts) => self.walk_together(&body, parts, &way, known.is_some()),

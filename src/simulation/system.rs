@@ -2,12 +2,13 @@
 
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    elements::{Everywhere, Kicking, make_room, shrunk},
+    elements::{Everywhere, Kicking, make_room},
     integrators::{Dynamics, Ode, Work, kick_and_drift},
     obstacles::{Start, Surface},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
+    state::State,
     toys::Toy,
 };
 use std::{cell::Cell, ops::Range, sync::Arc};
@@ -158,6 +159,13 @@ impl Scratch {
             if cost.auto { cost.pass_over(NO_CONTACT) } else { cost.call(0) }
         }
     }
+}
+
+/// What is left of the room after a step of length h [s] with this energy of motion at its end [J]: none of the vertices, of which the
+/// lightest has this mass [kg], can have gone farther than with all that energy for itself. Less than nothing if there is no telling.
+pub(super) fn shrunk(room: f64, kinetic: f64, lightest: f64, h: f64) -> f64 {
+    let speed = (2.0 * kinetic / lightest).sqrt();
+    if speed <= State::LIMIT { room - 1.000_001 * h * speed } else { -1.0 }
 }
 
 /// A scene as the integrator sees it.

@@ -191,11 +191,10 @@ impl Triangles {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
                 let Self(of, walker, parts, way) = self;
+                let (elastic, blocks) = (Elastic(*material), of.blocks.all());
                 match of.viscous(way.everywhere) {
-                    None => walker.walk::<_, 1>(Elastic(*material), parts, of.blocks.all(), way),
-                    Some(viscous) => {
-                        walker.walk::<_, 2>(Both(Elastic(*material), viscous), parts, of.blocks.all(), way)
-                    }
+                    None => walker.walk::<_, 1>(elastic, parts, blocks, way),
+                    Some(viscous) => walker.walk::<_, 2>(Both(elastic, viscous), parts, blocks, way),
                 }
             }
         }

@@ -46,9 +46,10 @@ impl Companion {
 
     /// Sends a walker on its way.
     pub fn send(&self, walker: &mut Walker, body: &Arc<Triangles>, way: &Way) {
-        let errand = (std::mem::take(walker), Arc::clone(body), way.clone());
-        // One that is gone is missed when it should come back.
-        let _gone = self.errands.as_ref().map(|errands| errands.send(errand));
+        if let Some(errands) = &self.errands {
+            // One that is gone is missed when it should come back.
+            let _gone = errands.send((std::mem::take(walker), Arc::clone(body), way.clone()));
+        }
     }
 
     /// Waits for the walker to come back. What made the thread panic goes on here.

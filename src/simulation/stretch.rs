@@ -171,7 +171,9 @@ impl Simulation {
         for (walker, companion) in others.iter_mut().zip(&team.companions) {
             companion.send(walker, body, way);
         }
-        own.iter_mut().for_each(|walker| walk(body, walker, way));
+        for walker in own {
+            walk(body, walker, way);
+        }
         for (walker, companion) in others.iter_mut().zip(&mut team.companions) {
             *walker = companion.receive();
         }

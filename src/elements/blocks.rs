@@ -21,8 +21,8 @@ pub type CornerForces = [Pairs; 3];
 pub struct Block {
     /// D0⁻¹, column by column [1/m].
     inverse: [Lanes; 4],
-    /// Area [m²], which is the volume of unit thickness.
-    area: Lanes,
+    /// Minus the area [m²], which is the volume of unit thickness: as forces are computed from it.
+    minus_area: Lanes,
 }
 
 /// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
@@ -95,7 +95,7 @@ impl Blocks {
                 for (to, from) in block.inverse.iter_mut().zip(inverse.as_slice()) {
                     to[lane] = *from;
                 }
-                block.area[lane] = -*area;
+                block.minus_area[lane] = -*area;
             }
             block
         };
@@ -117,7 +117,7 @@ impl Blocks {
     pub fn rest(&self, triangle: usize) -> Rest {
         let (block, lane) = (&self.blocks[triangle / LANES], self.order.lane[triangle % LANES]);
         let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| block.inverse[entry][lane]);
-        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: -block.area[lane] }
+        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: -block.minus_area[lane] }
     }
 }
 
@@ -185,9 +185,9 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
                     let f = taken_apart(set, now, part).times(inverse);
                     let rate = if L::RATE { taken_apart(set, &rates[number], part).times(inverse) } else { f };
                     let stresses = laws.stresses(f, rate);
-                    let (turned, area) = (inverse.transpose(), Wide::load(set, &block.area, part));
+                    let (turned, minus_area) = (inverse.transpose(), Wide::load(set, &block.minus_area, part));
                     for law in 0..N {
-                        let h = stresses[law].times(turned) * area;
+                        let h = stresses[law].times(turned) * minus_area;
                         let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
                         for (out, [x, y]) in out[law][run * RUN + number].iter_mut().zip(forces) {
                             Wide::store_pairs(x, y, out, part);
@@ -220,7 +220,7 @@ impl<M: Material> WithSimd for Energy<'_, M> {
             collect(x, corners, &mut now);
             for part in 0..Wide::<S>::PARTS {
                 let f = taken_apart(set, &now[0], part).times(inverse(set, block, part));
-                (self.material.psi(f) * -Wide::load(set, &block.area, part)).store(&mut energies, part);
+                (self.material.psi(f) * -Wide::load(set, &block.minus_area, part)).store(&mut energies, part);
             }
             // A lane left over holds what is not a triangle.
             sum = self.blocks.order.lane[..corners.len()].iter().fold(sum, |sum, &lane| sum + energies[lane]);

@@ -380,7 +380,7 @@ pub const fn room(pairs: usize) -> usize {
     (if numbers < NEAR { NEAR.next_multiple_of(2 * LANES) } else { numbers }) + SPARE
 }
 
-/// Makes room in scratch. What is never touched of it is no memory of the processor's: all zeros are not written.
+/// Makes room in scratch. Zeros are asked for, not written: what is never touched takes no memory.
 pub fn make_room(scratch: &mut Vec<f64>, numbers: usize) {
     if scratch.len() < numbers {
         *scratch = vec![0.0; numbers];

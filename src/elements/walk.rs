@@ -26,8 +26,8 @@ const WAVE: usize = 6;
 /// How many of the last steps may not have been looked at yet: each look is at as many as there are in a wave.
 const RECENT: usize = 2 * WAVE;
 
-/// A body of so many triangles is larger than most caches: a step reads some 98 bytes a triangle (rest shape 40, numbers of corners
-/// and of their places 26, half a vertex 32) and writes 16.
+/// A body of so many triangles is larger than most caches: a step reads some 92 bytes a triangle (rest shape 40, numbers of corners
+/// and of their places 20, half a vertex 32) and writes 16.
 pub const VAST: usize = 1 << 17;
 
 /// How many steps of a body of so many triangles are best under way at once.

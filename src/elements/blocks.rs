@@ -1,16 +1,15 @@
 //! Triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
 
-use super::triangle::{Rest, edges};
+use super::{
+    corners::{Corners, RUN},
+    triangle::{Rest, edges},
+};
 use crate::{
     lanes::{LANES, Lanes, Order, Pairs, Quads, Real, Square, Wide},
     materials::Material,
 };
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
-
-/// How many blocks have their corners collected at a time: enough for what is stored number by number to have arrived when
-/// it is read lane by lane, and little enough to stay near the processor.
-const RUN: usize = 8;
 
 /// Forces at the first, second and third corners of a block [N].
 pub type CornerForces = [Pairs; 3];
@@ -121,21 +120,6 @@ impl Blocks {
     }
 }
 
-/// D of each triangle, from the vertices of its corners.
-#[inline(always)]
-fn collect(x: &[[f64; 2]], corners: &[[u32; 3]], out: &mut [Quads]) {
-    let (whole, rest) = corners.as_chunks::<LANES>();
-    let (of_whole, of_rest) = out.split_at_mut(whole.len());
-    for (to, triangles) in of_whole.iter_mut().zip(whole) {
-        for (to, &triangle) in to.iter_mut().zip(triangles) {
-            *to = edges(x, triangle);
-        }
-    }
-    for (to, &triangle) in of_rest.as_flattened_mut().iter_mut().zip(rest) {
-        *to = edges(x, triangle);
-    }
-}
-
 /// Part of the matrices of a block, taken apart.
 #[inline(always)]
 fn taken_apart<S: Simd>(set: S, of: &Quads, part: usize) -> Square<Wide<S>> {
@@ -158,7 +142,9 @@ fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
 /// Computes the forces at all corners from [`Laws`].
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
-    pub corners: &'a [[u32; 3]],
+    pub corners: &'a Corners,
+    /// The first run of triangles.
+    pub first: usize,
     pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
@@ -171,15 +157,15 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { laws, corners, blocks, x, v, out } = self;
+        let Self { laws, corners, first, blocks, x, v, out } = self;
         let (x, v) = (x.as_chunks().0, v.as_chunks().0);
         let (mut now, mut rates) = ([Quads::default(); RUN], [Quads::default(); RUN]);
-        for (run, (corners, blocks)) in corners.chunks(RUN * LANES).zip(blocks.chunks(RUN)).enumerate() {
-            collect(x, corners, &mut now);
+        for (run, blocks) in blocks.chunks(RUN).enumerate() {
+            corners.collect(first + run, x, &mut now);
             if L::RATE {
-                collect(v, corners, &mut rates);
+                corners.collect(first + run, v, &mut rates);
             }
-            for (number, (block, now)) in blocks.iter().take(corners.len().div_ceil(LANES)).zip(&now).enumerate() {
+            for (number, (block, now)) in blocks.iter().zip(&now).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
                     let inverse = inverse(set, block, part);
                     let f = taken_apart(set, now, part).times(inverse);
@@ -217,7 +203,9 @@ impl<M: Material> WithSimd for Energy<'_, M> {
         let mut energies = Lanes::default();
         let mut sum = 0.0;
         for (corners, block) in self.corners.chunks(LANES).zip(&self.blocks.blocks) {
-            collect(x, corners, &mut now);
+            for (to, &triangle) in now.as_flattened_mut().iter_mut().zip(corners) {
+                *to = edges(x, triangle);
+            }
             for part in 0..Wide::<S>::PARTS {
                 let f = taken_apart(set, &now[0], part).times(inverse(set, block, part));
                 (self.material.psi(f) * -Wide::load(set, &block.minus_area, part)).store(&mut energies, part);

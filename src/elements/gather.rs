@@ -51,14 +51,23 @@ struct Plan {
 impl Plan {
     /// The stage of an element.
     const fn stage(self, element: usize) -> usize {
-        let block = element / LANES;
-        if self.backwards { (self.blocks - 1 - block) / STAGE } else { block / STAGE }
+        self.turned(element / LANES / STAGE)
     }
 
-    /// The blocks of a stage; none after the last.
+    /// The blocks of a stage.
     fn span(self, stage: usize) -> Range<usize> {
-        let [begin, end] = [stage, stage + 1].map(|stage| (stage * STAGE).min(self.blocks));
-        if self.backwards { self.blocks - end..self.blocks - begin } else { begin..end }
+        let begin = self.turned(stage) * STAGE;
+        begin..(begin + STAGE).min(self.blocks)
+    }
+
+    /// How many stages there are.
+    const fn count(self) -> usize {
+        self.blocks.div_ceil(STAGE)
+    }
+
+    /// The number of a stage counted the other way, if the last ones come first.
+    const fn turned(self, stage: usize) -> usize {
+        if self.backwards { self.count() - 1 - stage } else { stage }
     }
 }
 
@@ -150,7 +159,7 @@ impl Gather {
 
     /// How many stages there are.
     pub const fn count(&self) -> usize {
-        self.plan.blocks.div_ceil(STAGE)
+        self.plan.count()
     }
 
     /// The stage of an element.

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod board;
+mod corners;
 mod fields;
 mod gather;
 mod kick;
@@ -24,7 +25,7 @@ pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
-pub(crate) use walk::{Outcome, VAST, Way, wave};
+pub(crate) use walk::{Outcome, Way, wave};
 
 use std::sync::Arc;
 

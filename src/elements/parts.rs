@@ -5,6 +5,7 @@
 
 use super::{
     blocks::{Block, Laws},
+    corners::Corners,
     gather::Gather,
     sweep::Piece,
     walk::{Ground, Outcome, Way, walk},
@@ -61,8 +62,8 @@ pub struct Parts {
 struct Part {
     /// Scene numbers of the vertices that are its alone; in its own numbers those on the seams come after them.
     own: Vec<u32>,
-    /// Corners of its triangles, in its own numbers.
-    corners: Vec<[u32; 3]>,
+    /// Of its triangles, in its own numbers.
+    corners: Corners,
     /// The first block of triangles.
     block: usize,
     gather: Gather,
@@ -101,7 +102,7 @@ impl Parts {
             let on_seam = |corners: &[u32; 3]| corners.iter().any(|corner| *corner as usize >= own.len());
             let stages = corners.iter().enumerate().filter(|(_, corners)| on_seam(corners));
             let met = stages.map(|(triangle, _)| gather.stage(triangle)).max().unwrap_or(0);
-            Part { own, corners, block: begin / LANES, gather, met }
+            Part { own, corners: Corners::new(&corners), block: begin / LANES, gather, met }
         };
         Some(Self { parts: begins.zip(ends).enumerate().map(part).collect(), seam })
     }

@@ -3,15 +3,15 @@
 use super::{
     Target,
     blocks::{Block, Forces, Laws},
+    corners::{Corners, RUN},
     gather::{Gather, Stages, pairs, room},
 };
-use crate::lanes::{LANES, Pairs};
+use crate::lanes::Pairs;
 
 /// The triangles of a body or of a part of it.
 #[derive(Clone, Copy)]
 pub struct Piece<'a> {
-    /// Numbers of the vertices at the corners of each.
-    pub corners: &'a [[u32; 3]],
+    pub corners: &'a Corners,
     /// Their rest shapes, and maybe some after them.
     pub blocks: &'a [Block],
     pub gather: &'a Gather,
@@ -42,10 +42,17 @@ impl Piece<'_> {
         target: &mut impl Target<N>,
     ) {
         let (gather, span) = (self.gather, self.gather.span(stage));
-        let corners = &self.corners[LANES * span.start..self.corners.len().min(LANES * span.end)];
         let out = buffers.each_mut().map(|buffer| buffer[3 * gather.slot(stage)..].as_chunks_mut().0);
         let [x, v] = target.motion();
-        gather.set().dispatch(Forces { laws, corners, blocks: &self.blocks[span], x, v, out });
+        gather.set().dispatch(Forces {
+            laws,
+            corners: self.corners,
+            first: span.start / RUN,
+            blocks: &self.blocks[span],
+            x,
+            v,
+            out,
+        });
         stages.add(buffers.each_ref().map(|buffer| &**buffer), target);
     }
 }

@@ -1,6 +1,7 @@
 use super::{
     Adding, Everywhere, Kicking, Target,
     blocks::{self, Blocks, Both, Elastic, Laws},
+    corners::Corners,
     gather::Gather,
     parts::{self, Parts, Walker},
     sweep::Piece,
@@ -24,6 +25,8 @@ use std::{ops::Range, sync::OnceLock};
 pub struct Triangles {
     vertices: Range<usize>,
     corners: Vec<[u32; 3]>,
+    /// The same for sweeps.
+    packed: Corners,
     /// Rest shapes.
     blocks: Blocks,
     model: Model,
@@ -67,7 +70,8 @@ impl Triangles {
     ) -> Self {
         let blocks = Blocks::new(shapes, set);
         let gather = Gather::new(&corners, &vertices, (&parts::cuts(&corners), false), set);
-        Self { vertices, corners, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
+        let packed = Corners::new(&corners);
+        Self { vertices, corners, packed, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
     }
 
     /// The same for another instruction set than the best: with the same bits, in more time.
@@ -176,7 +180,7 @@ impl Triangles {
     }
 
     fn piece(&self) -> Piece<'_> {
-        Piece { corners: &self.corners, blocks: self.blocks.all(), gather: &self.gather }
+        Piece { corners: &self.packed, blocks: self.blocks.all(), gather: &self.gather }
     }
 
     /// The body in parts, if it is large enough for several to share the work.

@@ -28,7 +28,7 @@ const RECENT: usize = 2 * WAVE;
 
 /// A body of so many triangles is larger than most caches: a step reads some 92 bytes a triangle (rest shape 40, numbers of corners
 /// and of their places 20, half a vertex 32) and writes 16.
-pub const VAST: usize = 1 << 17;
+const VAST: usize = 1 << 17;
 
 /// How many steps of a body of so many triangles are best under way at once.
 pub const fn wave(triangles: usize) -> u32 {

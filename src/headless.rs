@@ -192,9 +192,9 @@ fn step_with_progress(simulation: &mut Simulation, steps: u64) {
     if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:40} {pos}/{len} steps, {eta} left") {
         bar.set_style(style);
     }
-    let mut left = steps;
+    let (mut left, piece) = (steps, steps.div_ceil(100).max(200));
     while left > 0 && simulation.fault().is_none() {
-        let taken = simulation.advance(left.min(200), &mut || true);
+        let taken = simulation.advance(left.min(piece), &mut || true);
         left -= taken;
         bar.inc(taken);
     }

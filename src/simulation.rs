@@ -121,6 +121,7 @@ impl Simulation {
         self.revision += 1;
         self.shape += 1;
         (self.scratch.free, self.scratch.room) = (None, -1.0);
+        self.team.stand_anew();
         self.settle_sleepers();
         self.grab = None;
         self.guard.reset();
@@ -214,26 +215,25 @@ impl Simulation {
                 self.pass(steps - taken);
                 return steps;
             }
-            taken += self.take_steps(steps - taken);
+            taken += self.take_steps(steps - taken, taken);
         }
         taken
     }
 
-    /// Takes a step if it can be taken, or a stretch of up to so many; a fault otherwise. Returns how many were taken.
-    fn take_steps(&mut self, most: u64) -> u64 {
+    /// Takes a step if it can be taken, or a stretch of up to so many after those `before`; a fault otherwise. Returns how many were taken.
+    fn take_steps(&mut self, most: u64, before: u64) -> u64 {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
-            if !self.team.resumes() {
+            if self.stale || !self.team.has_seen(self.state.steps) {
                 self.look_who_is_calm();
                 self.set_checkpoint();
-                self.fall_asleep();
-                if self.is_asleep() {
-                    self.pass(1);
-                    return 1;
-                }
-                self.look_for_room();
             }
-            let taken = self.stride(most);
-            if taken > 0 {
+            self.fall_asleep();
+            if self.is_asleep() {
+                self.pass(1);
+                return 1;
+            }
+            self.look_for_room();
+            if let Some(taken) = self.stride(most, before) {
                 return taken;
             }
         }

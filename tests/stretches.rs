@@ -24,21 +24,32 @@ fn work(simulation: &Simulation) -> impl PartialEq + std::fmt::Debug {
     (simulation.state().hash(), simulation.state().time, simulation.counts(), costs.collect::<Vec<_>>())
 }
 
-/// Runs a level with one thread and with two, and compares them every now and then.
+/// Takes steps by so few that there is no stretch: fewer than between two checkpoints.
+fn singly(simulation: &mut Simulation, steps: u64) -> u64 {
+    let mut taken = 0;
+    while taken < steps && simulation.fault().is_none() {
+        taken += simulation.advance((steps - taken).min(9), &mut || true);
+    }
+    taken
+}
+
+/// Runs a level step by step, at a stretch with one thread and with two, and compares them every now and then.
 fn compare(level: &Level, stretches: u32, steps: u64) -> Simulation {
-    let [mut one, mut two] = [level; 2].map(simulation);
-    one.set_threads(1);
+    let [mut single, mut one, mut two] = [level; 3].map(simulation);
     two.set_threads(2);
     for stretch in 0..stretches {
-        let taken = [&mut one, &mut two].map(|run| run.advance(steps, &mut || true));
-        assert_eq!(taken[0], taken[1], "stretch {stretch}");
-        assert_eq!(work(&one), work(&two), "stretch {stretch}");
-        assert_eq!((one.fault(), one.parts()), (two.fault(), two.parts()));
+        let taken = singly(&mut single, steps);
+        for run in [&mut one, &mut two] {
+            assert_eq!(run.advance(steps, &mut || true), taken, "stretch {stretch}");
+            assert_eq!(work(run), work(&single), "stretch {stretch}");
+            assert_eq!((run.fault(), run.parts()), (single.fault(), single.parts()), "stretch {stretch}");
+        }
     }
+    assert_eq!(single.steps_at_a_stretch(), 0);
     two
 }
 
-/// Larger than the caches: a sheet of 131,072 triangles. Fewer steps than between two checkpoints are no stretch.
+/// Larger than the caches: a sheet of 131,072 triangles.
 #[test]
 fn a_vast_body_whose_steps_overlap_comes_to_the_bits_and_books_of_single_steps() {
     let damped = "effects: [(effect: Gravity(down: 1)), (effect: Rayleigh(mass: 0.3, stiffness: 1e-5))]";
@@ -49,9 +60,7 @@ fn a_vast_body_whose_steps_overlap_comes_to_the_bits_and_books_of_single_steps()
     {
         let level = square(256, "stretch: (1.1, 1), velocity: (0, -10),", &format!("substeps: {substeps}, {rest}"));
         let mut single = simulation(&level);
-        for _ in 0..9 {
-            single.advance(9, &mut || true);
-        }
+        singly(&mut single, 81);
         for threads in &threads[..threads[1]] {
             let mut run = simulation(&level);
             run.set_threads(*threads);
@@ -111,6 +120,26 @@ fn the_guard_steps_in_where_it_would_with_one_thread() {
     let rest = "substeps: 60, guard: Off, effects: [(effect: Gravity(down: 1))]";
     let run = compare(&large("stretch: (1.1, 1),", rest), 12, 200);
     assert!(run.fault().is_some(), "without the guard it should have blown up");
+}
+
+/// Where steps fail again soon after they did, the guard goes back to the checkpoint that it would go back to without stretches.
+#[test]
+fn what_fails_time_and_again_is_held_or_given_up_with_the_bits_of_single_steps() {
+    let man = |seed: u32, rest: &str| {
+        level(&format!(
+            "(name: \"scrambled\", {rest}, effects: [(effect: Rayleigh(mass: 1))], bodies: [(name: \"man\", mass: Density(100),
+              mesh: Gingerbread(resolution: 128), material: (model: NeoHookean, young: 1000, poisson: 0.3, plane: Strain),
+              start: Scrambled(seed: {seed}))])"
+        ))
+    };
+    for (substeps, fails) in [(300, true), (1000, false), (3000, false)] {
+        let rest = format!("substeps: {substeps}, sleep: Off");
+        let runs: Vec<_> = (1..=4).map(|seed| compare(&man(seed, &rest), 6, 777)).collect();
+        assert!(runs.iter().all(|run| run.fault().is_some() == fails), "{substeps}");
+        let [retaken, walked] = [|run: &Simulation| run.counts().retaken, Simulation::steps_at_a_stretch]
+            .map(|of| runs.iter().map(of).sum::<u64>());
+        assert!(retaken > 200 && walked > 10, "{substeps}: {retaken} steps taken again, {walked} at a stretch");
+    }
 }
 
 #[test]

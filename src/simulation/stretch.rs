@@ -10,14 +10,16 @@ use super::{
     system::{System, shrunk},
 };
 use crate::{
-    elements::{Board, Everywhere, Outcome, Parts, Triangles, VAST, Walker, Way, wave},
+    elements::{Board, Everywhere, Outcome, Parts, Triangles, Walker, Way, wave},
     integrators::{IntegratorKind, StepCounts},
 };
 use std::sync::Arc;
 
-/// How many triangles a stretch may step at most, and steps: who asks for them wants to be asked whether to go on.
-const WORK: usize = 6_000_000;
-const STEPS: u64 = 40 * BATCH;
+/// How many triangles the first stretch may step of all that are asked for at once, and one after many others: each may be as long as
+/// all before it, so that whoever wants to be asked whether to go on is asked in time.
+const WORK: [usize; 2] = [600_000, 48_000_000];
+/// The same in steps.
+const STEPS: [u64; 2] = [20 * BATCH, 400 * BATCH];
 
 /// Those who step a body.
 #[derive(Default)]
@@ -39,14 +41,19 @@ pub(super) struct Team {
     walked: [bool; 2],
     /// Up to this step nobody walks.
     plain_until: u64,
-    /// Whether it has just gone back to a checkpoint, at which everything was looked at already.
-    resumes: bool,
+    /// The step that was just gone back to: the checkpoint there is as it was.
+    seen: Option<u64>,
 }
 
 impl Team {
-    /// Whether everything was looked at already where it has gone back to. Not twice.
-    pub const fn resumes(&mut self) -> bool {
-        std::mem::replace(&mut self.resumes, false)
+    /// Whether this is the step that was just gone back to.
+    pub fn has_seen(&mut self, step: u64) -> bool {
+        self.seen.take() == Some(step)
+    }
+
+    /// Everything was put somewhere else.
+    pub const fn stand_anew(&mut self) {
+        (self.plain_until, self.seen) = (0, None);
     }
 
     /// Calls companions, if there are too few of them for so many parts. Returns whether there are enough: where no thread is to be had
@@ -99,23 +106,21 @@ impl Simulation {
         (!starts).then(|| (Arc::clone(&body.elements), everywhere))
     }
 
-    /// Takes a stretch of up to so many steps from a checkpoint, if that is worth it and nothing is to be done but to move the
-    /// vertices of one body. Returns how many were taken.
-    pub(super) fn stride(&mut self, most: u64) -> u64 {
-        if self.state.steps < self.team.plain_until || self.team.threads < 2 && self.scene.triangles.len() < VAST {
-            return 0;
+    /// Takes a stretch of up to so many steps from a checkpoint, after others that were asked for with them, if nothing is to be done but
+    /// to move the vertices of one body. Returns how many were taken: none if it was found unsound and gone back from, which may be to
+    /// before it began.
+    pub(super) fn stride(&mut self, most: u64, before: u64) -> Option<u64> {
+        if self.state.steps < self.team.plain_until {
+            return None;
         }
-        let Some((body, everywhere)) = self.only_work() else { return 0 };
+        let (body, everywhere) = self.only_work()?;
         let triangles = body.corners().len();
         let parts = if self.team.threads < 2 { None } else { body.parts() };
-        let work = (WORK / triangles.max(1)) as u64;
-        let steps = most.min(STEPS).min(work.max(2 * BATCH)).min(self.until_look());
+        let [first, last] = [0, 1].map(|turn| ((WORK[turn] / triangles.max(1)) as u64).clamp(2 * BATCH, STEPS[turn]));
+        let steps = most.min(before.clamp(first, last)).min(self.until_look());
         let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
-        if steps < BATCH || most_kinetic < 0.0 || parts.is_none() && triangles < VAST {
-            return 0;
-        }
-        if !parts.is_none_or(|parts| self.team.is_complete(parts.count())) {
-            return 0;
+        if steps < BATCH || most_kinetic < 0.0 || !parts.is_none_or(|parts| self.team.is_complete(parts.count())) {
+            return None;
         }
         if self.scratch.room < 0.0 {
             self.measure_room();
@@ -144,7 +149,7 @@ impl Simulation {
         self.team.steps[0] += taken;
         self.book_stretch(taken);
         self.team.arrived = Some((self.revision, outcome));
-        if !outcome.late && self.is_sound() { taken } else { self.step_plainly(taken) }
+        Some(if !outcome.late && self.is_sound() { taken } else { self.step_plainly(taken) })
     }
 
     /// A stretch by one thread.
@@ -225,10 +230,10 @@ impl Simulation {
         self.scratch.free = None;
         self.guard = self.checkpoint.guard.clone();
         self.go_back_to(self.checkpoint.state.steps);
-        (self.team.plain_until, self.team.resumes, self.team.walked) = (end, true, [false; 2]);
+        (self.team.plain_until, self.team.seen, self.team.walked) = (end, Some(self.state.steps), [false; 2]);
         self.team.arrived = None;
         while self.state.steps < start && self.fault.is_none() {
-            self.take_steps(1);
+            self.take_steps(1, 0);
         }
         0
     }

@@ -3,6 +3,8 @@
 //! triangle after another: the ratio of the two says more than either on a machine that is busy or slow.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
+mod sheet;
+
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
@@ -17,36 +19,11 @@ use gingerbread::{
     snapshot::{Field, Snapshot},
 };
 use nalgebra::Matrix2;
+use sheet::{Lap, sheet, simulation, strip};
 use std::{
     sync::Arc,
-    thread,
     time::{Duration, Instant},
 };
-
-/// A unit square of n x n quads, density 1, E = 1e3, nu = 0.3 in plane strain, stretched 1.2 in x.
-fn sheet(n: u32, model: Model) -> Simulation {
-    simulation(strip([n, n], model))
-}
-
-fn simulation(scene: Scene) -> Simulation {
-    let state = scene.start.clone();
-    Simulation::new(scene, state)
-}
-
-/// The lowest rows of the square of as many rows as columns.
-fn strip([columns, rows]: [u32; 2], model: Model) -> Scene {
-    // The step follows the size of the triangles, so that every mesh is stable.
-    let text = format!(
-        "(name: \"sheet\", substeps: {}, bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1),
-          mesh: Rectangle(width: 1, height: {}, columns: {columns}, rows: {rows}, diagonals: Grid),
-          material: (model: {}, young: 1000, poisson: 0.3, plane: Strain))])",
-        10 * columns,
-        f64::from(rows) / f64::from(columns),
-        model.name()
-    );
-    let level = files::parse(&text, "sheet.ron").unwrap();
-    Scene::build(&level, level.mode, &NoFiles, None).unwrap()
-}
 
 /// The same step as a course would write it: symplectic Euler, forces scattered triangle by triangle.
 struct Plain {
@@ -118,38 +95,8 @@ impl Visitor for &mut Plain {
     }
 }
 
-/// Steps that are not timed: at the start the guard looks at every one.
-const LEAD: u64 = 200;
-
-/// Time of `steps` steps, which go on where the last ones ended. Starts over after each `lap`, so that what is measured is always the
-/// same motion.
-fn laps(simulation: &mut Simulation, steps: u64, lap: u64) -> Duration {
-    let mut time = Duration::ZERO;
-    let mut left = steps;
-    while left > 0 {
-        let now = simulation.state().steps;
-        if now < LEAD || now >= lap {
-            let start = simulation.scene().start.clone();
-            simulation.set_state(start);
-            assert_eq!(simulation.advance(LEAD, &mut || true), LEAD);
-        }
-        let count = left.min(lap - simulation.state().steps);
-        let begin = Instant::now();
-        assert_eq!(simulation.advance(count, &mut || true), count);
-        time += begin.elapsed();
-        left -= count;
-    }
-    time
-}
-
-/// Time of `steps` steps of two at once.
-fn laps_apart(simulations: &mut [Simulation; 2], steps: u64, lap: u64) -> Duration {
-    let [one, other] = simulations;
-    thread::scope(|scope| {
-        let other = scope.spawn(|| laps(other, steps, lap));
-        laps(one, steps, lap).max(other.join().unwrap())
-    })
-}
+/// At the start the guard looks at every step.
+const LAP: Lap = Lap { lead: 200, end: 2000 };
 
 fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step, per triangle");
@@ -159,17 +106,17 @@ fn steps(criterion: &mut Criterion) {
             let mut plain = Plain::new(&simulation);
             let name = format!("{} triangles, {}", 2 * n * n, model.name());
             group.bench_function(&name, |bencher| {
-                bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+                bencher.iter_custom(|count| LAP.time(&mut simulation, count) / (2 * n * n));
             });
             simulation.set_threads(2);
             if n > 22 {
                 group.bench_function(format!("{name}, two threads"), |bencher| {
-                    bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+                    bencher.iter_custom(|count| LAP.time(&mut simulation, count) / (2 * n * n));
                 });
                 // What two threads can come to on this machine: they share the work, but have nothing to tell each other.
-                let mut halves = [n / 2, n - n / 2].map(|rows| self::simulation(strip([n, rows], model)));
+                let mut halves = [n / 2, n - n / 2].map(|rows| sheet::simulation(strip([n, rows], model)));
                 group.bench_function(format!("{name}, two halves apart"), |bencher| {
-                    bencher.iter_custom(|count| laps_apart(&mut halves, count, 2000) / (2 * n * n));
+                    bencher.iter_custom(|count| LAP.time_apart(&mut halves, count) / (2 * n * n));
                 });
             }
             group.bench_function(format!("{name}, plain"), |bencher| {
@@ -192,7 +139,7 @@ fn widths(criterion: &mut Criterion) {
             let mut simulation = simulation(scene);
             let name = format!("{} triangles, {}, {} at a time", 2 * n * n, model.name(), width(set));
             group.bench_function(name, |bencher| {
-                bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+                bencher.iter_custom(|count| LAP.time(&mut simulation, count) / (2 * n * n));
             });
         }
     }
@@ -208,7 +155,7 @@ fn sizes(criterion: &mut Criterion) {
         for threads in [1, 2] {
             simulation.set_threads(threads);
             group.bench_function(format!("{}, {threads} threads", 2 * n * n), |bencher| {
-                bencher.iter_custom(|count| laps(&mut simulation, count, 2000) / (2 * n * n));
+                bencher.iter_custom(|count| LAP.time(&mut simulation, count) / (2 * n * n));
             });
         }
     }
@@ -267,7 +214,7 @@ fn shuffled(criterion: &mut Criterion) {
               material: (model: Corotated, young: 1000, poisson: 0.3, plane: Strain))])"
         ));
         group.bench_function(format!("{count} triangles {name}"), |bencher| {
-            bencher.iter_custom(|steps| laps(&mut simulation, steps, 2000) / count);
+            bencher.iter_custom(|steps| LAP.time(&mut simulation, steps) / count);
         });
     }
     group.finish();
@@ -280,7 +227,7 @@ fn springs(criterion: &mut Criterion) {
     let mut bench = |name: &str, mut simulation: Simulation| {
         let count = simulation.scene().nets[0].springs.links().len() as u32;
         group.bench_function(format!("{count} springs, {name}"), |bencher| {
-            bencher.iter_custom(|steps| laps(&mut simulation, steps, 2000) / count);
+            bencher.iter_custom(|steps| LAP.time(&mut simulation, steps) / count);
         });
     };
     let sheet = "(name: \"net\", substeps: 1000, nets: [(name: \"net\", mass: 0.001, net: Sheet(width: 1, height: 1,

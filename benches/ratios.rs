@@ -1,0 +1,105 @@
+//! What size and a second thread do to the price of a step: `cargo bench --bench ratios`, about three minutes; or of some materials
+//! alone, `cargo bench --bench ratios -- Corotated NeoHookean`.
+//!
+//! All that is compared is measured in turn, for a twentieth of a second each, round after round, and the ratio of two is the median over
+//! the rounds: a machine that is now fast, now slow, as most that are shared are, slows down both. Least times stand beside them.
+#![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
+
+mod sheet;
+
+use gingerbread::{materials::Model, simulation::Simulation};
+use sheet::{Lap, simulation, strip};
+
+/// Quads along a side: the second is what the others are compared with.
+const SIDES: [u32; 5] = [22, 71, 112, 158, 224];
+const USUAL: usize = 1;
+
+/// Time for a measurement [s], and how often each is made.
+const SLICE: f64 = 0.05;
+const ROUNDS: usize = 40;
+
+/// Times of a step, per triangle [ns], one for each round.
+type Times = Vec<f64>;
+
+/// A sheet with one thread and with two, and two halves of it, stepped at once, that have nothing to tell each other: what a second
+/// thread can come to on this machine.
+struct Case {
+    triangles: f64,
+    lap: Lap,
+    whole: [Simulation; 2],
+    halves: [Simulation; 2],
+    times: [Times; 3],
+}
+
+impl Case {
+    fn new(n: u32, model: Model) -> Self {
+        let whole = [1, 2].map(|threads| {
+            let mut whole = sheet::sheet(n, model);
+            whole.set_threads(threads);
+            whole
+        });
+        // The guard looks often until all have once been as fast as they get; the time for that grows with their number.
+        let lead = 10 * u64::from(n);
+        Self {
+            triangles: f64::from(2 * n * n),
+            lap: Lap { lead, end: 5 * lead },
+            whole,
+            halves: [n / 2, n - n / 2].map(|rows| simulation(strip([n, rows], model))),
+            times: Default::default(),
+        }
+    }
+
+    fn measure(&mut self) {
+        let Self { triangles, lap, whole: [one, two], halves, times } = self;
+        let steps = |each: f64| ((SLICE / (each * *triangles)) as u64).max(20);
+        let per_step = |steps: u64, run: &mut dyn FnMut(u64) -> f64| {
+            // What the others have left in the caches is not theirs.
+            run(10);
+            1e9 * run(steps) / steps as f64 / *triangles
+        };
+        times[0].push(per_step(steps(3.5e-9), &mut |steps| lap.time(one, steps).as_secs_f64()));
+        times[1].push(per_step(steps(1.8e-9), &mut |steps| lap.time(two, steps).as_secs_f64()));
+        times[2].push(per_step(steps(1.8e-9), &mut |steps| lap.time_apart(halves, steps).as_secs_f64()));
+    }
+}
+
+/// The quarters of these numbers.
+fn quarters(numbers: impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut sorted: Vec<_> = numbers.collect();
+    sorted.sort_by(f64::total_cmp);
+    [1, 2, 3].map(|quarter| sorted[quarter * (sorted.len() - 1) / 4])
+}
+
+/// The median of the ratios in each round, and those that half of them lie between.
+fn ratio(of: &Times, to: &Times) -> String {
+    let [low, median, high] = quarters(of.iter().zip(to).map(|(of, to)| of / to));
+    format!("{median:.3} ({low:.2} to {high:.2})")
+}
+
+fn main() {
+    let names: Vec<_> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let wanted = |model: &&Model| names.is_empty() || names.iter().any(|name| name == model.name());
+    println!("| model | triangles | ns, least | ns, median | of {}'s | two threads | two halves apart |", {
+        2 * SIDES[USUAL].pow(2)
+    });
+    println!("|---|---|---|---|---|---|---|");
+    for model in Model::ALL.iter().filter(wanted) {
+        let mut cases = SIDES.map(|n| Case::new(n, *model));
+        for _ in 0..ROUNDS {
+            cases.iter_mut().for_each(Case::measure);
+        }
+        for case in &cases {
+            let [one, two, apart] = &case.times;
+            let least = one.iter().copied().fold(f64::INFINITY, f64::min);
+            let [_, median, _] = quarters(one.iter().copied());
+            let to_usual = ratio(one, &cases[USUAL].times[0]);
+            let faster = if case.whole[1].steps_together() > 0 { ratio(one, two) } else { "-".to_owned() };
+            println!(
+                "| {} | {} | {least:.2} | {median:.2} | {to_usual} | {faster} | {} |",
+                model.name(),
+                case.triangles,
+                ratio(one, apart)
+            );
+        }
+    }
+}

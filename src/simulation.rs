@@ -206,11 +206,17 @@ impl Simulation {
     /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help
     /// either, the fault is kept until the state is set anew.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
-        let mut taken = 0;
+        let (mut taken, mut asked) = (0, 0);
         if self.is_guarded() && self.guard.is_new() && !self.is_asleep() {
             self.guard.begin(self.energies());
         }
-        while taken < steps && self.fault.is_none() && (taken == 0 || taken % BATCH != 0 || more()) {
+        while taken < steps && self.fault.is_none() {
+            if taken >= asked + BATCH {
+                asked = taken;
+                if !more() {
+                    break;
+                }
+            }
             if self.is_asleep() {
                 self.pass(steps - taken);
                 return steps;

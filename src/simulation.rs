@@ -11,6 +11,7 @@ mod system;
 
 use crate::{
     effects::Grab,
+    elements::More,
     fault::Fault,
     guard::{Guard, Verdict},
     integrators::{Class, Scheme, StepCounts},
@@ -206,6 +207,12 @@ impl Simulation {
     /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help
     /// either, the fault is kept until the state is set anew.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
+        // Who has said that it is enough is not asked again.
+        let mut enough = false;
+        let more = &mut || {
+            enough = enough || !more();
+            !enough
+        };
         let (mut taken, mut asked) = (0, 0);
         if self.is_guarded() && self.guard.is_new() && !self.is_asleep() {
             self.guard.begin(self.energies());
@@ -221,13 +228,14 @@ impl Simulation {
                 self.pass(steps - taken);
                 return steps;
             }
-            taken += self.take_steps(steps - taken, taken);
+            taken += self.take_steps(steps - taken, more);
         }
         taken
     }
 
-    /// Takes a step if it can be taken, or a stretch of up to so many after those `before`; a fault otherwise. Returns how many were taken.
-    fn take_steps(&mut self, most: u64, before: u64) -> u64 {
+    /// Takes a step if it can be taken, or a stretch of up to so many while there is `more` to do; a fault otherwise. Returns how many were
+    /// taken.
+    fn take_steps(&mut self, most: u64, more: More<'_>) -> u64 {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
             if self.stale || !self.team.has_seen(self.state.steps) {
                 self.look_who_is_calm();
@@ -239,7 +247,7 @@ impl Simulation {
                 return 1;
             }
             self.look_for_room();
-            if let Some(taken) = self.stride(most, before) {
+            if let Some(taken) = self.stride(most, more) {
                 return taken;
             }
         }

@@ -206,9 +206,11 @@ fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
     let by_row: Vec<_> = (0..rows * rows).flat_map(square).collect();
     // 2053 is a prime that does not divide their number: every triangle comes once.
     let scattered: Vec<_> = (0..by_row.len()).map(|i| by_row[i * 2053 % by_row.len()]).collect();
-    let spokes = 12_000;
+    // So many that the last and the hub are farther from each other than 16 bits reach.
+    let spokes = 70_000;
     let rim = (0..spokes).map(|i| (f64::from(i) * std::f64::consts::TAU / f64::from(spokes)).sin_cos());
-    let wheel: Vec<_> = [(0.0, 0.0)].into_iter().chain(rim.map(|(sin, cos)| (1000.0 * cos, 1000.0 * sin))).collect();
+    let wheel: Vec<_> =
+        [(0.0, 0.0)].into_iter().chain(rim.map(|(sin, cos)| (10_000.0 * cos, 10_000.0 * sin))).collect();
     let around: Vec<_> = (0..spokes).map(|i| (0, i + 1, (i + 1) % spokes + 1)).collect();
     for (points, triangles) in [(&points, by_row), (&points, scattered), (&wheel, around)] {
         let simulation = simulation(&level(&format!(

@@ -64,7 +64,10 @@ fn a_vast_body_whose_steps_overlap_comes_to_the_bits_and_books_of_single_steps()
         for threads in &threads[..threads[1]] {
             let mut run = simulation(&level);
             run.set_threads(*threads);
-            run.advance(81, &mut || true);
+            // As if somebody had no more time after a while.
+            let taken = run.advance(81, &mut enough_after(2));
+            assert!(taken < 45, "{rest}: {taken} steps");
+            assert!(run.fault().is_some() || run.advance(81 - taken, &mut || true) == 81 - taken);
             assert_eq!(work(&single), work(&run), "{rest}");
             assert_eq!(single.fault(), run.fault(), "{rest}");
             let walked = [run.steps_at_a_stretch(), run.steps_together()];
@@ -120,6 +123,35 @@ fn the_guard_steps_in_where_it_would_with_one_thread() {
     let rest = "substeps: 60, guard: Off, effects: [(effect: Gravity(down: 1))]";
     let run = compare(&large("stretch: (1.1, 1),", rest), 12, 200);
     assert!(run.fault().is_some(), "without the guard it should have blown up");
+}
+
+/// Says yes so often, and then no; may not be asked again after that.
+fn enough_after(mut times: u32) -> impl FnMut() -> bool {
+    let mut said = false;
+    move || {
+        assert!(!said, "was asked again");
+        said = times == 0;
+        times = times.saturating_sub(1);
+        !said
+    }
+}
+
+#[test]
+fn who_has_no_more_time_has_a_stretch_end_soon_and_for_all_after_the_same_step() {
+    let level = large("stretch: (1.1, 1),", "substeps: 700, effects: []");
+    for threads in [1, 2] {
+        let [mut single, mut run] = [&level; 2].map(simulation);
+        run.set_threads(threads);
+        for times in [0, 1, 2, 3, 5, 8, 13, 21, 34, 55] {
+            let taken = run.advance(2000, &mut enough_after(times));
+            let asked = u64::from(times) + 1;
+            // Asked after every ten steps at the latest, and obeyed within twelve.
+            assert!((asked..=10 * asked + 12).contains(&taken), "{taken} steps, asked {asked} times");
+            singly(&mut single, taken);
+            assert_eq!(work(&run), work(&single), "{threads} threads, asked {asked} times");
+        }
+        assert!(run.steps_at_a_stretch() > 300, "{}", run.steps_at_a_stretch());
+    }
 }
 
 /// Where steps fail again soon after they did, the guard goes back to the checkpoint that it would go back to without stretches.

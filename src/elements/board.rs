@@ -4,7 +4,11 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use wide::f64x2;
 
 /// Where they meet, for a stretch of steps. Steps are counted from one.
-pub struct Board(Vec<Post>);
+pub struct Board {
+    posts: Vec<Post>,
+    /// After which step all stop.
+    last: AtomicU32,
+}
 
 /// What one of them has posted.
 struct Post {
@@ -48,17 +52,27 @@ impl Board {
         let count = || Count(AtomicU32::new(0));
         let kinetic = || zeros(steps as usize).collect();
         let post = |_| Post { met: count(), ended: count(), pages: [page(), page()], kinetic: kinetic() };
-        Self((0..parts).map(post).collect())
+        Self { posts: (0..parts).map(post).collect(), last: AtomicU32::new(steps) }
     }
 
     /// Who keeps this leaves the board with it.
     pub fn presence(&self, part: usize) -> Presence<'_> {
-        Presence(&self.0[part])
+        Presence(&self.posts[part])
+    }
+
+    /// After which step all stop, as far as it is known: whoever has seen what was posted in a step knows what was decided before it.
+    pub fn last(&self) -> u32 {
+        self.last.load(Ordering::Relaxed)
+    }
+
+    /// Decides that all stop after a step at the latest, which nobody may have passed before this is known. Only one may decide.
+    pub fn stop_after(&self, step: u32) {
+        self.last.store(step.min(self.last()), Ordering::Relaxed);
     }
 
     /// Posts the forces of a part at the seams [N] in a step.
     pub fn post_seam(&self, part: usize, step: u32, forces: &[f64x2]) {
-        let post = &self.0[part];
+        let post = &self.posts[part];
         for ([x, y], force) in post.pages[step as usize % 2].iter().zip(forces) {
             let [fx, fy] = force.to_array().map(f64::to_bits);
             x.store(fx, Ordering::Relaxed);
@@ -70,7 +84,7 @@ impl Board {
     /// Waits for the forces of all parts at the seams in a step, and sums them [N].
     pub fn sum_seam(&self, step: u32, forces: &mut [f64x2]) {
         forces.fill(f64x2::ZERO);
-        for post in &self.0 {
+        for post in &self.posts {
             post.met.wait(step);
             for ([x, y], sum) in post.pages[step as usize % 2].iter().zip(&mut *forces) {
                 *sum += f64x2::new([read(x), read(y)]);
@@ -80,7 +94,7 @@ impl Board {
 
     /// Posts twice the energy of motion of a part's own vertices after a step [J].
     pub fn post_kinetic(&self, part: usize, step: u32, kinetic: f64) {
-        let post = &self.0[part];
+        let post = &self.posts[part];
         post.kinetic[step as usize - 1].store(kinetic.to_bits(), Ordering::Relaxed);
         post.ended.0.store(step, Ordering::Release);
     }
@@ -91,7 +105,7 @@ impl Board {
             post.ended.wait(step);
             read(&post.kinetic[step as usize - 1])
         };
-        self.0.iter().map(of).sum()
+        self.posts.iter().map(of).sum()
     }
 }
 

@@ -8,7 +8,7 @@ use super::{
     corners::Corners,
     gather::Gather,
     sweep::Piece,
-    walk::{Ground, Outcome, Way, walk},
+    walk::{Ground, More, Outcome, Way, walk},
 };
 use crate::lanes::LANES;
 use pulp::Arch;
@@ -168,7 +168,13 @@ impl Walker {
     }
 
     /// Takes steps together with the walkers of the other parts.
-    pub fn walk<L: Laws<N>, const N: usize>(&mut self, laws: L, parts: &Parts, blocks: &[Block], way: &Way) {
+    pub fn walk<L: Laws<N>, const N: usize>(
+        &mut self,
+        laws: L,
+        parts: &Parts,
+        blocks: &[Block],
+        way: (&Way, More<'_>),
+    ) {
         let part = &parts.parts[self.part];
         let ground = Ground {
             piece: Piece { corners: &part.corners, blocks: &blocks[part.block..], gather: &part.gather },

@@ -5,7 +5,7 @@ use super::{
     gather::Gather,
     parts::{self, Parts, Walker},
     sweep::Piece,
-    walk::{Ground, Outcome, Way, walk},
+    walk::{Ground, More, Outcome, Way, walk},
 };
 use crate::{
     effects::{Effect, Motion, Viscous},
@@ -189,20 +189,20 @@ impl Triangles {
     }
 
     /// Moves the vertices of one part on their way through a number of steps, together with those who move the others.
-    pub(crate) fn walk_part(&self, walker: &mut Walker, parts: &Parts, way: &Way) {
-        struct Visit<'a>(&'a Triangles, &'a mut Walker, &'a Parts, &'a Way);
-        impl Visitor for Visit<'_> {
+    pub(crate) fn walk_part(&self, walker: &mut Walker, parts: &Parts, way: &Way, more: More<'_>) {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, &'a Parts, (&'a Way, More<'b>));
+        impl Visitor for Visit<'_, '_> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
                 let Self(of, walker, parts, way) = self;
                 let (elastic, blocks) = (Elastic(*material), of.blocks.all());
-                match of.viscous(way.everywhere) {
+                match of.viscous(way.0.everywhere) {
                     None => walker.walk::<_, 1>(elastic, parts, blocks, way),
                     Some(viscous) => walker.walk::<_, 2>(Both(elastic, viscous), parts, blocks, way),
                 }
             }
         }
-        self.model.visit(self.lame, Visit(self, walker, parts, way));
+        self.model.visit(self.lame, Visit(self, walker, parts, (way, more)));
     }
 
     /// Moves all vertices on their way through a number of steps; all flat.
@@ -210,15 +210,15 @@ impl Triangles {
         &self,
         [x, v]: [&mut [f64]; 2],
         masses: [&[f64]; 2],
-        way: &Way,
+        (way, more): (&Way, More<'_>),
         scratch: &mut Vec<f64>,
     ) -> Outcome {
-        struct Visit<'a>(&'a Triangles, Ground<'a>, &'a Way, &'a mut Vec<f64>);
-        impl Visitor for Visit<'_> {
+        struct Visit<'a, 'b>(&'a Triangles, Ground<'a>, (&'a Way, More<'b>), &'a mut Vec<f64>);
+        impl Visitor for Visit<'_, '_> {
             type Output = Outcome;
             fn visit<M: Material>(self, material: &M) -> Outcome {
                 let Self(of, ground, way, scratch) = self;
-                match of.viscous(way.everywhere) {
+                match of.viscous(way.0.everywhere) {
                     None => walk::<_, 1>(Elastic(*material), ground, way, scratch),
                     Some(viscous) => walk::<_, 2>(Both(Elastic(*material), viscous), ground, way, scratch),
                 }
@@ -227,7 +227,7 @@ impl Triangles {
         let [x, v] = [x, v].map(|values| values.as_chunks_mut().0);
         let masses = masses.map(|masses| masses.as_chunks().0);
         let ground = Ground { piece: self.piece(), number: 0, own: x.len(), x, v, masses, met: 0 };
-        self.model.visit(self.lame, Visit(self, ground, way, scratch))
+        self.model.visit(self.lame, Visit(self, ground, (way, more), scratch))
     }
 
     /// The viscous stress, if there is one.

@@ -3,8 +3,8 @@
 //! Two things make that faster than one step after another. Where a body is larger than the caches, several steps are under way
 //! at once, each some stages behind the one before: what the first has brought from memory is still near when the others want it.
 //! And where parts of a body are walked by several threads, each sweeps from the seam inwards: it posts its sums at the seam early in a
-//! step, and by the end of it those of the others have long arrived. Nobody is told what to do while steps go on: all know the
-//! same, and stop after the same step.
+//! step, and by the end of it those of the others have long arrived. All know the same, and stop after the same step; who is asked
+//! whether to go on tells the others early enough.
 
 use super::{
     Everywhere, Target,
@@ -26,14 +26,17 @@ const WAVE: usize = 6;
 /// How many of the last steps may not have been looked at yet: each look is at as many as there are in a wave.
 const RECENT: usize = 2 * WAVE;
 
-/// A body of so many triangles is larger than most caches: a step reads some 92 bytes a triangle (rest shape 40, numbers of corners
-/// and of their places 20, half a vertex 32) and writes 16.
+/// A body of so many triangles is larger than most caches: a step reads some 84 bytes a triangle (rest shape 40, numbers of corners
+/// and of their places 12, half a vertex 32) and writes 16.
 const VAST: usize = 1 << 17;
 
 /// How many steps of a body of so many triangles are best under way at once.
 pub const fn wave(triangles: usize) -> u32 {
     if triangles < VAST { 1 } else { WAVE as u32 }
 }
+
+/// Whether to go on.
+pub type More<'a> = &'a mut dyn FnMut() -> bool;
 
 /// What all walkers of a body have in common.
 #[derive(Clone)]
@@ -91,8 +94,13 @@ impl Outcome {
     }
 }
 
-/// Walks with the stresses of some laws.
-pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way, scratch: &mut Vec<f64>) -> Outcome {
+/// Walks with the stresses of some laws, as long as there is more to do; of several who walk one at most may be told that there is not.
+pub fn walk<L: Laws<N>, const N: usize>(
+    laws: L,
+    ground: Ground<'_>,
+    (way, more): (&Way, More<'_>),
+    scratch: &mut Vec<f64>,
+) -> Outcome {
     let _presence = way.board.presence(ground.number);
     let start = Walk {
         seam: vec![[f64x2::ZERO; N]; ground.x.len() - ground.own],
@@ -104,7 +112,7 @@ pub fn walk<L: Laws<N>, const N: usize>(laws: L, ground: Ground<'_>, way: &Way, 
         ground,
         way,
     };
-    start.go(laws, scratch)
+    start.go(laws, more, scratch)
 }
 
 /// What is walked over: a body, or a part of it with the vertices on its seams after its own.
@@ -142,15 +150,24 @@ struct Walk<'a, 'b, const N: usize> {
 }
 
 impl<const N: usize> Walk<'_, '_, N> {
-    fn go(mut self, laws: impl Laws<N>, scratch: &mut Vec<f64>) -> Outcome {
+    fn go(mut self, laws: impl Laws<N>, more: More<'_>, scratch: &mut Vec<f64>) -> Outcome {
         let each = N * self.ground.piece.scratch();
         make_room(scratch, self.way.wave as usize * each);
         let mut buffers: Vec<_> = scratch.chunks_exact_mut(each).map(buffers::<N>).collect();
         let alone = self.ground.own == self.ground.x.len();
-        let (mut taken, mut on) = (0, true);
-        while on && taken < self.way.steps {
+        let (mut taken, mut on, mut asks) = (0, true, false);
+        while on {
+            if asks && !more() {
+                // By then the others have seen what is posted in the next step, as they look back no farther.
+                self.way.board.stop_after(taken + if alone { 0 } else { RECENT as u32 });
+            }
+            let last = self.way.board.last();
+            asks = last == self.way.steps;
+            if taken >= last {
+                break;
+            }
             let close = self.known.is_close(self.way.most_kinetic);
-            let end = self.way.steps.min(taken + if close { 1 } else { WAVE as u32 });
+            let end = last.min(taken + if close { 1 } else { WAVE as u32 });
             // What the others posted some steps ago has arrived already.
             let sure = if alone || close { end } else { taken };
             while taken < end {

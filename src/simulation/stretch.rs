@@ -10,16 +10,13 @@ use super::{
     system::{System, shrunk},
 };
 use crate::{
-    elements::{Board, Everywhere, Outcome, Parts, Triangles, Walker, Way, wave},
+    elements::{Board, Everywhere, More, Outcome, Parts, Triangles, Walker, Way, wave},
     integrators::{IntegratorKind, StepCounts},
 };
 use std::sync::Arc;
 
-/// How many triangles the first stretch may step of all that are asked for at once, and one after many others: each may be as long as
-/// all before it, so that whoever wants to be asked whether to go on is asked in time.
-const WORK: [usize; 2] = [600_000, 48_000_000];
-/// The same in steps.
-const STEPS: [u64; 2] = [20 * BATCH, 400 * BATCH];
+/// How many steps a stretch has at most: what comes after it may be that all of them are to be taken again.
+const LONGEST: u64 = 400 * BATCH;
 
 /// Those who step a body.
 #[derive(Default)]
@@ -106,18 +103,17 @@ impl Simulation {
         (!starts).then(|| (Arc::clone(&body.elements), everywhere))
     }
 
-    /// Takes a stretch of up to so many steps from a checkpoint, after others that were asked for with them, if nothing is to be done but
-    /// to move the vertices of one body. Returns how many were taken: none if it was found unsound and gone back from, which may be to
+    /// Takes a stretch of up to so many steps from a checkpoint, as long as there is `more` to do, if that is only to move the vertices of
+    /// one body. Returns how many were taken: none if it was found unsound and gone back from, which may be to
     /// before it began.
-    pub(super) fn stride(&mut self, most: u64, before: u64) -> Option<u64> {
+    pub(super) fn stride(&mut self, most: u64, more: More<'_>) -> Option<u64> {
         if self.state.steps < self.team.plain_until {
             return None;
         }
         let (body, everywhere) = self.only_work()?;
         let triangles = body.corners().len();
         let parts = if self.team.threads < 2 { None } else { body.parts() };
-        let [first, last] = [0, 1].map(|turn| ((WORK[turn] / triangles.max(1)) as u64).clamp(2 * BATCH, STEPS[turn]));
-        let steps = most.min(before.clamp(first, last)).min(self.until_look());
+        let steps = most.min(LONGEST).min(self.until_look());
         let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
         if steps < BATCH || most_kinetic < 0.0 || !parts.is_none_or(|parts| self.team.is_complete(parts.count())) {
             return None;
@@ -140,8 +136,8 @@ impl Simulation {
             shrink: shrunk,
         };
         let outcome = match parts {
-            Some(parts) => self.walk_together(&body, parts, &way, known.is_some()),
-            None => self.walk_alone(&body, &way),
+            Some(parts) => self.walk_together((&body, parts), (&way, more), known.is_some()),
+            None => self.walk_alone(&body, (&way, more)),
         };
         let taken = u64::from(outcome.steps);
         (self.scratch.kinetic, self.scratch.room) = (Some(outcome.kinetic), outcome.room);
@@ -153,7 +149,7 @@ impl Simulation {
     }
 
     /// A stretch by one thread.
-    fn walk_alone(&mut self, body: &Triangles, way: &Way) -> Outcome {
+    fn walk_alone(&mut self, body: &Triangles, way: (&Way, More<'_>)) -> Outcome {
         let Self { scene, state, scratch, team, .. } = self;
         (team.walkers, team.companions) = Default::default();
         let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
@@ -161,7 +157,12 @@ impl Simulation {
     }
 
     /// A stretch by a thread for each part; the walkers may have arrived where everything is.
-    fn walk_together(&mut self, body: &Arc<Triangles>, parts: &Parts, way: &Way, arrived: bool) -> Outcome {
+    fn walk_together(
+        &mut self,
+        (body, parts): (&Arc<Triangles>, &Parts),
+        (way, more): (&Way, More<'_>),
+        arrived: bool,
+    ) -> Outcome {
         let Self { scene, state, scratch, team, .. } = self;
         let arrived = arrived && !team.walkers.is_empty();
         if team.walkers.len() != parts.count() {
@@ -177,7 +178,7 @@ impl Simulation {
             companion.send(walker, body, way);
         }
         for walker in own {
-            walk(body, walker, way);
+            walk(body, walker, way, more);
         }
         for (walker, companion) in others.iter_mut().zip(&mut team.companions) {
             *walker = companion.receive();
@@ -233,7 +234,7 @@ impl Simulation {
         (self.team.plain_until, self.team.seen, self.team.walked) = (end, Some(self.state.steps), [false; 2]);
         self.team.arrived = None;
         while self.state.steps < start && self.fault.is_none() {
-            self.take_steps(1, 0);
+            self.take_steps(1, &mut || true);
         }
         0
     }

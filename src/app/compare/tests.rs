@@ -100,7 +100,7 @@ fn a_toy_is_compared_where_it_is_seen() {
 #[test]
 fn who_has_no_time_left_shows_the_moment_that_both_shared() {
     let (mut a, mut panes) = pair("gingerbread");
-    panes.apply(&mut a, Pane::B, substeps(3701)).unwrap();
+    panes.apply(&mut a, Pane::B, substeps(37)).unwrap();
     panes.apply(&mut a, Pane::B, Command::SetRunning(true)).unwrap();
     assert_eq!(panes.advance(&mut a, 3, &mut || true), 3);
     let met = [&a, &panes.b].map(|sandbox| sandbox.simulation().state().clone());

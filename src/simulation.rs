@@ -21,7 +21,6 @@ use crate::{
 };
 use energies::Elastic;
 use paces::Paces;
-use pulp::Arch;
 use sleep::Islands;
 use std::cell::RefCell;
 use stretch::Team;
@@ -63,7 +62,7 @@ struct Checkpoint {
     guard: Guard,
 }
 
-/// Steps between two checkpoints, and between two looks at the clock.
+/// Steps between two checkpoints, and between two looks at the clock, where they are not taken at a stretch.
 const BATCH: u64 = 10;
 
 impl Simulation {
@@ -402,25 +401,6 @@ impl Simulation {
         let step = self.paces.shortest(self.scene.step);
         self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
         false
-    }
-
-    /// Energy of motion [J].
-    fn kinetic_energy(&self) -> f64 {
-        // Many sums side by side, as one would wait for itself; as many on every processor, so that they are the same bits.
-        const SUMS: usize = 32;
-        let (v, v_rest) = self.state.v.as_chunks::<SUMS>();
-        let (mass, mass_rest) = self.scene.mass.as_chunks::<SUMS>();
-        let sums = Arch::new().dispatch(|| {
-            let mut sums = [0.0; SUMS];
-            for (v, mass) in v.iter().zip(mass) {
-                for ((sum, v), mass) in sums.iter_mut().zip(v).zip(mass) {
-                    *sum += mass * v * v;
-                }
-            }
-            sums
-        });
-        let rest = v_rest.iter().zip(mass_rest).map(|(v, mass)| mass * v * v);
-        0.5 * sums.into_iter().chain(rest).sum::<f64>()
     }
 
     /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.

@@ -151,7 +151,7 @@ impl Simulation {
     /// A stretch by one thread.
     fn walk_alone(&mut self, body: &Triangles, way: (&Way, More<'_>)) -> Outcome {
         let Self { scene, state, scratch, team, .. } = self;
-        (team.walkers, team.companions) = Default::default();
+        team.walkers.clear();
         let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
         body.walk([&mut state.x, &mut state.v], [&scene.mass, inverse_mass], way, &mut team.scratch)
     }

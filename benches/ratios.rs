@@ -51,7 +51,8 @@ impl Case {
 
     fn measure(&mut self) {
         let Self { triangles, lap, whole: [one, two], halves, times } = self;
-        let steps = |each: f64| ((SLICE / (each * *triangles)) as u64).max(20);
+        // From one checkpoint to another.
+        let steps = |each: f64| ((SLICE / (each * *triangles)) as u64).next_multiple_of(10).max(20);
         let per_step = |steps: u64, run: &mut dyn FnMut(u64) -> f64| {
             // What the others have left in the caches is not theirs.
             run(10);

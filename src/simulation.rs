@@ -200,7 +200,8 @@ impl Simulation {
         self.scratch.timed = timed;
     }
 
-    /// Takes up to `steps` steps; every few, `more` is asked whether to go on. Returns how many were taken.
+    /// Takes up to `steps` steps; every few, `more` is asked whether to go on, until it says no: a few more may be taken then. Returns how
+    /// many were taken.
     ///
     /// Every step is checked. If one leaves anything that is not a number, or the [`Guard`] finds it unstable, the state before
     /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help

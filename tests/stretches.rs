@@ -1,4 +1,4 @@
-//! One large body stepped many steps at a stretch has the bits it has step by step: by two threads, and by one that has several steps
+//! A body stepped many steps at a stretch has the bits it has step by step: by two threads, and by one that has several steps
 //! under way at once.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
@@ -152,6 +152,43 @@ fn who_has_no_more_time_has_a_stretch_end_soon_and_for_all_after_the_same_step()
         }
         assert!(run.steps_at_a_stretch() > 300, "{}", run.steps_at_a_stretch());
     }
+}
+
+/// Two plates that are one body and touch nowhere, so that the two halves have nothing to tell each other.
+#[test]
+fn halves_that_touch_nowhere_stop_after_the_same_step_too() {
+    let side = 64;
+    let points =
+        (0..2).flat_map(|plate| (0..65 * 65).map(move |i| (f64::from(i % 65 + 100 * plate), f64::from(i / 65))));
+    let quad = |i: u32| (i / (side * side) * 65 * 65) + i % (side * side) / side * 65 + i % side;
+    let triangles = (0..2 * side * side).map(quad).flat_map(|a| [(a, a + 1, a + 65), (a + 1, a + 66, a + 65)]);
+    let (points, triangles): (Vec<_>, Vec<_>) = (points.collect(), triangles.collect());
+    let level = level(&format!(
+        "(name: \"plates\", substeps: 10, bodies: [(name: \"plates\", mass: Density(1), stretch: (1.1, 1), velocity: (1, 0),
+          mesh: Points(points: {points:?}, triangles: {triangles:?}), material: (model: Corotated, young: 1000, poisson: 0.3))])"
+    ));
+    let [mut single, mut two] = [&level; 2].map(simulation);
+    two.set_threads(2);
+    for times in 0..30 {
+        let taken = two.advance(2000, &mut enough_after(times % 7));
+        singly(&mut single, taken);
+        assert_eq!(work(&two), work(&single), "after {times} stretches");
+    }
+    assert!(two.steps_together() > 100, "{}", two.steps_together());
+}
+
+/// A wheel whose hub has forces from all triangles, so that those of all of them wait for the last; the steps of both halves overlap.
+#[test]
+fn a_vertex_that_lies_in_every_triangle_is_shared_as_well() {
+    let spokes = 30_000;
+    let rim = (0..spokes).map(|i| (f64::from(i) * std::f64::consts::TAU / f64::from(spokes)).sin_cos());
+    let points: Vec<_> = [(0.0, 0.0)].into_iter().chain(rim.map(|(sin, cos)| (5000.0 * cos, 5000.0 * sin))).collect();
+    let triangles: Vec<_> = (0..spokes).map(|i| (0, i + 1, (i + 1) % spokes + 1)).collect();
+    let wheel = level(&format!(
+        "(name: \"wheel\", substeps: 2000, guard: Off, bodies: [(name: \"wheel\", mass: Density(1), stretch: (1.001, 1),
+          mesh: Points(points: {points:?}, triangles: {triangles:?}), material: (model: Corotated, young: 1000, poisson: 0.3))])"
+    ));
+    assert!(compare(&wheel, 2, 50).steps_together() > 50);
 }
 
 /// Where steps fail again soon after they did, the guard goes back to the checkpoint that it would go back to without stretches.

@@ -143,7 +143,7 @@ fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
     pub corners: &'a Corners,
-    /// The first run of triangles.
+    /// The run with which `blocks` begins.
     pub first: usize,
     pub blocks: &'a [Block],
     pub x: &'a [f64],

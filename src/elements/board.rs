@@ -55,6 +55,11 @@ impl Board {
         Self { posts: (0..parts).map(post).collect(), last: AtomicU32::new(steps) }
     }
 
+    /// Whether there is nobody else.
+    pub const fn is_alone(&self) -> bool {
+        self.posts.len() == 1
+    }
+
     /// Who keeps this leaves the board with it.
     pub fn presence(&self, part: usize) -> Presence<'_> {
         Presence(&self.posts[part])
@@ -65,7 +70,7 @@ impl Board {
         self.last.load(Ordering::Relaxed)
     }
 
-    /// Decides that all stop after a step at the latest, which nobody may have passed before this is known. Only one may decide.
+    /// Decides that all stop after a step at the latest: one that nobody can pass before this is known to them. Only one may decide.
     pub fn stop_after(&self, step: u32) {
         self.last.store(step.min(self.last()), Ordering::Relaxed);
     }

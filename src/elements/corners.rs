@@ -3,8 +3,8 @@
 use super::triangle::edges;
 use crate::lanes::{LANES, Quads};
 
-/// How many blocks of triangles have their corners collected at a time: enough for what is stored number by number to have arrived when
-/// it is read lane by lane, and little enough to stay near the processor.
+/// For how many blocks of triangles the matrices D are collected at a time: enough for what is stored number by number to have arrived
+/// when it is read lane by lane, and little enough to stay near the processor.
 pub const RUN: usize = 8;
 
 /// The corners of triangles, run by run.

@@ -153,8 +153,8 @@ impl Gather {
     }
 
     /// How many blocks of elements the buffer of corners has to hold.
-    pub fn blocks(&self) -> usize {
-        self.plan.blocks.min(self.window * STAGE)
+    pub const fn blocks(&self) -> usize {
+        self.window * STAGE
     }
 
     /// How many stages there are.

@@ -4,9 +4,12 @@ use super::{
     Target,
     blocks::{Block, Forces, Laws},
     corners::{Corners, RUN},
-    gather::{Gather, Stages, pairs, room},
+    gather::{Gather, STAGE, Stages, pairs, room},
 };
 use crate::lanes::Pairs;
+
+/// A stage begins with a run.
+const _: () = assert!(STAGE.is_multiple_of(RUN));
 
 /// The triangles of a body or of a part of it.
 #[derive(Clone, Copy)]

@@ -1,4 +1,4 @@
-//! Many steps of a large body without a look at the whole on the way.
+//! Many steps of a body without a look at the whole on the way.
 //!
 //! Two things make that faster than one step after another. Where a body is larger than the caches, several steps are under way
 //! at once, each some stages behind the one before: what the first has brought from memory is still near when the others want it.
@@ -23,7 +23,8 @@ use wide::f64x2;
 /// for, and little enough for what is in use to stay in the caches.
 const WAVE: usize = 6;
 
-/// How many of the last steps may not have been looked at yet: each look is at as many as there are in a wave.
+/// How many of the last steps may not have been looked at yet, as each look is at as many as there are in a wave: so far a walker may be
+/// ahead of what it has seen of the others.
 const RECENT: usize = 2 * WAVE;
 
 /// A body of so many triangles is larger than most caches: a step reads some 84 bytes a triangle (rest shape 40, numbers of corners
@@ -154,18 +155,18 @@ impl<const N: usize> Walk<'_, '_, N> {
         let each = N * self.ground.piece.scratch();
         make_room(scratch, self.way.wave as usize * each);
         let mut buffers: Vec<_> = scratch.chunks_exact_mut(each).map(buffers::<N>).collect();
-        let alone = self.ground.own == self.ground.x.len();
+        let alone = self.way.board.is_alone();
         let (mut taken, mut on, mut asks) = (0, true, false);
         while on {
             if asks && !more() {
-                // By then the others have seen what is posted in the next step, as they look back no farther.
+                // Nobody goes beyond so many steps from here before having seen what is posted in the next one, and with it this.
                 self.way.board.stop_after(taken + if alone { 0 } else { RECENT as u32 });
             }
             let last = self.way.board.last();
-            asks = last == self.way.steps;
             if taken >= last {
                 break;
             }
+            asks = last == self.way.steps;
             let close = self.known.is_close(self.way.most_kinetic);
             let end = last.min(taken + if close { 1 } else { WAVE as u32 });
             // What the others posted some steps ago has arrived already.

@@ -1,4 +1,4 @@
-//! Many steps of one large body at a stretch.
+//! Many steps of one body at a stretch.
 //!
 //! A stretch is walked without looking at the whole: who walks knows when the guard or the walls want a word, and stops there. What
 //! is found then to be unsound is gone back from and stepped in the plain way, with all checkpoints on the way, so that it does not
@@ -15,7 +15,7 @@ use crate::{
 };
 use std::sync::Arc;
 
-/// How many steps a stretch has at most: what comes after it may be that all of them are to be taken again.
+/// How many steps a stretch has at most: if the last one is found unsound all of them are taken again.
 const LONGEST: u64 = 400 * BATCH;
 
 /// Those who step a body.
@@ -104,8 +104,8 @@ impl Simulation {
     }
 
     /// Takes a stretch of up to so many steps from a checkpoint, as long as there is `more` to do, if that is only to move the vertices of
-    /// one body. Returns how many were taken: none if it was found unsound and gone back from, which may be to
-    /// before it began.
+    /// one body; nothing, if it is not. Returns how many were taken: zero if they were found unsound and gone back from, which may be to
+    /// before they began.
     pub(super) fn stride(&mut self, most: u64, more: More<'_>) -> Option<u64> {
         if self.state.steps < self.team.plain_until {
             return None;

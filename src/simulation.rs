@@ -30,7 +30,7 @@ use system::{Scratch, System, ToySystem};
 pub struct Simulation {
     scene: Scene,
     state: State,
-    /// A few steps ago, to go back to when a step fails.
+    /// Some steps ago, to go back to when a step fails.
     checkpoint: Checkpoint,
     /// The one before, and whether nothing but steps of one length lies between.
     older: Checkpoint,

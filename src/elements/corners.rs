@@ -44,16 +44,11 @@ impl Corners {
         Self { starts: corners.chunks(RUN * LANES).map(start).collect(), near, far }
     }
 
-    /// How many triangles there are.
-    pub const fn len(&self) -> usize {
-        self.near.len()
-    }
-
     /// D of each triangle of a run.
     #[inline(always)]
     pub fn collect(&self, run: usize, x: &[[f64; 2]], out: &mut [Quads; RUN]) {
         let begin = run * RUN * LANES;
-        let near = &self.near[begin..self.len().min(begin + RUN * LANES)];
+        let near = &self.near[begin..self.near.len().min(begin + RUN * LANES)];
         match self.starts[run] {
             Start::Near(first) => collect(&x[first as usize..], near, out),
             Start::Far(first) => collect(x, &self.far[first as usize..][..near.len()], out),

@@ -139,6 +139,11 @@ fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
     )
 }
 
+/// The matrices D of a run.
+#[derive(Default)]
+#[repr(align(64))]
+struct Run([Quads; RUN]);
+
 /// Computes the forces at all corners from [`Laws`].
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
@@ -148,8 +153,8 @@ pub struct Forces<'a, L, const N: usize> {
     pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
-    /// Those of each stress.
-    pub out: [&'a mut [CornerForces]; N],
+    /// Those of each stress, run by run.
+    pub out: [&'a mut [[CornerForces; RUN]]; N],
 }
 
 impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
@@ -157,27 +162,41 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { laws, corners, first, blocks, x, v, out } = self;
-        let (x, v) = (x.as_chunks().0, v.as_chunks().0);
-        let (mut now, mut rates) = ([Quads::default(); RUN], [Quads::default(); RUN]);
-        for (run, blocks) in blocks.chunks(RUN).enumerate() {
-            corners.collect(first + run, x, &mut now);
-            if L::RATE {
-                corners.collect(first + run, v, &mut rates);
+        let Self { laws, corners, first, blocks, x, v, mut out } = self;
+        let (mut now, mut rates) = (Run::default(), Run::default());
+        let runs = blocks.chunks(RUN);
+        let end = first + runs.len();
+        let mut ahead = None;
+        for (run, blocks) in (first..end).zip(runs) {
+            let out = out.each_mut().map(|out| &mut out[run - first]);
+            if ahead.is_none() {
+                corners.collect(run, x, &mut now.0);
+                if L::RATE {
+                    corners.collect(run, v, &mut rates.0);
+                }
             }
-            for (number, (block, now)) in blocks.iter().zip(&now).enumerate() {
+            let of = |moving| if run + 1 < end { corners.ahead(run + 1, moving) } else { None };
+            ahead = of(x).zip(of(if L::RATE { v } else { x }));
+            for (number, (block, now)) in blocks.iter().zip(&mut now.0).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
                     let inverse = inverse(set, block, part);
                     let f = taken_apart(set, now, part).times(inverse);
-                    let rate = if L::RATE { taken_apart(set, &rates[number], part).times(inverse) } else { f };
+                    let rate = if L::RATE { taken_apart(set, &rates.0[number], part).times(inverse) } else { f };
                     let stresses = laws.stresses(f, rate);
                     let (turned, minus_area) = (inverse.transpose(), Wide::load(set, &block.minus_area, part));
                     for law in 0..N {
                         let h = stresses[law].times(turned) * minus_area;
                         let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
-                        for (out, [x, y]) in out[law][run * RUN + number].iter_mut().zip(forces) {
+                        for (out, [x, y]) in out[law][number].iter_mut().zip(forces) {
                             Wide::store_pairs(x, y, out, part);
                         }
+                    }
+                }
+                // What is collected needs other parts of the processor than the stresses do, and both go on at once.
+                if let Some((of_x, of_v)) = ahead {
+                    of_x.collect(number, now);
+                    if L::RATE {
+                        of_v.collect(number, &mut rates.0[number]);
                     }
                 }
             }

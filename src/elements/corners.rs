@@ -1,19 +1,21 @@
 //! Which vertices lie at the corners of triangles, in as few bytes as sweeps can read them from.
 
 use super::triangle::edges;
-use crate::lanes::{LANES, Quads};
+use crate::lanes::{LANES, Near, Quads, vector};
 
-/// For how many blocks of triangles the matrices D are collected at a time: enough for what is stored number by number to have arrived
+/// For how many blocks of triangles the matrices D are collected ahead: enough for what is stored number by number to have arrived
 /// when it is read lane by lane, and little enough to stay near the processor.
 pub const RUN: usize = 8;
 
-/// The corners of triangles, run by run.
+/// The corners of triangles, run by run. Vertices are counted from the first of a body or of a part of it, and so are the positions or
+/// velocities that are read.
 #[derive(Debug)]
 pub struct Corners {
     starts: Vec<Start>,
-    /// Counted from where the run starts; of no use in a run whose vertices lie too far apart.
+    /// Where the numbers of the corners are, counted from where those of the run's first vertex are; of no use in a run whose vertices
+    /// lie too far apart. The last run is filled up with triangles of one vertex.
     near: Vec<[u16; 3]>,
-    /// Those of such runs, one after another.
+    /// The vertices at the corners in such runs, one after another.
     far: Vec<[u32; 3]>,
 }
 
@@ -27,46 +29,69 @@ enum Start {
 }
 
 impl Corners {
-    /// Packs the vertices of each triangle's corners.
-    pub fn new(corners: &[[u32; 3]]) -> Self {
-        let (mut near, mut far) = (Vec::with_capacity(corners.len()), Vec::new());
-        let start = |run: &[[u32; 3]]| {
+    /// Packs the vertices of each triangle's corners; numbers are counted from a first one.
+    pub fn new(corners: &[[u32; 3]], start: usize) -> Self {
+        let count = corners.len().next_multiple_of(RUN * LANES);
+        let (mut near, mut far) = (Vec::with_capacity(count), Vec::new());
+        let pack = |run: &[[u32; 3]]| {
             let first = run.as_flattened().iter().min().copied().unwrap_or(0);
-            let of_run = run.iter().map(|corners| corners.map(|corner| corner - first));
-            near.extend(of_run.clone().map(|corners| corners.map(|corner| corner as u16)));
-            if of_run.flatten().all(|corner| u16::try_from(corner).is_ok()) {
-                return Start::Near(first);
+            let places = run.iter().map(|corners| corners.map(|corner| 2 * (corner - first)));
+            near.extend(places.clone().map(|places| places.map(|place| place as u16)));
+            if places.flatten().all(|place| u16::try_from(place).is_ok()) {
+                return Start::Near(first - start as u32);
             }
-            let start = Start::Far(far.len() as u32);
-            far.extend_from_slice(run);
-            start
+            let begin = Start::Far(far.len() as u32);
+            far.extend(run.iter().map(|corners| corners.map(|corner| corner - start as u32)));
+            begin
         };
-        Self { starts: corners.chunks(RUN * LANES).map(start).collect(), near, far }
+        let starts = corners.chunks(RUN * LANES).map(pack).collect();
+        near.resize(count, [0; 3]);
+        Self { starts, near, far }
+    }
+
+    /// What D is to be collected from in a run, with nothing to check, if its vertices lie near each other and enough numbers follow.
+    #[inline(always)]
+    pub fn ahead<'a>(&'a self, run: usize, values: &'a [f64]) -> Option<Ahead<'a>> {
+        let Some(Start::Near(first)) = self.starts.get(run) else { return None };
+        let blocks = self.near.get(run * RUN * LANES..)?.as_chunks().0.first_chunk()?;
+        Some(Ahead { numbers: values.get(2 * *first as usize..)?.first_chunk()?, blocks })
     }
 
     /// D of each triangle of a run.
-    #[inline(always)]
-    pub fn collect(&self, run: usize, x: &[[f64; 2]], out: &mut [Quads; RUN]) {
-        let begin = run * RUN * LANES;
-        let near = &self.near[begin..self.near.len().min(begin + RUN * LANES)];
+    pub fn collect(&self, run: usize, values: &[f64], out: &mut [Quads; RUN]) {
+        if let Some(ahead) = self.ahead(run, values) {
+            out.iter_mut().enumerate().for_each(|(block, out)| ahead.collect(block, out));
+            return;
+        }
+        let (values, out) = (values.as_chunks().0, out.as_flattened_mut());
         match self.starts[run] {
-            Start::Near(first) => collect(&x[first as usize..], near, out),
-            Start::Far(first) => collect(x, &self.far[first as usize..][..near.len()], out),
+            Start::Near(first) => {
+                let vertices = |places: &[u16; 3]| places.map(|place| first + u32::from(place) / 2);
+                let near = &self.near[run * RUN * LANES..];
+                out.iter_mut().zip(near).for_each(|(to, places)| *to = edges(values, vertices(places)));
+            }
+            Start::Far(first) => {
+                let far = &self.far[first as usize..];
+                out.iter_mut().zip(far).for_each(|(to, corners)| *to = edges(values, *corners));
+            }
         }
     }
 }
 
-/// D of each triangle, from the vertices of its corners.
-#[inline(always)]
-fn collect<V: Copy + Into<u32>>(x: &[[f64; 2]], corners: &[[V; 3]], out: &mut [Quads]) {
-    let (whole, rest) = corners.as_chunks::<LANES>();
-    let (of_whole, of_rest) = out.split_at_mut(whole.len());
-    for (to, triangles) in of_whole.iter_mut().zip(whole) {
-        for (to, &triangle) in to.iter_mut().zip(triangles) {
-            *to = edges(x, triangle.map(Into::into));
+/// A run to be collected block by block.
+#[derive(Clone, Copy)]
+pub struct Ahead<'a> {
+    numbers: &'a Near,
+    blocks: &'a [[[u16; 3]; LANES]; RUN],
+}
+
+impl Ahead<'_> {
+    /// D of each triangle of a block.
+    #[inline(always)]
+    pub fn collect(self, block: usize, out: &mut Quads) {
+        for (to, places) in out.iter_mut().zip(&self.blocks[block]) {
+            let [a, b, c] = places.map(|place| vector(self.numbers, place));
+            *to = [b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]];
         }
-    }
-    for (to, &triangle) in of_rest.as_flattened_mut().iter_mut().zip(rest) {
-        *to = edges(x, triangle.map(Into::into));
     }
 }

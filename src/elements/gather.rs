@@ -1,10 +1,9 @@
 //! From forces at the corners of elements to forces on vertices.
 
-use super::Target;
-use crate::lanes::{LANES, Order, Pairs, SPARE, lined};
-use pulp::{Arch, Simd, WithSimd};
+use super::stages::Stages;
+use crate::lanes::{LANES, NEAR, Order, Pairs, SPARE, lined};
+use pulp::Arch;
 use std::{iter::repeat_n, ops::Range};
-use wide::f64x2;
 
 /// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
 /// vertices with as many corners as each other, and little enough for the forces to be still near the processor.
@@ -73,18 +72,25 @@ impl Plan {
 
 /// Vertices with as many corners as each other; one vertex, if that lies in several parts.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+pub struct Run {
     /// When they have all their forces.
-    stage: u32,
+    pub stage: u32,
     /// How many corners each has.
-    degree: u32,
+    pub degree: u32,
     /// How many vertices there are.
-    count: u32,
+    pub count: u32,
     /// Whether their numbers follow each other.
-    dense: bool,
+    pub dense: bool,
     /// In how many parts they lie.
-    parts: u32,
+    pub parts: u32,
 }
+
+/// A place among [`Near`] numbers where there is no force: at the end, where no corner is.
+const NOTHING: u16 = u16::MAX;
+
+/// The vertices of a stage are summed as if they all had as many corners as the one with the most, if that makes no more than so many
+/// times the sums: nothing is added where they have fewer.
+const WASTE: f64 = 1.25;
 
 /// Vertices in a row are a run of their own if runs are so long on average.
 const LONG: usize = 8;
@@ -123,28 +129,47 @@ impl Gather {
         let part = |element: usize| cuts.partition_point(|cut| *cut <= element);
         let same_part = |one: &(usize, usize), other: &(usize, usize)| part(one.0) == part(other.0);
         let parts = |vertex: u32| meeting[vertex as usize].chunk_by(same_part);
+        let near = window * STAGE * LANES * 2 * N <= NOTHING.into();
         // A vertex is summed in the stage of its last corner.
-        let key = |vertex: &u32| {
-            let meeting = &meeting[*vertex as usize];
-            (ends(meeting).1 as u32, parts(*vertex).count() as u32, meeting.len() as u32)
+        let stage = |vertex: u32| ends(&meeting[vertex as usize]).1;
+        let alone = |vertex: &u32| near && parts(*vertex).count() == 1;
+        let all_alone = (0..vertices.len() as u32).filter(alone);
+        let degrees = degrees(plan.count(), all_alone.map(|vertex| (stage(vertex), meeting[vertex as usize].len())));
+        let degree = |vertex: u32| {
+            let alike = if alone(&vertex) { degrees[stage(vertex)] } else { None };
+            alike.unwrap_or(meeting[vertex as usize].len())
         };
+        let key = |vertex: &u32| (stage(*vertex) as u32, parts(*vertex).count() as u32, degree(*vertex) as u32);
         let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
-        ordered.sort_by_key(key);
+        ordered.sort_by_cached_key(key);
         let runs = ordered.chunk_by(|one, other| key(one) == key(other)).flat_map(|alike| {
             let (stage, parts, degree) = key(&alike[0]);
             let follows = |one: &u32, other: &u32| one + 1 == *other;
             let dense = LONG * alike.chunk_by(follows).count() <= alike.len();
             let joins = move |one: &u32, other: &u32| parts <= 1 && (!dense || follows(one, other));
-            alike.chunk_by(joins).map(move |run| Run { stage, degree, count: run.len() as u32, dense, parts })
+            let run = move |run: &[u32]| Run { stage, degree, count: run.len() as u32, dense, parts };
+            let first = vertices.start;
+            alike.chunk_by(joins).flat_map(move |all| {
+                // Fours begin where a line of memory may.
+                let head = (4 - (first + all[0] as usize) % 4) % 4;
+                let (head, all) = all.split_at(if dense { head.min(all.len()) } else { 0 });
+                [head, all].into_iter().filter(|run| !run.is_empty()).map(run)
+            })
         });
         let runs = runs.collect();
         let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
-        let places = ordered.iter().flat_map(|&vertex| &meeting[vertex as usize]).map(place);
-        let near: Option<_> = places.clone().map(|place| u16::try_from(place).ok()).collect();
-        let far = if near.is_none() { places.map(|place| place as u32).collect() } else { Vec::new() };
-        let near = near.unwrap_or_default();
-        Self { runs, vertices: ordered, near, far, first: vertices.start, window, shares, plan, set }
+        let places = ordered.iter().flat_map(|&vertex| {
+            let all = &meeting[vertex as usize];
+            all.iter().map(place).chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
+        });
+        let (mut of_near, mut far) = (Vec::new(), Vec::new());
+        if near {
+            of_near.extend(places.map(|place| place as u16));
+        } else {
+            far.extend(places.map(|place| place as u32));
+        }
+        Self { runs, vertices: ordered, near: of_near, far, first: vertices.start, window, shares, plan, set }
     }
 
     /// The instruction set.
@@ -197,190 +222,16 @@ impl Gather {
     }
 }
 
-/// What is left to be summed.
-pub struct Stages<'a> {
-    runs: &'a [Run],
-    vertices: &'a [u32],
-    near: &'a [u16],
-    far: &'a [u32],
-    shares: &'a [u32],
-    first: usize,
-    stage: u32,
-    set: Arch,
-}
-
-impl<'a> Stages<'a> {
-    /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
-    #[inline(always)]
-    pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
-        /// A closure might stay a call, without the instruction set.
-        struct Next<'a, 'b, T, const N: usize>(&'a mut Stages<'b>, [&'a [Pairs]; N], &'a mut T);
-        impl<T: Target<N>, const N: usize> WithSimd for Next<'_, '_, T, N> {
-            type Output = ();
-
-            #[inline(always)]
-            fn with_simd<S: Simd>(self, set: S) {
-                let Self(stages, corners, to) = self;
-                match near(&corners) {
-                    Some(corners) if stages.far.is_empty() => stages.add_next(set, corners, to),
-                    _ => stages.add_next(set, corners.map(<[Pairs]>::as_flattened), to),
-                }
-            }
-        }
-        self.set.dispatch(Next(self, corners, to));
+/// How many corners all vertices of each of so many stages are to be summed over, where they may have fewer: for each vertex, its stage
+/// and how many it has.
+fn degrees(stages: usize, of_vertices: impl Iterator<Item = (usize, usize)>) -> Vec<Option<usize>> {
+    let mut of_stages = vec![(0, 0, 0); stages];
+    for (stage, degree) in of_vertices {
+        let (most, sum, count): (usize, usize, usize) = of_stages[stage];
+        of_stages[stage] = (most.max(degree), sum + degree, count + 1);
     }
-
-    #[inline(always)]
-    fn add_next<S: Simd, C: Corners<'a, N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Target<N>) {
-        while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
-            && stage == self.stage
-        {
-            let (now, vertices) = self.vertices.split_at(count as usize);
-            (self.runs, self.vertices) = (runs, vertices);
-            let places = C::places(self);
-            let (of_now, others) = places.split_at((degree * count) as usize);
-            *places = others;
-            if parts > 1 {
-                let (shares, others) = self.shares.split_at(parts as usize);
-                self.shares = others;
-                let forces = sum_by_parts(of_now, shares, corners);
-                to.take(now.iter().map(|vertex| (self.first + *vertex as usize, forces)));
-                continue;
-            }
-            /// One loop for each of these numbers of corners, with nothing to count or check inside; one for all others.
-            macro_rules! loops {
-                ($($DEGREE:literal)+) => {
-                    match degree {
-                        $($DEGREE if C::NEAR && dense => {
-                            let (fours, rest) = of_now.as_chunks::<$DEGREE>().0.as_chunks();
-                            let first = self.first + now[0] as usize;
-                            to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
-                        })+
-                        $($DEGREE if C::NEAR => hand_out(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
-                        0 => hand_out(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
-                        _ => hand_out(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
-                    }
-                };
-            }
-            loops!(2 3 4 5 6 7 8 12);
-        }
-        self.stage += 1;
-    }
-}
-
-/// The forces at the corners, of each of several stresses.
-trait Corners<'a, const N: usize>: Copy {
-    /// What a place is.
-    type Place: Copy + 'a;
-
-    /// Whether places need no check.
-    const NEAR: bool;
-
-    /// The places that are left.
-    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [Self::Place];
-
-    /// One of a stress at a place.
-    fn at(self, law: usize, place: Self::Place) -> f64x2;
-}
-
-impl<'a, const N: usize> Corners<'a, N> for [&[[f64; 2]]; N] {
-    type Place = u32;
-
-    const NEAR: bool = false;
-
-    #[inline(always)]
-    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u32] {
-        &mut stages.far
-    }
-
-    #[inline(always)]
-    fn at(self, law: usize, place: u32) -> f64x2 {
-        f64x2::new(self[law][place as usize / 2])
-    }
-}
-
-/// The buffer of corners up to where places of 16 bits reach: where that is all there is, nobody has to check them.
-type Near = [f64; NEAR];
-
-/// A force begins at the last of these places at most.
-const NEAR: usize = u16::MAX as usize + 2;
-
-impl<'a, const N: usize> Corners<'a, N> for [&Near; N] {
-    type Place = u16;
-
-    const NEAR: bool = true;
-
-    #[inline(always)]
-    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u16] {
-        &mut stages.near
-    }
-
-    #[inline(always)]
-    fn at(self, law: usize, place: u16) -> f64x2 {
-        let place = usize::from(place);
-        f64x2::new([self[law][place], self[law][place + 1]])
-    }
-}
-
-/// All of them up to there, if they are as long as that.
-#[inline(always)]
-fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]> {
-    let near = |corners: &'a [Pairs]| corners.as_flattened().as_flattened().first_chunk();
-    let mut all = [near(corners.first()?)?; N];
-    for (all, corners) in all.iter_mut().zip(corners) {
-        *all = near(corners)?;
-    }
-    Some(all)
-}
-
-/// The sums of the sums over the places in each part.
-fn sum_by_parts<'a, C: Corners<'a, N>, const N: usize>(
-    mut places: &[C::Place],
-    shares: &[u32],
-    corners: C,
-) -> [f64x2; N] {
-    let mut sums = [f64x2::ZERO; N];
-    for &share in shares {
-        let (now, others) = places.split_at(share as usize);
-        for (sum, of_part) in sums.iter_mut().zip(sum_at(now, corners)) {
-            *sum += of_part;
-        }
-        places = others;
-    }
-    sums
-}
-
-/// The sums over these places.
-#[inline(always)]
-fn sum_at<'a, C: Corners<'a, N>, const N: usize>(places: &[C::Place], corners: C) -> [f64x2; N] {
-    let mut sums = [f64x2::ZERO; N];
-    for &place in places {
-        for (law, sum) in sums.iter_mut().enumerate() {
-            *sum += corners.at(law, place);
-        }
-    }
-    sums
-}
-
-/// The sums of four vertices.
-#[inline(always)]
-fn sum_at_four<'a, C: Corners<'a, N>, const D: usize, const N: usize>(
-    places: &[[C::Place; D]; 4],
-    corners: C,
-) -> [[f64x2; N]; 4] {
-    let [a, b, c, d] = places;
-    [sum_at(a, corners), sum_at(b, corners), sum_at(c, corners), sum_at(d, corners)]
-}
-
-/// Hands out forces on these vertices, counted from the first of the body or net.
-#[inline(always)]
-fn hand_out<const N: usize>(
-    first: usize,
-    vertices: &[u32],
-    forces: impl Iterator<Item = [f64x2; N]>,
-    to: &mut impl Target<N>,
-) {
-    to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces));
+    let alike = |(most, sum, count): (usize, usize, usize)| (most * count) as f64 <= WASTE * sum as f64;
+    of_stages.into_iter().map(|of| alike(of).then_some(of.0)).collect()
 }
 
 /// How many numbers of scratch hold so many [`Pairs`], and can be read as [`Near`].
@@ -396,7 +247,11 @@ pub fn make_room(scratch: &mut Vec<f64>, numbers: usize) {
     }
 }
 
-/// [`Pairs`] in scratch, from where a line of memory begins.
+/// [`Pairs`] in scratch, from where a line of memory begins, with nothing at the place [`NOTHING`].
 pub fn pairs(scratch: &mut [f64]) -> &mut [Pairs] {
-    lined(scratch).as_chunks_mut().0.as_chunks_mut().0
+    let numbers = lined(scratch);
+    if let Some(nothing) = numbers.get_mut(NOTHING.into()..NEAR) {
+        nothing.fill(0.0);
+    }
+    numbers.as_chunks_mut().0.as_chunks_mut().0
 }

@@ -8,6 +8,7 @@ mod gather;
 mod kick;
 mod parts;
 mod spring;
+mod stages;
 mod survey;
 mod sweep;
 mod tangent;

@@ -4,13 +4,13 @@
 //! are sums over the parts whoever steps ([`super::gather`]), so that any number of threads comes to the same bits.
 
 use super::{
-    blocks::{Block, Laws},
+    blocks::Laws,
     corners::Corners,
     gather::Gather,
     sweep::Piece,
     walk::{Ground, More, Outcome, Way, walk},
 };
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Lined};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -102,7 +102,7 @@ impl Parts {
             let on_seam = |corners: &[u32; 3]| corners.iter().any(|corner| *corner as usize >= own.len());
             let stages = corners.iter().enumerate().filter(|(_, corners)| on_seam(corners));
             let met = stages.map(|(triangle, _)| gather.stage(triangle)).max().unwrap_or(0);
-            Part { own, corners: Corners::new(&corners), block: begin / LANES, gather, met }
+            Part { own, corners: Corners::new(&corners, 0), block: begin / LANES, gather, met }
         };
         Some(Self { parts: begins.zip(ends).enumerate().map(part).collect(), seam })
     }
@@ -118,47 +118,53 @@ impl Parts {
     }
 }
 
-/// Who walks for a part, with its own copy of what it moves.
+/// Who walks for a part or, where there are no parts, for a whole body, with its own copy of what it moves.
 #[derive(Debug, Default)]
 pub struct Walker {
     part: usize,
-    x: Vec<[f64; 2]>,
-    v: Vec<[f64; 2]>,
-    mass: Vec<[f64; 2]>,
-    inverse_mass: Vec<[f64; 2]>,
+    /// Positions, velocities, masses and their reciprocals; flat.
+    own: [Lined; 4],
     scratch: Vec<f64>,
     /// What came of the last walk.
     pub outcome: Outcome,
 }
 
 impl Walker {
-    /// For one part.
+    /// For one part; the first, if there are none.
     pub fn new(part: usize) -> Self {
         Self { part, ..Self::default() }
     }
 
     /// Takes positions, velocities, masses and their reciprocals from the whole scene; all flat.
-    pub fn set_out(&mut self, parts: &Parts, whole: [&[f64]; 4]) {
-        let part = &parts.parts[self.part];
-        let own = [&mut self.x, &mut self.v, &mut self.mass, &mut self.inverse_mass];
-        for (own, whole) in own.into_iter().zip(whole) {
+    pub fn set_out(&mut self, parts: Option<&Parts>, whole: [&[f64]; 4]) {
+        for (own, whole) in self.own.iter_mut().zip(whole) {
+            let Some(parts) = parts else {
+                own.fit(whole.len()).copy_from_slice(whole);
+                continue;
+            };
+            let part = &parts.parts[self.part];
             let whole: &[[f64; 2]] = whole.as_chunks().0;
-            own.clear();
+            let own = own.fit(2 * (part.own.len() + parts.seam.len()));
+            let (own, of_seam) = own.as_chunks_mut().0.split_at_mut(part.own.len());
             match part.in_a_row() {
-                Some(run) => own.extend_from_slice(&whole[run]),
-                None => own.extend(part.own.iter().map(|vertex| whole[*vertex as usize])),
+                Some(run) => own.copy_from_slice(&whole[run]),
+                None => own.iter_mut().zip(&part.own).for_each(|(own, vertex)| *own = whole[*vertex as usize]),
             }
-            own.extend(parts.seam.iter().map(|vertex| whole[*vertex as usize]));
+            of_seam.iter_mut().zip(&parts.seam).for_each(|(own, vertex)| *own = whole[*vertex as usize]);
         }
     }
 
     /// Writes positions and velocities to the whole scene; the first part also those on the seams.
-    pub fn arrive(&self, parts: &Parts, x: &mut [f64], v: &mut [f64]) {
-        let part = &parts.parts[self.part];
-        let seam = if self.part == 0 { parts.seam.as_slice() } else { &[] };
-        for (whole, own) in [(x, &self.x), (v, &self.v)] {
+    pub fn arrive(&self, parts: Option<&Parts>, moving: [&mut [f64]; 2]) {
+        for (whole, own) in moving.into_iter().zip(&self.own) {
+            let Some(parts) = parts else {
+                whole.copy_from_slice(own.numbers());
+                continue;
+            };
+            let part = &parts.parts[self.part];
+            let seam = if self.part == 0 { parts.seam.as_slice() } else { &[] };
             let whole: &mut [[f64; 2]] = whole.as_chunks_mut().0;
-            let (own, of_seam) = own.split_at(part.own.len());
+            let (own, of_seam) = own.numbers().as_chunks().0.split_at(part.own.len());
             match part.in_a_row() {
                 Some(run) => whole[run].copy_from_slice(own),
                 None => part.own.iter().zip(own).for_each(|(vertex, own)| whole[*vertex as usize] = *own),
@@ -167,24 +173,27 @@ impl Walker {
         }
     }
 
-    /// Takes steps together with the walkers of the other parts.
+    /// Takes steps over a body, together with the walkers of the other parts.
     pub fn walk<L: Laws<N>, const N: usize>(
         &mut self,
         laws: L,
-        parts: &Parts,
-        blocks: &[Block],
+        (whole, parts): (Piece<'_>, Option<&Parts>),
         way: (&Way, More<'_>),
     ) {
-        let part = &parts.parts[self.part];
-        let ground = Ground {
-            piece: Piece { corners: &part.corners, blocks: &blocks[part.block..], gather: &part.gather },
-            number: self.part,
-            x: &mut self.x,
-            v: &mut self.v,
-            masses: [&self.mass, &self.inverse_mass],
-            own: part.own.len(),
-            met: part.met,
-        };
+        let [x, v, mass, inverse_mass] = &mut self.own;
+        let masses: [&[_]; 2] = [mass, inverse_mass].map(|masses| masses.numbers().as_chunks().0);
+        let (piece, own, met) = parts.map_or((whole.clone(), masses[0].len(), 0), |parts| {
+            let part = &parts.parts[self.part];
+            let piece = Piece {
+                vertices: 0..masses[0].len(),
+                corners: &part.corners,
+                blocks: &whole.blocks[part.block..],
+                gather: &part.gather,
+            };
+            (piece, part.own.len(), part.met)
+        });
+        let [x, v] = [x, v].map(|moving| moving.and_more().as_chunks_mut().0);
+        let ground = Ground { piece, number: self.part, x, v, masses, own, met };
         self.outcome = walk(laws, ground, way, &mut self.scratch);
     }
 }

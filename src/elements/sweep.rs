@@ -4,16 +4,20 @@ use super::{
     Target,
     blocks::{Block, Forces, Laws},
     corners::{Corners, RUN},
-    gather::{Gather, STAGE, Stages, pairs, room},
+    gather::{Gather, STAGE, pairs, room},
+    stages::Stages,
 };
-use crate::lanes::Pairs;
+use crate::lanes::{NEAR, Pairs};
+use std::ops::Range;
 
 /// A stage begins with a run.
 const _: () = assert!(STAGE.is_multiple_of(RUN));
 
 /// The triangles of a body or of a part of it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Piece<'a> {
+    /// The numbers of its vertices.
+    pub vertices: Range<usize>,
     pub corners: &'a Corners,
     /// Their rest shapes, and maybe some after them.
     pub blocks: &'a [Block],
@@ -23,30 +27,56 @@ pub struct Piece<'a> {
 impl Piece<'_> {
     /// How many numbers of scratch a sweep needs for each stress.
     pub fn scratch(&self) -> usize {
+        2 * self.copy() + self.buffer()
+    }
+
+    /// How many of them are for the forces at corners.
+    pub fn buffer(&self) -> usize {
         room(3 * self.gather.blocks())
     }
 
+    /// How many numbers a copy of the positions takes, with so many after them that from any of them on there are [`Near`](crate::lanes::Near)
+    /// ones; zero if there are so many positions that this is of little use.
+    fn copy(&self) -> usize {
+        if self.vertices.len() < NEAR { 2 * self.vertices.len() + NEAR } else { 0 }
+    }
+
     /// Computes the forces of stresses on the corners of all triangles, sums them at their vertices and hands them out.
-    pub fn sweep<const N: usize>(&self, laws: impl Laws<N>, target: &mut impl Target<N>, scratch: &mut [f64]) {
+    pub fn sweep<L: Laws<N>, const N: usize>(&self, laws: L, target: &mut impl Target<N>, scratch: &mut [f64]) {
+        let (copies, scratch) = scratch.split_at_mut(2 * self.copy());
+        let (x, v) = copies.split_at_mut(self.copy());
+        let values = 2 * self.vertices.start..2 * self.vertices.end;
+        if !x.is_empty() {
+            let [from_x, from_v] = target.motion();
+            x[..values.len()].copy_from_slice(&from_x[values.clone()]);
+            if L::RATE {
+                v[..values.len()].copy_from_slice(&from_v[values]);
+            }
+        }
+        let from = if x.is_empty() { None } else { Some([&*x, &*v]) };
         let mut buffers = buffers(scratch);
         let mut stages = self.gather.stages();
         for stage in 0..self.gather.count() {
-            self.stage(stage, laws, (&mut buffers, &mut stages), target);
+            self.stage(stage, laws, from, (&mut buffers, &mut stages), target);
         }
     }
 
-    /// One stage of a sweep.
+    /// One stage of a sweep; positions and velocities may be read from elsewhere than from where they are to be changed.
     #[inline(always)]
     pub fn stage<const N: usize>(
         &self,
         stage: usize,
         laws: impl Laws<N>,
+        from: Option<[&[f64]; 2]>,
         (buffers, stages): (&mut [&mut [Pairs]; N], &mut Stages<'_>),
         target: &mut impl Target<N>,
     ) {
         let (gather, span) = (self.gather, self.gather.span(stage));
-        let out = buffers.each_mut().map(|buffer| buffer[3 * gather.slot(stage)..].as_chunks_mut().0);
-        let [x, v] = target.motion();
+        let out = buffers.each_mut().map(|buffer| buffer[3 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0);
+        let [x, v] = match from {
+            Some(from) => from,
+            None => target.motion().map(|values| values.get(2 * self.vertices.start..).unwrap_or_default()),
+        };
         gather.set().dispatch(Forces {
             laws,
             corners: self.corners,

@@ -5,7 +5,7 @@ use super::{
     gather::Gather,
     parts::{self, Parts, Walker},
     sweep::Piece,
-    walk::{Ground, More, Outcome, Way, walk},
+    walk::{More, Way},
 };
 use crate::{
     effects::{Effect, Motion, Viscous},
@@ -70,7 +70,7 @@ impl Triangles {
     ) -> Self {
         let blocks = Blocks::new(shapes, set);
         let gather = Gather::new(&corners, &vertices, (&parts::cuts(&corners), false), set);
-        let packed = Corners::new(&corners);
+        let packed = Corners::new(&corners, vertices.start);
         Self { vertices, corners, packed, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
     }
 
@@ -180,7 +180,12 @@ impl Triangles {
     }
 
     fn piece(&self) -> Piece<'_> {
-        Piece { corners: &self.packed, blocks: self.blocks.all(), gather: &self.gather }
+        Piece {
+            vertices: self.vertices.clone(),
+            corners: &self.packed,
+            blocks: self.blocks.all(),
+            gather: &self.gather,
+        }
     }
 
     /// The body in parts, if it is large enough for several to share the work.
@@ -188,46 +193,21 @@ impl Triangles {
         self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices, self.set())).as_ref()
     }
 
-    /// Moves the vertices of one part on their way through a number of steps, together with those who move the others.
-    pub(crate) fn walk_part(&self, walker: &mut Walker, parts: &Parts, way: &Way, more: More<'_>) {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, &'a Parts, (&'a Way, More<'b>));
+    /// Takes a walker on its way through a number of steps, together with those of the other parts if there are any.
+    pub(crate) fn walk(&self, walker: &mut Walker, parts: Option<&Parts>, way: &Way, more: More<'_>) {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, Option<&'a Parts>, (&'a Way, More<'b>));
         impl Visitor for Visit<'_, '_> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
                 let Self(of, walker, parts, way) = self;
-                let (elastic, blocks) = (Elastic(*material), of.blocks.all());
+                let (elastic, ground) = (Elastic(*material), (of.piece(), parts));
                 match of.viscous(way.0.everywhere) {
-                    None => walker.walk::<_, 1>(elastic, parts, blocks, way),
-                    Some(viscous) => walker.walk::<_, 2>(Both(elastic, viscous), parts, blocks, way),
+                    None => walker.walk::<_, 1>(elastic, ground, way),
+                    Some(viscous) => walker.walk::<_, 2>(Both(elastic, viscous), ground, way),
                 }
             }
         }
         self.model.visit(self.lame, Visit(self, walker, parts, (way, more)));
-    }
-
-    /// Moves all vertices on their way through a number of steps; all flat.
-    pub(crate) fn walk(
-        &self,
-        [x, v]: [&mut [f64]; 2],
-        masses: [&[f64]; 2],
-        (way, more): (&Way, More<'_>),
-        scratch: &mut Vec<f64>,
-    ) -> Outcome {
-        struct Visit<'a, 'b>(&'a Triangles, Ground<'a>, (&'a Way, More<'b>), &'a mut Vec<f64>);
-        impl Visitor for Visit<'_, '_> {
-            type Output = Outcome;
-            fn visit<M: Material>(self, material: &M) -> Outcome {
-                let Self(of, ground, way, scratch) = self;
-                match of.viscous(way.0.everywhere) {
-                    None => walk::<_, 1>(Elastic(*material), ground, way, scratch),
-                    Some(viscous) => walk::<_, 2>(Both(Elastic(*material), viscous), ground, way, scratch),
-                }
-            }
-        }
-        let [x, v] = [x, v].map(|values| values.as_chunks_mut().0);
-        let masses = masses.map(|masses| masses.as_chunks().0);
-        let ground = Ground { piece: self.piece(), number: 0, own: x.len(), x, v, masses, met: 0 };
-        self.model.visit(self.lame, Visit(self, ground, (way, more), scratch))
     }
 
     /// The viscous stress, if there is one.

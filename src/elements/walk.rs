@@ -10,8 +10,9 @@ use super::{
     Everywhere, Target,
     blocks::Laws,
     board::Board,
-    gather::{Stages, make_room},
+    gather::make_room,
     kick::Kick,
+    stages::Stages,
     sweep::{Piece, buffers},
 };
 use crate::lanes::Pairs;
@@ -104,7 +105,7 @@ pub fn walk<L: Laws<N>, const N: usize>(
 ) -> Outcome {
     let _presence = way.board.presence(ground.number);
     let start = Walk {
-        seam: vec![[f64x2::ZERO; N]; ground.x.len() - ground.own],
+        seam: vec![[f64x2::ZERO; N]; ground.masses[0].len() - ground.own],
         kick: Kick::new(way.everywhere, way.step),
         turn: 0,
         squares: [f64x2::ZERO; WAVE],
@@ -121,9 +122,9 @@ pub struct Ground<'a> {
     pub piece: Piece<'a>,
     /// Of the part.
     pub number: usize,
-    /// Positions [m].
+    /// Positions [m], and what follows in memory.
     pub x: &'a mut [[f64; 2]],
-    /// Velocities [m/s].
+    /// Velocities [m/s], and what follows in memory.
     pub v: &'a mut [[f64; 2]],
     /// Masses [kg] and their reciprocals.
     pub masses: [&'a [[f64; 2]]; 2],
@@ -152,7 +153,7 @@ struct Walk<'a, 'b, const N: usize> {
 
 impl<const N: usize> Walk<'_, '_, N> {
     fn go(mut self, laws: impl Laws<N>, more: More<'_>, scratch: &mut Vec<f64>) -> Outcome {
-        let each = N * self.ground.piece.scratch();
+        let each = N * self.ground.piece.buffer();
         make_room(scratch, self.way.wave as usize * each);
         let mut buffers: Vec<_> = scratch.chunks_exact_mut(each).map(buffers::<N>).collect();
         let alone = self.way.board.is_alone();
@@ -186,7 +187,7 @@ impl<const N: usize> Walk<'_, '_, N> {
 
     /// Takes some steps at once, from a first one on, each with buffers of its own.
     fn surge(&mut self, laws: impl Laws<N>, first: u32, buffers: &mut [[&mut [Pairs]; N]]) {
-        let (piece, count) = (self.ground.piece, buffers.len());
+        let (piece, count) = (self.ground.piece.clone(), buffers.len());
         let mut stages: [Stages<'_>; WAVE] = from_fn(|_| piece.gather.stages());
         let (ends, lag) = (piece.gather.count(), piece.gather.lag().max(self.ground.met));
         for tick in 0..ends + (count - 1) * lag {
@@ -200,7 +201,7 @@ impl<const N: usize> Walk<'_, '_, N> {
                     self.squares[turn] = f64x2::ZERO;
                 }
                 self.turn = turn;
-                piece.stage(stage, laws, (&mut buffers[turn], &mut stages[turn]), self);
+                piece.stage(stage, laws, None, (&mut buffers[turn], &mut stages[turn]), self);
                 if stage == self.ground.met {
                     self.way.board.post_seam(self.ground.number, step, self.seam.as_flattened());
                 }

@@ -10,7 +10,7 @@ mod sets;
 mod square;
 mod wide;
 
-pub use lines::{SPARE, lined};
+pub use lines::{Lined, NEAR, Near, SPARE, lined, vector};
 pub use sets::{sets, width};
 pub use square::Square;
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};

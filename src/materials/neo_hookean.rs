@@ -74,9 +74,11 @@ impl Material for NeoHookean {
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
+        // The quotient does not wait for the logarithm.
+        let inverse = j.of(1.0) / j;
         let (log, slope) = log(j);
         let pull = log * lambda - mu;
-        f * mu + f.cofactor() * j.if_less(j.of(FLAT), pull * (slope * (1.0 / FLAT)), pull / j)
+        f * mu + f.cofactor() * (pull * j.if_less(j.of(FLAT), slope * (1.0 / FLAT), inverse))
     }
 
     /// dP = mu dF + (lambda L'² + (lambda L - mu) L'') (G : dF) G + (lambda L - mu) L' dG.

@@ -1,6 +1,6 @@
 //! A thread that walks for a part of a large body.
 
-use crate::elements::{More, Triangles, Walker, Way};
+use crate::elements::{Triangles, Walker, Way};
 use std::{
     io,
     panic::resume_unwind,
@@ -35,7 +35,7 @@ impl Companion {
         let (done, back) = channel();
         let thread = thread::Builder::new().name("companion".to_owned()).spawn(move || {
             while let Ok((mut walker, body, way)) = next(&asked) {
-                walk(&body, &mut walker, &way, &mut || true);
+                body.walk(&mut walker, body.parts(), &way, &mut || true);
                 if done.send(walker).is_err() {
                     return;
                 }
@@ -65,13 +65,6 @@ impl Drop for Companion {
     fn drop(&mut self) {
         self.errands = None;
         let _panic = self.thread.take().map(JoinHandle::join);
-    }
-}
-
-/// Walks for a part.
-pub(super) fn walk(body: &Triangles, walker: &mut Walker, way: &Way, more: More<'_>) {
-    if let Some(parts) = body.parts() {
-        body.walk_part(walker, parts, way, more);
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::{
     BATCH, Simulation,
-    companion::{Companion, walk},
+    companion::Companion,
     system::{System, shrunk},
 };
 use crate::{
@@ -23,12 +23,10 @@ const LONGEST: u64 = 400 * BATCH;
 pub(super) struct Team {
     /// How many threads there may be.
     threads: usize,
-    /// One for each part; none after one thread alone has walked.
+    /// One for each part, or for the whole.
     walkers: Vec<Walker>,
     /// Those who walk beside this thread, for the second and further parts.
     companions: Vec<Companion>,
-    /// For one thread alone.
-    scratch: Vec<f64>,
     /// The revision of the simulation that they arrived at and what they knew then: while it is the same, they are where
     /// everything is.
     arrived: Option<(u64, Outcome)>,
@@ -135,10 +133,7 @@ impl Simulation {
             lightest: self.scratch.lightest,
             shrink: shrunk,
         };
-        let outcome = match parts {
-            Some(parts) => self.walk_together((&body, parts), (&way, more), known.is_some()),
-            None => self.walk_alone(&body, (&way, more)),
-        };
+        let outcome = self.walk((&body, parts), (&way, more), known.is_some());
         let taken = u64::from(outcome.steps);
         (self.scratch.kinetic, self.scratch.room) = (Some(outcome.kinetic), outcome.room);
         self.team.walked[0] = true;
@@ -148,25 +143,18 @@ impl Simulation {
         Some(if !outcome.late && self.is_sound() { taken } else { self.step_plainly(taken) })
     }
 
-    /// A stretch by one thread.
-    fn walk_alone(&mut self, body: &Triangles, way: (&Way, More<'_>)) -> Outcome {
-        let Self { scene, state, scratch, team, .. } = self;
-        team.walkers.clear();
-        let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
-        body.walk([&mut state.x, &mut state.v], [&scene.mass, inverse_mass], way, &mut team.scratch)
-    }
-
-    /// A stretch by a thread for each part; the walkers may have arrived where everything is.
-    fn walk_together(
+    /// A stretch by a thread for each part, or by this one alone; the walkers may have arrived where everything is.
+    fn walk(
         &mut self,
-        (body, parts): (&Arc<Triangles>, &Parts),
+        (body, parts): (&Arc<Triangles>, Option<&Parts>),
         (way, more): (&Way, More<'_>),
         arrived: bool,
     ) -> Outcome {
         let Self { scene, state, scratch, team, .. } = self;
-        let arrived = arrived && !team.walkers.is_empty();
-        if team.walkers.len() != parts.count() {
-            team.walkers = (0..parts.count()).map(Walker::new).collect();
+        let count = parts.map_or(1, Parts::count);
+        let arrived = arrived && team.walkers.len() == count;
+        if team.walkers.len() != count {
+            team.walkers = (0..count).map(Walker::new).collect();
         }
         let inverse_mass = if scratch.held.is_empty() { &scene.inverse_mass } else { &scratch.held };
         if !arrived {
@@ -178,16 +166,18 @@ impl Simulation {
             companion.send(walker, body, way);
         }
         for walker in own {
-            walk(body, walker, way, more);
+            body.walk(walker, parts, way, more);
         }
         for (walker, companion) in others.iter_mut().zip(&mut team.companions) {
             *walker = companion.receive();
         }
         for walker in &team.walkers {
-            walker.arrive(parts, &mut state.x, &mut state.v);
+            walker.arrive(parts, [&mut state.x, &mut state.v]);
         }
         let outcome = team.walkers.first().map(|walker| walker.outcome).unwrap_or_default();
-        team.steps[1] += u64::from(outcome.steps);
+        if count > 1 {
+            team.steps[1] += u64::from(outcome.steps);
+        }
         outcome
     }
 

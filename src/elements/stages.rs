@@ -1,0 +1,186 @@
+//! Sums of the forces at the corners that meet at each vertex, stage by stage.
+
+use super::{Target, gather::Run};
+use crate::lanes::{Near, Pairs, vector};
+use pulp::{Arch, Simd, WithSimd};
+use std::iter::repeat_n;
+use wide::f64x2;
+
+/// What is left to be summed.
+pub struct Stages<'a> {
+    pub runs: &'a [Run],
+    pub vertices: &'a [u32],
+    pub near: &'a [u16],
+    pub far: &'a [u32],
+    pub shares: &'a [u32],
+    pub first: usize,
+    pub stage: u32,
+    pub set: Arch,
+}
+
+impl<'a> Stages<'a> {
+    /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
+    #[inline(always)]
+    pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
+        /// A closure might stay a call, without the instruction set.
+        struct Next<'a, 'b, T, const N: usize>(&'a mut Stages<'b>, [&'a [Pairs]; N], &'a mut T);
+        impl<T: Target<N>, const N: usize> WithSimd for Next<'_, '_, T, N> {
+            type Output = ();
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, set: S) {
+                let Self(stages, corners, to) = self;
+                match near(&corners) {
+                    Some(corners) if stages.far.is_empty() => stages.add_next(set, corners, to),
+                    _ => stages.add_next(set, corners.map(<[Pairs]>::as_flattened), to),
+                }
+            }
+        }
+        self.set.dispatch(Next(self, corners, to));
+    }
+
+    #[inline(always)]
+    fn add_next<S: Simd, C: Buffer<'a, N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Target<N>) {
+        while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
+            && stage == self.stage
+        {
+            let (now, vertices) = self.vertices.split_at(count as usize);
+            (self.runs, self.vertices) = (runs, vertices);
+            let places = C::places(self);
+            let (of_now, others) = places.split_at((degree * count) as usize);
+            *places = others;
+            if parts > 1 {
+                let (shares, others) = self.shares.split_at(parts as usize);
+                self.shares = others;
+                let forces = sum_by_parts(of_now, shares, corners);
+                to.take(now.iter().map(|vertex| (self.first + *vertex as usize, forces)));
+                continue;
+            }
+            /// One loop for each of these numbers of corners, with nothing to count or check inside; one for all others.
+            macro_rules! loops {
+                ($($DEGREE:literal)+) => {
+                    match degree {
+                        $($DEGREE if C::NEAR && dense => {
+                            let (fours, rest) = of_now.as_chunks::<$DEGREE>().0.as_chunks();
+                            let first = self.first + now[0] as usize;
+                            to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
+                        })+
+                        $($DEGREE if C::NEAR => hand_out(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
+                        0 => hand_out(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
+                        _ => hand_out(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
+                    }
+                };
+            }
+            loops!(2 3 4 5 6 7 8 12);
+        }
+        self.stage += 1;
+    }
+}
+
+/// The forces at the corners, of each of several stresses.
+trait Buffer<'a, const N: usize>: Copy {
+    /// What a place is.
+    type Place: Copy + 'a;
+
+    /// Whether places need no check.
+    const NEAR: bool;
+
+    /// The places that are left.
+    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [Self::Place];
+
+    /// One of a stress at a place.
+    fn at(self, law: usize, place: Self::Place) -> f64x2;
+}
+
+impl<'a, const N: usize> Buffer<'a, N> for [&[[f64; 2]]; N] {
+    type Place = u32;
+
+    const NEAR: bool = false;
+
+    #[inline(always)]
+    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u32] {
+        &mut stages.far
+    }
+
+    #[inline(always)]
+    fn at(self, law: usize, place: u32) -> f64x2 {
+        f64x2::new(self[law][place as usize / 2])
+    }
+}
+
+impl<'a, const N: usize> Buffer<'a, N> for [&Near; N] {
+    type Place = u16;
+
+    const NEAR: bool = true;
+
+    #[inline(always)]
+    fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u16] {
+        &mut stages.near
+    }
+
+    #[inline(always)]
+    fn at(self, law: usize, place: u16) -> f64x2 {
+        f64x2::new(vector(self[law], place))
+    }
+}
+
+/// All of them up to there, if they are as long as that.
+#[inline(always)]
+fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]> {
+    let near = |corners: &'a [Pairs]| corners.as_flattened().as_flattened().first_chunk();
+    let mut all = [near(corners.first()?)?; N];
+    for (all, corners) in all.iter_mut().zip(corners) {
+        *all = near(corners)?;
+    }
+    Some(all)
+}
+
+/// The sums of the sums over the places in each part.
+fn sum_by_parts<'a, C: Buffer<'a, N>, const N: usize>(
+    mut places: &[C::Place],
+    shares: &[u32],
+    corners: C,
+) -> [f64x2; N] {
+    let mut sums = [f64x2::ZERO; N];
+    for &share in shares {
+        let (now, others) = places.split_at(share as usize);
+        for (sum, of_part) in sums.iter_mut().zip(sum_at(now, corners)) {
+            *sum += of_part;
+        }
+        places = others;
+    }
+    sums
+}
+
+/// The sums over these places.
+#[inline(always)]
+fn sum_at<'a, C: Buffer<'a, N>, const N: usize>(places: &[C::Place], corners: C) -> [f64x2; N] {
+    let mut sums = [f64x2::ZERO; N];
+    for &place in places {
+        for (law, sum) in sums.iter_mut().enumerate() {
+            *sum += corners.at(law, place);
+        }
+    }
+    sums
+}
+
+/// The sums of four vertices.
+#[inline(always)]
+fn sum_at_four<'a, C: Buffer<'a, N>, const D: usize, const N: usize>(
+    places: &[[C::Place; D]; 4],
+    corners: C,
+) -> [[f64x2; N]; 4] {
+    let [a, b, c, d] = places;
+    [sum_at(a, corners), sum_at(b, corners), sum_at(c, corners), sum_at(d, corners)]
+}
+
+/// Hands out forces on these vertices, counted from the first of the body or net.
+#[inline(always)]
+fn hand_out<const N: usize>(
+    first: usize,
+    vertices: &[u32],
+    forces: impl Iterator<Item = [f64x2; N]>,
+    to: &mut impl Target<N>,
+) {
+    to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces));
+}

@@ -145,6 +145,7 @@ fn eight_triangles_at_a_time_are_one_after_another_for_every_model() {
         let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
         elements.force(motion, &mut scratch, &mut force);
         // Stresses of 100 Pa on edges of 0.1 m.
+        assert!(force.iter().all(|force| force.is_finite()), "what was in scratch is of no matter");
         let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let scale = expected.iter().fold(10.0, |most: f64, force| most.max(force.abs()));
         assert!(error < 1e-14 * scale, "{}: {error:e} of {scale}", model.title());
@@ -223,9 +224,37 @@ fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
         let (_, expected) = elements.model().visit(elements.lame(), OneByOne(&simulation, &x));
         let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
         elements.elastic_force(&x, &mut scratch, &mut force);
+        assert!(force.iter().all(|force| force.is_finite()), "what was in scratch is of no matter");
         let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
         assert!(error < 1e-13 * scale, "{error:e} of {scale}");
+    }
+}
+
+/// So few vertices that a sweep copies their positions, and so many that it does not.
+#[test]
+fn a_body_whose_vertices_come_after_those_of_another_has_the_forces_that_it_has_alone() {
+    for side in [9, 258] {
+        let body = |side: u32| {
+            format!(
+                "(name: \"sheet\", mass: Density(1), mesh: Rectangle(width: 1, height: 1, columns: {side}, rows: {side}),
+                  material: (model: StVenantKirchhoff, young: 1000, poisson: 0.3))"
+            )
+        };
+        let [alone, after] = [body(side), format!("{}, {}", body(3), body(side))]
+            .map(|bodies| simulation(&level(&format!("(name: \"\", bodies: [{bodies}])"))));
+        let forces = |simulation: &Simulation| {
+            let elements = &simulation.scene().bodies.last().unwrap().elements;
+            let mut random = Random(8);
+            let mut x = simulation.scene().rest.clone();
+            let own = 2 * elements.vertices().start;
+            x[own..].iter_mut().for_each(|x| *x += random.between(-1e-4, 1e-4));
+            let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
+            elements.elastic_force(&x, &mut scratch, &mut force);
+            assert!(force[..own].iter().all(|force| *force == 0.0));
+            force.split_off(own)
+        };
+        assert_eq!(forces(&after), forces(&alone), "{side}");
     }
 }
 

@@ -201,10 +201,10 @@ fn what_fails_time_and_again_is_held_or_given_up_with_the_bits_of_single_steps()
               start: Scrambled(seed: {seed}))])"
         ))
     };
-    for (substeps, fails) in [(200, true), (1000, false), (3000, false)] {
+    for (substeps, fails) in [(300, true), (1000, false), (3000, false)] {
         let rest = format!("substeps: {substeps}, sleep: Off");
         let runs: Vec<_> = (1..=4).map(|seed| compare(&man(seed, &rest), 6, 777)).collect();
-        assert!(runs.iter().all(|run| run.fault().is_some() == fails), "{substeps}");
+        assert_eq!(runs.iter().any(|run| run.fault().is_some()), fails, "{substeps}");
         let [retaken, walked] = [|run: &Simulation| run.counts().retaken, Simulation::steps_at_a_stretch]
             .map(|of| runs.iter().map(of).sum::<u64>());
         assert!(retaken > 200 && walked > 10, "{substeps}: {retaken} steps taken again, {walked} at a stretch");

@@ -6,7 +6,7 @@ use pulp::Arch;
 use std::{iter::repeat_n, ops::Range};
 
 /// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
-/// vertices with as many corners as each other, and little enough for the forces to be still near the processor.
+/// vertices in a row, and little enough for the forces to be still near the processor.
 pub const STAGE: usize = 128;
 
 /// The same in elements.
@@ -16,14 +16,16 @@ pub const STRETCH: usize = LANES * STAGE;
 ///
 /// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements: the
 /// sum is the same on every run, and no two elements write to the same place. Vertices with as many corners as each other
-/// are summed one after another, so that the processor never has to guess how many there are.
+/// are summed one after another, so that the processor never has to guess how many there are; where nearly all have as many, the others
+/// are summed as if they had.
 #[derive(Debug)]
 pub struct Gather {
-    /// Vertices with as many corners as each other.
+    /// Vertices that are summed over as many places as each other.
     runs: Vec<Run>,
     /// The vertices, counted from the first of the body or net.
     vertices: Vec<u32>,
-    /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another: if all are [`Near`],
+    /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another: in a buffer so small that 16 bits reach
+    /// everywhere,
     near: Vec<u16>,
     /// or else.
     far: Vec<u32>,
@@ -70,12 +72,12 @@ impl Plan {
     }
 }
 
-/// Vertices with as many corners as each other; one vertex, if that lies in several parts.
+/// Vertices that are summed over as many places as each other; one vertex, if that lies in several parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// When they have all their forces.
     pub stage: u32,
-    /// How many corners each has.
+    /// How many places each is summed over: one for each corner, and maybe some where there is nothing.
     pub degree: u32,
     /// How many vertices there are.
     pub count: u32,
@@ -85,7 +87,7 @@ pub struct Run {
     pub parts: u32,
 }
 
-/// A place among [`Near`] numbers where there is no force: at the end, where no corner is.
+/// A place among [`Near`](crate::lanes::Near) numbers where there is no force: at the end, where no corner is.
 const NOTHING: u16 = u16::MAX;
 
 /// The vertices of a stage are summed as if they all had as many corners as the one with the most, if that makes no more than so many

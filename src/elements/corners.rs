@@ -1,6 +1,6 @@
 //! Which vertices lie at the corners of triangles, in as few bytes as sweeps can read them from.
 
-use super::triangle::edges;
+use super::triangle::{edges, edges_between};
 use crate::lanes::{LANES, Near, Quads, vector};
 
 /// For how many blocks of triangles the matrices D are collected ahead: enough for what is stored number by number to have arrived
@@ -90,8 +90,7 @@ impl Ahead<'_> {
     #[inline(always)]
     pub fn collect(self, block: usize, out: &mut Quads) {
         for (to, places) in out.iter_mut().zip(&self.blocks[block]) {
-            let [a, b, c] = places.map(|place| vector(self.numbers, place));
-            *to = [b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]];
+            *to = edges_between(places.map(|place| vector(self.numbers, place)));
         }
     }
 }

@@ -247,7 +247,12 @@ impl Triangles {
 /// D = [x1 - x0, x2 - x0] of a triangle, column by column.
 #[inline(always)]
 pub(super) fn edges(x: &[[f64; 2]], corners: [u32; 3]) -> [f64; 4] {
-    let [a, b, c] = corners.map(|corner| x[corner as usize]);
+    edges_between(corners.map(|corner| x[corner as usize]))
+}
+
+/// The same, from where its corners are.
+#[inline(always)]
+pub(super) fn edges_between([a, b, c]: [[f64; 2]; 3]) -> [f64; 4] {
     [b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]]
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     corners::{Corners, RUN},
-    triangle::{Rest, edges},
+    triangle::{Rest, edges, edges_between},
 };
 use crate::{
     lanes::{LANES, Lanes, Order, Pairs, Quads, Real, Square, Wide},
@@ -147,7 +147,7 @@ struct Run([Quads; RUN]);
 /// Computes the forces at all corners from [`Laws`].
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
-    pub corners: &'a Corners,
+    pub corners: &'a Corners<3>,
     /// The run with which `blocks` begins.
     pub first: usize,
     pub blocks: &'a [Block],
@@ -170,9 +170,9 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
         for (run, blocks) in (first..end).zip(runs) {
             let out = out.each_mut().map(|out| &mut out[run - first]);
             if ahead.is_none() {
-                corners.collect(run, x, &mut now.0);
+                corners.collect(run, x, edges_between, &mut now.0);
                 if L::RATE {
-                    corners.collect(run, v, &mut rates.0);
+                    corners.collect(run, v, edges_between, &mut rates.0);
                 }
             }
             let of = |moving| if run + 1 < end { corners.ahead(run + 1, moving) } else { None };
@@ -194,9 +194,9 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
                 }
                 // What is collected needs other parts of the processor than the stresses do, and both go on at once.
                 if let Some((of_x, of_v)) = ahead {
-                    of_x.collect(number, now);
+                    of_x.collect(number, edges_between, now);
                     if L::RATE {
-                        of_v.collect(number, &mut rates.0[number]);
+                        of_v.collect(number, edges_between, &mut rates.0[number]);
                     }
                 }
             }

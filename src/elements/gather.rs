@@ -35,41 +35,10 @@ pub struct Gather {
     window: usize,
     /// How many corners each vertex that lies in several parts has in each of them, one vertex after another.
     shares: Vec<u32>,
-    plan: Plan,
-    /// What the forces are computed with.
-    set: Arch,
-}
-
-/// Which elements belong to which stage.
-#[derive(Clone, Copy, Debug)]
-struct Plan {
     /// How many blocks of elements there are.
     blocks: usize,
-    /// Whether the last ones come first.
-    backwards: bool,
-}
-
-impl Plan {
-    /// The stage of an element.
-    const fn stage(self, element: usize) -> usize {
-        self.turned(element / LANES / STAGE)
-    }
-
-    /// The blocks of a stage.
-    fn span(self, stage: usize) -> Range<usize> {
-        let begin = self.turned(stage) * STAGE;
-        begin..(begin + STAGE).min(self.blocks)
-    }
-
-    /// How many stages there are.
-    const fn count(self) -> usize {
-        self.blocks.div_ceil(STAGE)
-    }
-
-    /// The number of a stage counted the other way, if the last ones come first.
-    const fn turned(self, stage: usize) -> usize {
-        if self.backwards { self.count() - 1 - stage } else { stage }
-    }
+    /// What the forces are computed with.
+    set: Arch,
 }
 
 /// Vertices that are summed over as many places as each other; one vertex, if that lies in several parts.
@@ -98,16 +67,16 @@ const WASTE: f64 = 1.25;
 const LONG: usize = 8;
 
 impl Gather {
-    /// `corners` holds the scene vertex numbers of each element's corners, whose forces are computed with an instruction set. The
-    /// sum at a vertex that lies in several parts is one of sums over the parts; the elements at which parts begin are the `cuts`.
-    /// Stages may begin with the last elements: what is summed at a vertex, and in which order, is the same.
+    /// `corners` holds the scene vertex numbers of each element's corners, whose forces are stored in an order. The sum at a vertex
+    /// that lies in several parts is one of sums over the parts; the elements at which parts begin are the `cuts`. Sums begin with
+    /// the first element that meets there or, where elements are in reverse and sums are to be as if they were not, with the last.
     pub fn new<const N: usize>(
         corners: &[[u32; N]],
         vertices: &Range<usize>,
-        (cuts, backwards): (&[usize], bool),
-        set: Arch,
+        (cuts, last_first): (&[usize], bool),
+        order: &Order,
     ) -> Self {
-        let plan = Plan { blocks: corners.len().div_ceil(LANES), backwards };
+        let blocks = corners.len().div_ceil(LANES);
         let mut meeting = vec![Vec::new(); vertices.len()];
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
@@ -115,17 +84,14 @@ impl Gather {
             }
         }
         let ends = |all: &[(usize, usize)]| {
-            let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| plan.stage(*element));
-            let (one, other) = (stage(all.first()), stage(all.last()));
-            (one.min(other), one.max(other))
+            let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STRETCH);
+            (stage(all.first()), stage(all.last()))
         };
         // Until a vertex has all its forces they have to stay in the buffer.
         let stays = |all: &Vec<(usize, usize)>| ends(all).1 - ends(all).0;
         let window = 1 + meeting.iter().map(stays).max().unwrap_or(0);
-        let order = Order::new(set);
         let place = |&(element, number): &(usize, usize)| {
-            let stage = plan.stage(element);
-            let block = stage % window * STAGE + element / LANES - plan.span(stage).start;
+            let block = element / LANES % (window * STAGE);
             2 * ((block * N + number) * LANES + order.place[element % LANES])
         };
         let part = |element: usize| cuts.partition_point(|cut| *cut <= element);
@@ -136,7 +102,8 @@ impl Gather {
         let stage = |vertex: u32| ends(&meeting[vertex as usize]).1;
         let alone = |vertex: &u32| near && parts(*vertex).count() == 1;
         let all_alone = (0..vertices.len() as u32).filter(alone);
-        let degrees = degrees(plan.count(), all_alone.map(|vertex| (stage(vertex), meeting[vertex as usize].len())));
+        let degrees =
+            degrees(blocks.div_ceil(STAGE), all_alone.map(|vertex| (stage(vertex), meeting[vertex as usize].len())));
         let degree = |vertex: u32| {
             let alike = if alone(&vertex) { degrees[stage(vertex)] } else { None };
             alike.unwrap_or(meeting[vertex as usize].len())
@@ -163,7 +130,9 @@ impl Gather {
         let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
         let places = ordered.iter().flat_map(|&vertex| {
             let all = &meeting[vertex as usize];
-            all.iter().map(place).chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
+            let number = |at: usize| if last_first { all.len() - 1 - at } else { at };
+            let of_corners = (0..all.len()).map(move |at| place(&all[number(at)]));
+            of_corners.chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
         });
         let (mut of_near, mut far) = (Vec::new(), Vec::new());
         if near {
@@ -171,7 +140,17 @@ impl Gather {
         } else {
             far.extend(places.map(|place| place as u32));
         }
-        Self { runs, vertices: ordered, near: of_near, far, first: vertices.start, window, shares, plan, set }
+        Self {
+            runs,
+            vertices: ordered,
+            near: of_near,
+            far,
+            first: vertices.start,
+            window,
+            shares,
+            blocks,
+            set: order.set,
+        }
     }
 
     /// The instruction set.
@@ -180,23 +159,18 @@ impl Gather {
     }
 
     /// How many blocks of elements the buffer of corners has to hold.
-    pub const fn blocks(&self) -> usize {
+    pub const fn buffer(&self) -> usize {
         self.window * STAGE
     }
 
     /// How many stages there are.
     pub const fn count(&self) -> usize {
-        self.plan.count()
-    }
-
-    /// The stage of an element.
-    pub const fn stage(&self, element: usize) -> usize {
-        self.plan.stage(element)
+        self.blocks.div_ceil(STAGE)
     }
 
     /// The blocks of a stage.
     pub fn span(&self, stage: usize) -> Range<usize> {
-        self.plan.span(stage)
+        stage * STAGE..((stage + 1) * STAGE).min(self.blocks)
     }
 
     /// After how many stages more than these all their vertices have their forces.

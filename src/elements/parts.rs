@@ -4,13 +4,14 @@
 //! are sums over the parts whoever steps ([`super::gather`]), so that any number of threads comes to the same bits.
 
 use super::{
-    blocks::Laws,
+    blocks::{Blocks, Laws},
     corners::Corners,
-    gather::Gather,
+    gather::{Gather, STRETCH},
     sweep::Piece,
+    triangle::Rest,
     walk::{Ground, More, Outcome, Way, walk},
 };
-use crate::lanes::{LANES, Lined};
+use crate::lanes::{LANES, Lined, Order};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -57,54 +58,58 @@ pub struct Parts {
     seam: Vec<u32>,
 }
 
-/// A part of a body.
+/// A part of a body. All it has is in the order in which it is swept over, from the seam on: memory is read from front to back then,
+/// as the processor expects.
 #[derive(Debug)]
 struct Part {
     /// Scene numbers of the vertices that are its alone; in its own numbers those on the seams come after them.
     own: Vec<u32>,
     /// Of its triangles, in its own numbers.
-    corners: Corners,
-    /// The first block of triangles.
-    block: usize,
+    corners: Corners<3>,
+    blocks: Blocks,
     gather: Gather,
     /// The stage after which it has all its forces at the seams.
     met: usize,
 }
 
-impl Part {
-    /// The numbers of the vertices that are its alone, if they follow each other.
-    fn in_a_row(&self) -> Option<Range<usize>> {
-        let (first, last) = (*self.own.first()? as usize, *self.own.last()? as usize);
-        (last - first < self.own.len()).then_some(first..last + 1)
-    }
-}
-
 impl Parts {
-    /// The parts of a mesh, for an instruction set; none if it is to be left whole.
-    pub fn new(corners: &[[u32; 3]], vertices: &Range<usize>, set: Arch) -> Option<Self> {
+    /// The parts of a mesh, whose triangles have these rest shapes, for an instruction set; none if it is to be left whole.
+    pub(super) fn new(
+        corners: &[[u32; 3]],
+        vertices: &Range<usize>,
+        rest: impl Fn(usize) -> Rest,
+        set: Arch,
+    ) -> Option<Self> {
         let cuts = Some(cuts(corners)).filter(|cuts| !cuts.is_empty())?;
         let seam = seam(corners, &cuts, vertices);
         let ends = cuts.iter().copied().chain([corners.len()]);
         let begins = [0].into_iter().chain(cuts.iter().copied());
-        let part = |(number, (begin, end)): (usize, (usize, usize))| {
-            let corners = &corners[begin..end];
-            let mut own: Vec<_> =
-                corners.as_flattened().iter().copied().filter(|vertex| seam.binary_search(vertex).is_err()).collect();
+        let part = |(number, triangles): (usize, Range<usize>)| {
+            // The first ends at the seam, so it is taken the other way round: both know early in a step how the seam moves.
+            let turned = number == 0;
+            let mut triangles: Vec<_> = triangles.collect();
+            let of_triangles = triangles.iter().flat_map(|triangle| corners[*triangle]);
+            let mut own: Vec<_> = of_triangles.filter(|vertex| seam.binary_search(vertex).is_err()).collect();
             own.sort_unstable();
             own.dedup();
-            let renamed = |vertex: u32| match own.binary_search(&vertex) {
-                Ok(number) => number,
-                Err(_) => own.len() + seam.partition_point(|other| *other < vertex),
+            if turned {
+                triangles.reverse();
+                own.reverse();
+            }
+            let renamed = |vertex: u32| match seam.binary_search(&vertex) {
+                Ok(at) => own.len() + at,
+                Err(_) => own.partition_point(|other| if turned { *other > vertex } else { *other < vertex }),
             };
-            let corners: Vec<_> = corners.iter().map(|corners| corners.map(|vertex| renamed(vertex) as u32)).collect();
-            // The first ends at the seam, and begins with it, so that both know early in a step how the seam moves.
-            let gather = Gather::new(&corners, &(0..own.len() + seam.len()), (&[], number == 0), set);
+            let corners = triangles.iter().map(|triangle| corners[*triangle].map(|vertex| renamed(vertex) as u32));
+            let corners: Vec<_> = corners.collect();
+            let shapes: Vec<_> = triangles.iter().map(|triangle| rest(*triangle)).collect();
+            let gather = Gather::new(&corners, &(0..own.len() + seam.len()), (&[], turned), &Order::new(set));
             let on_seam = |corners: &[u32; 3]| corners.iter().any(|corner| *corner as usize >= own.len());
-            let stages = corners.iter().enumerate().filter(|(_, corners)| on_seam(corners));
-            let met = stages.map(|(triangle, _)| gather.stage(triangle)).max().unwrap_or(0);
-            Part { own, corners: Corners::new(&corners, 0), block: begin / LANES, gather, met }
+            let met = corners.iter().rposition(on_seam).map_or(0, |triangle| triangle / STRETCH);
+            Part { own, corners: Corners::new(&corners, 0), blocks: Blocks::new(&shapes, set), gather, met }
         };
-        Some(Self { parts: begins.zip(ends).enumerate().map(part).collect(), seam })
+        let triangles = begins.zip(ends).map(|(begin, end)| begin..end);
+        Some(Self { parts: triangles.enumerate().map(part).collect(), seam })
     }
 
     /// How many parts there are.
@@ -146,10 +151,7 @@ impl Walker {
             let whole: &[[f64; 2]] = whole.as_chunks().0;
             let own = own.fit(2 * (part.own.len() + parts.seam.len()));
             let (own, of_seam) = own.as_chunks_mut().0.split_at_mut(part.own.len());
-            match part.in_a_row() {
-                Some(run) => own.copy_from_slice(&whole[run]),
-                None => own.iter_mut().zip(&part.own).for_each(|(own, vertex)| *own = whole[*vertex as usize]),
-            }
+            own.iter_mut().zip(&part.own).for_each(|(own, vertex)| *own = whole[*vertex as usize]);
             of_seam.iter_mut().zip(&parts.seam).for_each(|(own, vertex)| *own = whole[*vertex as usize]);
         }
     }
@@ -165,10 +167,7 @@ impl Walker {
             let seam = if self.part == 0 { parts.seam.as_slice() } else { &[] };
             let whole: &mut [[f64; 2]] = whole.as_chunks_mut().0;
             let (own, of_seam) = own.numbers().as_chunks().0.split_at(part.own.len());
-            match part.in_a_row() {
-                Some(run) => whole[run].copy_from_slice(own),
-                None => part.own.iter().zip(own).for_each(|(vertex, own)| whole[*vertex as usize] = *own),
-            }
+            part.own.iter().zip(own).for_each(|(vertex, own)| whole[*vertex as usize] = *own);
             seam.iter().zip(of_seam).for_each(|(vertex, own)| whole[*vertex as usize] = *own);
         }
     }
@@ -187,7 +186,7 @@ impl Walker {
             let piece = Piece {
                 vertices: 0..masses[0].len(),
                 corners: &part.corners,
-                blocks: &whole.blocks[part.block..],
+                blocks: part.blocks.all(),
                 gather: &part.gather,
             };
             (piece, part.own.len(), part.met)

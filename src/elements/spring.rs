@@ -1,10 +1,12 @@
 use super::{
     Adding, Kicking, Target,
-    gather::{Gather, STAGE, pairs, room},
+    corners::{Corners, RUN},
+    gather::{Gather, pairs, room},
+    sweep::copy,
 };
 use crate::{
     effects::{Effect, Motion},
-    lanes::{LANES, Pairs, Quads, Real, Wide},
+    lanes::{LANES, Lanes, Order, Pairs, Real, Wide},
     nets::{Link, Net},
     solvers::{BlockMatrix, Tangent, Weights},
 };
@@ -24,7 +26,19 @@ use std::ops::Range;
 pub struct Springs {
     vertices: Range<usize>,
     links: Vec<Link>,
+    ends: Corners<2>,
+    blocks: Vec<Block>,
     gather: Gather,
+}
+
+/// Eight springs side by side, in the lanes that [`Order::of_pairs`] gives them.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+struct Block {
+    /// [N/m].
+    stiffness: Lanes,
+    /// Length at rest [m].
+    rest: Lanes,
 }
 
 impl Springs {
@@ -32,17 +46,32 @@ impl Springs {
     pub fn new(net: &Net, vertices: Range<usize>) -> Self {
         let first = vertices.start as u32;
         let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
-        let links: Vec<_> = links.collect();
+        Self::of_links(links.collect(), vertices, Arch::new())
+    }
+
+    fn of_links(links: Vec<Link>, vertices: Range<usize>, set: Arch) -> Self {
         let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
-        Self { gather: Gather::new(&ends, &vertices, (&[], false), Arch::new()), links, vertices }
+        let order = Order::of_pairs(set);
+        let pack = |links: &[Link]| {
+            let mut block = Block::default();
+            for (link, lane) in links.iter().zip(order.lane) {
+                (block.stiffness[lane], block.rest[lane]) = (link.stiffness, link.rest);
+            }
+            block
+        };
+        Self {
+            ends: Corners::new(&ends, vertices.start),
+            blocks: links.chunks(LANES).map(pack).collect(),
+            gather: Gather::new(&ends, &vertices, (&[], false), &order),
+            links,
+            vertices,
+        }
     }
 
     /// The same for another instruction set than the best: with the same bits, in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
-        let ends: Vec<_> = self.links.iter().map(|link| link.ends).collect();
-        let gather = Gather::new(&ends, &self.vertices, (&[], false), set);
-        Self { gather, links: self.links.clone(), vertices: self.vertices.clone() }
+        Self::of_links(self.links.clone(), self.vertices.clone(), set)
     }
 
     /// Scene numbers of the net's particles.
@@ -66,11 +95,24 @@ impl Springs {
 
     /// Computes the forces on the particles and hands them out.
     fn sweep(&self, target: &mut impl Target, scratch: &mut [f64]) {
-        let pairs = pairs(scratch);
-        let (mut stages, set) = (self.gather.stages(), self.gather.set());
-        for (stage, links) in self.links.chunks(STAGE * LANES).enumerate() {
-            let out = pairs[2 * self.gather.slot(stage)..].as_chunks_mut().0;
-            set.dispatch(Pulls { links, x: target.motion()[0].as_chunks().0, out });
+        let (copy, scratch) = scratch.split_at_mut(copy(&self.vertices));
+        let values = 2 * self.vertices.start..2 * self.vertices.end;
+        if !copy.is_empty() {
+            copy[..values.len()].copy_from_slice(&target.motion()[0][values.clone()]);
+        }
+        let (gather, pairs) = (&self.gather, pairs(scratch));
+        let mut stages = gather.stages();
+        for stage in 0..gather.count() {
+            let span = gather.span(stage);
+            let out = pairs[2 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0;
+            let x = if copy.is_empty() { &target.motion()[0][values.clone()] } else { &*copy };
+            gather.set().dispatch(Pulls {
+                ends: &self.ends,
+                first: span.start / RUN,
+                blocks: &self.blocks[span],
+                x,
+                out,
+            });
             stages.add([&*pairs], target);
         }
     }
@@ -147,14 +189,20 @@ fn block(x: &[f64], link: &Link, tangent: Tangent) -> [f64; 3] {
     [across + along * ux * ux, along * ux * uy, across + along * uy * uy].map(|entry| link.stiffness * entry)
 }
 
-/// How many springs have their ends collected at a time.
-const RUN: usize = 8 * LANES;
+/// What lies between the ends of the springs of a run.
+#[derive(Default)]
+#[repr(align(64))]
+struct Run([Pairs; RUN]);
 
 /// Computes the forces at both ends of all springs.
 struct Pulls<'a> {
-    links: &'a [Link],
-    x: &'a [[f64; 2]],
-    out: &'a mut [[Pairs; 2]],
+    ends: &'a Corners<2>,
+    /// The run with which `blocks` begins.
+    first: usize,
+    blocks: &'a [Block],
+    x: &'a [f64],
+    /// The forces, run by run.
+    out: &'a mut [[[Pairs; 2]; RUN]],
 }
 
 impl WithSimd for Pulls<'_> {
@@ -162,22 +210,31 @@ impl WithSimd for Pulls<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        // From the first end to the second, stiffness and rest length.
-        let mut now = [Quads::default(); RUN / LANES];
-        for (links, out) in self.links.chunks(RUN).zip(self.out.chunks_mut(RUN / LANES)) {
-            for (to, link) in now.as_flattened_mut().iter_mut().zip(links) {
-                let [a, b] = link.ends.map(|end| self.x[end as usize]);
-                *to = [b[0] - a[0], b[1] - a[1], link.stiffness, link.rest];
+        let Self { ends, first, blocks, x, out } = self;
+        let between = |[a, b]: [[f64; 2]; 2]| [b[0] - a[0], b[1] - a[1]];
+        let (mut now, mut ahead) = (Run::default(), None);
+        let runs = blocks.chunks(RUN);
+        let last = first + runs.len();
+        for ((run, blocks), out) in (first..last).zip(runs).zip(out) {
+            if ahead.is_none() {
+                ends.collect(run, x, between, &mut now.0);
             }
-            for (now, [first, second]) in now.iter().zip(out) {
+            ahead = if run + 1 < last { ends.ahead(run + 1, x) } else { None };
+            for (number, ((block, now), [one, other])) in blocks.iter().zip(&mut now.0).zip(out).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
-                    let [dx, dy, stiffness, rest] = Wide::load_quads(set, now, part);
+                    let [dx, dy] = Wide::load_pairs(set, now, part);
+                    let stiffness = Wide::load(set, &block.stiffness, part);
+                    let rest = Wide::load(set, &block.rest, part);
                     let length = (dx * dx + dy * dy).sqrt();
-                    let (zero, one) = (length.of(0.0), length.of(1.0));
-                    let pull = stiffness * (length - rest) / zero.if_less(length, length, one);
+                    let (zero, unit) = (length.of(0.0), length.of(1.0));
+                    let pull = stiffness * (length - rest) / zero.if_less(length, length, unit);
                     let (fx, fy) = (pull * dx, pull * dy);
-                    Wide::store_pairs(fx, fy, first, part);
-                    Wide::store_pairs(-fx, -fy, second, part);
+                    Wide::store_pairs(fx, fy, one, part);
+                    Wide::store_pairs(-fx, -fy, other, part);
+                }
+                // As with triangles, what comes next is collected beside the arithmetic.
+                if let Some(ahead) = ahead {
+                    ahead.collect(number, between, now);
                 }
             }
         }
@@ -198,7 +255,7 @@ impl Effect for Springs {
     }
 
     fn scratch(&self) -> usize {
-        room(2 * self.gather.blocks())
+        copy(&self.vertices) + room(2 * self.gather.buffer())
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {

@@ -18,7 +18,7 @@ const _: () = assert!(STAGE.is_multiple_of(RUN));
 pub struct Piece<'a> {
     /// The numbers of its vertices.
     pub vertices: Range<usize>,
-    pub corners: &'a Corners,
+    pub corners: &'a Corners<3>,
     /// Their rest shapes, and maybe some after them.
     pub blocks: &'a [Block],
     pub gather: &'a Gather,
@@ -27,24 +27,19 @@ pub struct Piece<'a> {
 impl Piece<'_> {
     /// How many numbers of scratch a sweep needs for each stress.
     pub fn scratch(&self) -> usize {
-        2 * self.copy() + self.buffer()
+        2 * copy(&self.vertices) + self.buffer()
     }
 
     /// How many of them are for the forces at corners.
     pub fn buffer(&self) -> usize {
-        room(3 * self.gather.blocks())
-    }
-
-    /// How many numbers a copy of the positions takes, with so many after them that from any of them on there are [`Near`](crate::lanes::Near)
-    /// ones; zero if there are so many positions that this is of little use.
-    fn copy(&self) -> usize {
-        if self.vertices.len() < NEAR { 2 * self.vertices.len() + NEAR } else { 0 }
+        room(3 * self.gather.buffer())
     }
 
     /// Computes the forces of stresses on the corners of all triangles, sums them at their vertices and hands them out.
     pub fn sweep<L: Laws<N>, const N: usize>(&self, laws: L, target: &mut impl Target<N>, scratch: &mut [f64]) {
-        let (copies, scratch) = scratch.split_at_mut(2 * self.copy());
-        let (x, v) = copies.split_at_mut(self.copy());
+        let copy = copy(&self.vertices);
+        let (copies, scratch) = scratch.split_at_mut(2 * copy);
+        let (x, v) = copies.split_at_mut(copy);
         let values = 2 * self.vertices.start..2 * self.vertices.end;
         if !x.is_empty() {
             let [from_x, from_v] = target.motion();
@@ -88,6 +83,12 @@ impl Piece<'_> {
         });
         stages.add(buffers.each_ref().map(|buffer| &**buffer), target);
     }
+}
+
+/// How many numbers a copy of the positions of vertices takes, with so many after them that from any of them on there are
+/// [`Near`](crate::lanes::Near) ones; zero if there are so many positions that this is of little use.
+pub fn copy(vertices: &Range<usize>) -> usize {
+    if vertices.len() < NEAR { 2 * vertices.len() + NEAR } else { 0 }
 }
 
 /// Buffers for the forces of each stress at the corners, in scratch for all of them.

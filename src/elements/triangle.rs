@@ -9,6 +9,7 @@ use super::{
 };
 use crate::{
     effects::{Effect, Motion, Viscous},
+    lanes::Order,
     materials::{Lame, Material, Model, Visitor},
     solvers::{BlockMatrix, Weights},
 };
@@ -26,7 +27,7 @@ pub struct Triangles {
     vertices: Range<usize>,
     corners: Vec<[u32; 3]>,
     /// The same for sweeps.
-    packed: Corners,
+    packed: Corners<3>,
     /// Rest shapes.
     blocks: Blocks,
     model: Model,
@@ -69,7 +70,7 @@ impl Triangles {
         set: Arch,
     ) -> Self {
         let blocks = Blocks::new(shapes, set);
-        let gather = Gather::new(&corners, &vertices, (&parts::cuts(&corners), false), set);
+        let gather = Gather::new(&corners, &vertices, (&parts::cuts(&corners), false), &Order::new(set));
         let packed = Corners::new(&corners, vertices.start);
         Self { vertices, corners, packed, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
     }
@@ -190,7 +191,9 @@ impl Triangles {
 
     /// The body in parts, if it is large enough for several to share the work.
     pub(crate) fn parts(&self) -> Option<&Parts> {
-        self.parts.get_or_init(|| Parts::new(&self.corners, &self.vertices, self.set())).as_ref()
+        self.parts
+            .get_or_init(|| Parts::new(&self.corners, &self.vertices, |triangle| self.rest(triangle), self.set()))
+            .as_ref()
     }
 
     /// Takes a walker on its way through a number of steps, together with those of the other parts if there are any.

@@ -53,6 +53,13 @@ impl<S: Simd> Wide<S> {
         S::as_mut_simd_f64s(to.as_flattened_mut()).0.as_chunks_mut().0[part] = quads;
     }
 
+    /// The x and y of one part; lanes are in the [`Order::lane`] of pairs.
+    #[inline(always)]
+    pub fn load_pairs(set: S, from: &Pairs, part: usize) -> [Self; 2] {
+        let [x, y] = set.deinterleave_shfl_f64s(S::as_simd_f64s(from.as_flattened()).0.as_chunks().0[part]);
+        [Self { set, values: x }, Self { set, values: y }]
+    }
+
     /// Writes vectors of these x and y to one part.
     #[inline(always)]
     pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
@@ -145,7 +152,7 @@ fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
 pub struct Order {
     /// The instruction set.
     pub set: Arch,
-    /// The lane of each element, once [`Wide::load_quads`] has read it.
+    /// The lane of each element, once it has been read.
     pub lane: [usize; LANES],
     /// Where [`Wide::store_pairs`] then writes its vector.
     pub place: [usize; LANES],
@@ -154,18 +161,33 @@ pub struct Order {
 }
 
 impl Order {
-    /// The order of an instruction set, found by trying.
+    /// The order of an instruction set for elements that [`Wide::load_quads`] reads.
     pub fn new(set: Arch) -> Self {
-        struct Try;
+        Self::found(set, false)
+    }
+
+    /// The same for elements that [`Wide::load_pairs`] reads.
+    pub fn of_pairs(set: Arch) -> Self {
+        Self::found(set, true)
+    }
+
+    /// The order, found by trying.
+    fn found(set: Arch, of_pairs: bool) -> Self {
+        struct Try {
+            of_pairs: bool,
+        }
         impl WithSimd for Try {
             type Output = (Lanes, Pairs, Quads);
 
             #[inline(always)]
             fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-                let elements = std::array::from_fn(|element| [element as f64; 4]);
+                let all_pairs = std::array::from_fn(|element| [element as f64; 2]);
+                let all_quads = std::array::from_fn(|element| [element as f64; 4]);
                 let (mut lanes, mut pairs, mut quads) = (Lanes::default(), Pairs::default(), Quads::default());
                 for part in 0..Wide::<S>::PARTS {
-                    let [element, ..] = Wide::load_quads(set, &elements, part);
+                    let ([of_pair, _], [of_quad, ..]) =
+                        (Wide::load_pairs(set, &all_pairs, part), Wide::load_quads(set, &all_quads, part));
+                    let element = if self.of_pairs { of_pair } else { of_quad };
                     element.store(&mut lanes, part);
                     Wide::store_pairs(element, element, &mut pairs, part);
                     Wide::store_quads([element; 4], &mut quads, part);
@@ -173,7 +195,7 @@ impl Order {
                 (lanes, pairs, quads)
             }
         }
-        let (lanes, pairs, quads) = set.dispatch(Try);
+        let (lanes, pairs, quads) = set.dispatch(Try { of_pairs });
         let mut order = Self { set, lane: [0; LANES], place: [0; LANES], quad: [0; LANES] };
         for (at, ((element, [placed, _]), [quad, ..])) in lanes.into_iter().zip(pairs).zip(quads).enumerate() {
             order.lane[element as usize] = at;

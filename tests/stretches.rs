@@ -229,10 +229,16 @@ fn a_mesh_in_no_order_is_shared_as_well_but_not_halves_that_lie_in_each_other_no
     };
     // 2053 is a prime that does not divide their number: every triangle comes once.
     let shuffled = (0..by_row.len()).map(|i| by_row[i * 2053 % by_row.len()]).collect();
-    assert!(compare(&listed(shuffled), 2, 100).steps_together() > 0);
-    // First the lower triangle of each square, then the upper ones.
-    let woven = [0, 1].into_iter().flat_map(|half| by_row.iter().skip(half).step_by(2).copied()).collect();
-    for level in [listed(woven), common::sheet("Corotated", "", "effects: [(effect: Gravity(down: 1))]")] {
+    // First the lower triangle of each square, then the upper ones: everywhere, or in the middle alone, where they are near each other.
+    let woven = |of: &[(u32, u32, u32)]| {
+        [0, 1].into_iter().flat_map(|half| of.iter().skip(half).step_by(2).copied()).collect::<Vec<_>>()
+    };
+    for far in [shuffled, woven(&by_row)] {
+        assert!(compare(&listed(far), 2, 100).steps_together() > 0);
+    }
+    let (begin, end) = (3000, by_row.len() - 3000);
+    let middle = [&by_row[..begin], &woven(&by_row[begin..end]), &by_row[end..]].concat();
+    for level in [listed(middle), common::sheet("Corotated", "", "effects: [(effect: Gravity(down: 1))]")] {
         assert_eq!(compare(&level, 2, 100).steps_together(), 0);
     }
 }

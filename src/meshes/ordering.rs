@@ -1,5 +1,5 @@
 //! Renumbering: vertices and triangles that are near in the plane come to be near in memory, which the element loop
-//! rewards with a third more speed.
+//! rewards with a third more speed. Scenes number large meshes once more, for what rows are better at.
 
 /// Cells along each side of the square that the Hilbert curve visits: 2 to this power.
 const ORDER: u32 = 16;

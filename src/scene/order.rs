@@ -1,8 +1,9 @@
 //! An order in which a body or net is stepped quickly: what is near in it is near in memory.
 //!
-//! Meshes that are made here have one. Those from files, and nets, have the numbers that somebody gave them: on a shuffled mesh every
-//! corner of a triangle would be fetched from far away. Such meshes are numbered anew while a scene is built. Nobody outside needs to
-//! know: levels, saved states, tables and messages go on with the names from the file ([`Numbering`]).
+//! Meshes that are made here have one, as long as they are small. Those from files, and nets, have the numbers that somebody gave them: on
+//! a shuffled mesh every corner of a triangle would be fetched from far away. And in large ones that follow a curve through the plane,
+//! the forces at a vertex are wanted long after the first of them were known. Such meshes are numbered anew while a scene is built.
+//! Nobody outside needs to know: levels, saved states, tables and messages go on with the names from the file ([`Numbering`]).
 
 use crate::{elements::STRETCH, meshes::Numbering};
 
@@ -12,14 +13,19 @@ const LINE: usize = 4;
 /// For so many corners that are looked at after it, a line of memory is taken to be still near.
 const NEAR: usize = 256;
 
-/// A mesh is in order if each line is fetched from far away up to so many times in a step. Where rows, rings or a curve that fills the
+/// A mesh is out of order if each line is fetched from far away more than so many times in a step. Where rows, rings or a curve that fills the
 /// plane are followed that is at most 0.5 times, as the processor sees the next line coming; where thousands of vertices or triangles
 /// are listed anyhow it is 3 to 24 times. What is so small that it is always near is in order in any order.
 const SEVERAL: f64 = 1.5;
 
+/// Nor is it in order if there are more elements than these between two that meet at a vertex: the forces at the corners of all of them
+/// have to be kept meanwhile. Where rows or rings are followed these are a few rows; a curve that fills the plane passes where it has
+/// been before half the mesh ago.
+const FAR: usize = 4 * STRETCH;
+
 /// The numbering for a mesh that is out of order; nothing for others, which are left as they are.
 pub(super) fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<Numbering> {
-    if fetches(vertices, elements) <= SEVERAL {
+    if fetches(vertices, elements) <= SEVERAL && spread(vertices, elements) <= FAR {
         return None;
     }
     let near = by_neighbours(vertices, elements);
@@ -46,6 +52,18 @@ fn fetches<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> f64 {
         seen[line] = Some(now);
     }
     fetched as f64 / seen.len() as f64
+}
+
+/// The most elements between the first and the last that meet at a vertex.
+fn spread<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> usize {
+    let mut first = vec![None; vertices];
+    let mut most = 0;
+    for (element, corners) in elements.iter().enumerate() {
+        for &corner in corners {
+            most = most.max(element - *first[corner as usize].get_or_insert(element));
+        }
+    }
+    most
 }
 
 /// The place of each vertex in an order in which neighbours are near: one after another names its neighbours, those with few

@@ -81,7 +81,7 @@ fn as_listed(mesh: &str) -> bool {
 }
 
 #[test]
-fn what_is_made_here_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
+fn what_is_in_order_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
     for size in [2, 20, 71, 150, 400] {
         for diagonals in ["Grid", "Alternating", "Crossed"] {
             let shape = format!("columns: {size}, rows: {}, diagonals: {diagonals}", size / 2 + 1);
@@ -104,6 +104,11 @@ fn what_is_made_here_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
     }
     let ([ordered, mixed], _) = meshes();
     assert_eq!((as_listed(&ordered), as_listed(&mixed)), (true, false));
+    // All triangles meet at one vertex: no order is better.
+    let rim: Vec<_> = (0..6000).map(|i| f64::from(i) / 6000.0 * std::f64::consts::PI).collect();
+    let points = list(&rim, |angle| format!("({:?}, {:?})", angle.cos(), angle.sin()));
+    let fan = list(&(1..6000).collect::<Vec<_>>(), |i| format!("(0, {i}, {})", i + 1));
+    assert!(as_listed(&format!("Points(points: [(0, 0), {points}], triangles: [{fan}])")));
 }
 
 /// Forces wait in a buffer until all at their vertex are known: it has to stay small on meshes of any size.

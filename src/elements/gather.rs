@@ -14,7 +14,7 @@ pub const STRETCH: usize = LANES * STAGE;
 
 /// For each vertex the corners that meet there.
 ///
-/// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements: the
+/// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements of the whole: the
 /// sum is the same on every run, and no two elements write to the same place. Vertices with as many corners as each other
 /// are summed one after another, so that the processor never has to guess how many there are; where nearly all have as many, the others
 /// are summed as if they had.

@@ -19,7 +19,7 @@ pub struct Piece<'a> {
     /// The numbers of its vertices.
     pub vertices: Range<usize>,
     pub corners: &'a Corners<3>,
-    /// Their rest shapes, and maybe some after them.
+    /// Their rest shapes.
     pub blocks: &'a [Block],
     pub gather: &'a Gather,
 }

@@ -11,7 +11,7 @@ pub type Lanes = [f64; LANES];
 /// Four numbers each of eight elements, in their order.
 pub type Quads = [[f64; 4]; LANES];
 
-/// A vector each of eight elements, at their [`Order::place`].
+/// A vector each of eight elements: in their order, or where [`Wide::store_pairs`] writes it at their [`Order::place`].
 pub type Pairs = [[f64; 2]; LANES];
 
 /// As many numbers as a vector register of the instruction set `S` holds: a divisor of [`LANES`].

@@ -18,14 +18,15 @@ const NEAR: usize = 256;
 /// are listed anyhow it is 3 to 24 times. What is so small that it is always near is in order in any order.
 const SEVERAL: f64 = 1.5;
 
-/// Nor is it in order if there are more elements than these between two that meet at a vertex: the forces at the corners of all of them
-/// have to be kept meanwhile. Where rows or rings are followed these are a few rows; a curve that fills the plane passes where it has
-/// been before half the mesh ago.
+/// Nor is it in order if there are more elements than these between two that meet at a vertex, and another order has less than half as
+/// many: the forces at the corners of all of them have to be kept meanwhile. Where rows are followed these are one row or two; a curve
+/// that fills the plane passes where it has been before half the mesh ago.
 const FAR: usize = 4 * STRETCH;
 
 /// The numbering for a mesh that is out of order; nothing for others, which are left as they are.
 pub(super) fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<Numbering> {
-    if fetches(vertices, elements) <= SEVERAL && spread(vertices, elements) <= FAR {
+    let (scattered, apart) = (fetches(vertices, elements) > SEVERAL, spread(vertices, elements.iter()));
+    if !scattered && apart <= FAR {
         return None;
     }
     let near = by_neighbours(vertices, elements);
@@ -37,6 +38,10 @@ pub(super) fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> 
     };
     let mut order: Vec<_> = (0..elements.len() as u32).collect();
     order.sort_by_cached_key(key);
+    let better = || 2 * spread(vertices, order.iter().map(|element| &elements[*element as usize])) < apart;
+    if !scattered && !better() {
+        return None;
+    }
     Some(Numbering::new(by_stretches(vertices, elements, &order), order))
 }
 
@@ -55,10 +60,10 @@ fn fetches<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> f64 {
 }
 
 /// The most elements between the first and the last that meet at a vertex.
-fn spread<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> usize {
+fn spread<'a, const N: usize>(vertices: usize, elements: impl Iterator<Item = &'a [u32; N]>) -> usize {
     let mut first = vec![None; vertices];
     let mut most = 0;
-    for (element, corners) in elements.iter().enumerate() {
+    for (element, corners) in elements.enumerate() {
         for &corner in corners {
             most = most.max(element - *first[corner as usize].get_or_insert(element));
         }

@@ -194,49 +194,6 @@ fn every_instruction_set_of_the_processor_comes_to_the_same_bits() {
     }
 }
 
-/// In a net after another; with ends that 16 bits do not reach; and with so many particles that no copy is made of them.
-#[test]
-fn springs_have_the_forces_of_each_by_itself_summed_in_their_order() {
-    let sheet = |columns: u32, rows: u32| {
-        format!(
-            "(name: \"net\", mass: 0.001, net: Sheet(width: 1, height: 1, columns: {columns}, rows: {rows}, structural: 100, shear: 50,
-              flexion: 20, corner: (0, 0)))"
-        )
-    };
-    let points: Vec<_> = (0..40_000).map(|i| (f64::from(i % 200), f64::from(i / 200))).collect();
-    let far: Vec<_> = (1..40_000_u32).map(|i| (0, i, 10.0, 1.0 + f64::from(i % 100))).collect();
-    let links = format!("(name: \"far\", mass: 1, net: Links(points: {points:?}, springs: {far:?}))");
-    for nets in [[sheet(37, 41), sheet(5, 3)], [sheet(3, 2), links], [sheet(2, 1), sheet(260, 260)]] {
-        let scene = simulation(&level(&format!("(name: \"nets\", nets: [{}])", nets.join(", "))));
-        let (mut random, scene) = (Random(11), scene.scene());
-        let mut x: Vec<_> = scene.rest.iter().map(|x| x + random.between(-0.02, 0.02)).collect();
-        // The ends of a spring in the last net are in one place.
-        let [a, b] = scene.nets[1].springs.links()[1].ends.map(|end| 2 * end as usize);
-        (x[a], x[a + 1]) = (x[b], x[b + 1]);
-        let motion = Motion { x: &x, v: &x, mass: &scene.mass, inverse_mass: &[], grab: None };
-        for springs in scene.nets.iter().map(|net| &net.springs) {
-            let mut expected = vec![0.0; x.len()];
-            for link in springs.links() {
-                let [a, b] = link.ends.map(|end| 2 * end as usize);
-                let [dx, dy] = [x[b] - x[a], x[b + 1] - x[a + 1]];
-                let length = (dx * dx + dy * dy).sqrt();
-                let pull = link.stiffness * (length - link.rest) / if length > 0.0 { length } else { 1.0 };
-                for (end, pull) in [(a, pull), (b, -pull)] {
-                    expected[end] += pull * dx;
-                    expected[end + 1] += pull * dy;
-                }
-            }
-            let (mut scratch, mut force) = (vec![f64::NAN; springs.scratch()], vec![0.0; x.len()]);
-            springs.force(motion, &mut scratch, &mut force);
-            assert!(
-                force.iter().zip(&expected).all(|(force, expected)| force == expected),
-                "{} springs",
-                springs.links().len()
-            );
-        }
-    }
-}
-
 /// Far more triangles than are kept before their forces are summed: row by row, in an order in which neighbours are far apart, and all
 /// around one vertex, which waits for the last of them.
 #[test]

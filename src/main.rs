@@ -69,11 +69,12 @@ fn window(level: Option<&std::path::Path>) -> ExitCode {
         Ok(level) => level,
         Err(error) => return fail(&error, 2),
     };
-    if app::run(level).is_ok() {
-        return ExitCode::SUCCESS;
-    }
+    let Err(error) = app::run(level) else { return ExitCode::SUCCESS };
+    // What went before the last colon are places in the source of libraries.
+    let error = error.to_string();
+    let cause = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
     eprintln!(
-        "gingerbread: no window can be opened here, as there is no display or no OpenGL on it; \
+        "gingerbread: no window can be opened here, as there is no display or no OpenGL on it ({cause}); \
          `gingerbread run LEVEL` works without one."
     );
     ExitCode::from(2)

@@ -5,7 +5,7 @@ use crate::{
     materials::Model,
     snapshot::Snapshot,
 };
-use eframe::egui::{self, Event, Key, KeyboardShortcut, Modifiers};
+use eframe::egui::{self, Event, InputState, Key, KeyboardShortcut, Modifiers};
 
 /// One line of the table.
 #[derive(Debug)]
@@ -185,6 +185,7 @@ pub fn now(binding: &Binding, now: &Snapshot) -> Option<&'static Binding> {
 /// Takes the keys of the table out of this frame's input, so that Space presses no button and arrows move no focus.
 /// Nothing is taken while a person types.
 pub fn pressed(ctx: &egui::Context, now: &Snapshot) -> Vec<&'static Binding> {
+    ctx.input_mut(forget_question_mark);
     if ctx.text_edit_focused() {
         return Vec::new();
     }
@@ -195,6 +196,14 @@ pub fn pressed(ctx: &egui::Context, now: &Snapshot) -> Vec<&'static Binding> {
         ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
     }
     found
+}
+
+/// Who lets go of Shift first presses `?` and releases another key; to egui `?` would be held down for good, and each
+/// later press a repetition.
+fn forget_question_mark(input: &mut InputState) {
+    if input.events.iter().any(|event| matches!(event, Event::Key { pressed: false, .. })) {
+        input.keys_down.remove(&Key::Questionmark);
+    }
 }
 
 /// Whether the event belongs to the table.

@@ -123,6 +123,24 @@ fn the_overlay_lists_every_key_of_the_table() {
 }
 
 #[test]
+fn the_overlay_opens_and_closes_again_and_again_also_for_who_lets_go_of_shift_first() {
+    let mut window = open("gingerbread");
+    let question_mark =
+        |pressed, modifiers, key| Event::Key { key, physical_key: Some(Key::Slash), pressed, repeat: false, modifiers };
+    for shown in [true, false, true, false] {
+        for event in [
+            question_mark(true, Modifiers::SHIFT, Key::Questionmark),
+            question_mark(true, Modifiers::SHIFT, Key::Questionmark),
+            question_mark(false, Modifiers::NONE, Key::Slash),
+        ] {
+            window.event(event);
+            window.run_steps(3);
+        }
+        assert_eq!(window.query_by_label("Keys and mouse").is_some(), shown);
+    }
+}
+
+#[test]
 fn no_key_acts_while_a_number_is_typed() {
     let mut window = in_mode("stretch_test", Mode::Simulate);
     press(&mut window, Key::Space);

@@ -102,6 +102,25 @@ fn two_threads_come_to_the_bits_and_books_of_one() {
     }
 }
 
+/// One of two sheets rests where nothing acts on it, and soon sleeps.
+#[test]
+fn a_body_beside_one_that_sleeps_is_shared_as_well() {
+    let sheet = |name: &str, body: &str| {
+        format!(
+            "(name: \"{name}\", mass: Density(1), {body} mesh: Rectangle(width: 1, height: 1, columns: 68, rows: 68),
+              material: (model: StableNeoHookean, young: 10, poisson: 0.3, plane: Strain)),"
+        )
+    };
+    let (still, moving) = (sheet("still", "place: (offset: (2, 0)),"), sheet("moving", "stretch: (1.1, 1),"));
+    for bodies in [still.clone() + &moving, moving + &still] {
+        let level = level(&format!("(name: \"two\", substeps: 20, bodies: [{bodies}], effects: [])"));
+        let run = compare(&level, 4, 333);
+        // Not before the other sleeps.
+        let together = run.steps_together();
+        assert!((500..1000).contains(&together), "{together} steps together");
+    }
+}
+
 #[test]
 fn what_falls_on_a_floor_while_two_share_the_work_is_stopped_where_it_would_be() {
     let floor = "(effect: Walls(obstacles: [Plane(point: (0, -0.02), normal: (0, 1), eps: 0.001)]))";

@@ -198,8 +198,8 @@ pub fn pressed(ctx: &egui::Context, now: &Snapshot) -> Vec<&'static Binding> {
     found
 }
 
-/// Who lets go of Shift first presses `?` and releases another key; to egui `?` would be held down for good, and each
-/// later press a repetition.
+/// Whoever lets go of Shift before the key has pressed `?` and releases another key. Egui would take `?` to be held down for
+/// good, and each later press for a repetition.
 fn forget_question_mark(input: &mut InputState) {
     if input.events.iter().any(|event| matches!(event, Event::Key { pressed: false, .. })) {
         input.keys_down.remove(&Key::Questionmark);

@@ -1,7 +1,7 @@
 //! The stage: pins, pulling, and room for both in small windows.
 
 use crate::harness::*;
-use eframe::egui::{Event, Key, vec2};
+use eframe::egui::{Event, Key, epaint::Primitive, vec2};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 
@@ -41,6 +41,24 @@ fn dragging_pulls_the_picked_vertex_towards_the_cursor_and_letting_go_ends_it() 
         window.run_steps(2);
         assert_eq!(window.state().snapshot().pull, None);
     }
+}
+
+/// Appended to its mesh they would have it moved to a larger place, every frame.
+#[test]
+fn what_lies_over_a_body_is_painted_as_a_mesh_of_its_own() {
+    let mut window = open("gingerbread");
+    let at = on_screen(&window, vertex(&window, 100));
+    window.hover_at(at);
+    window.run_steps(30);
+    let painted = window.ctx.tessellate(window.output().shapes.clone(), 1.0);
+    let stage = stage(&window);
+    let on_stage = painted.iter().filter(|painted| (painted.clip_rect.center() - stage.center()).length() < 3.0);
+    let corners = |primitive: &Primitive| match primitive {
+        Primitive::Mesh(mesh) => mesh.vertices.len(),
+        Primitive::Callback(_) => 0,
+    };
+    let corners: Vec<_> = on_stage.map(|painted| corners(&painted.primitive)).collect();
+    assert!(matches!(corners[..], [.., body, over] if body > 1000 && over < body / 4), "{corners:?}");
 }
 
 #[test]

@@ -140,9 +140,10 @@ impl Canvas {
         painter.add(self.middle.finish());
         // A clip of its own, which hides nothing more or less, lets the tessellator begin a new mesh for what follows: it
         // would move the large one to a larger place otherwise, every frame.
-        let painter = &painter.with_clip_rect(painter.clip_rect().expand(0.01));
-        strip_numbers::strip_numbers(painter, view, canvas, snapshot);
-        self.draw_front(painter, frame, pointer);
+        let mut painter = painter.clone();
+        painter.set_clip_rect(painter.clip_rect().expand(0.01));
+        strip_numbers::strip_numbers(&painter, view, canvas, snapshot);
+        self.draw_front(&painter, frame, pointer);
     }
 
     fn draw_front(&mut self, painter: &Painter, frame: &Frame<'_>, pointer: Option<Pos2>) {

@@ -113,22 +113,33 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Writes a file so that at every moment either the old one or the whole new one is there.
+/// Writes a file so that at every moment either the old one or the whole new one is there, with the old one's permissions. Where a
+/// link leads the file is, and what is no file, such as `/dev/stdout`, is written to as it is.
 ///
 /// # Errors
 /// [`FileError::Access`] if the system refuses; a file that was there stays.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let fail = |error: std::io::Error| FileError::Access { file: path.display().to_string(), why: error.to_string() };
+    let known = std::fs::metadata(path).ok();
+    if known.as_ref().is_some_and(|known| !known.is_file() && !known.is_dir()) {
+        let opened = std::fs::OpenOptions::new().write(true).open(path);
+        return opened.and_then(|mut file| std::io::Write::write_all(&mut file, bytes)).map_err(fail);
+    }
+    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let mut temporary = path.as_os_str().to_owned();
     temporary.push(format!(".{}.part", std::process::id()));
     let temporary = PathBuf::from(temporary);
     let written = std::fs::File::create(&temporary).and_then(|mut file| {
         std::io::Write::write_all(&mut file, bytes)?;
+        if let Some(known) = &known {
+            file.set_permissions(known.permissions())?;
+        }
         file.sync_all()
     });
     written.and_then(|()| std::fs::rename(&temporary, path)).map_err(|error| {
         // Best effort: the file that counts is untouched either way.
         let _ = std::fs::remove_file(&temporary);
-        FileError::Access { file: path.display().to_string(), why: error.to_string() }
+        fail(error)
     })
 }
 

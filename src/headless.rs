@@ -45,7 +45,7 @@ pub struct Run {
     #[arg(long, value_parser = model)]
     pub model: Option<Model>,
     /// Number of threads for one large body, at most two; as many as there are if not given. The same bits come of any number.
-    #[arg(long)]
+    #[arg(long, value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write the last positions and velocities here, as CSV: vertex,x,y,vx,vy.
     #[arg(long)]
@@ -102,6 +102,10 @@ impl HeadlessError {
 /// [`HeadlessError`]; what could be written has been.
 pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
     let mut level = files::read(&request.level)?;
+    if level.bodies.is_empty() && (request.model.is_some() || request.untangle) {
+        let why = Refused::NotHere("there is no body here to be of another material or to be untangled");
+        return Err(HeadlessError::Level { file: request.level.display().to_string(), why });
+    }
     if let Some(model) = request.model {
         level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
     }
@@ -215,6 +219,12 @@ fn csv(simulation: &Simulation) -> String {
 
 fn access(path: &Path, error: &dyn std::error::Error) -> FileError {
     FileError::Access { file: path.display().to_string(), why: error.to_string() }
+}
+
+/// A number of threads.
+fn thread_count(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=1024).contains(count));
+    count.ok_or_else(|| "expected a number of threads in [1, 1024]".to_owned())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -3,7 +3,7 @@
 use crate::integrators::StepCounts;
 use std::time::Duration;
 
-/// Counts of the steps taken since the simulation began.
+/// Counts of the steps taken since the simulation began, or began anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Steps taken.

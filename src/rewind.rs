@@ -37,13 +37,14 @@ impl Rewind {
         self.states.push_back(kept);
     }
 
-    /// The latest state that is at least so much older than a time [s], or the oldest there is; later ones are forgotten.
+    /// The latest state that is at least so much older than a time [s], or the oldest there is; later ones are forgotten. Never one
+    /// of a later time.
     pub fn back(&mut self, now: f64, seconds: f64) -> Option<State> {
         let wanted = now - seconds + 1e-6 * Self::FRAME;
         while self.states.len() > 1 && self.states.back().is_some_and(|last| last.time > wanted) {
             self.states.pop_back();
         }
-        self.states.back().cloned()
+        self.states.back().filter(|last| last.time <= now).cloned()
     }
 
     /// How far back one can go from a time [s].

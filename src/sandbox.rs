@@ -102,6 +102,12 @@ impl Sandbox {
         self.simulation.set_grab(grab);
     }
 
+    /// Nothing that was before counts any more.
+    fn begin_anew(&mut self) {
+        self.rewind.clear();
+        self.simulation.count_anew();
+    }
+
     /// Does what a command says, at once.
     ///
     /// # Errors
@@ -114,6 +120,7 @@ impl Sandbox {
             Command::Reset => {
                 let start = self.simulation.scene().start.clone();
                 self.resume(start);
+                self.begin_anew();
             }
             Command::Rewind(seconds) => self.turn_back(seconds)?,
             Command::Untangle => {
@@ -132,8 +139,9 @@ impl Sandbox {
             Command::Redo => self.travel(true)?,
             Command::EndGesture => self.history.end_gesture(),
             Command::Open(level) => {
-                self.change(Document::new(*level), Then::Reload, None)?;
-                (self.mode, self.running) = (Mode::Edit, false);
+                let before = std::mem::replace(&mut self.mode, Mode::Edit);
+                self.change(Document::new(*level), Then::Reload, None).inspect_err(|_| self.mode = before)?;
+                self.running = false;
             }
             edit => self.edit(edit)?,
         }
@@ -176,7 +184,7 @@ impl Sandbox {
             };
             self.simulation.replace_scene(scene);
             self.simulation.set_state(state);
-            self.rewind.clear();
+            self.begin_anew();
             self.generation += 1;
         } else {
             self.simulation.replace_scene(scene);
@@ -233,6 +241,7 @@ impl Sandbox {
     fn step_once(&mut self) -> Result<(), Refused> {
         self.set_running(true)?;
         self.running = false;
+        self.rewind.keep(self.simulation.state());
         self.simulation.advance(1, &mut || true);
         Ok(())
     }

@@ -93,8 +93,7 @@ impl Simulation {
     }
 
     /// Swaps the scene; the state stays, and newly pinned vertices stop. A scene with other vertices needs another state at
-    /// once (see [`Self::set_state`]). Counts go
-    /// on, and whoever slept is awake.
+    /// once (see [`Self::set_state`]). Counts go on, and whoever slept is awake.
     pub fn replace_scene(&mut self, scene: Scene) {
         let before = self.watched().filter(|_| scene.start.x.len() == self.state.x.len());
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
@@ -188,6 +187,11 @@ impl Simulation {
     /// What stepping cost so far.
     pub const fn counts(&self) -> Counts {
         self.scratch.counts
+    }
+
+    /// Counts from zero again.
+    pub fn count_anew(&mut self) {
+        (self.scratch.counts, self.stale) = (Counts::default(), true);
     }
 
     /// What each effect cost so far.

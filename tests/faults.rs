@@ -319,6 +319,29 @@ fn child_that_saves() {
 }
 
 #[test]
+#[cfg(unix)]
+fn what_is_saved_goes_where_a_link_leads_keeps_its_permissions_and_fills_a_pipe() {
+    use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+    let folder = folder("special");
+    let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.join(name));
+    fs::write(&file, "old").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+    symlink("file", &link).unwrap();
+    files::write_text(&link, "new").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink() && fs::read_to_string(&file).unwrap() == "new");
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    assert!(Process::new("mkfifo").arg(&pipe).status().unwrap().success());
+    std::thread::scope(|scope| {
+        let reader = scope.spawn(|| fs::read_to_string(&pipe).unwrap());
+        files::write_text(&pipe, "through").unwrap();
+        assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+        assert_eq!(reader.join().unwrap(), "through");
+    });
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 3, "nothing is left over");
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn a_save_that_is_killed_leaves_the_whole_old_file_or_the_whole_new_one() {
     let folder = folder("killed");
     let path = folder.join("level.ron");

@@ -185,6 +185,20 @@ fn what_is_kept_ends_with_a_restart_and_stays_small() {
     }
     assert!((sandbox.rewind_reach() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_reach());
     sandbox.apply(Command::Reset).unwrap();
+    assert!(sandbox.apply(Command::Rewind(1.0)).unwrap_err().to_string().contains("nothing to go back to"));
     sandbox.advance(100, &mut || true);
     assert!(sandbox.rewind_reach() < 0.1);
+}
+
+#[test]
+fn time_is_never_turned_forth_and_single_steps_can_be_turned_back() {
+    let mut sandbox = running(sheet("Corotated", "stretch: (1.2, 1)", ""));
+    sandbox.advance(6000, &mut || true);
+    sandbox.apply(Command::Reset).unwrap();
+    for _ in 0..3 {
+        sandbox.apply(Command::StepOnce).unwrap();
+    }
+    assert_eq!(sandbox.simulation().state().steps, 3);
+    sandbox.apply(Command::Rewind(1.0)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), sandbox.simulation().scene().start);
 }

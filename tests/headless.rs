@@ -204,6 +204,34 @@ fn without_a_display_the_window_says_so_and_names_run() {
 }
 
 #[test]
+fn what_would_come_to_nothing_is_refused_with_the_way_out() {
+    let scheme = "Symplectic Euler";
+    let refused: [(&[&str], &str); 9] = [
+        (&["study", "circle", "--integrators", "Heun,SymplecticEuler", "--seconds", "0.1"], scheme),
+        (&["study", "pendulum", "--drift", "--integrators", "SymplecticEuler", "--seconds", "0.1"], scheme),
+        (&["study", "cantilever", "--meshes", "0"], "2..=1000000"),
+        (&["study", "cantilever", "--threads", "0"], "[1, 1024]"),
+        (&["hard", "stretch_2", "--seeds", "3"], "leave --seeds out"),
+        (&["hard", "stretch_2", "--threads", "many"], "[1, 1024]"),
+        (&["run", "circle", "--model", "NeoHookean"], "no body"),
+        (&["run", "circle", "--untangle"], "no body"),
+        (&["run", "cantilever", "--threads", "0"], "[1, 1024]"),
+    ];
+    for (arguments, reason) in refused {
+        let output = gingerbread(arguments);
+        let why = said(&output.stderr);
+        assert!(output.status.code() == Some(2) && why.contains(reason), "{arguments:?}: {why}");
+    }
+}
+
+#[test]
+fn a_run_of_no_steps_has_no_cost_of_a_step() {
+    let output = gingerbread(&["run", "cantilever", "--steps", "0"]);
+    let line = said(&output.stdout);
+    assert!(output.status.success() && line.contains("0 steps") && !line.contains("ns per"), "{line}");
+}
+
+#[test]
 fn hard_tells_which_cases_are_held_and_ends_with_1_if_one_should_be_and_is_not() {
     let folder = Folder::new("hard");
     let (csv, unexplained) = (folder.file("table.csv"), folder.file("unexplained.ron"));

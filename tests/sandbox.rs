@@ -12,6 +12,7 @@ use gingerbread::{
     materials::{MaterialParameters, Model},
     meshes::NoFiles,
     quantity::{Density, Poisson, Young},
+    report::Counts,
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
 };
@@ -223,6 +224,25 @@ fn reset_goes_back_to_the_start_and_keeps_the_edits() {
     sandbox.apply(Command::Reset).unwrap();
     let now = seen(&sandbox);
     assert!(now.positions == *now.start && now.time == 0.0 && *now.pins == [2] && now.mode == Mode::Simulate);
+    assert_eq!(sandbox.simulation().counts(), Counts::default(), "what was counted went with it");
+}
+
+#[test]
+fn a_level_opens_the_same_whatever_was_shown_before() {
+    let opened = |mode| {
+        let mut sandbox = small();
+        sandbox.apply(Command::SetMode(mode)).unwrap();
+        sandbox.advance(40, &mut || true);
+        let other = Level::clone(&seen(&small()).level);
+        sandbox.apply(Command::Open(Box::new(other))).unwrap();
+        let effects = sandbox.simulation().scene().effects.len();
+        (effects, sandbox.simulation().energies(), sandbox.simulation().counts())
+    };
+    let new = small();
+    let expected = (new.simulation().scene().effects.len(), new.simulation().energies(), Counts::default());
+    for mode in [Mode::Edit, Mode::Simulate, Mode::Collide] {
+        assert_eq!(opened(mode), expected, "{mode:?}");
+    }
 }
 
 #[test]

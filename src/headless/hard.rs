@@ -30,7 +30,7 @@ pub struct Hard {
     #[arg(long, value_parser = method)]
     pub integrator: Option<Method>,
     /// Number of threads; as many as there are if not given.
-    #[arg(long)]
+    #[arg(long, value_parser = super::thread_count)]
     pub threads: Option<usize>,
     /// Write the table here, as CSV.
     #[arg(long, conflicts_with = "seeds")]
@@ -63,9 +63,12 @@ pub fn hard(request: &Hard) -> Result<Hardness, HeadlessError> {
             trials.extend(starts.iter().map(trial));
         }
     }
-    let mut sweep = Sweep::new(trials, request.threads.unwrap_or_else(threads).max(1));
-    super::study::with_progress(|budget: Duration| Ok(sweep.advance(budget)))
-        .map_err(|why| HeadlessError::Study { file: "hard cases".to_owned(), why })?;
+    let fail = |why| HeadlessError::Study { file: "hard cases".to_owned(), why };
+    if trials.is_empty() {
+        return Err(fail(StudyError::NotHere("none of these starts from a seed: leave --seeds out")));
+    }
+    let mut sweep = Sweep::new(trials, request.threads.unwrap_or_else(threads));
+    super::study::with_progress(|budget: Duration| Ok(sweep.advance(budget))).map_err(fail)?;
     let mut csv = format!("{COLUMNS}\n");
     for (trial, entry) in sweep.entries() {
         match &entry.verdict {

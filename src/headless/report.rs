@@ -115,8 +115,8 @@ impl RunReport {
             slept_steps: counts.slept,
             retaken_steps: counts.retaken,
             wall_seconds,
-            ns_per_triangle_step: (triangles > 0)
-                .then(|| wall_seconds * 1e9 / (triangles as f64 * steps.max(1) as f64)),
+            ns_per_triangle_step: (triangles > 0 && steps > 0)
+                .then(|| wall_seconds * 1e9 / (triangles as f64 * steps as f64)),
             steps_together: simulation.steps_together(),
             effects: Vec::new(),
             state_hash: format!("{:016x}", state.hash()),

@@ -26,6 +26,7 @@ pub struct Study {
     /// Compares meshes in place of integrators: numbers of triangles, separated by commas; without any, from 1/64 of the level's
     /// own to 4 times as many.
     #[arg(long, value_delimiter = ',', num_args = 0.., conflicts_with_all = ["integrators", "steps"])]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     pub meshes: Option<Vec<u32>>,
     /// What is compared between meshes: `deflection` or `energy`.
     #[arg(long, default_value = "deflection", value_parser = measure)]
@@ -40,7 +41,7 @@ pub struct Study {
     #[arg(long, default_value = "1", value_parser = per_cent)]
     pub error: f64,
     /// Number of threads; as many as there are if not given.
-    #[arg(long)]
+    #[arg(long, value_parser = super::thread_count)]
     pub threads: Option<usize>,
     /// Write the table here, as CSV.
     #[arg(long)]
@@ -65,10 +66,17 @@ pub fn study(request: &Study) -> Result<String, HeadlessError> {
     Ok(table)
 }
 
+/// What is to be studied, which every integrator that was named can step.
+fn trial(request: &Study, level: &Level) -> Result<Trial, StudyError> {
+    let trial = Trial::new(level, &files::Disk, request.seconds)?;
+    request.integrators.iter().try_for_each(|integrator| trial.check(integrator))?;
+    Ok(trial)
+}
+
 fn integrators(request: &Study, level: &Level) -> Result<(String, String), StudyError> {
     let mut plan = Plan { substeps: request.steps.clone(), integrators: request.schemes(), ..Plan::default() };
     plan.threads = request.threads();
-    let trial = Trial::new(level, &files::Disk, request.seconds)?;
+    let trial = trial(request, level)?;
     let mut diagram = WorkPrecision::new(trial, plan);
     with_progress(|budget| diagram.advance(budget))?;
     let mut table = format!("{}, {} s simulated", level.name, diagram.trial().seconds());
@@ -162,7 +170,7 @@ fn locking(level: &Level) -> Result<Vec<LockingNumber>, StudyError> {
 }
 
 fn drift(request: &Study, level: &Level) -> Result<(String, String), StudyError> {
-    let trial = Trial::new(level, &files::Disk, request.seconds)?;
+    let trial = trial(request, level)?;
     let mut settings = Vec::new();
     for substeps in request.steps.iter().copied().map(Some).chain(request.steps.is_empty().then_some(None)) {
         settings.extend(Drift::settings(&trial, &request.schemes(), substeps));
@@ -202,7 +210,7 @@ impl Study {
     }
 
     fn threads(&self) -> usize {
-        self.threads.unwrap_or_else(threads).max(1)
+        self.threads.unwrap_or_else(threads)
     }
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Steps per 1/60 s: a whole number from 1 to 100,000.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "u32", into = "u32")]
+#[serde(try_from = "f64", into = "u32")]
 pub struct Substeps(u32);
 
 impl Substeps {
@@ -51,10 +51,14 @@ impl Default for Substeps {
     }
 }
 
-impl TryFrom<u32> for Substeps {
+/// As a file has it.
+impl TryFrom<f64> for Substeps {
     type Error = String;
-    fn try_from(count: u32) -> Result<Self, String> {
-        Self::new(count)
+    fn try_from(count: f64) -> Result<Self, String> {
+        if count.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&count) {
+            return Self::new(count as u32);
+        }
+        Err(format!("substeps must be a whole number in [1, {}], got {count}", Self::MAX))
     }
 }
 

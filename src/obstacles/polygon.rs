@@ -43,12 +43,15 @@ impl ObstacleParameters for Polygon {
             return Err(format!("a polygon may have {MOST_CORNERS} corners, got {}", self.points.len()));
         }
         let corners = self.corners();
-        if corners.len() < 3 || signed_area(&corners) <= 0.0 {
-            return Err(format!("a polygon needs three corners or more that enclose an area, got {}", corners.len()));
+        if corners.len() < 3 {
+            return Err(format!("a polygon needs three corners or more, got {}", corners.len()));
         }
         let given: Vec<_> = self.points.iter().map(|point| point.get()).collect();
         if let Some((i, j)) = crossing(&given) {
             return Err(format!("a polygon's sides must not cross: sides {i} and {j} do"));
+        }
+        if signed_area(&corners) <= 0.0 {
+            return Err("a polygon's corners must enclose an area: these lie in a line".to_owned());
         }
         let count = corners.len() as u32;
         let sides = (0..count).map(|i| [i, (i + 1) % count]).collect();

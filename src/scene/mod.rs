@@ -307,13 +307,21 @@ fn check_kind(level: &Level) -> Result<(), SceneError> {
     if !still || !level.effects.is_empty() {
         return Err(SceneError::ToyWithOthers);
     }
+    check_toy_integrator(&level.integrator)
+}
+
+/// A toy has no velocities for a scheme that needs them.
+///
+/// # Errors
+/// [`SceneError::ToyIntegrator`], which names one that serves.
+pub fn check_toy_integrator(integrator: &IntegratorKind) -> Result<(), SceneError> {
     let suits = |kind: &IntegratorKind| matches!(kind.kind().scheme(), Scheme::First(_));
-    if suits(&level.integrator) {
+    if suits(integrator) {
         return Ok(());
     }
     let known = IntegratorKind::all();
     let instead = known.iter().find(|kind| suits(kind)).map_or("another", |kind| kind.kind().title());
-    Err(SceneError::ToyIntegrator { integrator: level.integrator.kind().title(), instead })
+    Err(SceneError::ToyIntegrator { integrator: integrator.kind().title(), instead })
 }
 
 /// Least and greatest of one coordinate (0 or 1) of flat points.

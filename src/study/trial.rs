@@ -6,11 +6,11 @@ use super::{
 };
 use crate::{
     effects::Grab,
-    integrators::{IntegratorKind, Scheme},
+    integrators::IntegratorKind,
     level::Level,
     meshes::Files,
     report::Counts,
-    scene::Scene,
+    scene::{Scene, SceneError, check_toy_integrator},
     state::State,
 };
 use std::ops::ControlFlow;
@@ -49,9 +49,17 @@ impl Trial {
         f64::from(self.frames) / 60.0
     }
 
-    /// Whether a scheme can step this: a toy has no velocities for a scheme that needs them.
+    /// Whether a scheme can step this.
+    ///
+    /// # Errors
+    /// [`SceneError::ToyIntegrator`].
+    pub fn check(&self, integrator: &IntegratorKind) -> Result<(), SceneError> {
+        if self.scene.toy.is_none() { Ok(()) } else { check_toy_integrator(integrator) }
+    }
+
+    /// Whether a scheme can step this.
     pub fn suits(&self, integrator: &IntegratorKind) -> bool {
-        self.scene.toy.is_none() || matches!(integrator.kind().scheme(), Scheme::First(_))
+        self.check(integrator).is_ok()
     }
 
     pub(super) fn march(&self, setting: &Setting) -> March {

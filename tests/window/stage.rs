@@ -43,6 +43,29 @@ fn dragging_pulls_the_picked_vertex_towards_the_cursor_and_letting_go_ends_it() 
     }
 }
 
+#[test]
+fn a_pull_goes_on_when_another_model_makes_the_body_start_over() {
+    let mut window = open("gingerbread");
+    press(&mut window, Key::M);
+    let from = on_screen(&window, vertex(&window, 100));
+    window.hover_at(from);
+    window.run_steps(1);
+    button(&window, from, true);
+    window.run_steps(1);
+    let to = from + vec2(60.0, -40.0);
+    window.event(Event::PointerMoved(to));
+    window.run_steps(5);
+    let before = window.state().snapshot().generation;
+    press(&mut window, Key::V);
+    window.run_steps(5);
+    assert_ne!(window.state().snapshot().generation, before);
+    let pull = window.state().snapshot().pull.expect("a pull");
+    assert!(pull.vertex == 100 && pull.force > 0.0, "{pull:?}");
+    button(&window, to, false);
+    window.run_steps(2);
+    assert_eq!(window.state().snapshot().pull, None);
+}
+
 /// Appended to its mesh they would have it moved to a larger place, every frame.
 #[test]
 fn what_lies_over_a_body_is_painted_as_a_mesh_of_its_own() {

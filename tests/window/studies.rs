@@ -206,3 +206,18 @@ fn studies_fit_into_a_small_window_with_a_name_on_every_widget() {
         assert!(button.right() < size.0 && button.bottom() < size.1, "{button:?}");
     }
 }
+
+#[test]
+fn escape_closes_a_study_and_the_hard_cases() {
+    let mut window = open("gingerbread");
+    let windows: [(&[&str], &str); 2] =
+        [(&["Work-precision diagram"], "Measure"), (&["Level", "Hard cases…"], "All materials")];
+    for (ways, inside) in windows {
+        for way in ways {
+            click(&mut window, way);
+        }
+        assert!(window.query_by_label(inside).is_some(), "{inside}");
+        press(&mut window, Key::Escape);
+        assert!(window.query_by_label(inside).is_none(), "{inside}");
+    }
+}

@@ -18,8 +18,8 @@ pub enum Hold {
     Nothing,
     /// A vertex will be pinned or freed when the press ends.
     Pin { vertex: usize, origin: Pos2, generation: u64 },
-    /// A vertex is pulled to a point [m].
-    Pull { vertex: usize, target: [f64; 2], generation: u64 },
+    /// A vertex, one of so many, is pulled to a point [m].
+    Pull { vertex: usize, of: usize, target: [f64; 2], generation: u64 },
     /// The press has been cut short; it means nothing until it ends.
     Spent,
 }
@@ -55,6 +55,11 @@ impl Hold {
             Self::Pin { vertex, .. } | Self::Pull { vertex, .. } => Some(vertex),
             Self::Nothing | Self::Spent => None,
         }
+    }
+
+    /// Whether a press would begin something.
+    pub const fn is_free(&self) -> bool {
+        matches!(self, Self::Nothing)
     }
 
     /// Whether a vertex is pulled.
@@ -94,11 +99,14 @@ impl Hold {
                     Self::Nothing
                 }
             }
-            Self::Pull { generation, .. } => {
-                let over = generation != snapshot.generation || snapshot.mode == Mode::Edit;
-                if pointer.lost || over || !pointer.down {
+            Self::Pull { vertex, of, target, generation } => {
+                if pointer.lost || snapshot.mode == Mode::Edit || of != points.len() || !pointer.down {
                     commands.push(Command::Release);
                     spent(&pointer)
+                } else if generation != snapshot.generation {
+                    // The same vertices have started over, say as another material.
+                    commands.push(Command::Grab(vertex, target));
+                    Self::Pull { vertex, of, target, generation: snapshot.generation }
                 } else {
                     self.pulled(&pointer, camera, commands)
                 }
@@ -110,9 +118,9 @@ impl Hold {
     /// Goes on pulling, to where the pointer is now.
     fn pulled(self, pointer: &Pointer, camera: Camera, commands: &mut Vec<Command>) -> Self {
         match (self, pointer.at.map(|at| camera.world_from_screen(at))) {
-            (Self::Pull { vertex, target: old, generation }, Some(target)) if target != old => {
+            (Self::Pull { vertex, of, target: old, generation }, Some(target)) if target != old => {
                 commands.push(Command::Pull(target));
-                Self::Pull { vertex, target, generation }
+                Self::Pull { vertex, of, target, generation }
             }
             _ => self,
         }
@@ -129,7 +137,7 @@ fn begin(pointer: &Pointer, snapshot: &Snapshot, camera: Camera, points: &[Pos2]
         Some((origin, vertex)) => {
             let target = camera.world_from_screen(pointer.at.unwrap_or(origin));
             commands.push(Command::Grab(vertex, target));
-            Hold::Pull { vertex, target, generation }
+            Hold::Pull { vertex, of: points.len(), target, generation }
         }
     }
 }

@@ -99,7 +99,8 @@ impl Canvas {
         let live = snapshot.running && snapshot.mode != Mode::Edit && !snapshot.is_asleep();
         let wanted = match self.hold.vertex() {
             Some(vertex) => Some(vertex),
-            None => response.hover_pos().and_then(|at| hold::nearest(self.bodies.points(), at)),
+            None if self.hold.is_free() => response.hover_pos().and_then(|at| hold::nearest(self.bodies.points(), at)),
+            None => None,
         };
         self.picked.follow(wanted, dt);
         self.pins.follow(snapshot, frame.now);
@@ -150,7 +151,7 @@ impl Canvas {
         let Frame { snapshot, options, canvas, view, now, .. } = *frame;
         let points = self.bodies.points();
         self.front.clear(painter.pixels_per_point());
-        let free = pointer.filter(|_| self.hold.vertex().is_none());
+        let free = pointer.filter(|_| self.hold.is_free());
         self.picked.draw(&mut self.front, view, points, free);
         slides::slides(&mut self.front, view, snapshot, points);
         self.pins.draw(&mut self.front, view, points, now);

@@ -20,13 +20,19 @@ struct Bench {
     commands: Vec<Command>,
 }
 
-fn bench(mode: Mode) -> Harness<'static, Bench> {
-    let level = files::parse(levels::built_in("jelly_disk").unwrap(), "jelly_disk").unwrap();
+/// A level in a mode, paused.
+fn seen(name: &str, mode: Mode) -> Snapshot {
+    let level = files::parse(levels::built_in(name).unwrap(), name).unwrap();
     let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
     sandbox.apply(Command::SetMode(mode)).unwrap();
     sandbox.apply(Command::SetRunning(false)).unwrap();
     let mut snapshot = Snapshot::default();
     sandbox.snapshot(Field::VonMises, &mut snapshot);
+    snapshot
+}
+
+fn bench(mode: Mode) -> Harness<'static, Bench> {
+    let snapshot = seen("jelly_disk", mode);
     let options = Options { field: Field::VonMises, wireframe: true, vertices: true, name: "" };
     let bench = Bench { canvas: Canvas::default(), snapshot, options, commands: Vec::new() };
     let mut harness = Harness::builder().with_size(vec2(600.0, 600.0)).build_ui_state(
@@ -103,13 +109,28 @@ fn losing_the_window_lets_go_until_the_next_press() {
 }
 
 #[test]
-fn another_scene_or_edit_mode_ends_a_drag() {
+fn another_body_or_edit_mode_ends_a_drag() {
+    let ends: [fn(&mut Snapshot); 2] =
+        [|snapshot| snapshot.mode = Mode::Edit, |snapshot| *snapshot = seen("gingerbread", Mode::Simulate)];
+    for end in ends {
+        let mut harness = bench(Mode::Simulate);
+        let from = beside(&harness, 12);
+        play(&mut harness, [Event::PointerMoved(from), button(from, true)]);
+        end(&mut harness.state_mut().snapshot);
+        assert_eq!(play(&mut harness, [Event::PointerMoved(from + vec2(9.0, 0.0))]), [Command::Release]);
+        assert_eq!(play(&mut harness, [Event::PointerMoved(from)]), []);
+    }
+}
+
+#[test]
+fn a_body_that_starts_over_is_grabbed_again_where_it_was() {
     let mut harness = bench(Mode::Simulate);
     let from = beside(&harness, 12);
+    let target = world(&harness, from);
     play(&mut harness, [Event::PointerMoved(from), button(from, true)]);
     harness.state_mut().snapshot.generation += 1;
-    assert_eq!(play(&mut harness, [Event::PointerMoved(from + vec2(9.0, 0.0))]), [Command::Release]);
-    assert_eq!(play(&mut harness, [Event::PointerMoved(from)]), []);
+    assert_eq!(play(&mut harness, [Event::PointerMoved(from)]), [Command::Grab(12, target)]);
+    assert_eq!(play(&mut harness, [button(from, false)]), [Command::Release]);
 }
 
 #[test]

@@ -180,11 +180,24 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<
     }
     studies::show(ui.ctx(), desk, view, commands);
     hard::show(ui.ctx(), desk, view);
+    close_by_key(ui.ctx(), view);
     // Nothing may lie over a plot while its picture is taken.
     if !view.is_posing() {
         banner::show(ui.ctx(), stage, desk, view, commands);
         help::show(ui.ctx(), desk.now, view);
         prompt::show(ui.ctx(), view);
+    }
+}
+
+/// Escape closes the windows over the stage, if it means nothing else.
+fn close_by_key(ctx: &egui::Context, view: &mut View) {
+    let means_else = view.help
+        || view.prompt.is_some()
+        || view.notice.is_some()
+        || ctx.egui_wants_keyboard_input()
+        || egui::Popup::is_any_open(ctx);
+    if !means_else && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
+        (view.studies.open, view.hard.open) = (false, false);
     }
 }
 

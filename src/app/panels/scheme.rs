@@ -9,6 +9,9 @@ use crate::{
 };
 use eframe::egui::{Color32, ComboBox, Rect, RichText, Sense, Ui, vec2};
 
+/// Height of the list of all schemes [points].
+const ALL: f32 = 400.0;
+
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     heading(ui, "Time stepping");
     choose(ui, desk, commands);
@@ -24,7 +27,8 @@ fn choose(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     let toy = desk.now.level.toy.is_some();
     let title = now.kind().title();
     let width = ui.available_width();
-    let combo = ComboBox::from_id_salt("integrator").selected_text(title).width(width).show_ui(ui, |ui| {
+    let all = ComboBox::from_id_salt("integrator").selected_text(title).width(width).height(ALL);
+    let combo = all.show_ui(ui, |ui| {
         for kind in IntegratorKind::all() {
             let fits = !toy || matches!(kind.kind().scheme(), Scheme::First(_));
             let chosen = kind.name() == now.name();

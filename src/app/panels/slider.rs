@@ -141,9 +141,10 @@ fn parse(text: &str, unit: &str) -> Option<f64> {
     gram.and_then(|gram| text.strip_suffix(gram)).and_then(scaled).map_or_else(|| scaled(&text), |g| Some(g / 1e3))
 }
 
+/// `nan` and `inf` are words, not numbers.
 fn scaled(text: &str) -> Option<f64> {
-    if let Ok(number) = text.parse() {
-        return Some(number);
+    if let Ok(number) = text.parse::<f64>() {
+        return Some(number).filter(|number| number.is_finite());
     }
     let last = text.chars().last()?;
     let power = match last {
@@ -158,7 +159,8 @@ fn scaled(text: &str) -> Option<f64> {
         'P' => 15,
         _ => return None,
     };
-    text[..text.len() - last.len_utf8()].parse::<f64>().ok().map(|number| number * 10f64.powi(power))
+    let number = text[..text.len() - last.len_utf8()].parse::<f64>().ok()?;
+    Some(number * 10f64.powi(power)).filter(|number| number.is_finite())
 }
 
 #[cfg(test)]
@@ -183,7 +185,9 @@ mod tests {
             let read = parse(text, unit);
             assert!(read.is_some_and(|read| (read - value).abs() <= 1e-12 * value.abs()), "{text}: {read:?}");
         }
-        assert_eq!(parse("soft", "Pa"), None);
+        for text in ["soft", "nan", "NaN Pa", "inf", "-infinity", "1e999", "1e300 G"] {
+            assert_eq!(parse(text, "Pa"), None, "{text}");
+        }
     }
 
     #[test]

@@ -169,12 +169,12 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
 fn folded(now: &Snapshot) -> Option<Warning> {
     let text = match now.wound {
         0 => return None,
-        1 => "1 fold that cannot open by itself".to_owned(),
-        many => format!("{many} folds that cannot open by themselves"),
+        1 => "1 fold that no small motion opens".to_owned(),
+        many => format!("{many} folds that no small motion opens"),
     };
     let details =
-        "The triangles around a vertex go round it twice. No small motion undoes that: the body is in a true \
-                   local minimum of its energy."
+        "The triangles around a vertex go round it twice. No small motion undoes that: a body at rest like this \
+                   is in a true local minimum of its energy, and stays there."
             .to_owned();
     Some(Warning { kind: "folded", text, details, mends: vec![untangle()] })
 }

@@ -4,8 +4,10 @@ use crate::harness::*;
 use eframe::egui::{Key, Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gingerbread::command::Mode;
+use gingerbread::files;
 use gingerbread::integrators::IntegratorKind;
 use gingerbread::level::{Substeps, Toggle};
+use gingerbread::stability::critical_step;
 
 #[test]
 fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
@@ -20,6 +22,32 @@ fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
     long.integrator = IntegratorKind::all().into_iter().find(|kind| kind.name() == "ImplicitEuler").unwrap();
     let window = open_level(long, 1280.0, 800.0);
     assert!(window.query_by_label_contains("Stable at every step").is_some());
+}
+
+#[test]
+fn the_stability_limit_is_found_to_its_end_while_nothing_moves_and_then_nothing_is_drawn() {
+    let large = "(name: \"large\", bodies: [(name: \"man\", mesh: Gingerbread(resolution: 12000), mass: Total(25),
+          material: (model: Corotated, young: 30000, poisson: 0.3))])";
+    let large = files::parse(large, "large.ron").unwrap();
+    for level in [level("gingerbread"), level("jelly_disk"), level("hanging_net"), large] {
+        let name = level.name.clone();
+        let mut window = open_level(level, 1280.0, 800.0);
+        let frames = (0..2000).take_while(|_| {
+            let asks = pause(&window).is_zero();
+            window.run_steps(usize::from(asks));
+            asks
+        });
+        assert!(frames.count() < 2000, "{name} does not come to rest");
+        let simulation = window.state().sandbox().simulation();
+        let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
+        let node = window.get_by_label_contains("Stable up to");
+        let words = node.accesskit_node().value().or(node.accesskit_node().label()).unwrap();
+        let (number, unit) = words.trim_start_matches("Stable up to ").split_once(' ').unwrap();
+        let second = if unit.starts_with("ms") { 1e3 } else { 1e6 };
+        let shown = number.parse::<f64>().unwrap() / second;
+        // Three digits are shown.
+        assert!((shown - limit).abs() < 6e-3 * limit, "{name}: {words} Not {limit} s.");
+    }
 }
 
 #[test]

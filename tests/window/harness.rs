@@ -1,6 +1,6 @@
 //! The window under test, and the hands that use it.
 
-use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, Node};
 use gingerbread::app::App;
@@ -9,6 +9,7 @@ use gingerbread::files::Disk;
 use gingerbread::level::Level;
 use gingerbread::materials::Lame;
 use gingerbread::{files, levels};
+use std::time::Duration;
 
 pub type Window = Harness<'static, App>;
 
@@ -76,6 +77,11 @@ pub fn lame(window: &Window) -> Lame {
 /// Makes the triangles that would be painted, which the harness does not: numbers that are none would end it here.
 pub fn draw(window: &Window) {
     window.ctx.tessellate(window.output().shapes.clone(), 1.0);
+}
+
+/// How long the window wants to wait before it draws again.
+pub fn pause(window: &Window) -> Duration {
+    window.output().viewport_output[&ViewportId::ROOT].repaint_delay
 }
 
 pub fn mode(window: &Window) -> Mode {

@@ -1,15 +1,10 @@
 //! A window in which everything sleeps rests too.
 
 use crate::harness::*;
-use eframe::egui::{Event, Key, Modifiers, PointerButton, ViewportId, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use std::time::Duration;
-
-/// How long the window wants to wait before it draws again.
-fn pause(window: &Window) -> Duration {
-    window.output().viewport_output[&ViewportId::ROOT].repaint_delay
-}
 
 #[test]
 fn when_everything_sleeps_nothing_is_stepped_and_no_frame_is_asked_for_until_a_pull() {

@@ -16,8 +16,12 @@ use crate::{
 };
 use std::time::Duration;
 
-/// For how many triangles the stability limit is looked for in one frame.
+/// For how many coordinates, about as many as there are triangles, the stability limit is looked for in one frame.
 const PER_FRAME: usize = 2500;
+/// Rounds of a look while something moves, and at most while nothing does.
+const ROUNDS: [usize; 2] = [2, 16];
+/// A change of the limit by a look, as a share of it, at which it is settled.
+const SETTLED: f64 = 5e-5;
 
 /// What a study is about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +61,8 @@ pub struct Lab {
     limit: Option<f64>,
     /// Frames since the probe was last worked on.
     unprobed: usize,
+    /// The revision of the simulation for which the limit has settled.
+    settled: Option<u64>,
     twin: Option<Twin>,
     /// The work-precision diagram.
     pub accuracy: Study<WorkPrecision>,
@@ -160,12 +166,9 @@ impl Lab {
     /// more to do.
     pub fn work(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
         let simulation = sandbox.simulation();
-        let settled = self.limit.is_some() && !sandbox.is_live();
-        // The limit moves slowly and a look at it costs as much as many steps: a large scene is looked at every few frames.
-        self.unprobed += 1;
-        if gauge && (self.limit.is_none() || self.unprobed > simulation.scene().triangles.len() / PER_FRAME) {
-            self.unprobed = 0;
-            self.limit = self.probe.refine(simulation.scene(), simulation.state(), if settled { 1 } else { 2 });
+        let doubtful = gauge && self.settled != Some(simulation.revision());
+        if doubtful {
+            self.probe(sandbox);
         }
         let behind = self.twin.as_mut().is_some_and(|twin| {
             twin.follow(simulation);
@@ -176,6 +179,26 @@ impl Lab {
         self.drift.collect();
         self.hard.collect();
         self.savings.collect();
-        behind || self.is_busy()
+        behind || self.is_busy() || doubtful && !sandbox.is_busy()
+    }
+
+    /// Looks for the longest stable step.
+    fn probe(&mut self, sandbox: &Sandbox) {
+        let (simulation, size) = (sandbox.simulation(), sandbox.simulation().scene().rest.len());
+        // The limit moves slowly and a look at it costs as much as many steps: a large scene is looked at every few frames.
+        self.unprobed += 1;
+        if self.limit.is_some() && self.unprobed <= size / PER_FRAME {
+            return;
+        }
+        self.unprobed = 0;
+        let [few, many] = ROUNDS;
+        let rounds = if sandbox.is_busy() { few } else { (many * PER_FRAME / size.max(1)).clamp(few, many) };
+        let limit = self.probe.refine(simulation.scene(), simulation.state(), rounds);
+        let settled = match (self.limit, limit) {
+            (Some(before), Some(now)) => (before - now).abs() <= SETTLED * now,
+            (_, None) => true,
+            (None, _) => false,
+        };
+        (self.limit, self.settled) = (limit, settled.then_some(simulation.revision()));
     }
 }

@@ -130,6 +130,8 @@ fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
         ("mesh: Disk(radius: 0.2, rings: 5)", "mesh: Disk(radius: 0.2", (6, 5), ""),
         ("name: \"b\"", "name: 5", (4, 10), "string"),
         ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "[1, 100000]"),
+        ("bodies: [(", "substeps: -1, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got -1"),
+        ("bodies: [(", "substeps: 1.5, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got 1.5"),
     ];
     for (part, mistake, place, expected) in cases {
         let (line, column, what) = told(part, mistake);

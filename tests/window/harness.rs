@@ -1,6 +1,6 @@
 //! The window under test, and the hands that use it.
 
-use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, ViewportId};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, Node};
 use gingerbread::app::App;
@@ -68,6 +68,18 @@ pub fn click_at(window: &mut Window, pos: Pos2) {
     window.run_steps(1);
     button(window, pos, false);
     window.run_steps(3);
+}
+
+/// Presses a vertex and moves the pointer away from it, by so much; returns where it is held.
+pub fn pull(window: &mut Window, number: usize, by: Vec2) -> Pos2 {
+    let from = on_screen(window, vertex(window, number));
+    window.hover_at(from);
+    window.run_steps(1);
+    button(window, from, true);
+    window.run_steps(1);
+    window.event(Event::PointerMoved(from + by));
+    window.run_steps(2);
+    from + by
 }
 
 pub fn lame(window: &Window) -> Lame {

@@ -1,7 +1,7 @@
 //! The stage: pins, pulling, and room for both in small windows.
 
 use crate::harness::*;
-use eframe::egui::{Event, Key, epaint::Primitive, vec2};
+use eframe::egui::{Key, epaint::Primitive, vec2};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 
@@ -24,14 +24,7 @@ fn dragging_pulls_the_picked_vertex_towards_the_cursor_and_letting_go_ends_it() 
         assert_eq!(window.state().snapshot().mode, mode);
         press(&mut window, Key::Space);
         let start = vertex(&window, 100);
-        let from = on_screen(&window, start);
-        window.hover_at(from);
-        window.run_steps(1);
-        button(&window, from, true);
-        window.run_steps(1);
-        let to = from + vec2(60.0, -40.0);
-        window.event(Event::PointerMoved(to));
-        window.run_steps(2);
+        let to = pull(&mut window, 100, vec2(60.0, -40.0));
         press(&mut window, Key::Space);
         window.run_steps(20);
         let pull = window.state().snapshot().pull.expect("a pull");
@@ -47,14 +40,7 @@ fn dragging_pulls_the_picked_vertex_towards_the_cursor_and_letting_go_ends_it() 
 fn a_pull_goes_on_when_another_model_makes_the_body_start_over() {
     let mut window = open("gingerbread");
     press(&mut window, Key::M);
-    let from = on_screen(&window, vertex(&window, 100));
-    window.hover_at(from);
-    window.run_steps(1);
-    button(&window, from, true);
-    window.run_steps(1);
-    let to = from + vec2(60.0, -40.0);
-    window.event(Event::PointerMoved(to));
-    window.run_steps(5);
+    let to = pull(&mut window, 100, vec2(60.0, -40.0));
     let before = window.state().snapshot().generation;
     press(&mut window, Key::V);
     window.run_steps(5);

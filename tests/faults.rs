@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, level, released, simulation};
+use common::{Random, level, released, seen, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
@@ -14,7 +14,6 @@ use gingerbread::{
     quantity::{Coordinate, Point},
     sandbox::Sandbox,
     simulation::Simulation,
-    snapshot::{Field, Snapshot},
     state::State,
 };
 use std::{
@@ -100,12 +99,6 @@ fn a_bit_that_flips_in_a_running_state_ends_in_numbers_or_in_a_fault_that_keeps_
         }
     }
     assert!(faults > 20 && went_on > 100, "{faults} faults, {went_on} went on");
-}
-
-fn seen(sandbox: &Sandbox) -> Snapshot {
-    let mut snapshot = Snapshot::default();
-    sandbox.snapshot(Field::None, &mut snapshot);
-    snapshot
 }
 
 /// Everything a person could miss.

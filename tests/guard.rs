@@ -191,14 +191,22 @@ fn what_is_kept_ends_with_a_restart_and_stays_small() {
 }
 
 #[test]
-fn time_is_never_turned_forth_and_single_steps_can_be_turned_back() {
+fn single_steps_can_be_turned_back() {
     let mut sandbox = running(sheet("Corotated", "stretch: (1.2, 1)", ""));
-    sandbox.advance(6000, &mut || true);
-    sandbox.apply(Command::Reset).unwrap();
     for _ in 0..3 {
         sandbox.apply(Command::StepOnce).unwrap();
     }
     assert_eq!(sandbox.simulation().state().steps, 3);
     sandbox.apply(Command::Rewind(1.0)).unwrap();
     assert_eq!(*sandbox.simulation().state(), sandbox.simulation().scene().start);
+}
+
+#[test]
+fn time_is_never_turned_forth() {
+    let mut sandbox = running(sheet("Corotated", "stretch: (1.2, 1)", ""));
+    sandbox.advance(6000, &mut || true);
+    let (mut rewind, late) = (Rewind::default(), sandbox.simulation().state());
+    rewind.keep(late);
+    assert_eq!(rewind.back(0.5 * late.time, 0.1), None);
+    assert_eq!(rewind.back(late.time, 0.1).as_ref(), Some(late));
 }

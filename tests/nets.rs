@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::level;
+use common::{level, seen};
 use gingerbread::{
     command::{Command, Mode},
     integrators::{IntegratorKind, Scheme},
@@ -12,7 +12,6 @@ use gingerbread::{
     nets::NetKind,
     quantity::{ParticleMass, Radius, Spring},
     sandbox::Sandbox,
-    snapshot::{Field, Snapshot},
     toys::{Circle, ToyKind},
 };
 
@@ -25,12 +24,6 @@ const TWO: &str = "(name: \"two\",
 
 fn sandbox(text: &str) -> Sandbox {
     Sandbox::new(level(text), Box::new(NoFiles)).unwrap()
-}
-
-fn seen(sandbox: &Sandbox) -> Snapshot {
-    let mut snapshot = Snapshot::default();
-    sandbox.snapshot(Field::None, &mut snapshot);
-    snapshot
 }
 
 #[test]

@@ -8,9 +8,14 @@ pub mod systems;
 use gingerbread::{
     files,
     level::{Level, RunMode},
+    levels::built_in,
+    materials::{MaterialParameters, Model, Plane},
     meshes::NoFiles,
+    quantity::{Poisson, Young},
+    sandbox::Sandbox,
     scene::Scene,
     simulation::Simulation,
+    snapshot::{Field, Snapshot},
 };
 use nalgebra::Matrix2;
 
@@ -53,6 +58,25 @@ pub fn simulation(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
     let state = scene.first_state(level.state.as_ref()).unwrap();
     Simulation::new(scene, state)
+}
+
+/// A sandbox with a built-in level.
+pub fn opened(name: &str) -> Sandbox {
+    let level = files::parse(built_in(name).unwrap(), name).unwrap();
+    Sandbox::new(level, Box::new(NoFiles)).unwrap()
+}
+
+/// What a window would draw of it, without colours.
+pub fn seen(sandbox: &Sandbox) -> Snapshot {
+    let mut snapshot = Snapshot::default();
+    sandbox.snapshot(Field::None, &mut snapshot);
+    snapshot
+}
+
+/// A soft corotated material.
+pub fn material(young: f64) -> MaterialParameters {
+    let (young, poisson) = (Young::new(young).unwrap(), Poisson::new(0.2).unwrap());
+    MaterialParameters::new(Model::Corotated, young, poisson, Plane::Strain).unwrap()
 }
 
 /// A scene of one small square sheet of 2 x 4 x 4 triangles, with more fields of the body and the level.

@@ -18,7 +18,7 @@ use crate::{
     quantity::{Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Spin, Velocity},
     toys::ToyKind,
 };
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 /// Everything a file says about a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -150,11 +150,13 @@ pub enum StartShape {
     /// Every vertex anywhere in the box around the body, all places equally likely.
     Scrambled {
         /// Which of all such shapes.
+        #[serde(deserialize_with = "natural")]
         seed: u32,
     },
     /// Pressed flat onto a line through its middle, of any direction.
     Line {
         /// Which direction, and which noise.
+        #[serde(deserialize_with = "natural")]
         seed: u32,
         /// How far from it vertices lie at most.
         #[serde(default = "slight")]
@@ -163,6 +165,7 @@ pub enum StartShape {
     /// Shrunk to the point in its middle.
     Point {
         /// Which noise.
+        #[serde(deserialize_with = "natural")]
         seed: u32,
         /// How far from it vertices lie at most.
         #[serde(default = "slight")]
@@ -171,6 +174,7 @@ pub enum StartShape {
     /// Turned inside out: its mirror image across a line through its middle, of any direction.
     Mirrored {
         /// Which direction, and which noise.
+        #[serde(deserialize_with = "natural")]
         seed: u32,
         /// How far from it vertices lie at most.
         #[serde(default = "slight")]
@@ -191,6 +195,12 @@ impl StartShape {
     }
 }
 
+/// A number that tells things of a kind apart, such as vertices.
+fn natural<'de, D: Deserializer<'de>>(file: D) -> Result<u32, D::Error> {
+    let number = i64::deserialize(file)?;
+    number.try_into().map_err(|_| D::Error::custom(format!("expected a number in [0, {}], got {number}", u32::MAX)))
+}
+
 const fn slight() -> Noise {
     Noise::literal(0.001)
 }
@@ -208,7 +218,7 @@ pub enum MassLevel {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Pin {
     /// One vertex, by its number in the body or net.
-    Vertex(u32),
+    Vertex(#[serde(deserialize_with = "natural")] u32),
     /// The vertex nearest to a point.
     Nearest(Point),
     /// All vertices at the greatest y.

@@ -35,6 +35,8 @@ pub struct Counts {
     pub constrained: u64,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// Steps that brought out what began inside a wall or beyond an edge of the world.
+    pub pushed_out: u64,
     /// Steps in which everything slept.
     pub slept: u64,
     /// Attempts at a step that the guard threw away.

@@ -119,7 +119,7 @@ impl Simulation {
         (self.state, self.stale) = (state, true);
         self.revision += 1;
         self.shape += 1;
-        (self.scratch.free, self.scratch.room) = (None, -1.0);
+        (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, false);
         self.team.stand_anew();
         self.settle_sleepers();
         self.grab = None;
@@ -285,6 +285,7 @@ impl Simulation {
         }
         self.scratch.counts.steps += 1;
         self.scratch.counts.guarded += u64::from(parts > 1);
+        self.scratch.counts.pushed_out += u64::from(self.scratch.inside);
         self.state.steps += 1;
         self.revision += 1;
         self.shape += 1;
@@ -293,7 +294,7 @@ impl Simulation {
 
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
-        (self.scratch.supplied, self.scratch.kinetic) = (0.0, None);
+        (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, false, None);
         if self.paces.differ() {
             return self.integrate_each(h, time);
         }

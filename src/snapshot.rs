@@ -78,6 +78,8 @@ pub struct Snapshot {
     pub parts: u32,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
+    /// Whether something is on its way out of a wall.
+    pub pushed_out: bool,
     /// How each body and then each net is stepped, where each goes at its own pace.
     pub paces: Vec<Pace>,
     /// How many bodies and nets sleep.
@@ -216,6 +218,7 @@ impl Sandbox {
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
         (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
+        snapshot.pushed_out = simulation.pushes_out();
         snapshot.paces.clear();
         snapshot.paces.extend(simulation.paces());
         snapshot.messages.clone_from(&scene.messages);

@@ -9,7 +9,7 @@ use gingerbread::{
     files, levels,
     obstacles::{Obstacle, ObstacleKind, Start, Surface},
 };
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
     let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{list}]))])");
@@ -27,6 +27,10 @@ fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) ->
         outward: None,
         time: [0.0; 2],
         supplied: &Cell::new(0.0),
+        exits: &[],
+        overlaps: &[],
+        noted: &RefCell::default(),
+        inside: &Cell::new(false),
     };
     let (mut x, mut after) = (x, v);
     obstacle.constrain(&start, &mut x, &mut after);

@@ -163,6 +163,22 @@ fn check_says_what_a_level_is_and_what_is_wrong_with_a_bad_one() {
 }
 
 #[test]
+fn check_and_report_tell_what_begins_inside_a_wall() {
+    let folder = Folder::new("inside");
+    let (file, report) = (folder.file("inside.ron"), folder.file("report.json"));
+    let jelly = gingerbread::levels::built_in("jelly_disk").unwrap();
+    fs::write(&file, jelly.replace("centre: (0.28, 0.8)", "centre: (5, 5)")).unwrap();
+    let told = said(&gingerbread(&["check", &file]).stdout);
+    assert!(told.contains("vertices begin inside walls or beyond the world: they are pushed out slowly"), "{told}");
+    assert!(!said(&gingerbread(&["check", "jelly_disk"]).stdout).contains("inside"));
+    let output = gingerbread(&["run", &file, "--seconds", "0.1", "--report", &report]);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+    assert_eq!(report["pushed_out_steps"], report["steps"]);
+    assert_eq!(report["guarded_steps"], 0);
+}
+
+#[test]
 fn wrong_arguments_and_missing_files_end_with_2_and_one_clear_message() {
     for (arguments, expected) in [
         (vec!["run", "no_such_level"], "no_such_level"),

@@ -131,6 +131,13 @@ fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
         ("name: \"b\"", "name: 5", (4, 10), "string"),
         ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "[1, 100000]"),
         ("bodies: [(", "substeps: -1, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got -1"),
+        ("name: \"b\"", "pins: [Vertex(-1)], name: \"b\"", (4, 20), "expected a number in [0, 4294967295], got -1"),
+        (
+            "name: \"b\"",
+            "start: Point(seed: 5000000000), name: \"b\"",
+            (4, 25),
+            "expected a number in [0, 4294967295], got 5000000000",
+        ),
         ("bodies: [(", "substeps: 1.5, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got 1.5"),
     ];
     for (part, mistake, place, expected) in cases {

@@ -100,7 +100,7 @@ fn a_start_is_saved_with_its_level_and_a_bad_one_is_told() {
         "{}",
         bad("Line(seed: 1, noise: 2)")
     );
-    assert!(bad("Line(seed: -1)").contains("Integer"));
+    assert!(bad("Line(seed: -1)").contains("[0, 4294967295], got -1"));
     assert!(bad("Line(seed: 1, sed: 2)").contains("sed"));
     assert!(bad("Melted(seed: 1)").contains("Scrambled"));
 }

@@ -262,4 +262,7 @@ fn measure(style: &mut Style) {
     spacing.icon_spacing = 6.0;
     spacing.combo_width = 120.0;
     spacing.tooltip_width = 320.0;
+    // What goes on below or above says so, before a mouse is on it.
+    spacing.scroll.floating_width = 4.0;
+    spacing.scroll.dormant_handle_opacity = 0.4;
 }

@@ -1,12 +1,12 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::Start,
+    obstacles::{Start, is_deep},
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
 
-/// The four edges of the world: a vertex beyond one is put back on it and loses its velocity outwards.
+/// The four edges of the world: a vertex that gets beyond one is put back on it and loses its velocity outwards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
@@ -29,7 +29,7 @@ impl EffectParameters for Boundary {
     }
 
     fn about(&self) -> &'static str {
-        "A vertex beyond an edge is put back on it; its velocity outwards is removed."
+        "A vertex that gets beyond an edge is put back on it; its velocity outwards is removed. What begins beyond one comes in slowly."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -72,6 +72,14 @@ impl Effect for Edges {
         true
     }
 
+    fn count_inside(&self, x: &[f64], _: f64) -> usize {
+        let deep = |beyond: f64, axis: usize| is_deep(-beyond, [0.0, self.reach(axis)]);
+        let beyond = |point: &[f64; 2], axis: usize| {
+            deep(self.least[axis] - point[axis], axis) || deep(point[axis] - self.greatest[axis], axis)
+        };
+        x.as_chunks().0.iter().filter(|point| beyond(point, 0) || beyond(point, 1)).count()
+    }
+
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let ([left, bottom], [right, top]) = (self.least, self.greatest);
         let beyond = |p: &[f64]| p[0] <= left || p[0] >= right || p[1] <= bottom || p[1] >= top;
@@ -89,6 +97,11 @@ impl Effect for Edges {
 }
 
 impl Edges {
+    /// A length that is small in this world, as the reach of a wall would be [m].
+    fn reach(&self, axis: usize) -> f64 {
+        1e-3 * (self.greatest[axis] - self.least[axis])
+    }
+
     /// Puts one vertex back on the edges across one axis.
     #[inline]
     fn put_back(&self, start: &Start<'_>, (vertex, axis): (usize, usize), x: &mut [f64], v: &mut [f64]) -> bool {
@@ -104,14 +117,25 @@ impl Edges {
         if !start.faces(vertex, normal) {
             return false;
         }
-        let (from, before) = (&start.x[2 * vertex..][..2], &start.v[2 * vertex..][..2]);
+        let from = &start.x[2 * vertex..][..2];
+        let beyond = inwards * (from[axis] - edge);
+        let rise = start.rise(vertex, beyond, [0.0, self.reach(axis)]);
+        let target = rise.map_or(edge, |rise| from[axis] + inwards * rise.length);
+        if inwards * (x[axis] - target) > 0.0 {
+            return false;
+        }
         let mut after = [v[0], v[1]];
-        let kept = start.surface.answer(normal, [before[0], before[1]], &mut after);
+        let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
+        let kept = match rise {
+            Some(rise) => start.lift(vertex, normal, rise.speed, &mut after),
+            None => start.surface.answer(normal, before, &mut after),
+        };
+        let changed = after != [v[0], v[1]] || x[axis] != target;
         v.copy_from_slice(&after);
-        x[axis] = edge;
+        x[axis] = target;
         if let Some(kept) = kept.filter(|kept| *kept < 1.0) {
             x[1 - axis] = from[1 - axis] + kept * (x[1 - axis] - from[1 - axis]);
         }
-        true
+        changed
     }
 }

@@ -238,6 +238,11 @@ pub trait Effect: Send + Sync {
         0
     }
 
+    /// How many vertices are deep inside what stands in their way, at these positions [m] and this time [s].
+    fn count_inside(&self, _x: &[f64], _time: f64) -> usize {
+        0
+    }
+
     /// Changes what happens where constraints touch a vertex.
     fn coat(&self, _surface: &mut Surface) {}
 

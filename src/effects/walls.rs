@@ -1,7 +1,7 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape, around};
 use crate::{
     elements::Elements,
-    obstacles::{Ball, Carry, Encounter, MotionKind, Obstacle, ObstacleKind, Rigid, Start, placed, room},
+    obstacles::{Ball, Carry, Encounter, MotionKind, Obstacle, ObstacleKind, Rigid, Start, is_deep, placed, room},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
@@ -99,9 +99,9 @@ const ROUNDS: usize = 8;
 impl Contacts {
     /// The obstacles that are near enough to a box around all ways to be worth a look at each vertex in it.
     fn near(&self, time: [f64; 2], bounds: [[f64; 2]; 2]) -> impl Iterator<Item = Encounter<'_>> + Clone {
-        let walls = self.obstacles.iter();
+        let walls = self.obstacles.iter().enumerate();
         walls
-            .map(move |wall| Encounter::new(wall.obstacle.as_ref(), wall.carry(time), bounds))
+            .map(move |(number, wall)| Encounter::new((number, wall.obstacle.as_ref()), wall.carry(time), bounds))
             .filter(Encounter::is_near)
     }
 
@@ -167,10 +167,27 @@ impl Effect for Contacts {
         true
     }
 
+    fn count_inside(&self, x: &[f64], time: f64) -> usize {
+        let inside = |point: &[f64; 2]| {
+            self.obstacles.iter().any(|wall| {
+                let at = wall.carry([time; 2]).place_built(*point);
+                let obstacle = wall.obstacle.as_ref();
+                obstacle
+                    .contact(at)
+                    .is_some_and(|contact| is_deep(contact.distance, [obstacle.skin(), obstacle.reach()]))
+            })
+        };
+        x.as_chunks().0.iter().filter(|point| inside(point)).count()
+    }
+
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let bounds = around(start.x, x);
         let mut touched = 0;
         let near = self.near(start.time, bounds);
+        start.noted.borrow_mut().clear();
+        near.clone().for_each(|wall| wall.note_overlaps(start));
+        let overlaps = start.noted.borrow();
+        let start = &Start { overlaps: &overlaps, ..*start };
         for wall in near.clone() {
             touched += wall.press_edges(&self.boundary, start, x, v);
         }

@@ -63,6 +63,8 @@ pub struct RunReport {
     pub abandoned_iterations: u64,
     /// Steps that the guard had taken in shorter ones.
     pub guarded_steps: u64,
+    /// Steps that brought out what began inside a wall or beyond an edge of the world.
+    pub pushed_out_steps: u64,
     /// Steps in which everything slept.
     pub slept_steps: u64,
     /// Attempts at a step that the guard threw away.
@@ -112,6 +114,7 @@ impl RunReport {
             reused_factors: counts.reused_factors,
             abandoned_iterations: counts.abandoned_iterations,
             guarded_steps: counts.guarded,
+            pushed_out_steps: counts.pushed_out,
             slept_steps: counts.slept,
             retaken_steps: counts.retaken,
             wall_seconds,

@@ -109,6 +109,11 @@ impl Carry {
         if self.still { point } else { self.start.point(self.end.back(point)) }
     }
 
+    /// Where a point of the world at the end is on what was built.
+    pub fn place_built(&self, point: [f64; 2]) -> [f64; 2] {
+        if self.still { point } else { self.end.back(point) }
+    }
+
     /// A direction of the start, carried along.
     pub fn direction(&self, way: [f64; 2]) -> [f64; 2] {
         if self.still { way } else { self.end.turned(self.start.turned_back(way)) }

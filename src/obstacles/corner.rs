@@ -1,5 +1,5 @@
 use super::{
-    Carry, Start,
+    Carry, Rise, Start, Surface,
     advance::{self, Seen},
 };
 use parry2d::math::Vector;
@@ -90,19 +90,28 @@ impl<'a> Edge<'a> {
 
     /// Takes the velocity towards a corner from that point, which friction and restitution share in; returns the share of
     /// tangential velocity that is left.
-    fn answer(&self, corner: &Corner, v: &mut [f64], along: f64, normal: Vector) -> Option<f64> {
+    fn answer(
+        &self,
+        corner: &Corner,
+        v: &mut [f64],
+        (along, normal): (f64, Vector),
+        rise: Option<Rise>,
+    ) -> Option<f64> {
         let wall = Vector::from(self.carry.velocity_at(corner.middle));
+        let wall = rise.map_or(wall, |rise| wall - normal * rise.speed);
         let free = self.mean(v, along) - wall;
         let (start_x, start_v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
         let before = self.carry.relative(start_v.into(), start_x.into());
         let mut after: [f64; 2] = free.into();
-        let kept = self.start.surface.answer((-normal).into(), before, &mut after)?;
+        let surface = self.start.surface;
+        let surface = if rise.is_some() { Surface { restitution: 0.0, ..surface } } else { surface };
+        let kept = surface.answer((-normal).into(), before, &mut after)?;
         let change = Vector::from(after) - free;
         let tangent = normal.perp();
         let ends = self.vertices.map(|vertex| at(v, vertex));
         self.shift(v, along, normal, change.dot(normal));
         self.shift(v, along, tangent, change.dot(tangent));
-        if !self.carry.is_still() {
+        if wall != Vector::ZERO {
             for (vertex, end) in self.vertices.into_iter().zip(ends) {
                 let (change, inverse) = (at(v, vertex) - end, at(self.start.inverse_mass, vertex));
                 let impulse = |change: f64, inverse: f64| if inverse == 0.0 { 0.0 } else { change / inverse };
@@ -122,9 +131,12 @@ impl<'a> Edge<'a> {
         if gap >= corner.reach || along <= 0.0 || along >= 1.0 {
             return false;
         }
-        let kept = self.answer(corner, v, along, normal);
+        let rise = self.start.rise(self.vertices[0], gap, [corner.skin, corner.reach]);
+        self.start.inside.set(self.start.inside.get() || rise.is_some());
+        let kept = self.answer(corner, v, (along, normal), rise);
         let way = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
-        let excess = way.dot(normal) - (gap - corner.skin).min(0.0);
+        let least = rise.map_or((corner.skin - gap).max(0.0), |rise| rise.length);
+        let excess = way.dot(normal) + least;
         if let Some(kept) = kept {
             let tangent = normal.perp();
             self.shift(x, along, tangent, (kept - 1.0) * way.dot(tangent));
@@ -141,7 +153,7 @@ impl<'a> Edge<'a> {
         };
         let reached = [0, 1].map(|end| self.from[end] + (self.to[end] - self.from[end]) * share);
         if let Some(Seen { along, .. }) = advance::seen(reached, middle) {
-            self.answer(corner, v, along, normal);
+            self.answer(corner, v, (along, normal), None);
         }
         for (vertex, reached) in self.vertices.into_iter().zip(reached) {
             // What is held stays where it is, also when a corner comes to it.
@@ -169,7 +181,7 @@ fn each<'a>(
     for corner in corners.filter(|corner| corner.is_near(bounds.map(Vector::from))) {
         let mut free = None;
         let is_free = || !is_inside(carry.place_back(corner.middle), edges, start.x);
-        for &vertices in edges {
+        for &vertices in edges.iter().filter(|edge| start.overlap(edge[0] as usize).is_none()) {
             let edge = Edge::new((start, carry), vertices, x);
             if edge.is_near(&corner) && *free.get_or_insert_with(is_free) {
                 touched += usize::from(act(&edge, &corner, x, v));

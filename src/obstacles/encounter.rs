@@ -1,19 +1,21 @@
 //! Bodies and one obstacle in one step.
 
-use super::{Carry, Contact, Corner, Obstacle, Start, corner, meet};
+use super::{Carry, Contact, Corner, Exit, Obstacle, Overlap, Start, corner, meet, ways};
 
 /// An obstacle on its way through a step, and a box around the ways of all vertices.
 #[derive(Clone, Copy)]
 pub struct Encounter<'a> {
+    number: usize,
     obstacle: &'a dyn Obstacle,
     carry: Carry,
     bounds: [[f64; 2]; 2],
 }
 
 impl<'a> Encounter<'a> {
-    /// `bounds` are the least and the greatest corner of the box around the ways of all vertices in the world.
-    pub fn new(obstacle: &'a dyn Obstacle, carry: Carry, bounds: [[f64; 2]; 2]) -> Self {
-        Self { obstacle, carry, bounds: carry.bounds(bounds) }
+    /// The obstacle has a number among others; `bounds` are the least and the greatest corner of the box around the ways of all
+    /// vertices in the world.
+    pub fn new((number, obstacle): (usize, &'a dyn Obstacle), carry: Carry, bounds: [[f64; 2]; 2]) -> Self {
+        Self { number, obstacle, carry, bounds: carry.bounds(bounds) }
     }
 
     /// Whether any vertex could touch; false only if none can.
@@ -27,8 +29,30 @@ impl<'a> Encounter<'a> {
         &self.carry
     }
 
+    /// The start of the step as this obstacle sees it.
+    fn at_hand<'s>(&self, start: &Start<'s>) -> Start<'s> {
+        let of = |number: usize| start.overlaps.partition_point(|overlap| overlap.obstacle < number);
+        Start { overlaps: &start.overlaps[of(self.number)..of(self.number + 1)], ..*start }
+    }
+
+    /// Notes who begins inside a solid, if anybody does.
+    pub fn note_overlaps(&self, start: &Start<'_>) {
+        let mut first = 0;
+        for exit in start.exits {
+            let vertices = first..exit.end;
+            first = exit.end;
+            if !self.is_any_inside(&start.x[2 * vertices.start..2 * vertices.end]) {
+                continue;
+            }
+            let way = ways::out(self, start, vertices.clone());
+            let overlap = way.map(|way| Overlap { obstacle: self.number, vertices, way });
+            start.noted.borrow_mut().extend(overlap);
+        }
+    }
+
     /// Stops vertices: see [`Obstacle::constrain`].
     pub fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let start = &self.at_hand(start);
         if self.carry.is_still() {
             return self.obstacle.constrain(start, x, v);
         }
@@ -61,8 +85,11 @@ impl<'a> Encounter<'a> {
         let pair = |values: &[f64]| [values[2 * vertex], values[2 * vertex + 1]];
         let before = self.carry.relative(pair(start.v), pair(start.x));
         let outward = start.outward.map(|outward| self.carry.direction(pair(outward)));
-        let seen =
-            Start { x: &from, v: &before, inverse_mass, outward: outward.as_ref().map(<[f64; 2]>::as_slice), ..*start };
+        let outward = outward.as_ref().map(<[f64; 2]>::as_slice);
+        let exit = start.exit(vertex).map(|exit| Exit { end: 1, ..*exit });
+        let overlap = start.overlap(vertex).map(|overlap| Overlap { vertices: 0..1, ..*overlap });
+        let (exits, overlaps) = (exit.as_slice(), overlap.as_slice());
+        let seen = Start { x: &from, v: &before, inverse_mass, outward, exits, overlaps, ..*start };
         let wall = self.carry.velocity_at([x[0], x[1]]);
         let (mut to, mut relative) = ([x[0], x[1]], [v[0] - wall[0], v[1] - wall[1]]);
         if !meet::meet(self, &seen, (0, begun), &mut to, &mut relative) {
@@ -81,11 +108,13 @@ impl<'a> Encounter<'a> {
 
     /// Where a corner is near an edge of a body, that may not move towards it. Returns how many edges were touched.
     pub fn press_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let start = &self.at_hand(start);
         corner::press_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 
     /// Stops edges of bodies where a corner would first touch on their way. Returns how many there were.
     pub fn stop_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let start = &self.at_hand(start);
         corner::stop_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 }
@@ -119,6 +148,19 @@ impl Obstacle for Encounter<'_> {
         let end = &self.carry.end;
         let (share, normal) = self.obstacle.cast(end.back(from), end.direction_back(way))?;
         Some((share, end.normal(normal)))
+    }
+
+    fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
+        let end = &self.carry.end;
+        self.obstacle.way_past(end.back(point), end.direction_back(direction))
+    }
+
+    /// Of points where the step begins.
+    fn is_any_inside(&self, points: &[f64]) -> bool {
+        if self.carry.is_still() {
+            return self.obstacle.is_any_inside(points);
+        }
+        points.as_chunks().0.iter().any(|point| self.obstacle.is_any_inside(&self.carry.start.back(*point)))
     }
 
     fn corners(&self) -> &[Corner] {

@@ -1,10 +1,11 @@
-use super::{Contact, Obstacle, Start};
+use super::{Contact, Obstacle, Rise, Start};
 
 /// Most times a vertex is put back at the end of a step.
 const NOOK: usize = 3;
 
 /// Stops one vertex, by its number and what it touches where the step begins: first where it is near from the beginning,
-/// then where it gets on its way, and last where it would end too near. Returns whether anything changed.
+/// then where it gets on its way, and last where it would end too near. If it begins deep inside it is brought out; and what
+/// comes after it, of the same body and the same way, may pass. Returns whether anything changed.
 pub(super) fn meet<O: Obstacle + ?Sized>(
     obstacle: &O,
     start: &Start<'_>,
@@ -14,16 +15,13 @@ pub(super) fn meet<O: Obstacle + ?Sized>(
 ) -> bool {
     let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
     let mut moved = Moved { start, vertex, to: [x[0], x[1]], v: [v[0], v[1]] };
-    if let Some(contact) = begun.filter(|contact| start.faces(vertex, contact.normal)) {
-        moved.press(contact.normal, from);
-    }
-    let free = begun.map_or(obstacle.reach(), |contact| contact.distance) - obstacle.skin();
-    let way = [moved.to[0] - from[0], moved.to[1] - from[1]];
-    if free <= 0.0 || way[0] * way[0] + way[1] * way[1] > free * free {
-        if begun.is_none_or(|contact| contact.distance >= 0.0) {
-            moved.travel(obstacle, from);
-        }
-        moved.leave(obstacle);
+    let extents = [obstacle.skin(), obstacle.reach()];
+    let rise = begun.and_then(|contact| Some((contact, start.rise(vertex, contact.distance, extents)?)));
+    let out = start.overlap(vertex).map(|overlap| overlap.way);
+    match (rise, out) {
+        (Some((contact, rise)), _) => moved.rise(rise, out.unwrap_or(contact.normal), from),
+        (None, Some([nx, ny])) if (x[0] - from[0]) * nx + (x[1] - from[1]) * ny > 0.0 => {}
+        _ => moved.stop(obstacle, begun, from),
     }
     let touched = moved.to != [x[0], x[1]] || moved.v != [v[0], v[1]];
     x.copy_from_slice(&moved.to);
@@ -40,6 +38,36 @@ struct Moved<'a> {
 }
 
 impl Moved<'_> {
+    /// Brings it out along a normal, as far and as fast as it has to.
+    fn rise(&mut self, rise: Rise, normal: [f64; 2], from: [f64; 2]) {
+        let movable = self.start.movable(self.vertex, normal);
+        let Some([nx, ny]) = movable.filter(|_| self.start.faces(self.vertex, normal)) else { return };
+        let kept = self.start.lift(self.vertex, [nx, ny], rise.speed, &mut self.v);
+        let way = [self.to[0] - from[0], self.to[1] - from[1]];
+        let across = way[0] * nx + way[1] * ny;
+        let short = (rise.length - across).max(0.0);
+        self.to = [self.to[0] + short * nx, self.to[1] + short * ny];
+        if let Some(lost) = kept.map(|kept| 1.0 - kept) {
+            self.to[0] -= lost * (way[0] - across * nx);
+            self.to[1] -= lost * (way[1] - across * ny);
+        }
+    }
+
+    /// Stops it wherever it touches.
+    fn stop<O: Obstacle + ?Sized>(&mut self, obstacle: &O, begun: Option<Contact>, from: [f64; 2]) {
+        if let Some(contact) = begun.filter(|contact| self.start.faces(self.vertex, contact.normal)) {
+            self.press(contact.normal, from);
+        }
+        let free = begun.map_or(obstacle.reach(), |contact| contact.distance) - obstacle.skin();
+        let way = [self.to[0] - from[0], self.to[1] - from[1]];
+        if free <= 0.0 || way[0] * way[0] + way[1] * way[1] > free * free {
+            if begun.is_none_or(|contact| contact.distance >= 0.0) {
+                self.travel(obstacle, from);
+            }
+            self.leave(obstacle);
+        }
+    }
+
     /// Takes away what moves into a surface with this normal, from a place on.
     fn press(&mut self, normal: [f64; 2], from: [f64; 2]) {
         let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };

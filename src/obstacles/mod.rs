@@ -12,6 +12,7 @@ mod carry;
 mod corner;
 mod cuboid;
 mod encounter;
+mod exit;
 mod meet;
 mod motions;
 mod moving;
@@ -19,12 +20,14 @@ mod plane;
 mod polygon;
 mod solid;
 mod surface;
+mod ways;
 
 pub use ball::Ball;
 pub use carry::{Carry, Rigid};
 pub use corner::Corner;
 pub use cuboid::Cuboid;
 pub use encounter::Encounter;
+pub use exit::{Exit, Overlap, Rise, is_deep};
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
 pub use plane::{Plane, room};
@@ -32,7 +35,7 @@ pub use polygon::Polygon;
 pub use surface::Surface;
 
 use crate::{quantity::Quantity, registry::registry};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 registry! {
     /// What can stand in the way.
@@ -98,6 +101,14 @@ pub struct Start<'a> {
     pub time: [f64; 2],
     /// Where the work of obstacles that move is added up [J].
     pub supplied: &'a Cell<f64>,
+    /// How fast vertices leave what they begin inside of.
+    pub exits: &'a [Exit],
+    /// Who begins inside the solids at hand, and which way out that is.
+    pub overlaps: &'a [Overlap],
+    /// Where that is noted.
+    pub noted: &'a RefCell<Vec<Overlap>>,
+    /// Where it is noted that something began inside anything.
+    pub inside: &'a Cell<bool>,
 }
 
 impl Start<'_> {
@@ -150,6 +161,17 @@ pub trait Obstacle: Send + Sync {
     /// for a half-plane: whoever ends outside it never was inside.
     fn cast(&self, _from: [f64; 2], _way: [f64; 2]) -> Option<(f64, [f64; 2])> {
         None
+    }
+
+    /// How far a point, wherever it is, has to go in a direction to be past a solid [m]; nothing if it is, or for a half-plane.
+    fn way_past(&self, _point: [f64; 2], _direction: [f64; 2]) -> Option<f64> {
+        None
+    }
+
+    /// Whether any of these points, two numbers each, is inside a solid. Out of a half-plane there is but
+    /// one way, which nobody has to ask for.
+    fn is_any_inside(&self, _points: &[f64]) -> bool {
+        false
     }
 
     /// Its corners that point outwards, which can touch between two vertices of a body.

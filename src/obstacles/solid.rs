@@ -3,7 +3,7 @@ use parry2d::{
     bounding_volume::{Aabb, BoundingVolume},
     math::{Pose, Vector},
     partitioning::{Bvh, BvhBuildStrategy},
-    query::PointQuery,
+    query::{PointQuery, Ray, RayCast},
     shape::{Segment, Shape},
 };
 
@@ -124,6 +124,22 @@ impl<S: Shape> Obstacle for Solid<S> {
         let first = touches.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
         let normal = snapped(first.1);
         Some((first.0, [normal.x, normal.y]))
+    }
+
+    /// The other way round, from so far that nothing of it lies beyond, the first touch is the last.
+    fn way_past(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
+        let (point, way) = (Vector::new(x, y), Vector::new(dx, dy));
+        let far = self.near.half_extents().length() + (point - self.near.center()).length();
+        let back = Ray::new(point + way * far, -way);
+        let touch = RayCast::cast_ray(&self.shape, &self.pose, &back, far, false)?;
+        Some(far - touch)
+    }
+
+    fn is_any_inside(&self, points: &[f64]) -> bool {
+        let (least, greatest) = (self.near.mins, self.near.maxs);
+        let is_near = |[x, y]: &[f64; 2]| *x > least.x && *x < greatest.x && *y > least.y && *y < greatest.y;
+        let near = points.as_chunks().0.iter().filter(|point| is_near(point));
+        near.map(|[x, y]| self.nearest(Vector::new(*x, *y)).1).any(|distance| distance < 0.0)
     }
 
     fn corners(&self) -> &[Corner] {

@@ -3,6 +3,7 @@
 
 mod alone;
 mod effects;
+mod exits;
 mod held;
 mod names;
 mod net;
@@ -20,6 +21,7 @@ use crate::{
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Toggle},
     materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
+    obstacles::Exit,
     quantity::Point,
     state::State,
     toys::ToyKind,
@@ -51,6 +53,8 @@ pub struct Scene {
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Edges of all boundaries, with the body on their left.
     pub boundary: Arc<Vec<[u32; 2]>>,
+    /// How fast bodies and then nets leave walls that they begin inside of.
+    pub exits: Vec<Exit>,
     /// Everything that acts, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
     /// Which of them may be passed over where they could change nothing.
@@ -175,6 +179,7 @@ impl Scene {
             slides: Arc::default(),
             triangles: Arc::default(),
             boundary: Arc::default(),
+            exits: Vec::new(),
             effects: Vec::new(),
             auto: Vec::new(),
             integrator: level.integrator.clone(),
@@ -194,6 +199,7 @@ impl Scene {
             scene.start.x.extend(toy.kind().exact(0.0));
         }
         scene.finish_masses();
+        scene.exits = scene.exits();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
         scene.part(level, mode, files, previous)?;

@@ -154,6 +154,7 @@ impl Walker {
     /// Goes a way from where the whole state says, and writes to it where that led.
     fn walk(&mut self, way: Way<'_>, whole: &mut State, books: &mut Scratch) {
         (self.scratch.timed, self.scratch.free, self.scratch.supplied) = (books.timed, books.free, 0.0);
+        self.scratch.inside = false;
         self.state.x.clear();
         self.state.x.extend_from_slice(&whole.x[self.numbers()]);
         self.state.v.clear();
@@ -162,6 +163,7 @@ impl Walker {
         self.take(way);
         whole.x[self.numbers()].copy_from_slice(&self.state.x);
         whole.v[self.numbers()].copy_from_slice(&self.state.v);
+        books.inside |= self.scratch.inside;
         books.take_over(&mut self.scratch, &self.alone.effects);
     }
 

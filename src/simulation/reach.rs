@@ -1,4 +1,4 @@
-//! Where no wall is within reach, steps are taken without asking the walls.
+//! Where no wall is within reach, steps are taken without asking the walls; and where something is inside one, that is told.
 
 use super::{BATCH, Simulation};
 use crate::{effects::Bounds, integrators::Class, state::State};
@@ -43,7 +43,7 @@ impl Simulation {
                 }
             }
         }
-        (self.scratch.free, self.scratch.room) = (Some(free), -1.0);
+        (self.scratch.free, self.scratch.room, self.scratch.inside) = (Some(free), -1.0, false);
     }
 
     /// Whether the step just taken left numbers. A step that was taken without the constraints, but went where one may reach,
@@ -67,6 +67,16 @@ impl Simulation {
         self.go_back_to(self.state.steps - 1);
         self.step();
         self.state.is_finite()
+    }
+
+    /// Whether the last step brought out what began inside a wall.
+    pub const fn pushes_out(&self) -> bool {
+        self.scratch.inside
+    }
+
+    /// How many vertices are deep inside walls or beyond edges of the world.
+    pub fn count_inside(&self) -> usize {
+        self.scene.effects.iter().map(|effect| effect.count_inside(&self.state.x, self.state.time)).sum()
     }
 
     /// Looks how far everything may go.

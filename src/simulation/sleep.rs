@@ -64,12 +64,9 @@ impl Islands {
         let ranges = scene.bodies.iter().map(|body| &body.vertices).chain(scene.nets.iter().map(|net| &net.vertices));
         let island = |vertices: &Range<usize>| {
             let own = 2 * vertices.start..2 * vertices.end;
-            let extent = |axis| crate::scene::extent(&scene.rest[own.clone()], axis);
-            let [(left, right), (bottom, top)] = [0, 1].map(extent);
-            let (width, height) = (right - left, top - bottom);
             let masses = scene.mass[own.clone()].iter().zip(&scene.inverse_mass[own]);
             let mass = 0.5 * masses.filter(|(_, inverse)| **inverse != 0.0).map(|(mass, _)| mass).sum::<f64>();
-            Island { vertices: vertices.clone(), size: (width * width + height * height).sqrt(), mass }
+            Island { vertices: vertices.clone(), size: scene.size(vertices), mass }
         };
         let every = BATCH * (1.0 / (LOOKS * scene.step * BATCH as f64)).round().max(1.0) as u64;
         let looks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;

@@ -4,14 +4,18 @@ use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     elements::{Everywhere, Kicking, make_room},
     integrators::{Dynamics, Ode, Work, kick_and_drift},
-    obstacles::{Start, Surface},
+    obstacles::{Overlap, Start, Surface},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
     state::State,
     toys::Toy,
 };
-use std::{cell::Cell, ops::Range, sync::Arc};
+use std::{
+    cell::{Cell, RefCell},
+    ops::Range,
+    sync::Arc,
+};
 use web_time::Instant;
 
 /// Why the elements of what sleeps are passed over.
@@ -66,8 +70,12 @@ pub(super) struct Scratch {
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
-    /// Work of moving obstacles in this step [J].
+    /// Work of obstacles in this step [J]: of those that move, and of those that something begins inside of.
     pub supplied: f64,
+    /// Whether something began deep inside one.
+    pub inside: bool,
+    /// Who did.
+    pub noted: RefCell<Vec<Overlap>>,
     pub plan: Plan,
     /// 1/mass [1/kg] with zero for what sleeps, while something does.
     pub held: Vec<f64>,
@@ -90,7 +98,7 @@ impl Scratch {
         self.work.forget();
         make_room(&mut self.effects, scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0));
         self.rest(scene, std::iter::empty());
-        (self.free, self.room) = (None, -1.0);
+        (self.free, self.room, self.inside) = (None, -1.0, false);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
         self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
@@ -303,10 +311,11 @@ impl Dynamics for System<'_> {
         let held = std::mem::take(&mut self.scratch.held);
         let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };
         let mut outward = std::mem::take(&mut self.scratch.outward);
+        let noted = std::mem::take(&mut self.scratch.noted);
         if faces {
             scene.outward(before_x, &mut outward);
         }
-        let (time, supplied) = (self.time, Cell::new(0.0));
+        let (time, supplied, inside) = (self.time, Cell::new(0.0), Cell::new(false));
         let start = Start {
             x: before_x,
             v: before_v,
@@ -315,6 +324,10 @@ impl Dynamics for System<'_> {
             outward: faces.then_some(outward.as_slice()),
             time,
             supplied: &supplied,
+            exits: &scene.exits,
+            overlaps: &[],
+            noted: &noted,
+            inside: &inside,
         };
         let count = self.scratch.plan.constraints.len();
         let (mut quiet, mut all) = (0, 0);
@@ -343,12 +356,13 @@ impl Dynamics for System<'_> {
             all += touched;
         }
         self.scratch.supplied += supplied.get();
+        self.scratch.inside |= inside.get();
         self.scratch.counts.constrained += all as u64;
         for number in &self.scratch.plan.coatings {
             let cost = &mut self.scratch.costs[*number];
             if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
         }
-        (self.scratch.outward, self.scratch.held) = (outward, held);
+        (self.scratch.outward, self.scratch.held, self.scratch.noted) = (outward, held, noted);
     }
 }
 

@@ -133,6 +133,7 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let mut all = Vec::new();
     all.extend(inside_out(now).or_else(|| folded(now)));
+    all.extend(now.pushed_out.then(pushed_out));
     all.extend(caution(now));
     if view.slow {
         all.extend(desk.rates.and_then(|rates| slow(now, rates.physics)));
@@ -182,6 +183,20 @@ fn folded(now: &Snapshot) -> Option<Warning> {
 fn untangle() -> Mend {
     let help = "Puts bodies that lie over themselves into a shape without folds, as near as can be; they keep their momentum. [U]";
     ("Untangle", vec![Command::Untangle], help)
+}
+
+/// Something began inside a wall.
+fn pushed_out() -> Warning {
+    let details =
+        "What begins inside a wall, or beyond an edge of the world, comes out at a tenth of the speed of waves in it, \
+                   so that it keeps its shape. What the wall's push adds to the energy counts as put in."
+            .to_owned();
+    Warning {
+        kind: "inside a wall",
+        text: "Inside a wall or beyond the world: pushed out slowly".to_owned(),
+        details,
+        mends: Vec::new(),
+    }
 }
 
 /// A model that has no honest answer at this stretch; the stage writes it out.

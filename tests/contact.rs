@@ -7,7 +7,7 @@ use common::{Random, level, models, sheet, simulation};
 use gingerbread::{
     effects::EffectKind,
     files, levels,
-    obstacles::{Obstacle, ObstacleKind, Start, Surface},
+    obstacles::{Carry, Encounter, Obstacle, ObstacleKind, Start, Surface, note},
 };
 use std::cell::{Cell, RefCell};
 
@@ -28,12 +28,15 @@ fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) ->
         time: [0.0; 2],
         supplied: &Cell::new(0.0),
         exits: &[],
+        touching: &[],
         overlaps: &[],
         noted: &RefCell::default(),
         inside: &Cell::new(false),
     };
     let (mut x, mut after) = (x, v);
-    obstacle.constrain(&start, &mut x, &mut after);
+    let alone = Encounter::new((0, obstacle), Carry::STILL, [from, x]);
+    note(std::iter::once(alone), &start, &mut start.noted.borrow_mut());
+    alone.constrain(&start, &mut x, &mut after);
     (x, after)
 }
 

@@ -213,6 +213,62 @@ fn a_body_put_over_an_obstacle_slips_off_it_whole() {
     }
 }
 
+/// Each box alone would send it into the other, and the box on the floor down into that.
+#[test]
+fn out_of_several_obstacles_there_is_one_way() {
+    let between = [
+        (
+            "two boxes side by side",
+            [0.5, 0.4],
+            "Cuboid(centre: (0, 0.25), width: 1, height: 0.5, eps: 0.003), Cuboid(centre: (1, 0.25), width: 1, height: 0.5, eps: 0.003)",
+        ),
+        (
+            "a box on the floor",
+            [0.5, 0.22],
+            "Plane(point: (0, 0), normal: (0, 1), eps: 0.003), Cuboid(centre: (0.75, 0.25), width: 0.3, height: 0.46, eps: 0.003)",
+        ),
+    ];
+    for scheme in [("SymplecticEuler", 20), ("ImplicitEuler", 4)] {
+        for (what, middle, obstacles) in between {
+            let mut simulation = simulation(&disk(middle, scheme, "NeoHookean", &walls(obstacles)));
+            let (least, _) = leave(&mut simulation, 2.0);
+            let what = format!("{what} under {}", scheme.0);
+            assert!(simulation.fault().is_none() && simulation.count_inside() == 0, "{what}: {:?}", simulation.fault());
+            assert!(least > 0.5, "{what}: least J {least}");
+        }
+    }
+}
+
+/// Only from behind may the rest follow: the other sides of the same obstacle stop it as ever.
+#[test]
+fn what_comes_out_of_a_wall_does_not_fall_through_the_floor_that_belongs_to_it() {
+    let corner = "Polygon(points: [(-1, -0.2), (2, -0.2), (2, 0), (0, 0), (0, 3), (-1, 3)], eps: 0.003)";
+    let mut level = disk([0.18, 0.6], ("SymplecticEuler", 40), "NeoHookean", &walls(corner));
+    let velocity = |value: f64| gingerbread::quantity::Velocity::new(value).unwrap();
+    level.bodies[0].velocity = (velocity(0.0), velocity(-1.5));
+    let mut simulation = simulation(&level);
+    assert!(simulation.count_inside() > 3);
+    for _ in 0..100 {
+        simulation.advance(24, &mut || true);
+        let (low, _) = spread(&simulation);
+        assert!(low > -0.01, "its lowest vertex is at {low} m");
+    }
+    assert!(simulation.fault().is_none() && simulation.count_inside() == 0);
+}
+
+/// One wall may press a vertex a little into another; that is no reason to push it out.
+#[test]
+fn a_body_thrown_into_an_acute_corner_began_outside() {
+    let corner = "Plane(point: (0, 0), normal: (-0.34, 0.94), eps: 0.01), Plane(point: (0, 0), normal: (-0.34, -0.94), eps: 0.01)";
+    let mut level = disk([-0.7, 0.0], ("SymplecticEuler", 20), "NeoHookean", &walls(corner));
+    let velocity = |value: f64| gingerbread::quantity::Velocity::new(value).unwrap();
+    level.bodies[0].velocity = (velocity(1.5), velocity(0.2));
+    let mut simulation = simulation(&level);
+    simulation.advance(2400, &mut || true);
+    let counts = simulation.counts();
+    assert!(counts.constrained > 100 && counts.pushed_out == 0, "{counts:?}");
+}
+
 /// The least and the greatest y.
 fn spread(simulation: &Simulation) -> (f64, f64) {
     let heights = simulation.state().x.iter().skip(1).step_by(2);

@@ -135,7 +135,7 @@ fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
         (
             "name: \"b\"",
             "start: Point(seed: 5000000000), name: \"b\"",
-            (4, 25),
+            (4, 24),
             "expected a number in [0, 4294967295], got 5000000000",
         ),
         ("bodies: [(", "substeps: 1.5, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got 1.5"),

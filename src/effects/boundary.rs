@@ -1,7 +1,7 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Start, is_deep},
+    obstacles::{Exit, Start, exit_of},
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -72,12 +72,13 @@ impl Effect for Edges {
         true
     }
 
-    fn count_inside(&self, x: &[f64], _: f64) -> usize {
-        let deep = |beyond: f64, axis: usize| is_deep(-beyond, [0.0, self.reach(axis)]);
-        let beyond = |point: &[f64; 2], axis: usize| {
-            deep(self.least[axis] - point[axis], axis) || deep(point[axis] - self.greatest[axis], axis)
+    fn count_inside(&self, x: &[f64], _: f64, exits: &[Exit]) -> usize {
+        let is_inside = |(vertex, point): &(usize, &[f64; 2])| {
+            let shallow = exit_of(exits, *vertex).map_or(0.0, |exit| exit.shallow);
+            let beyond = |axis: usize| (self.least[axis] - point[axis]).max(point[axis] - self.greatest[axis]);
+            beyond(0).max(beyond(1)) > shallow
         };
-        x.as_chunks().0.iter().filter(|point| beyond(point, 0) || beyond(point, 1)).count()
+        x.as_chunks().0.iter().enumerate().filter(is_inside).count()
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
@@ -97,11 +98,6 @@ impl Effect for Edges {
 }
 
 impl Edges {
-    /// A length that is small in this world, as the reach of a wall would be [m].
-    fn reach(&self, axis: usize) -> f64 {
-        1e-3 * (self.greatest[axis] - self.least[axis])
-    }
-
     /// Puts one vertex back on the edges across one axis.
     #[inline]
     fn put_back(&self, start: &Start<'_>, (vertex, axis): (usize, usize), x: &mut [f64], v: &mut [f64]) -> bool {
@@ -119,7 +115,7 @@ impl Edges {
         }
         let from = &start.x[2 * vertex..][..2];
         let beyond = inwards * (from[axis] - edge);
-        let rise = start.rise(vertex, beyond, [0.0, self.reach(axis)]);
+        let rise = start.rise(vertex, beyond, inwards * start.v[2 * vertex + axis], 0.0);
         let target = rise.map_or(edge, |rise| from[axis] + inwards * rise.length);
         if inwards * (x[axis] - target) > 0.0 {
             return false;

@@ -24,7 +24,7 @@ pub use walls::Walls;
 
 use crate::{
     elements::{Elements, Everywhere, Kicking},
-    obstacles::{Start, Surface},
+    obstacles::{Exit, Start, Surface},
     quantity::Quantity,
     registry::registry,
     solvers::{BlockMatrix, Weights},
@@ -239,7 +239,7 @@ pub trait Effect: Send + Sync {
     }
 
     /// How many vertices are deep inside what stands in their way, at these positions [m] and this time [s].
-    fn count_inside(&self, _x: &[f64], _time: f64) -> usize {
+    fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Exit]) -> usize {
         0
     }
 

@@ -1,7 +1,9 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape, around};
 use crate::{
     elements::Elements,
-    obstacles::{Ball, Carry, Encounter, MotionKind, Obstacle, ObstacleKind, Rigid, Start, is_deep, placed, room},
+    obstacles::{
+        Ball, Carry, Encounter, Exit, MotionKind, Obstacle, ObstacleKind, Rigid, Start, exit_of, note, placed, room,
+    },
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
@@ -27,7 +29,7 @@ impl EffectParameters for Walls {
     }
 
     fn about(&self) -> &'static str {
-        "A vertex within ε of a wall that moves inwards: v := v − min(0, v·n) n, relative to the wall if that moves. At any speed it stops where it first touches, and so does an edge at a corner."
+        "A vertex within ε of a wall that moves inwards: v := v − min(0, v·n) n, relative to the wall if that moves. At any speed it stops where it first touches, and so does an edge at a corner. What begins inside comes out slowly."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -167,27 +169,22 @@ impl Effect for Contacts {
         true
     }
 
-    fn count_inside(&self, x: &[f64], time: f64) -> usize {
-        let inside = |point: &[f64; 2]| {
+    fn count_inside(&self, x: &[f64], time: f64, exits: &[Exit]) -> usize {
+        let is_inside = |(vertex, point): &(usize, &[f64; 2])| {
+            let shallow = exit_of(exits, *vertex).map_or(0.0, |exit| exit.shallow);
             self.obstacles.iter().any(|wall| {
-                let at = wall.carry([time; 2]).place_built(*point);
-                let obstacle = wall.obstacle.as_ref();
-                obstacle
-                    .contact(at)
-                    .is_some_and(|contact| is_deep(contact.distance, [obstacle.skin(), obstacle.reach()]))
+                let contact = wall.obstacle.contact(wall.carry([time; 2]).place_built(**point));
+                contact.is_some_and(|contact| contact.distance < wall.obstacle.skin() - shallow)
             })
         };
-        x.as_chunks().0.iter().filter(|point| inside(point)).count()
+        x.as_chunks().0.iter().enumerate().filter(is_inside).count()
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let bounds = around(start.x, x);
         let mut touched = 0;
         let near = self.near(start.time, bounds);
-        start.noted.borrow_mut().clear();
-        near.clone().for_each(|wall| wall.note_overlaps(start));
-        let overlaps = start.noted.borrow();
-        let start = &Start { overlaps: &overlaps, ..*start };
+        note(near.clone(), start, &mut start.noted.borrow_mut());
         for wall in near.clone() {
             touched += wall.press_edges(&self.boundary, start, x, v);
         }

@@ -69,6 +69,11 @@ impl<'a> Edge<'a> {
         at(values, self.vertices[0]) * (1.0 - along) + at(values, self.vertices[1]) * along
     }
 
+    /// Whether a corner in this direction may enter the body, which is on its way past it.
+    fn lets_in(&self, normal: Vector) -> bool {
+        self.start.overlap(self.vertices[0]).is_some_and(|overlap| overlap.lets_in((-normal).into()))
+    }
+
     /// How far a unit impulse in a direction moves that point in that direction [1/kg].
     fn mobility(&self, along: f64, direction: Vector) -> f64 {
         let shares = [1.0 - along, along];
@@ -121,6 +126,13 @@ impl<'a> Edge<'a> {
         Some(kept)
     }
 
+    /// How the edge comes out if that point of it begins inside the rounding of a corner, by a negative gap [m].
+    fn rise(&self, corner: &Corner, (along, normal): (f64, Vector), gap: f64) -> Option<Rise> {
+        let (x, v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
+        let outwards = -Vector::from(self.carry.relative(v.into(), x.into())).dot(normal);
+        self.start.rise(self.vertices[0], gap, outwards, corner.skin)
+    }
+
     /// Stops the edge where a corner is near from the beginning.
     fn press(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
         let Some(Seen { normal, distance, along }) = advance::seen(self.from, Vector::from(corner.middle)) else {
@@ -128,11 +140,12 @@ impl<'a> Edge<'a> {
         };
         let gap = distance - corner.radius;
         // The ends are vertices, which the obstacle stops itself.
-        if gap >= corner.reach || along <= 0.0 || along >= 1.0 {
+        if gap >= corner.reach || along <= 0.0 || along >= 1.0 || self.lets_in(normal) {
             return false;
         }
-        let rise = self.start.rise(self.vertices[0], gap, [corner.skin, corner.reach]);
-        self.start.inside.set(self.start.inside.get() || rise.is_some());
+        let rise = self.rise(corner, (along, normal), gap);
+        let moves = rise.is_some() && self.mobility(along, normal) > 0.0;
+        self.start.inside.set(self.start.inside.get() || moves);
         let kept = self.answer(corner, v, (along, normal), rise);
         let way = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
         let least = rise.map_or((corner.skin - gap).max(0.0), |rise| rise.length);
@@ -151,6 +164,16 @@ impl<'a> Edge<'a> {
         let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.skin) else {
             return false;
         };
+        // One that comes out from inside goes on from there.
+        let comes_out = || {
+            let seen = advance::seen(self.from, middle);
+            seen.is_some_and(|seen| {
+                self.rise(corner, (seen.along, seen.normal), seen.distance - corner.radius).is_some()
+            })
+        };
+        if self.lets_in(normal) || (share == 0.0 && comes_out()) {
+            return false;
+        }
         let reached = [0, 1].map(|end| self.from[end] + (self.to[end] - self.from[end]) * share);
         if let Some(Seen { along, .. }) = advance::seen(reached, middle) {
             self.answer(corner, v, (along, normal), None);
@@ -181,7 +204,7 @@ fn each<'a>(
     for corner in corners.filter(|corner| corner.is_near(bounds.map(Vector::from))) {
         let mut free = None;
         let is_free = || !is_inside(carry.place_back(corner.middle), edges, start.x);
-        for &vertices in edges.iter().filter(|edge| start.overlap(edge[0] as usize).is_none()) {
+        for &vertices in edges {
             let edge = Edge::new((start, carry), vertices, x);
             if edge.is_near(&corner) && *free.get_or_insert_with(is_free) {
                 touched += usize::from(act(&edge, &corner, x, v));

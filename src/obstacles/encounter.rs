@@ -1,6 +1,6 @@
 //! Bodies and one obstacle in one step.
 
-use super::{Carry, Contact, Corner, Exit, Obstacle, Overlap, Start, corner, meet, ways};
+use super::{Carry, Contact, Corner, Exit, Noted, Obstacle, Overlap, Start, Touching, corner, meet};
 
 /// An obstacle on its way through a step, and a box around the ways of all vertices.
 #[derive(Clone, Copy)]
@@ -29,38 +29,51 @@ impl<'a> Encounter<'a> {
         &self.carry
     }
 
-    /// The start of the step as this obstacle sees it.
-    fn at_hand<'s>(&self, start: &Start<'s>) -> Start<'s> {
-        let of = |number: usize| start.overlaps.partition_point(|overlap| overlap.obstacle < number);
-        Start { overlaps: &start.overlaps[of(self.number)..of(self.number + 1)], ..*start }
+    /// Its number among others.
+    pub const fn number(&self) -> usize {
+        self.number
     }
 
-    /// Notes who begins inside a solid, if anybody does.
-    pub fn note_overlaps(&self, start: &Start<'_>) {
-        let mut first = 0;
-        for exit in start.exits {
-            let vertices = first..exit.end;
-            first = exit.end;
-            if !self.is_any_inside(&start.x[2 * vertices.start..2 * vertices.end]) {
-                continue;
+    /// The start of the step as this obstacle sees it.
+    fn at_hand<'s>(&self, start: &Start<'s>, noted: &'s Noted) -> Start<'s> {
+        let own = |of: &dyn Fn(usize) -> usize| of(self.number)..of(self.number + 1);
+        let touching = own(&|number| noted.touching.partition_point(|touching| touching.obstacle < number));
+        let overlaps = own(&|number| noted.overlaps.partition_point(|overlap| overlap.obstacle < number));
+        Start { touching: &noted.touching[touching], overlaps: &noted.overlaps[overlaps], ..*start }
+    }
+
+    /// Adds which vertices are near it or inside where the step begins.
+    pub fn find_touching(&self, start: &Start<'_>, found: &mut Vec<Touching>) {
+        let before = found.len();
+        if self.carry.is_still() {
+            self.obstacle.find_touching(self.number, start.x, found);
+        } else {
+            for (vertex, point) in start.x.as_chunks().0.iter().enumerate() {
+                let contact = self.contact(self.carry.place(*point));
+                let touching = |contact| Touching { obstacle: self.number, vertex, contact, is_deep: false };
+                found.extend(contact.map(touching));
             }
-            let way = ways::out(self, start, vertices.clone());
-            let overlap = way.map(|way| Overlap { obstacle: self.number, vertices, way });
-            start.noted.borrow_mut().extend(overlap);
+        }
+        for own in &mut found[before..] {
+            let pair = |values: &[f64]| [values[2 * own.vertex], values[2 * own.vertex + 1]];
+            let outwards = own.contact.along(self.carry.relative(pair(start.v), pair(start.x)));
+            own.is_deep = start.rise(own.vertex, own.contact.distance, outwards, self.skin()).is_some();
         }
     }
 
     /// Stops vertices: see [`Obstacle::constrain`].
     pub fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let start = &self.at_hand(start);
+        let noted = start.noted.borrow();
+        let start = &self.at_hand(start, &noted);
         if self.carry.is_still() {
             return self.obstacle.constrain(start, x, v);
         }
         let reach = self.obstacle.reach() * self.obstacle.reach();
+        let mut touching = start.touching.iter().peekable();
         let mut touched = 0;
         for (vertex, (x, v)) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).enumerate() {
             let from = start.x[2 * vertex..][..2].try_into().map_or([f64::NAN; 2], |from| self.carry.place(from));
-            let begun = self.contact(from);
+            let begun = touching.next_if(|touching| touching.vertex == vertex).map(|touching| touching.contact);
             let way = [x[0] - from[0], x[1] - from[1]];
             if begun.is_some() || way[0] * way[0] + way[1] * way[1] >= reach {
                 touched += usize::from(self.meet(start, (vertex, from, begun), x, v));
@@ -108,13 +121,15 @@ impl<'a> Encounter<'a> {
 
     /// Where a corner is near an edge of a body, that may not move towards it. Returns how many edges were touched.
     pub fn press_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let start = &self.at_hand(start);
+        let noted = start.noted.borrow();
+        let start = &self.at_hand(start, &noted);
         corner::press_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 
     /// Stops edges of bodies where a corner would first touch on their way. Returns how many there were.
     pub fn stop_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let start = &self.at_hand(start);
+        let noted = start.noted.borrow();
+        let start = &self.at_hand(start, &noted);
         corner::stop_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 }
@@ -150,17 +165,17 @@ impl Obstacle for Encounter<'_> {
         Some((share, end.normal(normal)))
     }
 
+    /// For a point where the step begins.
     fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
-        let end = &self.carry.end;
-        self.obstacle.way_past(end.back(point), end.direction_back(direction))
+        self.obstacle.way_past(self.carry.start.back(point), self.carry.end.direction_back(direction))
     }
 
-    /// Of points where the step begins.
-    fn is_any_inside(&self, points: &[f64]) -> bool {
-        if self.carry.is_still() {
-            return self.obstacle.is_any_inside(points);
-        }
-        points.as_chunks().0.iter().any(|point| self.obstacle.is_any_inside(&self.carry.start.back(*point)))
+    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+        self.obstacle.each_way(&mut |way| act(self.carry.end.normal(way)));
+    }
+
+    fn is_solid(&self) -> bool {
+        self.obstacle.is_solid()
     }
 
     fn corners(&self) -> &[Corner] {

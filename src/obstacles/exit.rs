@@ -6,19 +6,34 @@
 //! shape: what is inside then moves as one, and a front at speed u in a medium whose waves have the speed c strains it by no more
 //! than u/c (Graff, *Wave Motion in Elastic Solids*, 1975, section 2.1).
 //!
-//! Out of a half-plane there is one way. Out of a solid a body goes along the one direction in which it is soonest past it, and
-//! what else of it lies on that way may pass through meanwhile: nearest surfaces would tear it to all sides ([`Overlap`]).
+//! Out of a half-plane there is one way. Out of solids a body goes along the one direction in which it is soonest past them, and
+//! what else of it follows may enter them from behind meanwhile: nearest surfaces would tear it to all sides ([`Overlap`]).
 
-use super::{Start, Surface};
+use super::{Contact, Start, Surface};
 use std::ops::Range;
 
-/// How fast some vertices leave what they begin inside of.
+/// How some vertices leave what they begin inside of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exit {
     /// One past the last of these vertices; the first follows on those of the exit before.
     pub end: usize,
     /// How fast they come out [m/s]; infinite if at once.
     pub speed: f64,
+    /// From no deeper than this they come out at once [m]: a small share of a triangle or spring.
+    pub shallow: f64,
+}
+
+/// A vertex that is near or inside an obstacle where the step begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touching {
+    /// Which of some obstacles it is.
+    pub obstacle: usize,
+    /// The vertex.
+    pub vertex: usize,
+    /// Where it is, carried along with the obstacle.
+    pub contact: Contact,
+    /// Whether it is deep inside: see [`Start::rise`].
+    pub is_deep: bool,
 }
 
 /// A body or net that begins inside a solid, and its way out.
@@ -32,7 +47,23 @@ pub struct Overlap {
     pub way: [f64; 2],
 }
 
-/// What a vertex has to do that begins too deep inside to be put on a surface within one step.
+impl Overlap {
+    /// Whether a surface with this normal lies behind, where the rest of the body may enter.
+    pub fn lets_in(&self, [nx, ny]: [f64; 2]) -> bool {
+        self.way[0] * nx + self.way[1] * ny < 0.0
+    }
+}
+
+/// What is known of a step before anything is stopped, kept to be written again without asking for memory.
+#[derive(Clone, Debug, Default)]
+pub struct Noted {
+    /// By obstacles, then by vertices.
+    pub touching: Vec<Touching>,
+    /// By obstacles.
+    pub overlaps: Vec<Overlap>,
+}
+
+/// What a vertex has to do that begins deep inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rise {
     /// How fast it comes out at least [m/s].
@@ -41,30 +72,21 @@ pub struct Rise {
     pub length: f64,
 }
 
-/// The share of a reach that is no depth: round-off, and what nooks press in.
-const SHALLOW: f64 = 0.01;
-
-/// Whether a vertex at a distance from a surface [m] is inside by more than round-off. It counts as inside within `skin` of the
-/// surface, and feels it within `reach` [m].
-pub fn is_deep(distance: f64, [skin, reach]: [f64; 2]) -> bool {
-    distance < skin - SHALLOW * reach
-}
-
 impl Start<'_> {
     /// How a vertex leaves what it begins inside of, if that is not at once.
     pub fn exit(&self, vertex: usize) -> Option<&Exit> {
-        self.exits.get(self.exits.partition_point(|exit| exit.end <= vertex))
+        exit_of(self.exits, vertex)
     }
 
-    /// How a vertex comes out that begins at a distance from a surface [m], if it begins deeper inside than it can come in this
-    /// step: see [`is_deep`].
-    pub fn rise(&self, vertex: usize, distance: f64, extents: [f64; 2]) -> Option<Rise> {
-        if !is_deep(distance, extents) {
-            return None;
-        }
-        let speed = self.exit(vertex)?.speed;
-        let length = speed * (self.time[1] - self.time[0]);
-        (distance + length < extents[0]).then_some(Rise { speed, length })
+    /// How a vertex comes out that begins at a distance from a surface [m], moves away from it at a speed [m/s] and is to be kept
+    /// `skin` from it, if it begins deeper inside than it can come in this step. What little another wall may have pressed it in is
+    /// put back at once, but not the last bit of a long way, on which it is as fast as it should be.
+    pub fn rise(&self, vertex: usize, distance: f64, outwards: f64, skin: f64) -> Option<Rise> {
+        const ROUND_OFF: f64 = 1e-3;
+        let exit = self.exit(vertex)?;
+        let least = exit.shallow * if outwards >= 0.5 * exit.speed { ROUND_OFF } else { 1.0 };
+        let length = exit.speed * (self.time[1] - self.time[0]);
+        (distance < skin - least && distance + length < skin).then_some(Rise { speed: exit.speed, length })
     }
 
     /// The way out of the obstacle at hand for the body of a vertex, if that begins inside.
@@ -89,4 +111,9 @@ impl Start<'_> {
         self.supply(work);
         Some(kept)
     }
+}
+
+/// How one of several vertices leaves what it begins inside of.
+pub fn exit_of(exits: &[Exit], vertex: usize) -> Option<&Exit> {
+    exits.get(exits.partition_point(|exit| exit.end <= vertex))
 }

@@ -5,7 +5,7 @@ const NOOK: usize = 3;
 
 /// Stops one vertex, by its number and what it touches where the step begins: first where it is near from the beginning,
 /// then where it gets on its way, and last where it would end too near. If it begins deep inside it is brought out; and what
-/// comes after it, of the same body and the same way, may pass. Returns whether anything changed.
+/// comes after it, of the same body, may enter from behind. Returns whether anything changed.
 pub(super) fn meet<O: Obstacle + ?Sized>(
     obstacle: &O,
     start: &Start<'_>,
@@ -15,13 +15,13 @@ pub(super) fn meet<O: Obstacle + ?Sized>(
 ) -> bool {
     let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
     let mut moved = Moved { start, vertex, to: [x[0], x[1]], v: [v[0], v[1]] };
-    let extents = [obstacle.skin(), obstacle.reach()];
-    let rise = begun.and_then(|contact| Some((contact, start.rise(vertex, contact.distance, extents)?)));
-    let out = start.overlap(vertex).map(|overlap| overlap.way);
-    match (rise, out) {
-        (Some((contact, rise)), _) => moved.rise(rise, out.unwrap_or(contact.normal), from),
-        (None, Some([nx, ny])) if (x[0] - from[0]) * nx + (x[1] - from[1]) * ny > 0.0 => {}
-        _ => moved.stop(obstacle, begun, from),
+    let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
+    let rise = begun.and_then(|contact| {
+        start.rise(vertex, contact.distance, contact.along(before), obstacle.skin()).map(|rise| (contact, rise))
+    });
+    match rise {
+        Some((contact, rise)) => moved.rise(rise, contact.normal, from),
+        None => moved.stop(obstacle, begun, from),
     }
     let touched = moved.to != [x[0], x[1]] || moved.v != [v[0], v[1]];
     x.copy_from_slice(&moved.to);
@@ -38,14 +38,27 @@ struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Brings it out along a normal, as far and as fast as it has to.
-    fn rise(&mut self, rise: Rise, normal: [f64; 2], from: [f64; 2]) {
+    /// Whether it is stopped by a surface with this normal.
+    fn meets(&self, normal: [f64; 2]) -> bool {
+        let lets_in = || self.start.overlap(self.vertex).is_some_and(|overlap| overlap.lets_in(normal));
+        self.start.faces(self.vertex, normal) && !lets_in()
+    }
+
+    /// Brings it out, as far and as fast as it has to come: along the way out of its body, or straight away from the surface.
+    fn rise(&mut self, rise: Rise, nearest: [f64; 2], from: [f64; 2]) {
+        let overlap = self.start.overlap(self.vertex);
+        let normal = overlap.map_or(nearest, |overlap| overlap.way);
+        if overlap.is_some() && self.meets(nearest) {
+            self.press(nearest, from);
+        }
         let movable = self.start.movable(self.vertex, normal);
         let Some([nx, ny]) = movable.filter(|_| self.start.faces(self.vertex, normal)) else { return };
-        let kept = self.start.lift(self.vertex, [nx, ny], rise.speed, &mut self.v);
+        // What slides goes no faster along its rail than the rest comes along there.
+        let share = normal[0] * nx + normal[1] * ny;
+        let kept = self.start.lift(self.vertex, [nx, ny], share * rise.speed, &mut self.v);
         let way = [self.to[0] - from[0], self.to[1] - from[1]];
         let across = way[0] * nx + way[1] * ny;
-        let short = (rise.length - across).max(0.0);
+        let short = (share * rise.length - across).max(0.0);
         self.to = [self.to[0] + short * nx, self.to[1] + short * ny];
         if let Some(lost) = kept.map(|kept| 1.0 - kept) {
             self.to[0] -= lost * (way[0] - across * nx);
@@ -55,7 +68,7 @@ impl Moved<'_> {
 
     /// Stops it wherever it touches.
     fn stop<O: Obstacle + ?Sized>(&mut self, obstacle: &O, begun: Option<Contact>, from: [f64; 2]) {
-        if let Some(contact) = begun.filter(|contact| self.start.faces(self.vertex, contact.normal)) {
+        if let Some(contact) = begun.filter(|contact| self.meets(contact.normal)) {
             self.press(contact.normal, from);
         }
         let free = begun.map_or(obstacle.reach(), |contact| contact.distance) - obstacle.skin();
@@ -91,7 +104,7 @@ impl Moved<'_> {
         for slides in [true, false] {
             let way = [self.to[0] - from[0], self.to[1] - from[1]];
             let Some((share, normal)) = obstacle.cast(from, way) else { return };
-            if !self.start.faces(self.vertex, normal) {
+            if !self.meets(normal) {
                 return;
             }
             from = [from[0] + share * way[0], from[1] + share * way[1]];
@@ -106,7 +119,7 @@ impl Moved<'_> {
     fn leave<O: Obstacle + ?Sized>(&mut self, obstacle: &O) {
         for _ in 0..NOOK {
             let Some(Contact { distance, normal }) = obstacle.contact(self.to) else { return };
-            if distance >= 0.5 * obstacle.skin() || !self.start.faces(self.vertex, normal) {
+            if distance >= 0.5 * obstacle.skin() || !self.meets(normal) {
                 return;
             }
             let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };

@@ -27,12 +27,13 @@ pub use carry::{Carry, Rigid};
 pub use corner::Corner;
 pub use cuboid::Cuboid;
 pub use encounter::Encounter;
-pub use exit::{Exit, Overlap, Rise, is_deep};
+pub use exit::{Exit, Noted, Overlap, Rise, Touching, exit_of};
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
 pub use plane::{Plane, room};
 pub use polygon::Polygon;
 pub use surface::Surface;
+pub use ways::note;
 
 use crate::{quantity::Quantity, registry::registry};
 use std::cell::{Cell, RefCell};
@@ -83,6 +84,13 @@ pub struct Contact {
     pub normal: [f64; 2],
 }
 
+impl Contact {
+    /// The part of a vector away from the surface.
+    pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
+        self.normal[0] * x + self.normal[1] * y
+    }
+}
+
 /// What a step began with, flat: two numbers a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<'a> {
@@ -103,10 +111,12 @@ pub struct Start<'a> {
     pub supplied: &'a Cell<f64>,
     /// How fast vertices leave what they begin inside of.
     pub exits: &'a [Exit],
-    /// Who begins inside the solids at hand, and which way out that is.
+    /// Which vertices touch the obstacle at hand.
+    pub touching: &'a [Touching],
+    /// Who begins inside of it, and the way out.
     pub overlaps: &'a [Overlap],
-    /// Where that is noted.
-    pub noted: &'a RefCell<Vec<Overlap>>,
+    /// Where that is noted for all obstacles.
+    pub noted: &'a RefCell<Noted>,
     /// Where it is noted that something began inside anything.
     pub inside: &'a Cell<bool>,
 }
@@ -163,14 +173,17 @@ pub trait Obstacle: Send + Sync {
         None
     }
 
-    /// How far a point, wherever it is, has to go in a direction to be past a solid [m]; nothing if it is, or for a half-plane.
+    /// How far a point has to go in a direction to be past a solid that it is in or before [m]; nothing if it is past, or for a
+    /// half-plane.
     fn way_past(&self, _point: [f64; 2], _direction: [f64; 2]) -> Option<f64> {
         None
     }
 
-    /// Whether any of these points, two numbers each, is inside a solid. Out of a half-plane there is but
-    /// one way, which nobody has to ask for.
-    fn is_any_inside(&self, _points: &[f64]) -> bool {
+    /// Calls `act` with unit vectors along ways out of a solid; there is but one out of a half-plane, which nobody has to ask for.
+    fn each_way(&self, _act: &mut dyn FnMut([f64; 2])) {}
+
+    /// Whether it is bounded, so that there is more than one way out of it.
+    fn is_solid(&self) -> bool {
         false
     }
 
@@ -179,16 +192,29 @@ pub trait Obstacle: Send + Sync {
         &[]
     }
 
+    /// Adds which of some points, flat, are within eps of the surface or inside, as vertices of the obstacle with this number.
+    fn find_touching(&self, number: usize, x: &[f64], found: &mut Vec<Touching>) {
+        for (vertex, point) in x.as_chunks().0.iter().enumerate() {
+            found.extend(self.contact(*point).map(|contact| Touching {
+                obstacle: number,
+                vertex,
+                contact,
+                is_deep: false,
+            }));
+        }
+    }
+
     /// Stops vertices that would come too near in a step that would end at positions x with velocities v: the velocity
     /// inwards is removed, and so is the way inwards, as [`Surface::answer`] says. Motion outwards stays, so that nothing
     /// sticks. Returns the number of vertices touched.
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let reach = self.reach() * self.reach();
+        let mut touching = start.touching.iter().peekable();
         let mut touched = 0;
         for (vertex, ((from, x), v)) in
             start.x.chunks_exact(2).zip(x.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate()
         {
-            let begun = self.contact([from[0], from[1]]);
+            let begun = touching.next_if(|touching| touching.vertex == vertex).map(|touching| touching.contact);
             let way = [x[0] - from[0], x[1] - from[1]];
             // From beyond eps, a shorter way does not reach the surface.
             if begun.is_some() || way[0] * way[0] + way[1] * way[1] >= reach {

@@ -126,20 +126,37 @@ impl<S: Shape> Obstacle for Solid<S> {
         Some((first.0, [normal.x, normal.y]))
     }
 
-    /// The other way round, from so far that nothing of it lies beyond, the first touch is the last.
+    /// Out of it is the first touch from inside; from before it, the second.
     fn way_past(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
         let (point, way) = (Vector::new(x, y), Vector::new(dx, dy));
-        let far = self.near.half_extents().length() + (point - self.near.center()).length();
-        let back = Ray::new(point + way * far, -way);
-        let touch = RayCast::cast_ray(&self.shape, &self.pose, &back, far, false)?;
-        Some(far - touch)
+        let size = self.near.half_extents().length();
+        let far = size + (point - self.near.center()).length();
+        let next = |from: f64| {
+            let ray = Ray::new(point + way * from, way);
+            RayCast::cast_ray(&self.shape, &self.pose, &ray, far, false).map(|length| from + length)
+        };
+        let first = next(0.0)?;
+        let is_inside = self.nearest(point).1 < 0.0;
+        Some(if is_inside { first } else { next(first + 1e-6 * size).unwrap_or(first) })
     }
 
-    fn is_any_inside(&self, points: &[f64]) -> bool {
-        let (least, greatest) = (self.near.mins, self.near.maxs);
-        let is_near = |[x, y]: &[f64; 2]| *x > least.x && *x < greatest.x && *y > least.y && *y < greatest.y;
-        let near = points.as_chunks().0.iter().filter(|point| is_near(point));
-        near.map(|[x, y]| self.nearest(Vector::new(*x, *y)).1).any(|distance| distance < 0.0)
+    /// Across its sides, if they are not too many; a round one has eight.
+    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+        const MOST: usize = 16;
+        for side in self.rim.iter().step_by(self.rim.len().div_ceil(MOST).max(1)) {
+            let across = -(side.b - side.a).perp();
+            match across.try_normalize() {
+                Some(across) => act([across.x, across.y]),
+                None => (0..8).for_each(|eighth| {
+                    let angle = std::f64::consts::FRAC_PI_4 * f64::from(eighth);
+                    act([libm::cos(angle), libm::sin(angle)]);
+                }),
+            }
+        }
+    }
+
+    fn is_solid(&self) -> bool {
+        true
     }
 
     fn corners(&self) -> &[Corner] {

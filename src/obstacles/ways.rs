@@ -1,27 +1,77 @@
-//! The way out of a solid that a body begins inside of.
+//! The way out of solids that a body begins inside of.
 
-use super::{Contact, Encounter, Obstacle, Start};
+use super::{Encounter, Noted, Obstacle, Overlap, Start, Touching};
 use std::ops::Range;
 
-/// How many directions are tried, and how many vertices are asked how far they would have to go.
-const TRIED: [usize; 2] = [8, 96];
+/// How many vertices of a body are asked how far they would have to go.
+const ASKED: usize = 96;
 
-/// The direction in which a body, by its vertices, is soonest past an obstacle that some of them begin deep inside of; `None` if none
-/// do. Directions are those to the nearest surface, of some of these vertices spread among them all.
-pub(super) fn out(obstacle: &Encounter<'_>, start: &Start<'_>, vertices: Range<usize>) -> Option<[f64; 2]> {
-    let place = |vertex: usize| obstacle.carry().place([start.x[2 * vertex], start.x[2 * vertex + 1]]);
-    let extents = [obstacle.skin(), obstacle.reach()];
-    let contact = |vertex: usize| -> Option<Contact> {
-        let contact = obstacle.contact(place(vertex)).filter(|contact| contact.distance < extents[0])?;
-        start.rise(vertex, contact.distance, extents)?;
-        start.movable(vertex, contact.normal).map(|_| contact)
+/// Looks where all vertices are, seen from obstacles that come in the order of their numbers, and which bodies begin inside some.
+pub fn note<'a>(near: impl Iterator<Item = Encounter<'a>> + Clone, start: &Start<'_>, noted: &mut Noted) {
+    noted.touching.clear();
+    noted.overlaps.clear();
+    near.clone().for_each(|obstacle| obstacle.find_touching(start, &mut noted.touching));
+    if !noted.touching.iter().any(|touching| touching.is_deep) {
+        return;
+    }
+    let mut first = 0;
+    for exit in start.exits {
+        let vertices = first..exit.end;
+        first = exit.end;
+        let Noted { touching, overlaps } = &mut *noted;
+        let holds = |obstacle: &Encounter<'_>| {
+            let own = touching.iter().filter(|touching| touching.obstacle == obstacle.number());
+            own.filter(|touching| vertices.contains(&touching.vertex)).any(|own| obstacle.holds(start, own))
+        };
+        let holding = near.clone().filter(holds);
+        let Some(way) = out(holding.clone(), near.clone(), start, &vertices) else { continue };
+        overlaps.extend(holding.map(|obstacle| Overlap {
+            obstacle: obstacle.number(),
+            vertices: vertices.clone(),
+            way,
+        }));
+    }
+    noted.overlaps.sort_unstable_by_key(|overlap| (overlap.obstacle, overlap.vertices.start));
+}
+
+/// The direction in which a body, by its vertices, is soonest past all solids that hold it, of those across their sides; one that
+/// runs into another wall only if every other does.
+fn out<'a>(
+    holding: impl Iterator<Item = Encounter<'a>> + Clone,
+    near: impl Iterator<Item = Encounter<'a>> + Clone,
+    start: &Start<'_>,
+    vertices: &Range<usize>,
+) -> Option<[f64; 2]> {
+    let asked = || {
+        let some = vertices.clone().step_by(vertices.len().div_ceil(ASKED).max(1));
+        some.map(|vertex| [start.x[2 * vertex], start.x[2 * vertex + 1]])
     };
-    let deep = vertices.clone().filter_map(contact).count();
-    let asked = || vertices.clone().step_by(vertices.len().div_ceil(TRIED[1]).max(1)).map(place);
-    let tried = vertices.clone().filter_map(contact).step_by(deep.div_ceil(TRIED[0]).max(1));
-    let ways = tried.map(|Contact { normal, .. }| {
-        let past = asked().filter_map(|point| obstacle.way_past(point, normal));
-        (past.fold(0.0, f64::max), normal)
-    });
-    ways.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, way)| way)
+    let mut best: Option<((bool, f64), [f64; 2])> = None;
+    for solid in holding.clone() {
+        solid.each_way(&mut |way| {
+            let past = holding.clone().flat_map(|solid| asked().filter_map(move |point| solid.way_past(point, way)));
+            let length = past.fold(0.0, f64::max);
+            let is_blocked = near.clone().any(|wall| asked().any(|point| wall.blocks(point, way, length)));
+            let price = (is_blocked, length);
+            if best.is_none_or(|(least, _)| price < least) {
+                best = Some((price, way));
+            }
+        });
+    }
+    best.map(|(_, way)| way)
+}
+
+impl Encounter<'_> {
+    /// Whether a vertex begins inside of it that it has a choice of ways for, and can be moved.
+    fn holds(&self, start: &Start<'_>, own: &Touching) -> bool {
+        own.is_deep && self.is_solid() && start.movable(own.vertex, own.contact.normal).is_some()
+    }
+
+    /// Whether a point that goes so far along a way would get into a half-plane, or deeper into it.
+    fn blocks(&self, point: [f64; 2], [wx, wy]: [f64; 2], length: f64) -> bool {
+        let from = self.carry().place(point);
+        let before = self.contact(from).map_or(f64::INFINITY, |contact| contact.distance);
+        let after = self.contact([from[0] + length * wx, from[1] + length * wy]);
+        !self.is_solid() && after.is_some_and(|after| after.distance < 0.0 && after.distance < before)
+    }
 }

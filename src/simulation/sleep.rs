@@ -208,9 +208,11 @@ impl Simulation {
         for effect in &self.scene.effects[self.scene.element_count()..] {
             effect.force(motion, &mut self.scratch.effects[..effect.scratch()], &mut self.islands.force);
         }
+        let put_in = self.guard.put_in();
         self.paces.stop_early(true);
         self.step();
         self.paces.stop_early(false);
+        self.guard.book(put_in);
         self.scratch.free = free;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);

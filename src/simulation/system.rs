@@ -4,7 +4,7 @@ use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     elements::{Everywhere, Kicking, make_room},
     integrators::{Dynamics, Ode, Work, kick_and_drift},
-    obstacles::{Overlap, Start, Surface},
+    obstacles::{Noted, Start, Surface},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
@@ -74,8 +74,8 @@ pub(super) struct Scratch {
     pub supplied: f64,
     /// Whether something began deep inside one.
     pub inside: bool,
-    /// Who did.
-    pub noted: RefCell<Vec<Overlap>>,
+    /// What is near which obstacle, and who began inside.
+    pub noted: RefCell<Noted>,
     pub plan: Plan,
     /// 1/mass [1/kg] with zero for what sleeps, while something does.
     pub held: Vec<f64>,
@@ -325,6 +325,7 @@ impl Dynamics for System<'_> {
             time,
             supplied: &supplied,
             exits: &scene.exits,
+            touching: &[],
             overlaps: &[],
             noted: &noted,
             inside: &inside,

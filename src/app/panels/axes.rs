@@ -41,6 +41,15 @@ fn decades(GridInput { bounds: (from, to), .. }: GridInput) -> Vec<GridMark> {
     (first..=last).map(|mark| GridMark { value: mark as f64 * every, step_size: every }).collect()
 }
 
+/// Round values to mark, two at least, which stand apart by no more than a share of the range, from 0.4 to 0.62.
+pub fn heights((low, high): (f64, f64), share: f64) -> Vec<GridMark> {
+    let most = share * (high - low);
+    let power = 10f64.powf(most.log10().floor());
+    let step = [5.0, 2.0, 1.0].into_iter().find(|lead| lead * power <= most).unwrap_or(1.0) * power;
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last.min(first + 8)).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
+}
+
 fn power_of_ten(exponent: f64) -> String {
     match exponent.round() as i32 {
         power @ -3..=4 => format!("{}", 10_f64.powi(power)),
@@ -127,6 +136,16 @@ mod tests {
         for (number, rect) in rects.iter().enumerate() {
             assert!(frame.contains_rect(*rect));
             assert!(rects[number + 1..].iter().all(|other| !rect.intersects(*other)));
+        }
+    }
+
+    #[test]
+    fn a_plot_has_two_marks_or_more_whatever_its_range() {
+        for (low, high) in [(0.0, 1.06), (-0.4, 0.02), (-3e-9, 8e-9), (0.0, 212.0), (-5.3, 5.3), (0.0, 3.18)] {
+            for (share, most) in [(0.62, 5), (0.4, 7)] {
+                let marks = heights((low, high), share);
+                assert!((2..=most).contains(&marks.len()), "{low} {high}: {marks:?}");
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{
     Desk, Side, View, axes,
-    energy::{marks, nice_range},
+    energy::{NOTHING, marks, nice_range},
     export::{self, Figure},
     fixed, heading_here,
     history::WINDOW,
@@ -17,7 +17,7 @@ use crate::app::{
 };
 use crate::study::Apart;
 use eframe::egui::{self, Button, Rect, RichText, Ui, vec2};
-use egui_plot::{GridMark, Line, PlotPoints};
+use egui_plot::{Line, PlotPoints};
 
 /// Height of a plot [points].
 const PLOT: f32 = 92.0;
@@ -83,13 +83,18 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative);
     plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
-    let energy = if last.energy.is_finite() { fixed(last.energy, "J") } else { "–".to_owned() };
+    let energy = if last.energy.is_finite() { fixed(visible(last.energy), "J") } else { "–".to_owned() };
     row(ui, "Total energy", &energy, help);
-    plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(of.energy) });
+    plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(visible(of.energy)) });
     export::pose(ui, view, Figure::Difference, Rect::from_min_max(top, ui.min_rect().max));
     costs(ui, record.prices());
     ui.add_space(4.0);
     ui.separator();
+}
+
+/// A difference of energies [J]; what is only rounding is nothing, as it is where the energies themselves are shown.
+fn visible(energy: f64) -> f64 {
+    if energy.abs() <= NOTHING { 0.0 } else { energy }
 }
 
 /// How far positions are apart, in words.
@@ -171,7 +176,7 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
             marks.retain(|mark| mark.value < begin + 0.96 * span);
             marks
         })
-        .y_grid_spacer(|input| heights(input.bounds))
+        .y_grid_spacer(|input| axes::heights(input.bounds, 0.62))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(move |mark, _| format(mark.value))
         .show(ui, |plot| {
@@ -184,26 +189,9 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
     response.response.on_hover_text(format!("The {} over simulated time [s]", curve.name));
 }
 
-/// Two or three round values to mark.
-fn heights((low, high): (f64, f64)) -> Vec<GridMark> {
-    let most = 0.62 * (high - low);
-    let power = 10f64.powf(most.log10().floor());
-    let step = [5.0, 2.0, 1.0].into_iter().find(|lead| lead * power <= most).unwrap_or(1.0) * power;
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last.min(first + 8)).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{heights, verdict};
-
-    #[test]
-    fn a_plot_has_two_marks_or_more_whatever_its_range() {
-        for (low, high) in [(0.0, 1.06), (-0.4, 0.02), (-3e-9, 8e-9), (0.0, 212.0), (-5.3, 5.3), (0.0, 3.18)] {
-            let marks = heights((low, high));
-            assert!((2..=5).contains(&marks.len()), "{low} {high}: {marks:?}");
-        }
-    }
+    use super::verdict;
 
     #[test]
     fn the_dearer_pane_is_named() {

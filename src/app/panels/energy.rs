@@ -17,6 +17,9 @@ use egui_plot::{GridMark, Line, PlotPoint, PlotPoints, Text};
 /// Largest energy that is plotted [J].
 const FARTHEST: f64 = 1e60;
 
+/// What is as good as no energy [J].
+pub(super) const NOTHING: f64 = 1e-15;
+
 /// Least and greatest height of the plot [points].
 const HEIGHTS: (f32, f32) = (150.0, 300.0);
 
@@ -59,7 +62,7 @@ const CURVES: [Curve; 4] = [
 fn visible(curve: &Curve, of: &Energies) -> f64 {
     let value = (curve.value)(of);
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
-    if value.abs() <= 1e-12 * largest.max(1e-3) { 0.0 } else { value }
+    if value.abs() <= NOTHING.max(1e-12 * largest) { 0.0 } else { value }
 }
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
@@ -102,6 +105,7 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
     let response = axes::still("energy", height, theme)
         .y_axis_min_width(52.0)
         .x_grid_spacer(move |input| marks(input.bounds, span))
+        .y_grid_spacer(|input| axes::heights(input.bounds, 0.4))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
         .show(ui, |plot| {

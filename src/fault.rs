@@ -137,6 +137,9 @@ impl std::fmt::Display for Fault {
         write!(out, "Paused before step {step} (at {time:.3} s): the step would throw vertices out of all bounds. ")?;
         write!(out, "{culprit}")?;
         match cause {
+            Cause::StepTooLong { limit: 0.0, .. } => {
+                write!(out, "This scheme is stable at no step: it lets every vibration grow that nothing damps.")
+            }
             Cause::StepTooLong { step, limit } => {
                 write!(
                     out,

@@ -287,3 +287,27 @@ fn what_is_pinned_inside_stays_there_and_the_rest_comes_out() {
     assert_eq!(simulation.count_inside(), pinned);
     assert!(!simulation.pushes_out(), "what is pinned is not on its way out");
 }
+
+/// What holds vertices while it solves for the rest does not know how hard it pushes: that is no energy from nowhere.
+#[test]
+fn no_implicit_scheme_stops_on_its_way_out_of_a_floor() {
+    let floor = walls("Plane(point: (0, 0.4), normal: (0, 1), eps: 0.005)");
+    let implicit = IntegratorKind::all().into_iter().filter(|kind| matches!(kind.kind().class(), Class::Implicit));
+    for kind in implicit {
+        for substeps in [1_u32, 4] {
+            for young in [4e3, 6e4, 1e6] {
+                let mut simulation = simulation(&level(&format!(
+                    "(name: \"stiff\", integrator: {}(), substeps: {substeps}, bodies: [(name: \"disk\", mass: Density(100),
+                        mesh: Disk(centre: (0.5, 0.55), radius: 0.2, rings: 6),
+                        material: (model: NeoHookean, young: {young}, poisson: 0.4, plane: Strain))], {floor})",
+                    kind.name()
+                )));
+                simulation.advance(120 * u64::from(substeps), &mut || true);
+                let what = format!("{} with {substeps} steps a frame, {young} Pa", kind.name());
+                assert!(simulation.fault().is_none(), "{what}: {:?}", simulation.fault());
+                assert!(simulation.count_inside() == 0 && simulation.counts().guarded == 0, "{what}");
+                assert!(simulation.inversion().0 > 0.5, "{what}");
+            }
+        }
+    }
+}

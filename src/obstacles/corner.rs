@@ -182,6 +182,11 @@ impl<'a> Edge<'a> {
             // What is held stays where it is, also when a corner comes to it.
             let free = at(self.start.inverse_mass, vertex).cmpne(Vector::ZERO);
             put(x, vertex, Vector::select(free, reached, at(x, vertex)));
+            if share == 0.0 {
+                // What cannot move at all has no speed to gather.
+                let wall = Vector::from(self.carry.velocity_at(reached.into()));
+                put(v, vertex, Vector::select(free, wall, at(v, vertex)));
+            }
         }
         true
     }

@@ -25,6 +25,11 @@ pub fn note<'a>(near: impl Iterator<Item = Encounter<'a>> + Clone, start: &Start
         };
         let holding = near.clone().filter(holds);
         let Some(way) = out(holding.clone(), near.clone(), start, &vertices) else { continue };
+        // What slides on a rail across the way is left to the nearest surface.
+        let mut deep = touching.iter().filter(|touching| touching.is_deep && vertices.contains(&touching.vertex));
+        if !deep.any(|deep| start.movable(deep.vertex, way).is_some()) {
+            continue;
+        }
         overlaps.extend(holding.map(|obstacle| Overlap {
             obstacle: obstacle.number(),
             vertices: vertices.clone(),

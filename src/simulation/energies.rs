@@ -16,6 +16,12 @@ pub(super) struct Elastic {
 }
 
 impl Simulation {
+    /// Least det F of all triangles (infinite if there are none), and how many have det F <= 0.
+    pub fn inversion(&self) -> (f64, usize) {
+        let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
+        ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
+    }
+
     /// Energies now [J].
     pub fn energies(&self) -> Energies {
         if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {

@@ -132,8 +132,8 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     let factor = desk.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let mut all = Vec::new();
-    all.extend(inside_out(now).or_else(|| folded(now)));
     all.extend(now.pushed_out.then(pushed_out));
+    all.extend(inside_out(now).or_else(|| folded(now)));
     all.extend(caution(now));
     if view.slow {
         all.extend(desk.rates.and_then(|rates| slow(now, rates.physics)));

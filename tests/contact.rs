@@ -35,7 +35,7 @@ fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) ->
     };
     let (mut x, mut after) = (x, v);
     let alone = Encounter::new((0, obstacle), Carry::STILL, [from, x]);
-    note(std::iter::once(alone), &start, &mut start.noted.borrow_mut());
+    note(&std::iter::once(alone), &start, &mut start.noted.borrow_mut());
     alone.constrain(&start, &mut x, &mut after);
     (x, after)
 }

@@ -184,7 +184,7 @@ impl Effect for Contacts {
         let bounds = around(start.x, x);
         let mut touched = 0;
         let near = self.near(start.time, bounds);
-        note(near.clone(), start, &mut start.noted.borrow_mut());
+        note(&near, start, &mut start.noted.borrow_mut());
         for wall in near.clone() {
             touched += wall.press_edges(&self.boundary, start, x, v);
         }

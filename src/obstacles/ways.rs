@@ -7,7 +7,7 @@ use std::ops::Range;
 const ASKED: usize = 96;
 
 /// Looks where all vertices are, seen from obstacles that come in the order of their numbers, and which bodies begin inside some.
-pub fn note<'a>(near: impl Iterator<Item = Encounter<'a>> + Clone, start: &Start<'_>, noted: &mut Noted) {
+pub fn note<'a>(near: &(impl Iterator<Item = Encounter<'a>> + Clone), start: &Start<'_>, noted: &mut Noted) {
     noted.touching.clear();
     noted.overlaps.clear();
     near.clone().for_each(|obstacle| obstacle.find_touching(start, &mut noted.touching));
@@ -24,7 +24,7 @@ pub fn note<'a>(near: impl Iterator<Item = Encounter<'a>> + Clone, start: &Start
             own.filter(|touching| vertices.contains(&touching.vertex)).any(|own| obstacle.holds(start, own))
         };
         let holding = near.clone().filter(holds);
-        let Some(way) = out(holding.clone(), near.clone(), start, &vertices) else { continue };
+        let Some(way) = out(&holding, near, start, &vertices) else { continue };
         // What slides on a rail across the way is left to the nearest surface.
         let mut deep = touching.iter().filter(|touching| touching.is_deep && vertices.contains(&touching.vertex));
         if !deep.any(|deep| start.movable(deep.vertex, way).is_some()) {
@@ -42,8 +42,8 @@ pub fn note<'a>(near: impl Iterator<Item = Encounter<'a>> + Clone, start: &Start
 /// The direction in which a body, by its vertices, is soonest past all solids that hold it, of those across their sides; one that
 /// runs into another wall only if every other does.
 fn out<'a>(
-    holding: impl Iterator<Item = Encounter<'a>> + Clone,
-    near: impl Iterator<Item = Encounter<'a>> + Clone,
+    holding: &(impl Iterator<Item = Encounter<'a>> + Clone),
+    near: &(impl Iterator<Item = Encounter<'a>> + Clone),
     start: &Start<'_>,
     vertices: &Range<usize>,
 ) -> Option<[f64; 2]> {

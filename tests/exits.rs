@@ -275,6 +275,30 @@ fn spread(simulation: &Simulation) -> (f64, f64) {
     heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(*y), high.max(*y)))
 }
 
+/// Pushed out past its own pin it would be torn.
+#[test]
+fn what_a_pin_keeps_inside_a_solid_stays_there_unharmed() {
+    let ball = walls("Ball(centre: (0.47, 0.49), radius: 0.1, eps: 0.005)");
+    let mut level = disk([0.5, 0.5], ("SymplecticEuler", 20), "NeoHookean", &ball);
+    level.bodies[0].pins = vec![gingerbread::level::Pin::Nearest(Point::new([0.5, 0.5]).unwrap())];
+    let mut simulation = simulation(&level);
+    let (least, most) = leave(&mut simulation, 1.0);
+    assert!(simulation.count_inside() > 5 && least > 0.5, "least J {least}");
+    assert!(most < 0.02 && simulation.fault().is_none(), "{most} J");
+}
+
+/// Once out of the right box it must not turn into the gap again.
+#[test]
+fn a_body_across_a_gap_leaves_it_to_one_side() {
+    let gap = walls(
+        "Cuboid(centre: (0.35, 0.5), width: 0.2, height: 0.6, eps: 0.005), Cuboid(centre: (0.65, 0.5), width: 0.2, height: 0.6, eps: 0.005)",
+    );
+    let mut simulation = simulation(&disk([0.5, 0.5], ("SymplecticEuler", 20), "NeoHookean", &gap));
+    let (least, most) = leave(&mut simulation, 3.0);
+    assert!(simulation.count_inside() == 0 && least > 0.6, "least J {least}");
+    assert!(most < 2.0 * mass(&simulation) * SLOW * SLOW, "{most} J");
+}
+
 #[test]
 fn what_is_pinned_inside_stays_there_and_the_rest_comes_out() {
     let text = walls("Plane(point: (0, 0.4), normal: (0, 1), eps: 0.005)");

@@ -43,7 +43,7 @@ pub struct Overlap {
     pub obstacle: usize,
     /// The vertices of the body or net.
     pub vertices: Range<usize>,
-    /// Unit vector along the way out.
+    /// Unit vector along the way out; zero if a pin keeps it inside.
     pub way: [f64; 2],
 }
 

@@ -48,6 +48,9 @@ impl Moved<'_> {
     fn rise(&mut self, rise: Rise, nearest: [f64; 2], from: [f64; 2]) {
         let overlap = self.start.overlap(self.vertex);
         let normal = overlap.map_or(nearest, |overlap| overlap.way);
+        if normal == [0.0; 2] {
+            return;
+        }
         if overlap.is_some() && self.meets(nearest) {
             self.press(nearest, from);
         }

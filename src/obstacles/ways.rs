@@ -19,33 +19,48 @@ pub fn note<'a>(near: &(impl Iterator<Item = Encounter<'a>> + Clone), start: &St
         let vertices = first..exit.end;
         first = exit.end;
         let Noted { touching, overlaps } = &mut *noted;
-        let holds = |obstacle: &Encounter<'_>| {
-            let own = touching.iter().filter(|touching| touching.obstacle == obstacle.number());
-            own.filter(|touching| vertices.contains(&touching.vertex)).any(|own| obstacle.holds(start, own))
-        };
-        let holding = near.clone().filter(holds);
-        let Some(way) = out(&holding, near, start, &vertices) else { continue };
+        let own = || touching.iter().filter(|touching| vertices.contains(&touching.vertex));
+        let holds =
+            |obstacle: &Encounter<'_>| own().any(|own| own.obstacle == obstacle.number() && obstacle.holds(start, own));
+        let keeps = |obstacle: &Encounter<'_>| own().any(|own| obstacle.keeps(start, own));
+        let overlap =
+            |obstacle: Encounter<'_>, way| Overlap { obstacle: obstacle.number(), vertices: vertices.clone(), way };
+        let keeping = near.clone().filter(|obstacle| holds(obstacle) && keeps(obstacle));
+        overlaps.extend(keeping.map(|obstacle| overlap(obstacle, [0.0; 2])));
+        let holding = near.clone().filter(|obstacle| holds(obstacle) && !keeps(obstacle));
+        let deep = || own().filter(|own| own.is_deep).map(|own| own.vertex);
+        let velocity = mean(start.v, deep());
+        let is_on = |way: [f64; 2]| (0.5..=2.0).contains(&((velocity[0] * way[0] + velocity[1] * way[1]) / exit.speed));
+        let Some(way) = out(&holding, near, start, &vertices, &is_on) else { continue };
         // What slides on a rail across the way is left to the nearest surface.
-        let mut deep = touching.iter().filter(|touching| touching.is_deep && vertices.contains(&touching.vertex));
-        if !deep.any(|deep| start.movable(deep.vertex, way).is_some()) {
-            continue;
+        if deep().any(|vertex| start.movable(vertex, way).is_some()) {
+            overlaps.extend(holding.map(|obstacle| overlap(obstacle, way)));
         }
-        overlaps.extend(holding.map(|obstacle| Overlap {
-            obstacle: obstacle.number(),
-            vertices: vertices.clone(),
-            way,
-        }));
     }
     noted.overlaps.sort_unstable_by_key(|overlap| (overlap.obstacle, overlap.vertices.start));
 }
 
+/// The mean of what some vertices have.
+fn mean(values: &[f64], vertices: impl Iterator<Item = usize>) -> [f64; 2] {
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for vertex in vertices {
+        sum = [sum[0] + values[2 * vertex], sum[1] + values[2 * vertex + 1]];
+        count += 1.0;
+    }
+    sum.map(|sum| sum / count)
+}
+
+/// What is on its way out goes on, unless another is shorter than this share of it.
+const TURNS: f64 = 0.25;
+
 /// The direction in which a body, by its vertices, is soonest past all solids that hold it, of those across their sides; one that
-/// runs into another wall only if every other does.
+/// runs into another wall only if every other does. Where it is on a way already, that counts as shorter.
 fn out<'a>(
     holding: &(impl Iterator<Item = Encounter<'a>> + Clone),
     near: &(impl Iterator<Item = Encounter<'a>> + Clone),
     start: &Start<'_>,
     vertices: &Range<usize>,
+    is_on: &dyn Fn([f64; 2]) -> bool,
 ) -> Option<[f64; 2]> {
     let asked = || {
         let some = vertices.clone().step_by(vertices.len().div_ceil(ASKED).max(1));
@@ -57,7 +72,7 @@ fn out<'a>(
             let past = holding.clone().flat_map(|solid| asked().filter_map(move |point| solid.way_past(point, way)));
             let length = past.fold(0.0, f64::max);
             let is_blocked = near.clone().any(|wall| asked().any(|point| wall.blocks(point, way, length)));
-            let price = (is_blocked, length);
+            let price = (is_blocked, if is_on(way) { TURNS * length } else { length });
             if best.is_none_or(|(least, _)| price < least) {
                 best = Some((price, way));
             }
@@ -70,6 +85,13 @@ impl Encounter<'_> {
     /// Whether a vertex begins inside of it that it has a choice of ways for, and can be moved.
     fn holds(&self, start: &Start<'_>, own: &Touching) -> bool {
         own.is_deep && self.is_solid() && start.movable(own.vertex, own.contact.normal).is_some()
+    }
+
+    /// Whether a vertex inside of it is pinned: what is inside with it then stays, rather than being torn from it.
+    fn keeps(&self, start: &Start<'_>, own: &Touching) -> bool {
+        own.obstacle == self.number()
+            && own.contact.distance < 0.0
+            && start.movable(own.vertex, own.contact.normal).is_none()
     }
 
     /// Whether a point that goes so far along a way would get into a half-plane, or deeper into it.

@@ -291,7 +291,7 @@ fn what_a_pin_keeps_inside_a_solid_stays_there_unharmed() {
 #[test]
 fn a_body_across_a_gap_leaves_it_to_one_side() {
     let gap = walls(
-        "Cuboid(centre: (0.35, 0.5), width: 0.2, height: 0.6, eps: 0.005), Cuboid(centre: (0.65, 0.5), width: 0.2, height: 0.6, eps: 0.005)",
+        "Cuboid(centre: (0.35, 0.5), width: 0.15, height: 0.6, eps: 0.005), Cuboid(centre: (0.65, 0.5), width: 0.15, height: 0.6, eps: 0.005)",
     );
     let mut simulation = simulation(&disk([0.5, 0.5], ("SymplecticEuler", 20), "NeoHookean", &gap));
     let (least, most) = leave(&mut simulation, 3.0);
@@ -334,4 +334,22 @@ fn no_implicit_scheme_stops_on_its_way_out_of_a_floor() {
             }
         }
     }
+}
+
+/// An edge that two boxes hold between their corners stays where it is, and so has no speed to gather.
+#[test]
+fn what_hangs_between_two_boxes_gains_no_energy() {
+    let level = level(
+        "(name: \"hung\", bodies: [(name: \"jelly\", mesh: Disk(centre: (0.5, 0.5), radius: 0.13, rings: 6), mass: Density(100),
+            material: (model: NeoHookean, young: 4000, poisson: 0.4, plane: Strain))],
+          effects: [(effect: Gravity(down: 3)), (effect: Boundary(least: (0, 0), greatest: (1, 1))),
+            (effect: Walls(obstacles: [
+                Cuboid(centre: (0.305683, 0.289174), width: 0.352525, height: 0.0201128, turn: 56.429, eps: 0.01),
+                Cuboid(centre: (0.398542, 0.567036), width: 0.232834, height: 0.171977, turn: 51.8546, eps: 0.004)]))])",
+    );
+    let mut simulation = simulation(&level);
+    let start = simulation.energies().total();
+    simulation.advance(6000, &mut || true);
+    let energies = simulation.energies();
+    assert!(simulation.fault().is_none() && energies.total() < 2.0 * start, "{start} J became {energies:?}");
 }

@@ -154,8 +154,10 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
     );
     let inside = simulation.count_inside();
     let pushed_out = (inside > 0).then(|| match inside {
-        1 => "1 vertex begins inside a wall or beyond the world: it is pushed out slowly".to_owned(),
-        many => format!("{many} vertices begin inside walls or beyond the world: they are pushed out slowly"),
+        1 => "1 vertex begins inside a wall or beyond the world: it is pushed out slowly, if there is a way".to_owned(),
+        many => format!(
+            "{many} vertices begin inside walls or beyond the world: they are pushed out slowly, if there is a way"
+        ),
     });
     for message in scene.messages.iter().chain(&pushed_out) {
         // Writing to a string cannot fail.

@@ -15,6 +15,7 @@ use crate::{
     fault::Fault,
     guard::{Guard, Verdict},
     integrators::{Class, Scheme, StepCounts},
+    obstacles::Inside,
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     state::State,
@@ -119,7 +120,7 @@ impl Simulation {
         (self.state, self.stale) = (state, true);
         self.revision += 1;
         self.shape += 1;
-        (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, false);
+        (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, Inside::Nothing);
         self.team.stand_anew();
         self.settle_sleepers();
         self.grab = None;
@@ -285,7 +286,7 @@ impl Simulation {
         }
         self.scratch.counts.steps += 1;
         self.scratch.counts.guarded += u64::from(parts > 1);
-        self.scratch.counts.pushed_out += u64::from(self.scratch.inside);
+        self.scratch.counts.pushed_out += u64::from(self.pushes_out());
         self.state.steps += 1;
         self.revision += 1;
         self.shape += 1;
@@ -294,7 +295,7 @@ impl Simulation {
 
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
-        (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, false, None);
+        (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, Inside::Nothing, None);
         if self.paces.differ() {
             return self.integrate_each(h, time);
         }
@@ -330,7 +331,7 @@ impl Simulation {
             return true;
         }
         let after = self.energies();
-        if self.scratch.inside && self.scene.integrator.kind().class() == Class::Implicit {
+        if self.pushes_out() && self.scene.integrator.kind().class() == Class::Implicit {
             // What brings a body out pushes with forces that such a scheme does not tell.
             self.guard.allow(after);
             return true;

@@ -8,6 +8,7 @@ use crate::{
     level::Level,
     materials::Model,
     meshes::Mesh,
+    obstacles::Inside,
     report::EffectCost,
     sandbox::Sandbox,
     scene::{Body, extent},
@@ -78,8 +79,8 @@ pub struct Snapshot {
     pub parts: u32,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
-    /// Whether something is on its way out of a wall.
-    pub pushed_out: bool,
+    /// Whether something is inside a wall, and whether it comes out.
+    pub inside: Inside,
     /// How each body and then each net is stepped, where each goes at its own pace.
     pub paces: Vec<Pace>,
     /// How many bodies and nets sleep.
@@ -218,7 +219,7 @@ impl Sandbox {
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
         (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
-        snapshot.pushed_out = simulation.pushes_out();
+        snapshot.inside = simulation.inside();
         snapshot.paces.clear();
         snapshot.paces.extend(simulation.paces());
         snapshot.messages.clone_from(&scene.messages);

@@ -7,9 +7,9 @@ use common::{Random, level, models, sheet, simulation};
 use gingerbread::{
     effects::EffectKind,
     files, levels,
-    obstacles::{Carry, Encounter, Obstacle, ObstacleKind, Start, Surface, note},
+    obstacles::{Carry, Encounter, Inside, Noted, Obstacle, ObstacleKind, Start, Surface},
 };
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 
 fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
     let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{list}]))])");
@@ -19,7 +19,7 @@ fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
 
 /// A vertex that would end a step at x with velocity v, after an obstacle stopped it.
 fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-    let start = Start {
+    let mut start = Start {
         x: &from,
         v: &v,
         inverse_mass: &[1.0; 2],
@@ -28,14 +28,17 @@ fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) ->
         time: [0.0; 2],
         supplied: &Cell::new(0.0),
         exits: &[],
+        effect: 0,
         touching: &[],
         overlaps: &[],
-        noted: &RefCell::default(),
-        inside: &Cell::new(false),
+        noted: Noted::NONE,
+        inside: &Cell::new(Inside::Nothing),
     };
     let (mut x, mut after) = (x, v);
-    let alone = Encounter::new((0, obstacle), Carry::STILL, [from, x]);
-    note(&std::iter::once(alone), &start, &mut start.noted.borrow_mut());
+    let alone = Encounter::new(([0, 0], obstacle), Carry::STILL, [from, x]);
+    let mut noted = Noted::default();
+    noted.look(&alone, &start);
+    start.noted = &noted;
     alone.constrain(&start, &mut x, &mut after);
     (x, after)
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{level, models, seen, simulation};
+use common::{Random, level, models, seen, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
@@ -11,6 +11,7 @@ use gingerbread::{
     level::{Level, Paces},
     levels::built_in,
     meshes::NoFiles,
+    obstacles::Inside,
     quantity::Point,
     sandbox::Sandbox,
     simulation::Simulation,
@@ -168,7 +169,7 @@ fn switching_walls_on_over_a_limb_is_told_and_flattens_nothing() {
     let mut sandbox = Sandbox::new(low, Box::new(NoFiles)).unwrap();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     sandbox.advance(100, &mut || true);
-    assert!(!seen(&sandbox).pushed_out);
+    assert!(seen(&sandbox).inside != Inside::ComesOut);
     let before = sandbox.simulation().energies();
     sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
     assert!(sandbox.simulation().count_inside() > 20, "his feet are below the floor");
@@ -177,14 +178,14 @@ fn switching_walls_on_over_a_limb_is_told_and_flattens_nothing() {
     for _ in 0..60 {
         sandbox.advance(30, &mut || true);
         let now = seen(&sandbox);
-        told |= now.pushed_out;
+        told |= now.inside == Inside::ComesOut;
         least = least.min(now.min_j);
         let energies = now.energies;
         assert!(energies.kinetic + energies.elastic < 2.0, "{before:?} became {energies:?}");
     }
     assert!(told && least > 0.5, "told: {told}, least J {least}");
     assert_eq!(sandbox.simulation().count_inside(), 0);
-    assert!(!seen(&sandbox).pushed_out, "nothing is inside any more");
+    assert!(seen(&sandbox).inside != Inside::ComesOut, "nothing is inside any more");
 }
 
 /// Towards the nearest surfaces it would be torn to all sides, and hang on the obstacle for ever.
@@ -275,16 +276,124 @@ fn spread(simulation: &Simulation) -> (f64, f64) {
     heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(*y), high.max(*y)))
 }
 
-/// Pushed out past its own pin it would be torn.
+/// Pushed out past its own pin it would be torn: also where the pin is in the very middle of a ball, or beside it.
 #[test]
 fn what_a_pin_keeps_inside_a_solid_stays_there_unharmed() {
-    let ball = walls("Ball(centre: (0.47, 0.49), radius: 0.1, eps: 0.005)");
-    let mut level = disk([0.5, 0.5], ("SymplecticEuler", 20), "NeoHookean", &ball);
-    level.bodies[0].pins = vec![gingerbread::level::Pin::Nearest(Point::new([0.5, 0.5]).unwrap())];
-    let mut simulation = simulation(&level);
-    let (least, most) = leave(&mut simulation, 1.0);
-    assert!(simulation.count_inside() > 5 && least > 0.5, "least J {least}");
-    assert!(most < 0.02 && simulation.fault().is_none(), "{most} J");
+    for [x, y] in [[0.47, 0.49], [0.5, 0.5], [0.62, 0.55]] {
+        let ball = walls(&format!("Ball(centre: ({x:?}, {y:?}), radius: 0.1, eps: 0.005)"));
+        let mut level = disk([0.5, 0.5], ("SymplecticEuler", 20), "NeoHookean", &ball);
+        level.bodies[0].pins = vec![gingerbread::level::Pin::Nearest(Point::new([0.5, 0.5]).unwrap())];
+        let mut simulation = simulation(&level);
+        let (least, most) = leave(&mut simulation, 1.0);
+        assert!(simulation.count_inside() > 5 && least > 0.5, "ball at ({x}, {y}): least J {least}");
+        assert!(most < 0.02 && simulation.fault().is_none(), "ball at ({x}, {y}): {most} J");
+        assert_eq!((simulation.inside(), simulation.counts().pushed_out), (Inside::Stays, 0));
+    }
+}
+
+/// Flattened in a gap of half its size, or between walls that face each other, it would be crushed.
+#[test]
+fn what_has_no_room_beyond_stays_inside_unharmed() {
+    let shelf =
+        "effects: [(effect: Walls(obstacles: [Cuboid(centre: (0.475, 0.54), width: 0.6, height: 0.42, eps: 0.003)])),
+        (effect: Boundary(least: (0, 0.1), greatest: (1, 0.95)))]";
+    let facing = walls(
+        "Plane(point: (0.55, 0), normal: (1, 0), eps: 0.003), Plane(point: (0.4, 0), normal: (-1, 0.1), eps: 0.003)",
+    );
+    let small = "effects: [(effect: Boundary(least: (0.4, 0), greatest: (0.6, 1)))]";
+    for scheme in [("SymplecticEuler", 20), ("ImplicitEuler", 4)] {
+        for effects in [shelf, facing.as_str(), small] {
+            let mut simulation = simulation(&disk([0.5, 0.5], scheme, "NeoHookean", effects));
+            let inside = simulation.count_inside();
+            let (least, most) = leave(&mut simulation, 1.0);
+            let what = format!("{effects} under {}", scheme.0);
+            assert!(simulation.fault().is_none() && least > 0.9, "{what}: least J {least}, {:?}", simulation.fault());
+            assert!(most < 0.02, "{what}: {most} J");
+            assert_eq!((simulation.inside(), simulation.count_inside()), (Inside::Stays, inside), "{what}");
+        }
+    }
+}
+
+/// The shortest way out of each box leads out of the world, or along its edge.
+#[test]
+fn walls_and_the_edges_of_the_world_choose_a_way_together() {
+    let both = [
+        "Boundary(least: (0, 0), greatest: (1.3, 1))), (effect: Walls(obstacles: [Cuboid(centre: (0.35, 0.5), width: 0.76, height: 0.52, eps: 0.003)])",
+        "Boundary(least: (0.21, -0.13), greatest: (1, 1.05))), (effect: Walls(obstacles: [Cuboid(centre: (0.64, 0.32), width: 0.23, height: 0.6, turn: 44.5, eps: 0.003)])",
+        "Boundary(least: (-1, 0.4), greatest: (2, 2))), (effect: Walls(obstacles: [Cuboid(centre: (0.5, 0.3), width: 0.5, height: 0.4, eps: 0.003)])",
+        "Boundary(least: (-1, 0.4), greatest: (2, 2))), (effect: Walls(obstacles: [Plane(point: (0.4, 0), normal: (1, -0.5), eps: 0.003)])",
+    ];
+    for scheme in [("SymplecticEuler", 20), ("ImplicitEuler", 4)] {
+        for effects in both {
+            let level = disk([0.5, 0.5], scheme, "NeoHookean", &format!("effects: [(effect: {effects})]"));
+            let mut simulation = simulation(&level);
+            let (least, most) = leave(&mut simulation, 3.0);
+            let what = format!("{effects} under {}", scheme.0);
+            assert!(simulation.fault().is_none() && simulation.count_inside() == 0, "{what}: {:?}", simulation.fault());
+            assert!(least > 0.5, "{what}: least J {least}");
+            assert!(most < 4.0 * 0.5 * mass(&simulation) * SLOW * SLOW, "{what}: {most} J");
+        }
+    }
+}
+
+/// Whatever it begins inside of: some hundred obstacles of all kinds, some with the edges of a world, that bounce or not.
+#[test]
+fn whatever_a_body_begins_inside_of_it_is_neither_thrown_nor_crushed() {
+    let mut random = Random(7);
+    let models: Vec<_> = models().collect();
+    for number in 0..48 {
+        let mut choose = |count: f64| random.between(0.0, count) as usize;
+        let (count, scheme) =
+            (1 + choose(3.0), [("SymplecticEuler", 20), ("VelocityVerlet", 20), ("ImplicitEuler", 4)][choose(3.0)]);
+        let (model, edges, bounces) = (models[choose(models.len() as f64)], choose(2.0), choose(3.0));
+        let obstacles: Vec<_> = (0..count).map(|_| random_obstacle(&mut random)).collect();
+        let mut effects = vec![format!("(effect: Walls(obstacles: [{}]))", obstacles.join(", "))];
+        let [left, bottom, right, top] = [-0.2, -0.2, 0.8, 0.8].map(|least| random.between(least, least + 0.5));
+        if edges == 1 {
+            effects.insert(
+                0,
+                format!("(effect: Boundary(least: ({left:?}, {bottom:?}), greatest: ({right:?}, {top:?})))"),
+            );
+        }
+        if bounces == 1 {
+            effects.push("(effect: Restitution(coefficient: 0.8)), (effect: Friction(coefficient: 0.3))".to_owned());
+        }
+        let effects = format!("effects: [{}]", effects.join(", "));
+        let mut simulation = simulation(&disk([0.5, 0.5], scheme, model, &effects));
+        let (least, most) = leave(&mut simulation, 1.5);
+        let what = format!("number {number}, {model} under {}: {effects}", scheme.0);
+        assert!(simulation.fault().is_none(), "{what}: {:?}", simulation.fault());
+        let given = 0.5 * mass(&simulation) * SLOW * SLOW;
+        assert!(least > 0.2 && most < 8.0 * given, "{what}: least J {least}, {most} J for {given} J as a whole");
+    }
+}
+
+/// Somewhere over the disk.
+fn random_obstacle(random: &mut Random) -> String {
+    let [x, y] = [0; 2].map(|_| random.between(0.3, 0.7));
+    let mut length = |least: f64, most: f64| random.between(least, most);
+    match length(0.0, 4.0) as u32 {
+        0 => format!("Ball(centre: ({x:?}, {y:?}), radius: {:?}, eps: 0.003)", length(0.03, 0.3)),
+        1 => format!(
+            "Cuboid(centre: ({x:?}, {y:?}), width: {:?}, height: {:?}, turn: {:?}, eps: 0.003)",
+            length(0.05, 0.8),
+            length(0.05, 0.8),
+            length(0.0, 90.0)
+        ),
+        2 => {
+            let corner =
+                |angle: f64, far: f64| format!("({:?}, {:?})", x + far * libm::cos(angle), y + far * libm::sin(angle));
+            let turn = length(0.0, 6.0);
+            let corners: Vec<_> = (0..4).map(|side| corner(turn + 1.57 * f64::from(side), length(0.06, 0.3))).collect();
+            format!("Polygon(points: [{}], eps: 0.003)", corners.join(", "))
+        }
+        _ => {
+            let (angle, depth) = (length(0.0, 6.28), length(-0.3, 0.1));
+            let [nx, ny] = [libm::cos(angle), libm::sin(angle)];
+            let point = [0.5 + depth * nx, 0.5 + depth * ny];
+            format!("Plane(point: ({:?}, {:?}), normal: ({nx:?}, {ny:?}), eps: 0.003)", point[0], point[1])
+        }
+    }
 }
 
 /// Once out of the right box it must not turn into the gap again.

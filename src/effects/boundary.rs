@@ -1,7 +1,7 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Exit, Start, exit_of},
+    obstacles::{Carry, Contact, Encounter, Exit, Obstacle, Start, bring_out, exit_of},
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -43,16 +43,73 @@ impl EffectParameters for Boundary {
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
         let (least, greatest) = (self.least.get(), self.greatest.get());
         if least[0] < greatest[0] && least[1] < greatest[1] {
-            Ok(Box::new(Edges { least, greatest }))
+            let edge = |axis: usize, inwards: f64| Edge {
+                axis,
+                at: if inwards > 0.0 { least } else { greatest }[axis],
+                inwards,
+            };
+            Ok(Box::new(Edges { least, greatest, edges: [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)] }))
         } else {
             Err(format!("the world's least corner {least:?} must lie below and left of its greatest {greatest:?}"))
         }
     }
 }
 
+/// One edge of the world.
+struct Edge {
+    axis: usize,
+    at: f64,
+    /// 1 if the world lies on the side of greater coordinates, otherwise -1.
+    inwards: f64,
+}
+
+impl Edge {
+    fn normal(&self) -> [f64; 2] {
+        let mut normal = [0.0; 2];
+        normal[self.axis] = self.inwards;
+        normal
+    }
+
+    fn distance(&self, point: [f64; 2]) -> f64 {
+        self.inwards * (point[self.axis] - self.at)
+    }
+}
+
+/// As what a body may begin beyond.
+impl Obstacle for Edge {
+    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
+        let distance = self.distance(point);
+        (distance < 0.0).then(|| Contact { distance, normal: self.normal() })
+    }
+
+    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        self.distance(least).min(self.distance(greatest)) < 0.0
+    }
+
+    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+        self.is_near(least, greatest)
+    }
+
+    fn reach(&self) -> f64 {
+        0.0
+    }
+
+    fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
+        let depth = -self.distance(point);
+        let along = self.inwards * direction[self.axis];
+        (depth > 0.0).then(|| if along > 0.0 { depth / along } else { f64::INFINITY })
+    }
+
+    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+        act(self.normal());
+    }
+}
+
 struct Edges {
     least: [f64; 2],
     greatest: [f64; 2],
+    /// Two across each axis, in the order of the axes.
+    edges: [Edge; 4],
 }
 
 impl Effect for Edges {
@@ -81,6 +138,13 @@ impl Effect for Edges {
         x.as_chunks().0.iter().enumerate().filter(is_inside).count()
     }
 
+    fn encounters<'a>(&'a self, number: usize, _: [f64; 2], ways: Bounds, act: &mut dyn FnMut(Encounter<'a>)) {
+        let edges = self.edges.iter().enumerate();
+        let encounter =
+            |(edge, obstacle): (usize, &'a Edge)| Encounter::new(([number, edge], obstacle), Carry::STILL, ways);
+        edges.map(encounter).filter(Encounter::is_near).for_each(act);
+    }
+
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let ([left, bottom], [right, top]) = (self.least, self.greatest);
         let beyond = |p: &[f64]| p[0] <= left || p[0] >= right || p[1] <= bottom || p[1] >= top;
@@ -101,34 +165,28 @@ impl Edges {
     /// Puts one vertex back on the edges across one axis.
     #[inline]
     fn put_back(&self, start: &Start<'_>, (vertex, axis): (usize, usize), x: &mut [f64], v: &mut [f64]) -> bool {
-        let (edge, inwards) = if x[axis] < self.least[axis] || (x[axis] == self.least[axis] && v[axis] < 0.0) {
-            (self.least[axis], 1.0)
+        let side = if x[axis] < self.least[axis] || (x[axis] == self.least[axis] && v[axis] < 0.0) {
+            2 * axis
         } else if x[axis] > self.greatest[axis] || (x[axis] == self.greatest[axis] && v[axis] > 0.0) {
-            (self.greatest[axis], -1.0)
+            2 * axis + 1
         } else {
             return false;
         };
-        let mut normal = [0.0; 2];
-        normal[axis] = inwards;
+        let (edge, normal) = (&self.edges[side], self.edges[side].normal());
         if !start.faces(vertex, normal) {
             return false;
         }
-        let from = &start.x[2 * vertex..][..2];
-        let beyond = inwards * (from[axis] - edge);
-        let rise = start.rise(vertex, beyond, inwards * start.v[2 * vertex + axis], 0.0);
-        let target = rise.map_or(edge, |rise| from[axis] + inwards * rise.length);
-        if inwards * (x[axis] - target) > 0.0 {
-            return false;
+        let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
+        let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
+        let seen = Encounter::new(([start.effect, side], edge), Carry::STILL, [from, from]).at_hand(start);
+        if let Some(rise) = seen.rise(vertex, edge.distance(from), edge.inwards * before[axis], 0.0) {
+            return bring_out(&seen, (vertex, rise), normal, x, v);
         }
         let mut after = [v[0], v[1]];
-        let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
-        let kept = match rise {
-            Some(rise) => start.lift(vertex, normal, rise.speed, &mut after),
-            None => start.surface.answer(normal, before, &mut after),
-        };
-        let changed = after != [v[0], v[1]] || x[axis] != target;
+        let kept = start.surface_at(vertex).answer(normal, before, &mut after);
+        let changed = after != [v[0], v[1]] || x[axis] != edge.at;
         v.copy_from_slice(&after);
-        x[axis] = target;
+        x[axis] = edge.at;
         if let Some(kept) = kept.filter(|kept| *kept < 1.0) {
             x[1 - axis] = from[1 - axis] + kept * (x[1 - axis] - from[1 - axis]);
         }

@@ -24,7 +24,7 @@ pub use walls::Walls;
 
 use crate::{
     elements::{Elements, Everywhere, Kicking},
-    obstacles::{Exit, Start, Surface},
+    obstacles::{Encounter, Exit, Start, Surface},
     quantity::Quantity,
     registry::registry,
     solvers::{BlockMatrix, Weights},
@@ -231,6 +231,10 @@ pub trait Effect: Send + Sync {
     fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY
     }
+
+    /// Calls `act` with every obstacle that this effect, which has a number, puts in the way of a step from a time to another [s] in
+    /// which the ways of all vertices lie in a box.
+    fn encounters<'a>(&'a self, _number: usize, _time: [f64; 2], _ways: Bounds, _act: &mut dyn FnMut(Encounter<'a>)) {}
 
     /// Changes positions and velocities at the end of a step that are not allowed, seen from its start. What it left once it
     /// leaves unchanged. Returns how many vertices were touched.

@@ -2,7 +2,7 @@ use super::{Bounds, Effect, EffectParameters, Motion, Shape, around};
 use crate::{
     elements::Elements,
     obstacles::{
-        Ball, Carry, Encounter, Exit, MotionKind, Obstacle, ObstacleKind, Rigid, Start, exit_of, note, placed, room,
+        Ball, Carry, Encounter, Exit, MotionKind, Obstacle, ObstacleKind, Rigid, Start, exit_of, placed, room,
     },
     quantity::Quantity,
 };
@@ -100,17 +100,18 @@ const ROUNDS: usize = 8;
 
 impl Contacts {
     /// The obstacles that are near enough to a box around all ways to be worth a look at each vertex in it.
-    fn near(&self, time: [f64; 2], bounds: [[f64; 2]; 2]) -> impl Iterator<Item = Encounter<'_>> + Clone {
+    fn near(&self, effect: usize, time: [f64; 2], bounds: Bounds) -> impl Iterator<Item = Encounter<'_>> + Clone {
         let walls = self.obstacles.iter().enumerate();
-        walls
-            .map(move |(number, wall)| Encounter::new((number, wall.obstacle.as_ref()), wall.carry(time), bounds))
-            .filter(Encounter::is_near)
+        let encounters = walls.map(move |(number, wall)| {
+            Encounter::new(([effect, number], wall.obstacle.as_ref()), wall.carry(time), bounds)
+        });
+        encounters.filter(Encounter::is_near)
     }
 
     /// Edges stop at corners, and vertices that this turned aside at obstacles, until nothing touches any more; what still
     /// would stays where the step began, where nothing touched, or is carried along from there.
-    fn stop_edges(&self, bounds: [[f64; 2]; 2], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let near = self.near(start.time, bounds);
+    fn stop_edges(&self, bounds: Bounds, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
+        let near = self.near(start.effect, start.time, bounds);
         let mut touched = 0;
         for _ in 0..ROUNDS {
             let stopped = near.clone().map(|wall| wall.stop_edges(&self.boundary, start, x, v)).sum::<usize>();
@@ -180,11 +181,14 @@ impl Effect for Contacts {
         x.as_chunks().0.iter().enumerate().filter(is_inside).count()
     }
 
+    fn encounters<'a>(&'a self, number: usize, time: [f64; 2], ways: Bounds, act: &mut dyn FnMut(Encounter<'a>)) {
+        self.near(number, time, ways).for_each(act);
+    }
+
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let bounds = around(start.x, x);
         let mut touched = 0;
-        let near = self.near(start.time, bounds);
-        note(&near, start, &mut start.noted.borrow_mut());
+        let near = self.near(start.effect, start.time, bounds);
         for wall in near.clone() {
             touched += wall.press_edges(&self.boundary, start, x, v);
         }

@@ -1,5 +1,5 @@
 use super::{
-    Carry, Rise, Start, Surface,
+    Carry, Inside, Rise, Start, Surface,
     advance::{self, Seen},
 };
 use parry2d::math::Vector;
@@ -108,7 +108,7 @@ impl<'a> Edge<'a> {
         let (start_x, start_v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
         let before = self.carry.relative(start_v.into(), start_x.into());
         let mut after: [f64; 2] = free.into();
-        let surface = self.start.surface;
+        let surface = self.start.surface_at(self.vertices[0]);
         let surface = if rise.is_some() { Surface { restitution: 0.0, ..surface } } else { surface };
         let kept = surface.answer((-normal).into(), before, &mut after)?;
         let change = Vector::from(after) - free;
@@ -145,7 +145,10 @@ impl<'a> Edge<'a> {
         }
         let rise = self.rise(corner, (along, normal), gap);
         let moves = rise.is_some() && self.mobility(along, normal) > 0.0;
-        self.start.inside.set(self.start.inside.get() || moves);
+        if moves {
+            let stays = rise.is_some_and(|rise| rise.speed == 0.0);
+            self.start.note_inside(if stays { Inside::Stays } else { Inside::ComesOut });
+        }
         let kept = self.answer(corner, v, (along, normal), rise);
         let way = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
         let least = rise.map_or((corner.skin - gap).max(0.0), |rise| rise.length);

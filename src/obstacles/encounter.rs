@@ -1,21 +1,21 @@
 //! Bodies and one obstacle in one step.
 
-use super::{Carry, Contact, Corner, Exit, Noted, Obstacle, Overlap, Start, Touching, corner, meet};
+use super::{Carry, Contact, Corner, Exit, Name, Noted, Obstacle, Overlap, Start, Touching, corner, meet};
 
 /// An obstacle on its way through a step, and a box around the ways of all vertices.
 #[derive(Clone, Copy)]
 pub struct Encounter<'a> {
-    number: usize,
+    name: Name,
     obstacle: &'a dyn Obstacle,
     carry: Carry,
     bounds: [[f64; 2]; 2],
 }
 
 impl<'a> Encounter<'a> {
-    /// The obstacle has a number among others; `bounds` are the least and the greatest corner of the box around the ways of all
+    /// An obstacle by its name; `bounds` are the least and the greatest corner of the box around the ways of all
     /// vertices in the world.
-    pub fn new((number, obstacle): (usize, &'a dyn Obstacle), carry: Carry, bounds: [[f64; 2]; 2]) -> Self {
-        Self { number, obstacle, carry, bounds: carry.bounds(bounds) }
+    pub fn new((name, obstacle): (Name, &'a dyn Obstacle), carry: Carry, bounds: [[f64; 2]; 2]) -> Self {
+        Self { name, obstacle, carry, bounds: carry.bounds(bounds) }
     }
 
     /// Whether any vertex could touch; false only if none can.
@@ -29,28 +29,30 @@ impl<'a> Encounter<'a> {
         &self.carry
     }
 
-    /// Its number among others.
-    pub const fn number(&self) -> usize {
-        self.number
+    /// Its name.
+    pub const fn name(&self) -> Name {
+        self.name
     }
 
     /// The start of the step as this obstacle sees it.
-    fn at_hand<'s>(&self, start: &Start<'s>, noted: &'s Noted) -> Start<'s> {
-        let own = |of: &dyn Fn(usize) -> usize| of(self.number)..of(self.number + 1);
-        let touching = own(&|number| noted.touching.partition_point(|touching| touching.obstacle < number));
-        let overlaps = own(&|number| noted.overlaps.partition_point(|overlap| overlap.obstacle < number));
-        Start { touching: &noted.touching[touching], overlaps: &noted.overlaps[overlaps], ..*start }
+    pub fn at_hand<'s>(&self, start: &Start<'s>) -> Start<'s> {
+        let Noted { touching, overlaps, .. } = start.noted;
+        let [effect, number] = self.name;
+        let own = |before: &dyn Fn(Name) -> usize| before(self.name)..before([effect, number + 1]);
+        let touched = own(&|name| touching.partition_point(|touching| touching.obstacle < name));
+        let left = own(&|name| overlaps.partition_point(|overlap| overlap.obstacle < name));
+        Start { touching: &touching[touched], overlaps: &overlaps[left], ..*start }
     }
 
     /// Adds which vertices are near it or inside where the step begins.
     pub fn find_touching(&self, start: &Start<'_>, found: &mut Vec<Touching>) {
         let before = found.len();
         if self.carry.is_still() {
-            self.obstacle.find_touching(self.number, start.x, found);
+            self.obstacle.find_touching(self.name, start.x, found);
         } else {
             for (vertex, point) in start.x.as_chunks().0.iter().enumerate() {
                 let contact = self.contact(self.carry.place(*point));
-                let touching = |contact| Touching { obstacle: self.number, vertex, contact, is_deep: false };
+                let touching = |contact| Touching { obstacle: self.name, vertex, contact, is_deep: false };
                 found.extend(contact.map(touching));
             }
         }
@@ -63,8 +65,7 @@ impl<'a> Encounter<'a> {
 
     /// Stops vertices: see [`Obstacle::constrain`].
     pub fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let noted = start.noted.borrow();
-        let start = &self.at_hand(start, &noted);
+        let start = &self.at_hand(start);
         if self.carry.is_still() {
             return self.obstacle.constrain(start, x, v);
         }
@@ -102,7 +103,8 @@ impl<'a> Encounter<'a> {
         let exit = start.exit(vertex).map(|exit| Exit { end: 1, ..*exit });
         let overlap = start.overlap(vertex).map(|overlap| Overlap { vertices: 0..1, ..*overlap });
         let (exits, overlaps) = (exit.as_slice(), overlap.as_slice());
-        let seen = Start { x: &from, v: &before, inverse_mass, outward, exits, overlaps, ..*start };
+        let (surface, noted) = (start.surface_at(vertex), Noted::NONE);
+        let seen = Start { x: &from, v: &before, inverse_mass, surface, outward, exits, overlaps, noted, ..*start };
         let wall = self.carry.velocity_at([x[0], x[1]]);
         let (mut to, mut relative) = ([x[0], x[1]], [v[0] - wall[0], v[1] - wall[1]]);
         if !meet::meet(self, &seen, (0, begun), &mut to, &mut relative) {
@@ -121,15 +123,13 @@ impl<'a> Encounter<'a> {
 
     /// Where a corner is near an edge of a body, that may not move towards it. Returns how many edges were touched.
     pub fn press_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let noted = start.noted.borrow();
-        let start = &self.at_hand(start, &noted);
+        let start = &self.at_hand(start);
         corner::press_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 
     /// Stops edges of bodies where a corner would first touch on their way. Returns how many there were.
     pub fn stop_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let noted = start.noted.borrow();
-        let start = &self.at_hand(start, &noted);
+        let start = &self.at_hand(start);
         corner::stop_edges((self.obstacle.corners(), &self.carry, boundary, self.bounds), start, x, v)
     }
 }

@@ -6,11 +6,28 @@
 //! shape: what is inside then moves as one, and a front at speed u in a medium whose waves have the speed c strains it by no more
 //! than u/c (Graff, *Wave Motion in Elastic Solids*, 1975, section 2.1).
 //!
-//! Out of a half-plane there is one way. Out of solids a body goes along the one direction in which it is soonest past them, and
-//! what else of it follows may enter them from behind meanwhile: nearest surfaces would tear it to all sides ([`Overlap`]).
+//! A body goes along the one direction in which it is soonest past all that it begins inside of, and what else of it follows may
+//! enter solids from behind meanwhile: nearest surfaces would tear it to all sides ([`Overlap`]). What else moves in there fades, and
+//! nothing of that body bounces: between walls that come out to different sides it would gather speed. Where there is no room beyond,
+//! or a pin keeps it, it stays inside.
 
-use super::{Contact, Start, Surface};
+use super::{Contact, Encounter, Start, Surface};
 use std::ops::Range;
+
+/// Whether something is deep inside an obstacle or beyond an edge of the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Inside {
+    /// Nothing is.
+    #[default]
+    Nothing,
+    /// Something is, and stays there: a pin keeps it, or there is no room beyond.
+    Stays,
+    /// Something is, and comes out.
+    ComesOut,
+}
+
+/// Which obstacle: the number of the effect that it belongs to, and its own among those of that effect.
+pub type Name = [usize; 2];
 
 /// How some vertices leave what they begin inside of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,13 +38,15 @@ pub struct Exit {
     pub speed: f64,
     /// From no deeper than this they come out at once [m]: a small share of a triangle or spring.
     pub shallow: f64,
+    /// In this time every other motion of what is inside fades to 1/e of what it was [s].
+    pub calm: f64,
 }
 
 /// A vertex that is near or inside an obstacle where the step begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touching {
-    /// Which of some obstacles it is.
-    pub obstacle: usize,
+    /// The obstacle.
+    pub obstacle: Name,
     /// The vertex.
     pub vertex: usize,
     /// Where it is, carried along with the obstacle.
@@ -36,18 +55,23 @@ pub struct Touching {
     pub is_deep: bool,
 }
 
-/// A body or net that begins inside a solid, and its way out.
+/// A body or net that begins inside an obstacle, and its way out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlap {
-    /// Which of some obstacles it is.
-    pub obstacle: usize,
+    /// The obstacle.
+    pub obstacle: Name,
     /// The vertices of the body or net.
     pub vertices: Range<usize>,
-    /// Unit vector along the way out; zero if a pin keeps it inside.
+    /// Unit vector along the way out; zero if a pin keeps it inside, or if there is no room beyond.
     pub way: [f64; 2],
 }
 
 impl Overlap {
+    /// Whether the body stays inside.
+    pub fn stays(&self) -> bool {
+        self.way == [0.0; 2]
+    }
+
     /// Whether a surface with this normal lies behind, where the rest of the body may enter.
     pub fn lets_in(&self, [nx, ny]: [f64; 2]) -> bool {
         self.way[0] * nx + self.way[1] * ny < 0.0
@@ -61,6 +85,29 @@ pub struct Noted {
     pub touching: Vec<Touching>,
     /// By obstacles.
     pub overlaps: Vec<Overlap>,
+    /// Unit vectors to choose from.
+    pub(super) ways: Vec<[f64; 2]>,
+}
+
+impl Noted {
+    /// Nothing.
+    pub const NONE: &Self = &Self { touching: Vec::new(), overlaps: Vec::new(), ways: Vec::new() };
+
+    /// Notes which vertices are near an obstacle or inside where the step begins; obstacles come in the order of their names.
+    pub fn look(&mut self, obstacle: &Encounter<'_>, start: &Start<'_>) {
+        obstacle.find_touching(start, &mut self.touching);
+    }
+
+    /// Whether anything begins deep inside.
+    pub fn is_inside(&self) -> bool {
+        self.touching.iter().any(|touching| touching.is_deep)
+    }
+
+    /// Ready for another step.
+    pub fn clear(&mut self) {
+        self.touching.clear();
+        self.overlaps.clear();
+    }
 }
 
 /// What a vertex has to do that begins deep inside.
@@ -70,9 +117,16 @@ pub struct Rise {
     pub speed: f64,
     /// How far it comes in the step at least [m].
     pub length: f64,
+    /// The share of every other motion of it that the step takes.
+    pub calms: f64,
 }
 
 impl Start<'_> {
+    /// Notes that something is inside.
+    pub fn note_inside(&self, inside: Inside) {
+        self.inside.set(self.inside.get().max(inside));
+    }
+
     /// How a vertex leaves what it begins inside of, if that is not at once.
     pub fn exit(&self, vertex: usize) -> Option<&Exit> {
         exit_of(self.exits, vertex)
@@ -80,13 +134,28 @@ impl Start<'_> {
 
     /// How a vertex comes out that begins at a distance from a surface [m], moves away from it at a speed [m/s] and is to be kept
     /// `skin` from it, if it begins deeper inside than it can come in this step. What little another wall may have pressed it in is
-    /// put back at once, but not the last bit of a long way, on which it is as fast as it should be.
+    /// put back at once, but not the last bit of a long way, on which it is as fast as it should be. What stays inside does not come
+    /// out at all.
     pub fn rise(&self, vertex: usize, distance: f64, outwards: f64, skin: f64) -> Option<Rise> {
         const ROUND_OFF: f64 = 1e-3;
         let exit = self.exit(vertex)?;
+        let time = self.time[1] - self.time[0];
+        let rise = |speed: f64| Rise { calms: 1.0 - libm::exp(-time / exit.calm), speed, length: speed * time };
+        if distance < skin && self.overlap(vertex).is_some_and(Overlap::stays) {
+            return Some(rise(0.0));
+        }
         let least = exit.shallow * if outwards >= 0.5 * exit.speed { ROUND_OFF } else { 1.0 };
-        let length = exit.speed * (self.time[1] - self.time[0]);
-        (distance < skin - least && distance + length < skin).then_some(Rise { speed: exit.speed, length })
+        (distance < skin - least && distance + exit.speed * time < skin).then(|| rise(exit.speed))
+    }
+
+    /// What touching does to a vertex. Nothing of what is on its way out bounces: between two walls that it comes out of, it would
+    /// gather speed.
+    pub fn surface_at(&self, vertex: usize) -> Surface {
+        let leaves = || self.noted.overlaps.iter().any(|overlap| overlap.vertices.contains(&vertex));
+        if self.surface.restitution != 0.0 && leaves() {
+            return Surface { restitution: 0.0, ..self.surface };
+        }
+        self.surface
     }
 
     /// The way out of the obstacle at hand for the body of a vertex, if that begins inside.
@@ -94,10 +163,18 @@ impl Start<'_> {
         self.overlaps.iter().find(|overlap| overlap.vertices.contains(&vertex))
     }
 
+    /// Takes its share of what the velocity of a vertex deep inside is different from one along a unit vector: shaken between two
+    /// walls it would gather more of it than it has to.
+    pub fn calm(&self, vertex: usize, rise: Rise, normal: [f64; 2], v: &mut [f64; 2]) {
+        for axis in (0..2).filter(|axis| self.inverse_mass[2 * vertex + axis] != 0.0) {
+            v[axis] -= rise.calms * (v[axis] - rise.speed * normal[axis]);
+        }
+    }
+
     /// What a surface does to the velocity of a vertex that comes out with it at a speed along its unit normal: see
     /// [`Surface::answer`]. It gives nothing back, and its work is booked.
     pub fn lift(&self, vertex: usize, normal: [f64; 2], speed: f64, v: &mut [f64; 2]) -> Option<f64> {
-        self.inside.set(true);
+        self.note_inside(Inside::ComesOut);
         let outwards = normal.map(|along| speed * along);
         let mut after = [v[0] - outwards[0], v[1] - outwards[1]];
         let surface = Surface { restitution: 0.0, ..self.surface };

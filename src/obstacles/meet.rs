@@ -1,4 +1,4 @@
-use super::{Contact, Obstacle, Rise, Start};
+use super::{Contact, Inside, Obstacle, Overlap, Rise, Start, Surface};
 
 /// Most times a vertex is put back at the end of a step.
 const NOOK: usize = 3;
@@ -14,7 +14,7 @@ pub(super) fn meet<O: Obstacle + ?Sized>(
     v: &mut [f64],
 ) -> bool {
     let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
-    let mut moved = Moved { start, vertex, to: [x[0], x[1]], v: [v[0], v[1]] };
+    let mut moved = Moved::new(start, vertex, x, v);
     let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
     let rise = begun.and_then(|contact| {
         start.rise(vertex, contact.distance, contact.along(before), obstacle.skin()).map(|rise| (contact, rise))
@@ -23,21 +23,44 @@ pub(super) fn meet<O: Obstacle + ?Sized>(
         Some((contact, rise)) => moved.rise(rise, contact.normal, from),
         None => moved.stop(obstacle, begun, from),
     }
-    let touched = moved.to != [x[0], x[1]] || moved.v != [v[0], v[1]];
-    x.copy_from_slice(&moved.to);
-    v.copy_from_slice(&moved.v);
-    touched
+    moved.write(x, v)
+}
+
+/// Brings one vertex out that begins deep inside something with this nearest surface: see [`meet`].
+pub fn bring_out(
+    start: &Start<'_>,
+    (vertex, rise): (usize, Rise),
+    nearest: [f64; 2],
+    x: &mut [f64],
+    v: &mut [f64],
+) -> bool {
+    let mut moved = Moved::new(start, vertex, x, v);
+    moved.rise(rise, nearest, [start.x[2 * vertex], start.x[2 * vertex + 1]]);
+    moved.write(x, v)
 }
 
 /// A vertex on its way through a step.
 struct Moved<'a> {
     start: &'a Start<'a>,
     vertex: usize,
+    surface: Surface,
     to: [f64; 2],
     v: [f64; 2],
 }
 
-impl Moved<'_> {
+impl<'a> Moved<'a> {
+    fn new(start: &'a Start<'a>, vertex: usize, x: &[f64], v: &[f64]) -> Self {
+        Self { start, vertex, surface: start.surface_at(vertex), to: [x[0], x[1]], v: [v[0], v[1]] }
+    }
+
+    /// Gives it back; returns whether anything changed.
+    fn write(self, x: &mut [f64], v: &mut [f64]) -> bool {
+        let touched = self.to != [x[0], x[1]] || self.v != [v[0], v[1]];
+        x.copy_from_slice(&self.to);
+        v.copy_from_slice(&self.v);
+        touched
+    }
+
     /// Whether it is stopped by a surface with this normal.
     fn meets(&self, normal: [f64; 2]) -> bool {
         let lets_in = || self.start.overlap(self.vertex).is_some_and(|overlap| overlap.lets_in(normal));
@@ -48,17 +71,20 @@ impl Moved<'_> {
     fn rise(&mut self, rise: Rise, nearest: [f64; 2], from: [f64; 2]) {
         let overlap = self.start.overlap(self.vertex);
         let normal = overlap.map_or(nearest, |overlap| overlap.way);
-        if normal == [0.0; 2] {
-            return;
-        }
-        if overlap.is_some() && self.meets(nearest) {
+        if normal != nearest && self.meets(nearest) {
             self.press(nearest, from);
+        }
+        if overlap.is_some_and(Overlap::stays) {
+            self.start.note_inside(Inside::Stays);
+            self.start.calm(self.vertex, rise, normal, &mut self.v);
+            return;
         }
         let movable = self.start.movable(self.vertex, normal);
         let Some([nx, ny]) = movable.filter(|_| self.start.faces(self.vertex, normal)) else { return };
         // What slides goes no faster along its rail than the rest comes along there.
         let share = normal[0] * nx + normal[1] * ny;
         let kept = self.start.lift(self.vertex, [nx, ny], share * rise.speed, &mut self.v);
+        self.start.calm(self.vertex, Rise { speed: share * rise.speed, ..rise }, [nx, ny], &mut self.v);
         let way = [self.to[0] - from[0], self.to[1] - from[1]];
         let across = way[0] * nx + way[1] * ny;
         let short = (share * rise.length - across).max(0.0);
@@ -88,7 +114,7 @@ impl Moved<'_> {
     fn press(&mut self, normal: [f64; 2], from: [f64; 2]) {
         let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };
         let before = [self.start.v[2 * self.vertex], self.start.v[2 * self.vertex + 1]];
-        let kept = self.start.surface.answer([nx, ny], before, &mut self.v);
+        let kept = self.surface.answer([nx, ny], before, &mut self.v);
         let way = [self.to[0] - from[0], self.to[1] - from[1]];
         let across = way[0] * nx + way[1] * ny;
         let inwards = across.min(0.0);

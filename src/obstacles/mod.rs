@@ -27,16 +27,17 @@ pub use carry::{Carry, Rigid};
 pub use corner::Corner;
 pub use cuboid::Cuboid;
 pub use encounter::Encounter;
-pub use exit::{Exit, Noted, Overlap, Rise, Touching, exit_of};
+pub use exit::{Exit, Inside, Name, Noted, Overlap, Rise, Touching, exit_of};
+pub use meet::bring_out;
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
 pub use plane::{Plane, room};
 pub use polygon::Polygon;
 pub use surface::Surface;
-pub use ways::note;
+pub use ways::find_ways;
 
 use crate::{quantity::Quantity, registry::registry};
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 
 registry! {
     /// What can stand in the way.
@@ -111,14 +112,16 @@ pub struct Start<'a> {
     pub supplied: &'a Cell<f64>,
     /// How fast vertices leave what they begin inside of.
     pub exits: &'a [Exit],
+    /// Which effect the obstacle at hand belongs to.
+    pub effect: usize,
     /// Which vertices touch the obstacle at hand.
     pub touching: &'a [Touching],
     /// Who begins inside of it, and the way out.
     pub overlaps: &'a [Overlap],
-    /// Where that is noted for all obstacles.
-    pub noted: &'a RefCell<Noted>,
+    /// The same of all obstacles.
+    pub noted: &'a Noted,
     /// Where it is noted that something began inside anything.
-    pub inside: &'a Cell<bool>,
+    pub inside: &'a Cell<Inside>,
 }
 
 impl Start<'_> {
@@ -173,16 +176,14 @@ pub trait Obstacle: Send + Sync {
         None
     }
 
-    /// How far a point has to go in a direction to be past a solid that it is in or before [m]; nothing if it is past, or for a
-    /// half-plane.
-    fn way_past(&self, _point: [f64; 2], _direction: [f64; 2]) -> Option<f64> {
-        None
-    }
+    /// How far a point has to go in a direction to be past it [m], if it is inside, or before what is solid; infinite if that
+    /// leads ever deeper into a half-plane.
+    fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64>;
 
-    /// Calls `act` with unit vectors along ways out of a solid; there is but one out of a half-plane, which nobody has to ask for.
-    fn each_way(&self, _act: &mut dyn FnMut([f64; 2])) {}
+    /// Calls `act` with unit vectors along ways out of it.
+    fn each_way(&self, act: &mut dyn FnMut([f64; 2]));
 
-    /// Whether it is bounded, so that there is more than one way out of it.
+    /// Whether it is bounded, so that ways lead out of it to all sides.
     fn is_solid(&self) -> bool {
         false
     }
@@ -192,11 +193,11 @@ pub trait Obstacle: Send + Sync {
         &[]
     }
 
-    /// Adds which of some points, flat, are within eps of the surface or inside, as vertices of the obstacle with this number.
-    fn find_touching(&self, number: usize, x: &[f64], found: &mut Vec<Touching>) {
+    /// Adds which of some points, flat, are within eps of the surface or inside, as vertices of the obstacle with this name.
+    fn find_touching(&self, name: Name, x: &[f64], found: &mut Vec<Touching>) {
         for (vertex, point) in x.as_chunks().0.iter().enumerate() {
             found.extend(self.contact(*point).map(|contact| Touching {
-                obstacle: number,
+                obstacle: name,
                 vertex,
                 contact,
                 is_deep: false,

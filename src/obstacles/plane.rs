@@ -80,6 +80,16 @@ impl Obstacle for Wall {
     fn reach(&self) -> f64 {
         self.eps
     }
+
+    fn way_past(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
+        let depth = -self.contact(point)?.distance;
+        let along = Vector::new(dx, dy).dot(self.shape.normal);
+        (depth > 0.0).then(|| if along > 0.0 { depth / along } else { f64::INFINITY })
+    }
+
+    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+        act([self.shape.normal.x, self.shape.normal.y]);
+    }
 }
 
 /// The part of a rectangle that the planes leave free, eps kept clear: a convex polygon, counter-clockwise.

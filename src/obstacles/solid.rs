@@ -80,11 +80,16 @@ impl<S: Shape> Obstacle for Solid<S> {
         if !self.near.contains_local_point(point) {
             return None;
         }
-        let (away, distance) = self.nearest(point);
+        let size = self.near.half_extents().length();
+        let (mut away, mut distance) = self.nearest(point);
+        if away == Vector::ZERO && self.nearest(point + Vector::Y * (1e-6 * size)).1 < -1e-5 * size {
+            // In the very middle of a ball every way out is as short; beside it there is one.
+            (away, distance) = self.nearest(point + Vector::Y * (1e-6 * size));
+        }
         if distance >= self.eps {
             return None;
         }
-        let near = distance.abs() < 1e-7 * self.near.half_extents().length();
+        let near = distance.abs() < 1e-7 * size;
         let normal = snapped(if near { self.slope(point) } else { away.try_normalize() }?);
         Some(Contact { distance, normal: [normal.x, normal.y] })
     }

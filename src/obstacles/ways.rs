@@ -1,43 +1,71 @@
-//! The way out of solids that a body begins inside of.
+//! The way out of what a body begins inside of.
 
 use super::{Encounter, Noted, Obstacle, Overlap, Start, Touching};
 use std::ops::Range;
 
 /// How many vertices of a body are asked how far they would have to go.
-const ASKED: usize = 96;
+const ASKED: usize = 64;
 
-/// Looks where all vertices are, seen from obstacles that come in the order of their numbers, and which bodies begin inside some.
-pub fn note<'a>(near: &(impl Iterator<Item = Encounter<'a>> + Clone), start: &Start<'_>, noted: &mut Noted) {
-    noted.touching.clear();
-    noted.overlaps.clear();
-    near.clone().for_each(|obstacle| obstacle.find_touching(start, &mut noted.touching));
-    if !noted.touching.iter().any(|touching| touching.is_deep) {
-        return;
-    }
+/// What is on its way out goes on, unless another is shorter than this share of it.
+const TURNS: f64 = 0.25;
+
+/// What would end deeper in a wall than this share of its size has no room beyond: it stays where it is, rather than being crushed.
+const TIGHT: f64 = 0.1;
+
+/// What is pinned and would have to go farther than this share of its size stays too, rather than being torn.
+const LEASH: f64 = 0.25;
+
+/// How far into a wall is no way into it, as a share of the way.
+const ROUND_OFF: f64 = 1e-6;
+
+/// Finds a way out for every body of which something begins deep inside: of all these obstacles, with what touches
+/// them noted.
+pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Noted) {
+    let Noted { touching, overlaps, ways } = noted;
     let mut first = 0;
     for exit in start.exits {
         let vertices = first..exit.end;
         first = exit.end;
-        let Noted { touching, overlaps } = &mut *noted;
         let own = || touching.iter().filter(|touching| vertices.contains(&touching.vertex));
-        let holds =
-            |obstacle: &Encounter<'_>| own().any(|own| own.obstacle == obstacle.number() && obstacle.holds(start, own));
-        let keeps = |obstacle: &Encounter<'_>| own().any(|own| obstacle.keeps(start, own));
-        let overlap =
-            |obstacle: Encounter<'_>, way| Overlap { obstacle: obstacle.number(), vertices: vertices.clone(), way };
-        let keeping = near.clone().filter(|obstacle| holds(obstacle) && keeps(obstacle));
-        overlaps.extend(keeping.map(|obstacle| overlap(obstacle, [0.0; 2])));
-        let holding = near.clone().filter(|obstacle| holds(obstacle) && !keeps(obstacle));
         let deep = || own().filter(|own| own.is_deep).map(|own| own.vertex);
+        if deep().next().is_none() {
+            continue;
+        }
         let velocity = mean(start.v, deep());
-        let is_on = |way: [f64; 2]| (0.5..=2.0).contains(&((velocity[0] * way[0] + velocity[1] * way[1]) / exit.speed));
-        let Some(way) = out(&holding, near, start, &vertices, &is_on) else { continue };
+        let body = Body { start, vertices: vertices.clone(), pace: velocity.map(|along| along / exit.speed) };
+        let mut overlap = |obstacle: &Encounter<'_>, way| {
+            overlaps.push(Overlap { obstacle: obstacle.name(), vertices: vertices.clone(), way });
+        };
+        let inside = obstacles.iter().filter(|obstacle| body.is_in(obstacle, own()));
+        let (keeping, holding): (Vec<_>, Vec<&Encounter<'_>>) =
+            inside.partition(|obstacle| body.is_kept(obstacle, own()));
+        keeping.iter().for_each(|obstacle| overlap(obstacle, [0.0; 2]));
+        // Where no way leads out of everything, as between walls that face each other, solids have one, and each wall has its own.
+        let (solid, flat): (Vec<_>, Vec<&Encounter<'_>>) =
+            holding.iter().copied().partition(|obstacle| obstacle.is_solid());
+        let common = body.way_out(&holding, obstacles, ways);
+        let apart = || body.way_out(&solid, obstacles, ways);
+        let Some(WayOut { way, length, jam }) =
+            common.or_else(apart).or_else(|| (!flat.is_empty()).then_some(WayOut::NONE))
+        else {
+            continue;
+        };
+        let jam = if common.is_none() { jam + body.depth(&flat) } else { jam };
+        let is_pinned = || vertices.clone().any(|vertex| start.inverse_mass[2 * vertex..2 * vertex + 2] == [0.0; 2]);
+        if jam > TIGHT * body.size() || (length > LEASH * body.size() && is_pinned()) {
+            holding.iter().for_each(|obstacle| overlap(obstacle, [0.0; 2]));
+            continue;
+        }
         // What slides on a rail across the way is left to the nearest surface.
         if deep().any(|vertex| start.movable(vertex, way).is_some()) {
-            overlaps.extend(holding.map(|obstacle| overlap(obstacle, way)));
+            let together = if common.is_some() { &holding } else { &solid };
+            together.iter().for_each(|obstacle| overlap(obstacle, way));
+        }
+        if common.is_none() {
+            flat.iter().for_each(|obstacle| obstacle.each_way(&mut |way| overlap(obstacle, way)));
         }
     }
-    noted.overlaps.sort_unstable_by_key(|overlap| (overlap.obstacle, overlap.vertices.start));
+    overlaps.sort_unstable_by_key(|overlap| (overlap.obstacle, overlap.vertices.start));
 }
 
 /// The mean of what some vertices have.
@@ -50,55 +78,159 @@ fn mean(values: &[f64], vertices: impl Iterator<Item = usize>) -> [f64; 2] {
     sum.map(|sum| sum / count)
 }
 
-/// What is on its way out goes on, unless another is shorter than this share of it.
-const TURNS: f64 = 0.25;
+/// A way out of what holds a body.
+#[derive(Clone, Copy)]
+struct WayOut {
+    /// Unit vector.
+    way: [f64; 2],
+    /// How far it is along there until the last of the body is out [m].
+    length: f64,
+    /// How deep it leads into some half-plane beyond [m].
+    jam: f64,
+}
 
-/// The direction in which a body, by its vertices, is soonest past all solids that hold it, of those across their sides; one that
-/// runs into another wall only if every other does. Where it is on a way already, that counts as shorter.
-fn out<'a>(
-    holding: &(impl Iterator<Item = Encounter<'a>> + Clone),
-    near: &(impl Iterator<Item = Encounter<'a>> + Clone),
-    start: &Start<'_>,
-    vertices: &Range<usize>,
-    is_on: &dyn Fn([f64; 2]) -> bool,
-) -> Option<[f64; 2]> {
-    let asked = || {
-        let some = vertices.clone().step_by(vertices.len().div_ceil(ASKED).max(1));
-        some.map(|vertex| [start.x[2 * vertex], start.x[2 * vertex + 1]])
-    };
-    let mut best: Option<((bool, f64), [f64; 2])> = None;
-    for solid in holding.clone() {
-        solid.each_way(&mut |way| {
-            let past = holding.clone().flat_map(|solid| asked().filter_map(move |point| solid.way_past(point, way)));
-            let length = past.fold(0.0, f64::max);
-            let is_blocked = near.clone().any(|wall| asked().any(|point| wall.blocks(point, way, length)));
-            let price = (is_blocked, if is_on(way) { TURNS * length } else { length });
+impl WayOut {
+    const NONE: Self = Self { way: [0.0; 2], length: 0.0, jam: 0.0 };
+}
+
+/// A body of which something begins deep inside.
+struct Body<'a> {
+    start: &'a Start<'a>,
+    vertices: Range<usize>,
+    /// The velocity of what is inside, in speeds at which that comes out.
+    pace: [f64; 2],
+}
+
+impl Body<'_> {
+    /// Whether a vertex begins deep inside of an obstacle, and can be moved.
+    fn is_in<'t>(&self, obstacle: &Encounter<'_>, mut own: impl Iterator<Item = &'t Touching>) -> bool {
+        own.any(|own| own.obstacle == obstacle.name() && own.is_deep && self.is_free(own))
+    }
+
+    /// Whether a vertex inside of a solid is pinned: what is inside with it then stays, rather than being torn from it.
+    fn is_kept<'t>(&self, obstacle: &Encounter<'_>, mut own: impl Iterator<Item = &'t Touching>) -> bool {
+        obstacle.is_solid()
+            && own.any(|own| own.obstacle == obstacle.name() && own.contact.distance < 0.0 && !self.is_free(own))
+    }
+
+    fn is_free(&self, own: &Touching) -> bool {
+        self.start.movable(own.vertex, own.contact.normal).is_some()
+    }
+
+    /// Some vertices of the body, for all.
+    fn asked(&self) -> impl Iterator<Item = [f64; 2]> {
+        let some = self.vertices.clone().step_by(self.vertices.len().div_ceil(ASKED).max(1));
+        some.map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]])
+    }
+
+    /// The diagonal of a box around it [m].
+    fn size(&self) -> f64 {
+        let points = || self.vertices.clone().map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]]);
+        let extent = |axis: usize| {
+            let along = points().map(|point| point[axis]);
+            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+        };
+        let (width, height) = (extent(0), extent(1));
+        (width * width + height * height).sqrt()
+    }
+
+    /// How deep it is in all of these together [m].
+    fn depth(&self, flat: &[&Encounter<'_>]) -> f64 {
+        let mut sum = 0.0;
+        for wall in flat {
+            wall.each_way(&mut |way| {
+                sum += self.asked().filter_map(|point| wall.way_past(point, way)).fold(0.0, f64::max);
+            });
+        }
+        sum
+    }
+
+    /// The direction in which the body is soonest past all that holds it, of those across their sides, half-way between two of
+    /// them, or along other walls; one that runs into something else only if every other does. Where it is on a way already, that counts as shorter.
+    fn way_out(
+        &self,
+        holding: &[&Encounter<'_>],
+        obstacles: &[Encounter<'_>],
+        ways: &mut Vec<[f64; 2]>,
+    ) -> Option<WayOut> {
+        list_ways(holding, obstacles, ways);
+        let holds = |wall: &Encounter<'_>| holding.iter().any(|holding| holding.name() == wall.name());
+        let room = TIGHT * self.size();
+        let mut best: Option<((u8, f64), WayOut)> = None;
+        for &way in &*ways {
+            let past = |obstacle: &&Encounter<'_>| {
+                self.asked().filter_map(|point| obstacle.way_past(point, way)).fold(0.0, f64::max)
+            };
+            let length = holding.iter().map(past).fold(0.0, f64::max);
+            let along = self.pace[0] * way[0] + self.pace[1] * way[1];
+            let is_on = (0.5..=2.0).contains(&along);
+            let long = if is_on { TURNS * length } else { length };
+            if !long.is_finite() || best.is_some_and(|((trouble, least), _)| trouble == 0 && least <= long) {
+                continue;
+            }
+            // Free, hindered, or closed.
+            let (mut trouble, mut jam) = (0, 0.0_f64);
+            for wall in obstacles.iter().filter(|wall| !holds(wall)) {
+                for depth in self.asked().filter_map(|point| wall.blocks(point, way, length)) {
+                    (trouble, jam) = (if depth > room { 2 } else { trouble.max(1) }, jam.max(depth));
+                }
+            }
+            let price = (if is_on && trouble == 1 { 0 } else { trouble }, long);
             if best.is_none_or(|(least, _)| price < least) {
-                best = Some((price, way));
+                best = Some((price, WayOut { way, length, jam }));
+            }
+        }
+        best.map(|(_, way)| way)
+    }
+}
+
+/// Writes the ways out of each obstacle, those half-way between one out of a half-plane and any other, and those along the
+/// half-planes beyond which one would lead.
+fn list_ways(holding: &[&Encounter<'_>], obstacles: &[Encounter<'_>], ways: &mut Vec<[f64; 2]>) {
+    ways.clear();
+    let add = |ways: &mut Vec<[f64; 2]>, way: [f64; 2]| {
+        let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
+        if length > 0.1 {
+            ways.push(way.map(|along| along / length));
+        }
+    };
+    let is_flat = |obstacle: &&&Encounter<'_>| !obstacle.is_solid();
+    holding.iter().filter(is_flat).for_each(|obstacle| obstacle.each_way(&mut |way| ways.push(way)));
+    let flat = ways.len();
+    holding
+        .iter()
+        .filter(|obstacle| obstacle.is_solid())
+        .for_each(|obstacle| obstacle.each_way(&mut |way| ways.push(way)));
+    let single = ways.len();
+    for a in 0..flat {
+        for b in a + 1..single {
+            add(ways, [ways[a][0] + ways[b][0], ways[a][1] + ways[b][1]]);
+        }
+    }
+    for wall in obstacles.iter().filter(|wall| !wall.is_solid()) {
+        wall.each_way(&mut |[nx, ny]| {
+            for number in 0..single {
+                let [wx, wy] = ways[number];
+                let inwards = wx * nx + wy * ny;
+                if inwards < 0.0 {
+                    add(ways, [wx - inwards * nx, wy - inwards * ny]);
+                }
             }
         });
     }
-    best.map(|(_, way)| way)
 }
 
 impl Encounter<'_> {
-    /// Whether a vertex begins inside of it that it has a choice of ways for, and can be moved.
-    fn holds(&self, start: &Start<'_>, own: &Touching) -> bool {
-        own.is_deep && self.is_solid() && start.movable(own.vertex, own.contact.normal).is_some()
-    }
-
-    /// Whether a vertex inside of it is pinned: what is inside with it then stays, rather than being torn from it.
-    fn keeps(&self, start: &Start<'_>, own: &Touching) -> bool {
-        own.obstacle == self.number()
-            && own.contact.distance < 0.0
-            && start.movable(own.vertex, own.contact.normal).is_none()
-    }
-
-    /// Whether a point that goes so far along a way would get into a half-plane, or deeper into it.
-    fn blocks(&self, point: [f64; 2], [wx, wy]: [f64; 2], length: f64) -> bool {
+    /// Whether a point that goes so far along a way would get into it, or deeper into a half-plane: how deep that is there, and
+    /// nothing for a solid, round which there may be a way [m].
+    fn blocks(&self, point: [f64; 2], way: [f64; 2], length: f64) -> Option<f64> {
         let from = self.carry().place(point);
+        let way = way.map(|along| length * along);
+        if self.is_solid() {
+            return self.cast(from, way).map(|_| 0.0);
+        }
         let before = self.contact(from).map_or(f64::INFINITY, |contact| contact.distance);
-        let after = self.contact([from[0] + length * wx, from[1] + length * wy]);
-        !self.is_solid() && after.is_some_and(|after| after.distance < 0.0 && after.distance < before)
+        let after = self.contact([from[0] + way[0], from[1] + way[1]])?.distance;
+        (after.max(after - before) < -ROUND_OFF * length).then_some(-after)
     }
 }

@@ -7,6 +7,9 @@ use std::ops::Range;
 /// The share of the speed of waves, and of the size of a triangle: it strains by no more than that.
 const STRAIN: f64 = 0.1;
 
+/// What else moves in there fades while it comes this share of its size.
+const CALM: f64 = 0.05;
+
 /// No faster than its own size in this time, for people to see what happens [s].
 const WHILE: f64 = 1.0;
 
@@ -30,9 +33,10 @@ impl Scene {
             (&net.vertices, links.iter().map(speed).fold(0.0, f64::max), length)
         });
         let exit = |(vertices, waves, length): (&Range<usize>, f64, f64)| {
-            let speed = f64::min(STRAIN * waves, self.size(vertices) / WHILE);
+            let size = self.size(vertices);
+            let speed = f64::min(STRAIN * waves, size / WHILE);
             let speed = if speed > 0.0 { speed } else { f64::INFINITY };
-            Exit { end: vertices.end, speed, shallow: STRAIN * length }
+            Exit { end: vertices.end, speed, shallow: STRAIN * length, calm: CALM * size / speed }
         };
         bodies.chain(nets).map(exit).collect()
     }

@@ -21,6 +21,7 @@ use crate::{
     effects::Grab,
     integrators::Integrator,
     level::Substeps,
+    obstacles::Inside,
     report::Pace,
     scene::{Alone, Scene},
     stability::critical_step,
@@ -154,7 +155,7 @@ impl Walker {
     /// Goes a way from where the whole state says, and writes to it where that led.
     fn walk(&mut self, way: Way<'_>, whole: &mut State, books: &mut Scratch) {
         (self.scratch.timed, self.scratch.free, self.scratch.supplied) = (books.timed, books.free, 0.0);
-        self.scratch.inside = false;
+        self.scratch.inside = Inside::Nothing;
         self.state.x.clear();
         self.state.x.extend_from_slice(&whole.x[self.numbers()]);
         self.state.v.clear();
@@ -163,7 +164,7 @@ impl Walker {
         self.take(way);
         whole.x[self.numbers()].copy_from_slice(&self.state.x);
         whole.v[self.numbers()].copy_from_slice(&self.state.v);
-        books.inside |= self.scratch.inside;
+        books.inside = books.inside.max(self.scratch.inside);
         books.take_over(&mut self.scratch, &self.alone.effects);
     }
 

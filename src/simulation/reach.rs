@@ -1,7 +1,7 @@
 //! Where no wall is within reach, steps are taken without asking the walls; and where something is inside one, that is told.
 
 use super::{BATCH, Simulation};
-use crate::{effects::Bounds, integrators::Class, state::State};
+use crate::{effects::Bounds, integrators::Class, obstacles::Inside, state::State};
 
 /// How far the free box goes beyond the bodies at most, in powers of two of their size, and the finest power that is tried.
 const POWERS: (i32, i32) = (4, -8);
@@ -43,7 +43,7 @@ impl Simulation {
                 }
             }
         }
-        (self.scratch.free, self.scratch.room, self.scratch.inside) = (Some(free), -1.0, false);
+        (self.scratch.free, self.scratch.room, self.scratch.inside) = (Some(free), -1.0, Inside::Nothing);
     }
 
     /// Whether the step just taken left numbers. A step that was taken without the constraints, but went where one may reach,
@@ -69,9 +69,14 @@ impl Simulation {
         self.state.is_finite()
     }
 
-    /// Whether the last step brought out what began inside a wall.
-    pub const fn pushes_out(&self) -> bool {
+    /// Whether something began inside a wall in the last step.
+    pub const fn inside(&self) -> Inside {
         self.scratch.inside
+    }
+
+    /// Whether the last step brought out what began inside a wall.
+    pub fn pushes_out(&self) -> bool {
+        self.inside() == Inside::ComesOut
     }
 
     /// How many vertices are deep inside walls or beyond edges of the world.

@@ -4,18 +4,14 @@ use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     elements::{Everywhere, Kicking, make_room},
     integrators::{Dynamics, Ode, Work, kick_and_drift},
-    obstacles::{Noted, Start, Surface},
+    obstacles::{Encounter, Inside, Noted, Start, Surface, find_ways},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
     state::State,
     toys::Toy,
 };
-use std::{
-    cell::{Cell, RefCell},
-    ops::Range,
-    sync::Arc,
-};
+use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
 
 /// Why the elements of what sleeps are passed over.
@@ -73,9 +69,9 @@ pub(super) struct Scratch {
     /// Work of obstacles in this step [J]: of those that move, and of those that something begins inside of.
     pub supplied: f64,
     /// Whether something began deep inside one.
-    pub inside: bool,
+    pub inside: Inside,
     /// What is near which obstacle, and who began inside.
-    pub noted: RefCell<Noted>,
+    pub noted: Noted,
     pub plan: Plan,
     /// 1/mass [1/kg] with zero for what sleeps, while something does.
     pub held: Vec<f64>,
@@ -98,7 +94,7 @@ impl Scratch {
         self.work.forget();
         make_room(&mut self.effects, scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0));
         self.rest(scene, std::iter::empty());
-        (self.free, self.room, self.inside) = (None, -1.0, false);
+        (self.free, self.room, self.inside) = (None, -1.0, Inside::Nothing);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
         self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
@@ -189,6 +185,33 @@ impl System<'_> {
     fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
         Motion { x, v, mass, inverse_mass, grab: self.grab }
+    }
+}
+
+impl System<'_> {
+    /// Notes what touches which obstacle where a step begins that would end at positions x, and who begins inside.
+    fn look(&mut self, start: &Start<'_>, x: &[f64], noted: &mut Noted) {
+        noted.clear();
+        let ways = around(start.x, x);
+        for turn in 0..self.scratch.plan.constraints.len() {
+            let number = self.scratch.plan.constraints[turn];
+            let effect = &self.scene.effects[number];
+            if !(self.scratch.costs[number].auto && effect.is_clear(ways)) {
+                let look = &mut |obstacle: Encounter<'_>| noted.look(&obstacle, start);
+                self.scratch.booked(number, None, |_| effect.encounters(number, start.time, ways, look));
+            }
+        }
+        if noted.is_inside() {
+            // As far around as a way out may lead. That something is inside is rare enough to ask for memory.
+            let [width, height] = [0, 1].map(|axis| ways[1][axis] - ways[0][axis]);
+            let around = [[ways[0][0] - width, ways[0][1] - height], [ways[1][0] + width, ways[1][1] + height]];
+            let mut obstacles = Vec::new();
+            for number in &self.scratch.plan.constraints {
+                let effect = &self.scene.effects[*number];
+                effect.encounters(*number, start.time, around, &mut |obstacle| obstacles.push(obstacle));
+            }
+            find_ways(&obstacles, start, noted);
+        }
     }
 }
 
@@ -311,12 +334,12 @@ impl Dynamics for System<'_> {
         let held = std::mem::take(&mut self.scratch.held);
         let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };
         let mut outward = std::mem::take(&mut self.scratch.outward);
-        let noted = std::mem::take(&mut self.scratch.noted);
+        let mut noted = std::mem::take(&mut self.scratch.noted);
         if faces {
             scene.outward(before_x, &mut outward);
         }
-        let (time, supplied, inside) = (self.time, Cell::new(0.0), Cell::new(false));
-        let start = Start {
+        let (time, supplied, inside) = (self.time, Cell::new(0.0), Cell::new(Inside::Nothing));
+        let mut start = Start {
             x: before_x,
             v: before_v,
             inverse_mass,
@@ -325,11 +348,14 @@ impl Dynamics for System<'_> {
             time,
             supplied: &supplied,
             exits: &scene.exits,
+            effect: 0,
             touching: &[],
             overlaps: &[],
-            noted: &noted,
+            noted: Noted::NONE,
             inside: &inside,
         };
+        self.look(&start, x, &mut noted);
+        start.noted = &noted;
         let count = self.scratch.plan.constraints.len();
         let (mut quiet, mut all) = (0, 0);
         // The box around the ways of all vertices, as long as nobody has touched one.
@@ -349,6 +375,7 @@ impl Dynamics for System<'_> {
             }
             let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
             let elements = (turn < count).then(|| effect.elements(motion));
+            start.effect = number;
             let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
             if touched > 0 {
                 ways = None;
@@ -357,7 +384,7 @@ impl Dynamics for System<'_> {
             all += touched;
         }
         self.scratch.supplied += supplied.get();
-        self.scratch.inside |= inside.get();
+        self.scratch.inside = self.scratch.inside.max(inside.get());
         self.scratch.counts.constrained += all as u64;
         for number in &self.scratch.plan.coatings {
             let cost = &mut self.scratch.costs[*number];

@@ -10,6 +10,7 @@ use crate::{
     integrators::Class,
     level::Substeps,
     materials::Model,
+    obstacles::Inside,
     snapshot::Snapshot,
 };
 use eframe::egui::{self, Align, Button, Frame, Layout, Margin, Panel, RichText, TextStyle, Ui, vec2};
@@ -132,7 +133,7 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     let factor = desk.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let mut all = Vec::new();
-    all.extend(now.pushed_out.then(pushed_out));
+    all.extend(inside(now.inside));
     all.extend(inside_out(now).or_else(|| folded(now)));
     all.extend(caution(now));
     if view.slow {
@@ -186,17 +187,21 @@ fn untangle() -> Mend {
 }
 
 /// Something began inside a wall.
-fn pushed_out() -> Warning {
-    let details =
-        "What begins inside a wall, or beyond an edge of the world, comes out at a tenth of the speed of waves in it, \
-                   so that it keeps its shape. What the wall's push adds to the energy counts as put in."
-            .to_owned();
-    Warning {
-        kind: "inside a wall",
-        text: "Inside a wall or beyond the world: pushed out slowly".to_owned(),
-        details,
-        mends: Vec::new(),
-    }
+fn inside(inside: Inside) -> Option<Warning> {
+    let (text, details) = match inside {
+        Inside::Nothing => return None,
+        Inside::ComesOut => (
+            "Inside a wall or beyond the world: pushed out slowly",
+            "What begins inside a wall, or beyond an edge of the world, comes out at a tenth of the speed of waves in it, \
+             so that it keeps its shape. What the wall's push adds to the energy counts as put in.",
+        ),
+        Inside::Stays => (
+            "Inside a wall or beyond the world, and kept there",
+            "A pin keeps it inside, or there is no room beyond: pushed out all the same it would be torn or crushed. \
+             It goes no deeper.",
+        ),
+    };
+    Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), mends: Vec::new() })
 }
 
 /// A model that has no honest answer at this stretch; the stage writes it out.

@@ -388,7 +388,7 @@ fn random_obstacle(random: &mut Random) -> String {
             format!("Polygon(points: [{}], eps: 0.003)", corners.join(", "))
         }
         _ => {
-            let (angle, depth) = (length(0.0, 6.28), length(-0.3, 0.1));
+            let (angle, depth) = (length(0.0, 6.0), length(-0.3, 0.1));
             let [nx, ny] = [libm::cos(angle), libm::sin(angle)];
             let point = [0.5 + depth * nx, 0.5 + depth * ny];
             format!("Plane(point: ({:?}, {:?}), normal: ({nx:?}, {ny:?}), eps: 0.003)", point[0], point[1])

@@ -48,7 +48,7 @@ impl EffectParameters for Boundary {
                 at: if inwards > 0.0 { least } else { greatest }[axis],
                 inwards,
             };
-            Ok(Box::new(Edges { least, greatest, edges: [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)] }))
+            Ok(Box::new(Edges { least, greatest, all: [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)] }))
         } else {
             Err(format!("the world's least corner {least:?} must lie below and left of its greatest {greatest:?}"))
         }
@@ -109,7 +109,7 @@ struct Edges {
     least: [f64; 2],
     greatest: [f64; 2],
     /// Two across each axis, in the order of the axes.
-    edges: [Edge; 4],
+    all: [Edge; 4],
 }
 
 impl Effect for Edges {
@@ -139,7 +139,7 @@ impl Effect for Edges {
     }
 
     fn encounters<'a>(&'a self, number: usize, _: [f64; 2], ways: Bounds, act: &mut dyn FnMut(Encounter<'a>)) {
-        let edges = self.edges.iter().enumerate();
+        let edges = self.all.iter().enumerate();
         let encounter =
             |(edge, obstacle): (usize, &'a Edge)| Encounter::new(([number, edge], obstacle), Carry::STILL, ways);
         edges.map(encounter).filter(Encounter::is_near).for_each(act);
@@ -172,7 +172,7 @@ impl Edges {
         } else {
             return false;
         };
-        let (edge, normal) = (&self.edges[side], self.edges[side].normal());
+        let (edge, normal) = (&self.all[side], self.all[side].normal());
         if !start.faces(vertex, normal) {
             return false;
         }

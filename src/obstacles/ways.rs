@@ -12,7 +12,8 @@ const TURNS: f64 = 0.25;
 /// What would end deeper in a wall than this share of its size has no room beyond: it stays where it is, rather than being crushed.
 const TIGHT: f64 = 0.1;
 
-/// What is pinned and would have to go farther than this share of its size stays too, rather than being torn.
+/// What is pinned and would have to go farther than this share of its size out of half-planes, or than [`TIGHT`] out of solids, which
+/// may be in the midst of it, stays too, rather than being torn.
 const LEASH: f64 = 0.25;
 
 /// How far into a wall is no way into it, as a share of the way.
@@ -39,7 +40,9 @@ pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Not
         let inside = obstacles.iter().filter(|obstacle| body.is_in(obstacle, own()));
         let (keeping, holding): (Vec<_>, Vec<&Encounter<'_>>) =
             inside.partition(|obstacle| body.is_kept(obstacle, own()));
-        keeping.iter().for_each(|obstacle| overlap(obstacle, [0.0; 2]));
+        for obstacle in keeping {
+            overlap(obstacle, [0.0; 2]);
+        }
         // Where no way leads out of everything, as between walls that face each other, solids have one, and each wall has its own.
         let (solid, flat): (Vec<_>, Vec<&Encounter<'_>>) =
             holding.iter().copied().partition(|obstacle| obstacle.is_solid());
@@ -52,17 +55,24 @@ pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Not
         };
         let jam = if common.is_none() { jam + body.depth(&flat) } else { jam };
         let is_pinned = || vertices.clone().any(|vertex| start.inverse_mass[2 * vertex..2 * vertex + 2] == [0.0; 2]);
-        if jam > TIGHT * body.size() || (length > LEASH * body.size() && is_pinned()) {
-            holding.iter().for_each(|obstacle| overlap(obstacle, [0.0; 2]));
+        let leash = if solid.is_empty() { LEASH } else { TIGHT };
+        if jam > TIGHT * body.size() || (length > leash * body.size() && is_pinned()) {
+            for obstacle in holding {
+                overlap(obstacle, [0.0; 2]);
+            }
             continue;
         }
         // What slides on a rail across the way is left to the nearest surface.
         if deep().any(|vertex| start.movable(vertex, way).is_some()) {
             let together = if common.is_some() { &holding } else { &solid };
-            together.iter().for_each(|obstacle| overlap(obstacle, way));
+            for obstacle in together {
+                overlap(obstacle, way);
+            }
         }
         if common.is_none() {
-            flat.iter().for_each(|obstacle| obstacle.each_way(&mut |way| overlap(obstacle, way)));
+            for obstacle in flat {
+                obstacle.each_way(&mut |way| overlap(obstacle, way));
+            }
         }
     }
     overlaps.sort_unstable_by_key(|overlap| (overlap.obstacle, overlap.vertices.start));

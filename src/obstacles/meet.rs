@@ -26,7 +26,7 @@ pub(super) fn meet<O: Obstacle + ?Sized>(
     moved.write(x, v)
 }
 
-/// Brings one vertex out that begins deep inside something with this nearest surface: see [`meet`].
+/// Brings one vertex out that begins deep inside something with this nearest surface; returns whether anything changed.
 pub fn bring_out(
     start: &Start<'_>,
     (vertex, rise): (usize, Rise),

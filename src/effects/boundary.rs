@@ -1,7 +1,7 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Carry, Contact, Encounter, Exit, Obstacle, Start, bring_out, exit_of},
+    obstacles::{Carry, Contact, Encounter, Exit, Obstacle, STEEP, Start, bring_out, exit_of},
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -97,7 +97,7 @@ impl Obstacle for Edge {
     fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
         let depth = -self.distance(point);
         let along = self.inwards * direction[self.axis];
-        (depth > 0.0).then(|| if along > 0.0 { depth / along } else { f64::INFINITY })
+        (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
     }
 
     fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {

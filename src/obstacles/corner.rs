@@ -144,6 +144,9 @@ impl<'a> Edge<'a> {
             return false;
         }
         let rise = self.rise(corner, (along, normal), gap);
+        if rise.is_some_and(|rise| rise.speed == 0.0) && !self.carry.is_still() {
+            return false;
+        }
         let moves = rise.is_some() && self.mobility(along, normal) > 0.0;
         if moves {
             let stays = rise.is_some_and(|rise| rise.speed == 0.0);

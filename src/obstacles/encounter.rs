@@ -1,6 +1,6 @@
 //! Bodies and one obstacle in one step.
 
-use super::{Carry, Contact, Corner, Exit, Name, Noted, Obstacle, Overlap, Start, Touching, corner, meet};
+use super::{Carry, Contact, Corner, Exit, Inside, Name, Noted, Obstacle, Overlap, Start, Touching, corner, meet};
 
 /// An obstacle on its way through a step, and a box around the ways of all vertices.
 #[derive(Clone, Copy)]
@@ -51,15 +51,18 @@ impl<'a> Encounter<'a> {
             self.obstacle.find_touching(self.name, start.x, found);
         } else {
             for (vertex, point) in start.x.as_chunks().0.iter().enumerate() {
-                let contact = self.contact(self.carry.place(*point));
-                let touching = |contact| Touching { obstacle: self.name, vertex, contact, is_deep: false };
+                let place = self.carry.place(*point);
+                let wall = self.carry.velocity_at(place);
+                let touching = |contact| Touching { obstacle: self.name, vertex, contact, is_deep: false, wall };
+                let contact = self.contact(place);
                 found.extend(contact.map(touching));
             }
         }
         for own in &mut found[before..] {
             let pair = |values: &[f64]| [values[2 * own.vertex], values[2 * own.vertex + 1]];
             let outwards = own.contact.along(self.carry.relative(pair(start.v), pair(start.x)));
-            own.is_deep = start.rise(own.vertex, own.contact.distance, outwards, self.skin()).is_some();
+            own.is_deep = pair(start.inverse_mass) != [0.0; 2]
+                && start.rise(own.vertex, own.contact.distance, outwards, self.skin()).is_some();
         }
     }
 
@@ -102,6 +105,11 @@ impl<'a> Encounter<'a> {
         let outward = outward.as_ref().map(<[f64; 2]>::as_slice);
         let exit = start.exit(vertex).map(|exit| Exit { end: 1, ..*exit });
         let overlap = start.overlap(vertex).map(|overlap| Overlap { vertices: 0..1, ..*overlap });
+        // Pressed on by what moves a body would be torn from what keeps it inside.
+        if overlap.as_ref().is_some_and(Overlap::stays) {
+            start.note_inside(Inside::Stays);
+            return false;
+        }
         let (exits, overlaps) = (exit.as_slice(), overlap.as_slice());
         let (surface, noted) = (start.surface_at(vertex), Noted::NONE);
         let seen = Start { x: &from, v: &before, inverse_mass, surface, outward, exits, overlaps, noted, ..*start };

@@ -51,8 +51,10 @@ pub struct Touching {
     pub vertex: usize,
     /// Where it is, carried along with the obstacle.
     pub contact: Contact,
-    /// Whether it is deep inside: see [`Start::rise`].
+    /// Whether it is deep inside, and can be moved: see [`Start::rise`].
     pub is_deep: bool,
+    /// The velocity of the obstacle there [m/s].
+    pub wall: [f64; 2],
 }
 
 /// A body or net that begins inside an obstacle, and its way out.
@@ -117,8 +119,6 @@ pub struct Rise {
     pub speed: f64,
     /// How far it comes in the step at least [m].
     pub length: f64,
-    /// The share of every other motion of it that the step takes.
-    pub calms: f64,
 }
 
 impl Start<'_> {
@@ -140,7 +140,7 @@ impl Start<'_> {
         const ROUND_OFF: f64 = 1e-3;
         let exit = self.exit(vertex)?;
         let time = self.time[1] - self.time[0];
-        let rise = |speed: f64| Rise { calms: 1.0 - libm::exp(-time / exit.calm), speed, length: speed * time };
+        let rise = |speed: f64| Rise { speed, length: speed * time };
         if distance < skin && self.overlap(vertex).is_some_and(Overlap::stays) {
             return Some(rise(0.0));
         }
@@ -151,7 +151,8 @@ impl Start<'_> {
     /// What touching does to a vertex. Nothing of what is on its way out bounces: between two walls that it comes out of, it would
     /// gather speed.
     pub fn surface_at(&self, vertex: usize) -> Surface {
-        let leaves = || self.noted.overlaps.iter().any(|overlap| overlap.vertices.contains(&vertex));
+        let leaves =
+            || self.noted.overlaps.iter().any(|overlap| !overlap.stays() && overlap.vertices.contains(&vertex));
         if self.surface.restitution != 0.0 && leaves() {
             return Surface { restitution: 0.0, ..self.surface };
         }
@@ -163,11 +164,18 @@ impl Start<'_> {
         self.overlaps.iter().find(|overlap| overlap.vertices.contains(&vertex))
     }
 
-    /// Takes its share of what the velocity of a vertex deep inside is different from one along a unit vector: shaken between two
-    /// walls it would gather more of it than it has to.
-    pub fn calm(&self, vertex: usize, rise: Rise, normal: [f64; 2], v: &mut [f64; 2]) {
-        for axis in (0..2).filter(|axis| self.inverse_mass[2 * vertex + axis] != 0.0) {
-            v[axis] -= rise.calms * (v[axis] - rise.speed * normal[axis]);
+    /// Takes a share of all motion of what begins deep inside but the one along its way out, once a step and obstacle that it is
+    /// in: shaken between two walls it would gather more of it than it has to.
+    pub fn calm(&self, v: &mut [f64]) {
+        for Touching { obstacle, vertex, wall, .. } in self.noted.touching.iter().filter(|touching| touching.is_deep) {
+            let held = |overlap: &&Overlap| overlap.obstacle == *obstacle && overlap.vertices.contains(vertex);
+            let Some((overlap, exit)) = self.noted.overlaps.iter().find(held).zip(self.exit(*vertex)) else { continue };
+            let share = 1.0 - libm::exp((self.time[0] - self.time[1]) / exit.calm);
+            for axis in (0..2).filter(|axis| self.inverse_mass[2 * vertex + axis] != 0.0) {
+                let own = if overlap.stays() { 0.0 } else { wall[axis] + exit.speed * overlap.way[axis] };
+                let v = &mut v[2 * vertex + axis];
+                *v -= share * (*v - own);
+            }
         }
     }
 

@@ -76,7 +76,6 @@ impl<'a> Moved<'a> {
         }
         if overlap.is_some_and(Overlap::stays) {
             self.start.note_inside(Inside::Stays);
-            self.start.calm(self.vertex, rise, normal, &mut self.v);
             return;
         }
         let movable = self.start.movable(self.vertex, normal);
@@ -84,7 +83,6 @@ impl<'a> Moved<'a> {
         // What slides goes no faster along its rail than the rest comes along there.
         let share = normal[0] * nx + normal[1] * ny;
         let kept = self.start.lift(self.vertex, [nx, ny], share * rise.speed, &mut self.v);
-        self.start.calm(self.vertex, Rise { speed: share * rise.speed, ..rise }, [nx, ny], &mut self.v);
         let way = [self.to[0] - from[0], self.to[1] - from[1]];
         let across = way[0] * nx + way[1] * ny;
         let short = (share * rise.length - across).max(0.0);

@@ -31,7 +31,7 @@ pub use exit::{Exit, Inside, Name, Noted, Overlap, Rise, Touching, exit_of};
 pub use meet::bring_out;
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
-pub use plane::{Plane, room};
+pub use plane::{Plane, STEEP, room};
 pub use polygon::Polygon;
 pub use surface::Surface;
 pub use ways::find_ways;
@@ -201,6 +201,7 @@ pub trait Obstacle: Send + Sync {
                 vertex,
                 contact,
                 is_deep: false,
+                wall: [0.0; 2],
             }));
         }
     }

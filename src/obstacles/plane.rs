@@ -22,6 +22,9 @@ impl Default for Plane {
     }
 }
 
+/// A way out of a half-plane goes up by more than this share of it.
+pub const STEEP: f64 = 1e-3;
+
 struct Wall {
     shape: HalfSpace,
     origin: Vector,
@@ -84,7 +87,7 @@ impl Obstacle for Wall {
     fn way_past(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
         let depth = -self.contact(point)?.distance;
         let along = Vector::new(dx, dy).dot(self.shape.normal);
-        (depth > 0.0).then(|| if along > 0.0 { depth / along } else { f64::INFINITY })
+        (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
     }
 
     fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {

@@ -32,8 +32,9 @@ pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Not
         if deep().next().is_none() {
             continue;
         }
-        let velocity = mean(start.v, deep());
-        let body = Body { start, vertices: vertices.clone(), pace: velocity.map(|along| along / exit.speed) };
+        let leaving = || own().filter(|own| own.is_deep);
+        let velocity = mean(leaving().map(|own| [0, 1].map(|axis| start.v[2 * own.vertex + axis] - own.wall[axis])));
+        let body = Body { start, vertices: vertices.clone(), touching, pace: velocity.map(|along| along / exit.speed) };
         let mut overlap = |obstacle: &Encounter<'_>, way| {
             overlaps.push(Overlap { obstacle: obstacle.name(), vertices: vertices.clone(), way });
         };
@@ -78,11 +79,11 @@ pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Not
     overlaps.sort_unstable_by_key(|overlap| (overlap.obstacle, overlap.vertices.start));
 }
 
-/// The mean of what some vertices have.
-fn mean(values: &[f64], vertices: impl Iterator<Item = usize>) -> [f64; 2] {
+/// The mean of some vectors.
+fn mean(vectors: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
-    for vertex in vertices {
-        sum = [sum[0] + values[2 * vertex], sum[1] + values[2 * vertex + 1]];
+    for [x, y] in vectors {
+        sum = [sum[0] + x, sum[1] + y];
         count += 1.0;
     }
     sum.map(|sum| sum / count)
@@ -107,7 +108,9 @@ impl WayOut {
 struct Body<'a> {
     start: &'a Start<'a>,
     vertices: Range<usize>,
-    /// The velocity of what is inside, in speeds at which that comes out.
+    /// What touches which obstacle.
+    touching: &'a [Touching],
+    /// The velocity of what is inside, seen from there, in speeds at which that comes out.
     pace: [f64; 2],
 }
 
@@ -127,10 +130,13 @@ impl Body<'_> {
         self.start.movable(own.vertex, own.contact.normal).is_some()
     }
 
-    /// Some vertices of the body, for all.
+    /// Some vertices of the body, for all, and some of those that are deep inside.
     fn asked(&self) -> impl Iterator<Item = [f64; 2]> {
         let some = self.vertices.clone().step_by(self.vertices.len().div_ceil(ASKED).max(1));
-        some.map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]])
+        let deep = self.touching.iter().filter(|own| own.is_deep && self.vertices.contains(&own.vertex));
+        let every = deep.clone().count().div_ceil(ASKED).max(1);
+        some.chain(deep.step_by(every).map(|own| own.vertex))
+            .map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]])
     }
 
     /// The diagonal of a box around it [m].
@@ -155,7 +161,8 @@ impl Body<'_> {
         sum
     }
 
-    /// The direction in which the body is soonest past all that holds it, of those across their sides, half-way between two of
+    /// The direction in which the body is soonest past all that holds it, of those across their sides, half-way between two (one of
+    /// them out of a half-plane)
     /// them, or along other walls; one that runs into something else only if every other does. Where it is on a way already, that counts as shorter.
     fn way_out(
         &self,
@@ -217,7 +224,8 @@ fn list_ways(holding: &[&Encounter<'_>], obstacles: &[Encounter<'_>], ways: &mut
             add(ways, [ways[a][0] + ways[b][0], ways[a][1] + ways[b][1]]);
         }
     }
-    for wall in obstacles.iter().filter(|wall| !wall.is_solid()) {
+    let holds = |wall: &Encounter<'_>| holding.iter().any(|holding| holding.name() == wall.name());
+    for wall in obstacles.iter().filter(|wall| !wall.is_solid() && !holds(wall)) {
         wall.each_way(&mut |[nx, ny]| {
             for number in 0..single {
                 let [wx, wy] = ways[number];

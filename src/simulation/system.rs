@@ -3,7 +3,7 @@
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     elements::{Everywhere, Kicking, make_room},
-    integrators::{Dynamics, Ode, Work, kick_and_drift},
+    integrators::{Class, Dynamics, Ode, Work, kick_and_drift},
     obstacles::{Encounter, Inside, Noted, Start, Surface, find_ways},
     report::{Counts, EffectCost},
     scene::Scene,
@@ -202,13 +202,12 @@ impl System<'_> {
             }
         }
         if noted.is_inside() {
-            // As far around as a way out may lead. That something is inside is rare enough to ask for memory.
-            let [width, height] = [0, 1].map(|axis| ways[1][axis] - ways[0][axis]);
-            let around = [[ways[0][0] - width, ways[0][1] - height], [ways[1][0] + width, ways[1][1] + height]];
+            // Anything may be in the way. That something is inside is rare enough to ask for memory.
+            let anywhere = [[-State::LIMIT; 2], [State::LIMIT; 2]];
             let mut obstacles = Vec::new();
             for number in &self.scratch.plan.constraints {
                 let effect = &self.scene.effects[*number];
-                effect.encounters(*number, start.time, around, &mut |obstacle| obstacles.push(obstacle));
+                effect.encounters(*number, start.time, anywhere, &mut |obstacle| obstacles.push(obstacle));
             }
             find_ways(&obstacles, start, noted);
         }
@@ -382,6 +381,10 @@ impl Dynamics for System<'_> {
             }
             quiet = if touched == 0 { quiet + 1 } else { 0 };
             all += touched;
+        }
+        // Implicit schemes, which call this more than once a step, fade by themselves what they solve for.
+        if noted.is_inside() && scene.integrator.kind().class() == Class::Explicit {
+            start.calm(v);
         }
         self.scratch.supplied += supplied.get();
         self.scratch.inside = self.scratch.inside.max(inside.get());

@@ -197,8 +197,7 @@ fn inside(inside: Inside) -> Option<Warning> {
         ),
         Inside::Stays => (
             "Inside a wall or beyond the world, and kept there",
-            "A pin keeps it inside, or there is no room beyond: pushed out all the same it would be torn or crushed. \
-             It goes no deeper.",
+            "A pin keeps it inside, or there is no room beyond: pushed out all the same it would be torn or crushed.",
         ),
     };
     Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), mends: Vec::new() })

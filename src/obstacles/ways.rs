@@ -19,8 +19,7 @@ const LEASH: f64 = 0.25;
 /// How far into a wall is no way into it, as a share of the way.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Finds a way out for every body of which something begins deep inside: of all these obstacles, with what touches
-/// them noted.
+/// Finds a way out for every body of which something begins deep inside: of all these obstacles, with what touches them noted.
 pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Noted) {
     let Noted { touching, overlaps, ways } = noted;
     let mut first = 0;
@@ -28,12 +27,11 @@ pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Not
         let vertices = first..exit.end;
         first = exit.end;
         let own = || touching.iter().filter(|touching| vertices.contains(&touching.vertex));
-        let deep = || own().filter(|own| own.is_deep).map(|own| own.vertex);
+        let deep = || own().filter(|own| own.is_deep);
         if deep().next().is_none() {
             continue;
         }
-        let leaving = || own().filter(|own| own.is_deep);
-        let velocity = mean(leaving().map(|own| [0, 1].map(|axis| start.v[2 * own.vertex + axis] - own.wall[axis])));
+        let velocity = mean(deep().map(|own| [0, 1].map(|axis| start.v[2 * own.vertex + axis] - own.wall[axis])));
         let body = Body { start, vertices: vertices.clone(), touching, pace: velocity.map(|along| along / exit.speed) };
         let mut overlap = |obstacle: &Encounter<'_>, way| {
             overlaps.push(Overlap { obstacle: obstacle.name(), vertices: vertices.clone(), way });
@@ -64,7 +62,7 @@ pub fn find_ways(obstacles: &[Encounter<'_>], start: &Start<'_>, noted: &mut Not
             continue;
         }
         // What slides on a rail across the way is left to the nearest surface.
-        if deep().any(|vertex| start.movable(vertex, way).is_some()) {
+        if deep().any(|own| start.movable(own.vertex, way).is_some()) {
             let together = if common.is_some() { &holding } else { &solid };
             for obstacle in together {
                 overlap(obstacle, way);
@@ -161,9 +159,8 @@ impl Body<'_> {
         sum
     }
 
-    /// The direction in which the body is soonest past all that holds it, of those across their sides, half-way between two (one of
-    /// them out of a half-plane)
-    /// them, or along other walls; one that runs into something else only if every other does. Where it is on a way already, that counts as shorter.
+    /// The direction in which the body is soonest past all that holds it, of those that [`list_ways`] lists; one that runs into
+    /// something else only if every other does. Where it is on a way already, that counts as shorter.
     fn way_out(
         &self,
         holding: &[&Encounter<'_>],
@@ -211,13 +208,13 @@ fn list_ways(holding: &[&Encounter<'_>], obstacles: &[Encounter<'_>], ways: &mut
             ways.push(way.map(|along| along / length));
         }
     };
-    let is_flat = |obstacle: &&&Encounter<'_>| !obstacle.is_solid();
-    holding.iter().filter(is_flat).for_each(|obstacle| obstacle.each_way(&mut |way| ways.push(way)));
+    for obstacle in holding.iter().filter(|obstacle| !obstacle.is_solid()) {
+        obstacle.each_way(&mut |way| ways.push(way));
+    }
     let flat = ways.len();
-    holding
-        .iter()
-        .filter(|obstacle| obstacle.is_solid())
-        .for_each(|obstacle| obstacle.each_way(&mut |way| ways.push(way)));
+    for obstacle in holding.iter().filter(|obstacle| obstacle.is_solid()) {
+        obstacle.each_way(&mut |way| ways.push(way));
+    }
     let single = ways.len();
     for a in 0..flat {
         for b in a + 1..single {

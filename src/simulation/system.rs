@@ -382,7 +382,7 @@ impl Dynamics for System<'_> {
             quiet = if touched == 0 { quiet + 1 } else { 0 };
             all += touched;
         }
-        // Implicit schemes, which call this more than once a step, fade by themselves what they solve for.
+        // Implicit schemes call this more than once a step, and hold what it changes.
         if noted.is_inside() && scene.integrator.kind().class() == Class::Explicit {
             start.calm(v);
         }

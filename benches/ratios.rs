@@ -1,8 +1,10 @@
 //! What size and a second thread do to the price of a step: `cargo bench --bench ratios`, about three minutes; or of some materials
 //! alone, `cargo bench --bench ratios -- Corotated NeoHookean`.
 //!
-//! All that is compared is measured in turn, for a twentieth of a second each, round after round, and the ratio of two is the median over
-//! the rounds: a machine that is now fast, now slow, as most that are shared are, slows down both. Least times stand beside them.
+//! All that is compared is measured in turn, for a fiftieth of a second each, round after round, and the ratio of two is the median over
+//! the rounds: a machine that is now fast, now slow, as most that are shared are, slows down both. Least times stand beside them, and
+//! before the ratios of two threads those of the least times: whoever else is about holds up one of two that wait for each other more
+//! than one alone.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
 mod sheet;
@@ -15,8 +17,8 @@ const SIDES: [u32; 5] = [22, 71, 112, 158, 224];
 const USUAL: usize = 1;
 
 /// Time for a measurement [s], and how often each is made.
-const SLICE: f64 = 0.05;
-const ROUNDS: usize = 40;
+const SLICE: f64 = 0.02;
+const ROUNDS: usize = 100;
 
 /// Times of a step, per triangle [ns], one for each round.
 type Times = Vec<f64>;
@@ -71,6 +73,11 @@ fn quarters(numbers: impl Iterator<Item = f64>) -> [f64; 3] {
     [1, 2, 3].map(|quarter| sorted[quarter * (sorted.len() - 1) / 4])
 }
 
+/// The least of these times, as if nobody else had been about.
+fn least(times: &Times) -> f64 {
+    times.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
 /// The median of the ratios in each round, and those that half of them lie between.
 fn ratio(of: &Times, to: &Times) -> String {
     let [low, median, high] = quarters(of.iter().zip(to).map(|(of, to)| of / to));
@@ -91,15 +98,16 @@ fn main() {
         }
         for case in &cases {
             let [one, two, apart] = &case.times;
-            let least = one.iter().copied().fold(f64::INFINITY, f64::min);
             let [_, median, _] = quarters(one.iter().copied());
             let to_usual = ratio(one, &cases[USUAL].times[0]);
-            let faster = if case.whole[1].steps_together() > 0 { ratio(one, two) } else { "-".to_owned() };
+            let faster = |of: &Times| format!("{:.3}; {}", least(one) / least(of), ratio(one, of));
+            let shared = if case.whole[1].steps_together() > 0 { faster(two) } else { "-".to_owned() };
             println!(
-                "| {} | {} | {least:.2} | {median:.2} | {to_usual} | {faster} | {} |",
+                "| {} | {} | {:.2} | {median:.2} | {to_usual} | {shared} | {} |",
                 model.name(),
                 case.triangles,
-                ratio(one, apart)
+                least(one),
+                faster(apart)
             );
         }
     }

@@ -5,13 +5,14 @@ mod common;
 
 use common::{MODES, sheet, simulation};
 use gingerbread::{
-    effects::{EffectKind, Grab},
+    effects::{EffectKind, EffectParameters as _, Grab, Shape, Walls},
     files,
     integrators::IntegratorKind,
     level::{EffectLevel, Level, RunMode, Switch, When},
     levels::BUILT_IN,
     meshes::NoFiles,
-    obstacles::{ObstacleKind, Plane},
+    obstacles::{Ball, Cuboid, Moving, ObstacleKind, Plane},
+    quantity::Quantity,
     report::EffectCost,
     scene::Scene,
     simulation::Simulation,
@@ -105,6 +106,24 @@ fn what_passes_itself_over_leaves_every_bit_as_it_is_in_every_level_under_a_hand
 /// A small sheet in the middle of the world with one effect more.
 fn with(effect: &str) -> Simulation {
     simulation(&sheet("Corotated", "", &format!("substeps: 20, sleep: Off, effects: [{effect}]")))
+}
+
+#[test]
+fn numbers_of_walls_are_named_by_their_obstacle_and_those_of_a_kind_are_numbered() {
+    let ball = || ObstacleKind::Ball(Ball::default());
+    let cuboid = Box::new(ObstacleKind::Cuboid(Cuboid::default()));
+    let moving = Moving { obstacle: cuboid, ..Moving::default() };
+    let mut walls =
+        Walls { obstacles: vec![ball(), ObstacleKind::Plane(Plane::default()), ball(), ObstacleKind::Moving(moving)] };
+    let names = |numbers: Vec<&mut dyn Quantity>| numbers.iter().map(|number| number.spec().name).collect::<Vec<_>>();
+    let of_groups: Vec<_> =
+        walls.groups().into_iter().map(|group| (group.title, group.solid, names(group.numbers))).collect();
+    let titles: Vec<_> =
+        of_groups.iter().map(|(title, solid, _)| (title.as_deref().unwrap(), solid.unwrap())).collect();
+    assert_eq!(titles, [("Ball 1", 0), ("Ball 2", 1), ("Cuboid, moving", 2)]);
+    assert_eq!(of_groups.into_iter().flat_map(|(_, _, names)| names).collect::<Vec<_>>(), names(walls.parameters()));
+    let solids = walls.shapes(0.0).into_iter().filter(|shape| matches!(shape, Shape::Solid(_)));
+    assert_eq!(solids.count(), 3);
 }
 
 #[test]

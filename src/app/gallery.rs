@@ -19,6 +19,13 @@ pub struct Entry {
     text: &'static str,
 }
 
+impl Entry {
+    /// Whether the program starts with it.
+    fn is_first(&self) -> bool {
+        self.file.strip_suffix(".ron") == Some(levels::FIRST)
+    }
+}
+
 /// All of them.
 pub struct Gallery {
     entries: Vec<Entry>,
@@ -33,12 +40,14 @@ impl Default for Gallery {
             Entry { name, about, file, text }
         };
         let hard = Case::names().filter_map(|name| Some((name, Case::read(Path::new(name)).ok()?)));
-        Self { entries: levels::BUILT_IN.iter().map(entry).collect(), hard: hard.collect() }
+        let mut entries: Vec<_> = levels::BUILT_IN.iter().map(entry).collect();
+        entries.sort_by_key(|entry| (!entry.is_first(), entry.name.to_lowercase()));
+        Self { entries, hard: hard.collect() }
     }
 }
 
 impl Gallery {
-    /// The levels, in the order of the picker.
+    /// The levels, in the order of the picker: the one that the program starts with, then by name.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
@@ -62,8 +71,7 @@ impl Gallery {
     /// # Errors
     /// What is wrong with its text, with file, line and column.
     pub fn first(&self) -> Result<Level, String> {
-        let first = |entry: &Entry| entry.file.strip_suffix(".ron") == Some(levels::FIRST);
-        self.level(self.entries.iter().position(first).unwrap_or(0))
+        self.level(self.entries.iter().position(Entry::is_first).unwrap_or(0))
     }
 
     /// Reads a level of the picker.

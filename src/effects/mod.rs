@@ -56,6 +56,11 @@ pub trait EffectParameters {
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 
+    /// The same numbers, by what they belong to.
+    fn groups(&mut self) -> Vec<Group<'_>> {
+        vec![Group { title: None, solid: None, numbers: self.parameters() }]
+    }
+
     /// Whether it is damping, which the key D switches.
     fn is_damping(&self) -> bool {
         false
@@ -81,6 +86,16 @@ pub trait EffectParameters {
     /// # Errors
     /// A sentence, if the parameters do not fit together.
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String>;
+}
+
+/// Numbers of an effect that belong to the same thing.
+pub struct Group<'a> {
+    /// What that is called, if it is not the effect itself.
+    pub title: Option<String>,
+    /// Which of the [`Shape::Solid`]s of the effect it is, if it is one.
+    pub solid: Option<usize>,
+    /// The numbers.
+    pub numbers: Vec<&'a mut dyn Quantity>,
 }
 
 /// What it means to list an effect more than once.

@@ -1,4 +1,4 @@
-use super::{Bounds, Effect, EffectParameters, Motion, Shape, around};
+use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape, around};
 use crate::{
     elements::Elements,
     obstacles::{
@@ -33,11 +33,25 @@ impl EffectParameters for Walls {
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
-        self.obstacles
-            .iter_mut()
-            .filter(|kind| !matches!(kind, ObstacleKind::Plane(_)))
-            .flat_map(|kind| kind.kind_mut().parameters())
-            .collect()
+        self.groups().into_iter().flat_map(|group| group.numbers).collect()
+    }
+
+    fn groups(&mut self) -> Vec<Group<'_>> {
+        let names: Vec<_> = self.obstacles.iter().map(ObstacleKind::title).collect();
+        let mut solids = 0..;
+        let groups = self.obstacles.iter_mut().enumerate().map(|(number, kind)| {
+            let same = |upto: usize| names[..upto].iter().filter(|name| **name == names[number]).count();
+            let title = if same(names.len()) > 1 {
+                format!("{} {}", names[number], same(number) + 1)
+            } else {
+                names[number].clone()
+            };
+            let solid = if kind.kind().outline().is_empty() { None } else { solids.next() };
+            let numbers =
+                if matches!(kind, ObstacleKind::Plane(_)) { Vec::new() } else { kind.kind_mut().parameters() };
+            Group { title: Some(title), solid, numbers }
+        });
+        groups.filter(|group| !group.numbers.is_empty()).collect()
     }
 
     fn shapes(&self, time: f64) -> Vec<Shape> {

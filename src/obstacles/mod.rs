@@ -50,6 +50,16 @@ registry! {
     }
 }
 
+impl ObstacleKind {
+    /// What it is called beside others.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Moving(moving) => format!("{}, moving", moving.obstacle.title()),
+            still => still.name().to_owned(),
+        }
+    }
+}
+
 /// The parameters of an obstacle.
 pub trait ObstacleParameters {
     /// Readies the obstacle for stepping.

@@ -1,7 +1,7 @@
 //! Sliders, effects, levels, undo.
 
 use crate::harness::*;
-use eframe::egui::{Event, FontId, Key, Modifiers, Role, pos2, vec2};
+use eframe::egui::{Event, FontId, Key, Modifiers, Role, epaint::Primitive, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::app::keys::TABLE;
 use gingerbread::command::Mode;
@@ -136,6 +136,32 @@ fn the_effects_panel_shows_every_effect_of_a_level_with_a_switch_and_its_numbers
         assert_ne!(now.switch, listed.switch, "{title}");
         assert_eq!(now.effect, listed.effect, "{title}");
     }
+}
+
+#[test]
+fn sliders_of_walls_stand_under_what_they_belong_to_and_that_stands_out_while_the_pointer_is_there() {
+    let mut window = open("jelly_disk");
+    // How much is painted at the top of the ball, and at the tip of the wedge.
+    let painted = |window: &Window| {
+        let places = [[0.36, 0.45], [0.6, 0.17]].map(|point| on_screen(window, point));
+        let meshes = window.ctx.tessellate(window.output().shapes.clone(), 1.0);
+        let vertices = meshes.iter().flat_map(|mesh| match &mesh.primitive {
+            Primitive::Mesh(mesh) => mesh.vertices.as_slice(),
+            Primitive::Callback(_) => &[],
+        });
+        let vertices: Vec<_> = vertices.collect();
+        places.map(|place| vertices.iter().filter(|vertex| vertex.pos.distance(place) < 20.0).count())
+    };
+    let mut point_at = |name: &str| {
+        let at = window.get_by_label(name).rect().center();
+        window.hover_at(at);
+        window.run_steps(3);
+        painted(&window)
+    };
+    let ([ball, wedge], at_ball, at_wedge) = (point_at("Gravity"), point_at("Ball"), point_at("Polygon"));
+    assert!(at_ball[0] > ball && at_ball[1] == wedge, "{at_ball:?} in place of {ball} and {wedge}");
+    assert!(at_wedge[0] == ball && at_wedge[1] > wedge, "{at_wedge:?} in place of {ball} and {wedge}");
+    assert_eq!(point_at("Gravity"), [ball, wedge]);
 }
 
 #[test]

@@ -42,6 +42,8 @@ pub struct Options {
     pub wireframe: bool,
     /// Whether the vertices are drawn.
     pub vertices: bool,
+    /// A solid that is pointed at elsewhere: of which effect, and which of that effect's.
+    pub pointed: Option<[usize; 2]>,
     /// What the stage is called where there are two.
     pub name: &'static str,
 }
@@ -132,7 +134,7 @@ impl Canvas {
         self.snow.draw(&mut self.behind, canvas, view);
         painter.add(self.behind.finish());
         night::square(painter, view, 1.0 - self.scenery.room_presence());
-        painter.add(self.scenery.draw(pixels_per_point, canvas, view));
+        painter.add(self.scenery.draw(pixels_per_point, canvas, view, options.pointed));
 
         self.middle.clear(pixels_per_point);
         self.bodies.draw(&mut self.middle, view, snapshot, options, &self.scale);
@@ -158,7 +160,6 @@ impl Canvas {
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, *points.get(pull.vertex)?)));
         if let Some((pull, from)) = pull {
             arrow::arrow(&mut self.front, view, from, pull);
-            arrow::force(painter, view, canvas, from, pull);
         }
         if options.field != Field::None && options.field == snapshot.field && !snapshot.triangles.is_empty() {
             colour_bar::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
@@ -168,6 +169,9 @@ impl Canvas {
             }
         }
         painter.add(self.front.finish());
+        if let Some((pull, from)) = pull {
+            arrow::force(painter, view, canvas, from, pull);
+        }
     }
 }
 

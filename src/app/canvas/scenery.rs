@@ -25,7 +25,7 @@ pub struct Scenery {
     moving: bool,
     ink: Ink,
     /// What the ink shows: to be drawn again when it differs.
-    drawn: Option<(View, Rect, u32)>,
+    drawn: Option<(View, Rect, u32, Option<[usize; 2]>)>,
     changed: bool,
 }
 
@@ -62,9 +62,15 @@ impl Scenery {
         rooms.map(|effect| effect.1).fold(0.0, f32::max)
     }
 
-    /// The drawing, made again only if something has changed.
-    pub fn draw(&mut self, pixels_per_point: f32, canvas: Rect, view: View) -> egui::Shape {
-        let wanted = Some((view, canvas, pixels_per_point.to_bits()));
+    /// The drawing, made again only if something has changed. What is `pointed` at stands out.
+    pub fn draw(
+        &mut self,
+        pixels_per_point: f32,
+        canvas: Rect,
+        view: View,
+        pointed: Option<[usize; 2]>,
+    ) -> egui::Shape {
+        let wanted = Some((view, canvas, pixels_per_point.to_bits(), pointed));
         if !self.changed && self.drawn == wanted {
             return self.ink.again();
         }
@@ -84,6 +90,15 @@ impl Scenery {
                 Shape::Room(room) => house::house(&mut self.ink, view, canvas, room, presence),
                 Shape::Solid(outline) => candy::gumdrop(&mut self.ink, view, outline, number, presence),
             }
+        }
+        let pointed = pointed.and_then(|[effect, solid]| {
+            let (shapes, presence) = self.effects.get(effect)?;
+            let mut solids =
+                shapes.iter().filter_map(|shape| if let Shape::Solid(outline) = shape { Some(outline) } else { None });
+            Some((solids.nth(solid)?, *presence))
+        });
+        if let Some((outline, presence)) = pointed {
+            candy::ring(&mut self.ink, view, outline, presence);
         }
         self.ink.finish()
     }

@@ -33,7 +33,7 @@ fn seen(name: &str, mode: Mode) -> Snapshot {
 
 fn bench(mode: Mode) -> Harness<'static, Bench> {
     let snapshot = seen("jelly_disk", mode);
-    let options = Options { field: Field::VonMises, wireframe: true, vertices: true, name: "" };
+    let options = Options { field: Field::VonMises, wireframe: true, vertices: true, ..Options::default() };
     let bench = Bench { canvas: Canvas::default(), snapshot, options, commands: Vec::new() };
     let mut harness = Harness::builder().with_size(vec2(600.0, 600.0)).build_ui_state(
         |ui, bench: &mut Bench| bench.canvas.show(ui, &bench.snapshot, &bench.options, &mut bench.commands),

@@ -95,7 +95,8 @@ impl Stage {
             let builder = UiBuilder::new().id_salt(pane.letter()).max_rect(rest);
             let mut commands = Vec::new();
             let name = if pane == Pane::A { "Stage A" } else { "Stage B" };
-            let options = Options { name, ..*options };
+            let pointed = options.pointed.filter(|_| pane == split.chosen);
+            let options = Options { pointed, name, ..*options };
             ui.scope_builder(builder, |ui| {
                 ui.set_clip_rect(rest.intersect(ui.clip_rect()));
                 canvas.show(ui, split.seen[pane as usize], &options, &mut commands);

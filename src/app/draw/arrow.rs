@@ -43,10 +43,10 @@ pub fn force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pul
     let right = to.x >= from.x;
     let gap = view.size(0.035, 18.0, 90.0);
     let font = FontId::monospace(view.size(0.024, 14.0, 40.0));
-    // Where there is no room beside the head it stands above.
+    // Where there is no room beside the head it stands beyond it, up or down.
     let room = if right { canvas.right() - to.x } else { to.x - canvas.left() };
     let (aside, anchor) = if room < gap + 6.5 * font.size {
-        (vec2(0.0, -gap), Align2::CENTER_BOTTOM)
+        if to.y > from.y { (vec2(0.0, gap), Align2::CENTER_TOP) } else { (vec2(0.0, -gap), Align2::CENTER_BOTTOM) }
     } else if right {
         (vec2(gap, 0.0), Align2::LEFT_CENTER)
     } else {

@@ -18,6 +18,12 @@ pub fn gumdrop(ink: &mut Ink, view: View, outline: &[[f64; 2]], number: usize, p
     sugar(ink, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
 }
 
+/// A line around a solid that is meant just now.
+pub fn ring(ink: &mut Ink, view: View, outline: &[[f64; 2]], presence: f32) {
+    let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
+    ink.line(&points, true, view.size(0.009, 3.0, 20.0), view.theme.accent_line.gamma_multiply(presence));
+}
+
 /// Sugar grains inside an outline.
 fn sugar(ink: &mut Ink, view: View, outline: &[Pos2], bounds: Rect, color: Color32) {
     let size = view.size(0.0028, 0.8, 8.0);

@@ -1,9 +1,9 @@
 //! What acts on the bodies: a switch and sliders for every effect of the level, whatever effects there are.
 
-use super::{View, heading, settle, sliders};
+use super::{View, heading, settle, slider, sliders};
 use crate::{
     command::Command,
-    effects::EffectKind,
+    effects::{EffectKind, Group},
     level::{EffectLevel, Switch, When},
     snapshot::Snapshot,
 };
@@ -71,10 +71,24 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
         }
     });
     let mut changed = effect.clone();
-    let parameters = changed.effect.kind_mut().parameters();
-    if !on || parameters.is_empty() {
+    let mut groups = changed.effect.kind_mut().groups();
+    groups.retain(|group| !group.numbers.is_empty());
+    if !on || groups.is_empty() {
         return;
     }
-    let sum = ui.indent("parameters", |ui| sliders(ui, parameters)).inner;
+    let mut sum = slider::Outcome::default();
+    ui.indent("parameters", |ui| {
+        for (number, Group { title, solid, numbers }) in groups.into_iter().enumerate() {
+            let group = ui.push_id(number, |ui| {
+                if let Some(title) = title {
+                    ui.label(RichText::new(title).small());
+                }
+                sum.add(sliders(ui, numbers));
+            });
+            if let Some(solid) = solid.filter(|_| group.response.contains_pointer()) {
+                view.meant = Some([index, solid]);
+            }
+        }
+    });
     settle(sum, Some(Command::SetEffect(index, changed)), view, commands);
 }

@@ -52,6 +52,8 @@ use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, 
 pub struct View {
     /// Colours, edges and vertices.
     pub stage: canvas::Options,
+    /// The solid whose numbers the pointer was over in this frame: it stands out on the stage in the next.
+    pub meant: Option<[usize; 2]>,
     /// The body, or after the bodies the net, whose numbers the sliders show.
     pub body: usize,
     /// Whether the panels on the left and on the right are hidden, in a wide window.
@@ -163,6 +165,7 @@ const NARROW: f32 = 900.0;
 /// Draws the window.
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<'_>, commands: &mut Vec<Command>) {
     let narrow = ui.available_width() < NARROW;
+    view.stage.pointed = view.meant.take();
     strip::show(ui, desk, view, commands, narrow);
     status::show(ui, desk, view, commands);
     if !narrow {
@@ -186,6 +189,9 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<
         banner::show(ui.ctx(), stage, desk, view, commands);
         help::show(ui.ctx(), desk.now, view);
         prompt::show(ui.ctx(), view);
+    }
+    if view.meant != view.stage.pointed {
+        ui.ctx().request_repaint();
     }
 }
 
@@ -313,10 +319,7 @@ fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, c
 fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::Outcome {
     let mut sum = slider::Outcome::default();
     for (index, number) in numbers.into_iter().enumerate() {
-        let outcome = ui.push_id(index, |ui| slider::quantity(ui, number)).inner;
-        sum.changed |= outcome.changed;
-        sum.ended |= outcome.ended;
-        sum.refused = outcome.refused.or(sum.refused.take());
+        sum.add(ui.push_id(index, |ui| slider::quantity(ui, number)).inner);
     }
     sum
 }

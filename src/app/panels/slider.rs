@@ -29,6 +29,15 @@ pub struct Outcome {
     pub refused: Option<String>,
 }
 
+impl Outcome {
+    /// Takes in what was done to another number.
+    pub fn add(&mut self, other: Self) {
+        self.changed |= other.changed;
+        self.ended |= other.ended;
+        self.refused = other.refused.or(self.refused.take());
+    }
+}
+
 /// A slider for any quantity; a value outside its range is refused.
 pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> Outcome {
     let spec = quantity.spec();

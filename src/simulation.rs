@@ -8,6 +8,7 @@ mod reach;
 mod sleep;
 mod stretch;
 mod system;
+mod toy;
 
 use crate::{
     effects::Grab,
@@ -25,7 +26,8 @@ use paces::Paces;
 use sleep::Islands;
 use std::cell::RefCell;
 use stretch::Team;
-use system::{Scratch, System, ToySystem};
+use system::{Scratch, System};
+use toy::ToySystem;
 
 /// A running scene.
 pub struct Simulation {

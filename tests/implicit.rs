@@ -7,7 +7,7 @@ use common::{Random, models, sheet};
 use gingerbread::{
     effects::{Grab, Motion},
     integrators::IntegratorKind,
-    level::Level,
+    level::{Level, Substeps},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -297,4 +297,51 @@ fn where_the_energy_has_a_barrier_no_implicit_step_turns_a_triangle_over() {
             }
         }
     }
+}
+
+/// A soft block above the floor of the world.
+fn block(effects: &str, corner: &str) -> Level {
+    common::level(&format!(
+        "(name: \"block\", substeps: 1, sleep: Off, bodies: [(name: \"block\", mass: Density(100),
+            mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, diagonals: Alternating, corner: {corner}),
+            material: (model: NeoHookean, young: 20000, poisson: 0.3, plane: Strain))],
+          effects: [(effect: Gravity(down: 9.8)), {effects} (effect: Boundary(least: (0, 0), greatest: (1, 1)))])"
+    ))
+}
+
+#[test]
+fn what_rests_on_a_wall_takes_one_factorisation_a_step() {
+    for integrator in ["ImplicitEuler", "ImplicitMidpoint", "Bdf2"] {
+        for corner in ["(0.3, 0.05)", "(0, 0.05)"] {
+            let mut run = built(&under(block("(effect: Rayleigh(mass: 5)),", corner), integrator), None);
+            assert_eq!(run.advance(400, &mut || true), 400);
+            let before = run.counts().factorisations;
+            run.advance(50, &mut || true);
+            assert_eq!(run.counts().factorisations - before, 50, "{integrator} from {corner}");
+            let (scene, state) = (run.scene(), run.state());
+            let force = force(scene, state, None);
+            let beyond = state.x.chunks(2).zip(force.chunks(2)).filter(|(x, _)| x[1] > 1e-6).map(|(_, f)| f[1].abs());
+            let weight = 9.8 * scene.mass.iter().step_by(2).sum::<f64>();
+            assert!(greatest(beyond) < 1e-6 * weight, "nothing but the floor carries it");
+        }
+    }
+}
+
+#[test]
+fn walls_only_push_what_bounces_on_them() {
+    let level = Level { substeps: Substeps::new(4).unwrap(), ..block("", "(0.3, 0.3)") };
+    let mut run = built(&under(level, "ImplicitEuler"), None);
+    let (mut most, mut least, mut apart) = (0.0_f64, 0.0_f64, 0);
+    for _ in 0..600 {
+        let before = run.state().clone();
+        run.advance(1, &mut || true);
+        let (scene, state) = (run.scene(), run.state());
+        let force = force(scene, state, None);
+        let wall = |k: usize| scene.mass[k] * (state.v[k] - before.v[k]) / scene.step - force[k];
+        let walls = (1..force.len()).step_by(2).map(wall);
+        let [low, high] = walls.fold([0.0, 0.0], |[low, high], wall| [f64::min(low, wall), f64::max(high, wall)]);
+        (most, least) = (most.max(high), least.min(low));
+        apart += usize::from(high < 1e-6);
+    }
+    assert!(most > 100.0 && apart > 100 && least > -1e-6 * most, "{least} to {most} N, {apart} steps without");
 }

@@ -74,6 +74,11 @@ pub(super) fn straighten(axes: &mut Vec<f64>, numbers: usize) {
     axes.extend(Axis::STRAIGHT.0.into_iter().cycle().take(numbers));
 }
 
+/// Gives one vertex the axes of the world.
+pub(super) fn straighten_one(axes: &mut [f64], vertex: usize) {
+    put(axes, vertex, Axis::STRAIGHT.0);
+}
+
 /// Takes flat vectors along the world's axes to each vertex's own.
 pub(super) fn turn(axes: &[f64], values: &mut [f64]) {
     for (vertex, value) in values.chunks_exact_mut(2).enumerate() {

@@ -5,6 +5,7 @@ use super::{
     Dynamics, StepCounts, Work,
     axes::{self, Axis, pair, put},
     parts,
+    rest::{self, Walls},
     system::{settle, touched},
 };
 use crate::{
@@ -25,12 +26,22 @@ const SHORTEST: f64 = 1e-3;
 /// How often a step is solved again, at most, with more numbers held by walls.
 const PASSES: usize = 8;
 
+/// How often what rested is let go where a wall would pull.
+const RELEASES: usize = 6;
+
 /// Factors of z in positions and velocities [s², s], and where the step ends: at `end` times the way to the stage.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
     pub ax: f64,
     pub av: f64,
     pub end: f64,
+}
+
+impl Affine {
+    /// Those of implicit Euler with steps of length h [s].
+    pub const fn euler(h: f64) -> Self {
+        Self { ax: h * h, av: h, end: 1.0 }
+    }
 }
 
 /// Solves `M z = f(x^ + ax z, v^ + av z)`, where `free` gives x^ and v^ for each number, and makes the end of the step of
@@ -41,22 +52,73 @@ pub(super) struct Affine {
 /// and not by moving vertices through their neighbours. A vertex that one smooth wall pushes is held across that wall alone,
 /// whichever way it faces. If the scheme does not end at its stage, such a step is one of implicit Euler. [`held`] afterwards
 /// tells what was held.
+///
+/// What rests on a smooth wall is held there from the start, which saves solving for it without the wall, and let go where the wall
+/// would have to pull: the active sets of Hintermüller, Ito and Kunisch (*The primal-dual active set strategy as a semismooth Newton
+/// method*, SIAM Journal on Optimization 13, 2002). If walls only push in the end, that is the step.
 pub(super) fn step(
     system: &mut dyn Dynamics,
     state: &mut State,
     work: &mut Work,
-    (mut affine, h): (Affine, f64),
+    (affine, h): (Affine, f64),
     free: impl Fn(&State, usize) -> [f64; 2],
 ) -> StepCounts {
-    let Work { numbers, spare, newton, axes, .. } = work;
-    let [free_x, free_v, x, v, z, inverse, end_x, end_v] = parts(numbers, state.x.len());
+    let mut counts = NewtonCounts::NONE;
+    begin(system, state, work, &free);
+    let mut walls = rest::hold(system, state, work, (affine, h));
+    let own = if affine.end == 1.0 { affine } else { Affine::euler(h) };
+    for _ in 0..RELEASES {
+        if walls != Walls::Pull {
+            break;
+        }
+        let tried = solve(system, state, work, (own, h));
+        counts.add(&NewtonCounts { unconverged: 0, ..tried });
+        walls = if tried.unconverged == 0 { rest::release(system, work) } else { Walls::Other };
+    }
+    if walls != Walls::Push {
+        begin(system, state, work, &free);
+        counts.add(&solve(system, state, work, (affine, h)));
+    }
+    let Work { numbers, spare, .. } = work;
+    let [.., inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
+    for (number, inverse) in inverse.iter().enumerate() {
+        if *inverse == 0.0 && system.inverse_mass()[number] != 0.0 {
+            // Equal to nothing, so that the number counts as touched.
+            spare[number] = f64::NAN;
+        }
+    }
+    state.x.copy_from_slice(end_x);
+    state.v.copy_from_slice(end_v);
+    StepCounts { newton: counts, ..StepCounts::ONE }
+}
+
+/// Numbers for each coordinate that are worked with: x^, v^, x, v, z, 1/mass (zero where held), x and v at the end, and what walls do.
+pub(super) const PARTS: usize = 9;
+
+/// Nothing is held but what is pinned.
+fn begin(system: &dyn Dynamics, state: &State, work: &mut Work, free: &impl Fn(&State, usize) -> [f64; 2]) {
+    let [free_x, free_v, _, _, z, inverse, ..] = parts::<PARTS>(&mut work.numbers, state.x.len());
     inverse.copy_from_slice(system.inverse_mass());
-    axes::straighten(axes, state.x.len());
+    axes::straighten(&mut work.axes, state.x.len());
     for number in 0..state.x.len() {
         let pinned = inverse[number] == 0.0;
         [free_x[number], free_v[number]] = if pinned { [state.x[number], 0.0] } else { free(state, number) };
     }
     z.fill(0.0);
+}
+
+/// x^ and v^ of implicit Euler.
+pub(super) fn fly(system: &dyn Dynamics, state: &State, [free_x, free_v]: [&mut [f64]; 2], h: f64) {
+    for number in (0..state.x.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
+        free_v[number] = state.v[number];
+        free_x[number] = state.x[number] + h * state.v[number];
+    }
+}
+
+/// Solves with what is held, and again and again while more comes to be held.
+fn solve(system: &mut dyn Dynamics, state: &State, work: &mut Work, (mut affine, h): (Affine, f64)) -> NewtonCounts {
+    let Work { numbers, spare, newton, axes, .. } = work;
+    let [free_x, free_v, x, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     let smooth = !system.grips();
     let mut counts = NewtonCounts::NONE;
     // First only what faces a wall is stopped by it: of a body that would be far beyond the wall, its front. Where that
@@ -92,10 +154,9 @@ pub(super) fn step(
         }
         if affine.end != 1.0 {
             // An impact is not smooth; a scheme that damps nothing would turn it into noise.
-            affine = Affine { ax: h * h, av: h, end: 1.0 };
+            affine = Affine::euler(h);
+            fly(system, state, [&mut *free_x, &mut *free_v], h);
             for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
-                free_v[number] = state.v[number];
-                free_x[number] = origin[number] + h * state.v[number];
                 z[number] *= 0.5;
             }
         }
@@ -114,19 +175,11 @@ pub(super) fn step(
             }
         }
     }
-    for (number, inverse) in inverse.iter().enumerate() {
-        if *inverse == 0.0 && system.inverse_mass()[number] != 0.0 {
-            // Equal to nothing, so that the number counts as touched.
-            spare[number] = f64::NAN;
-        }
-    }
-    state.x.copy_from_slice(end_x);
-    state.v.copy_from_slice(end_v);
-    StepCounts { newton: counts, ..StepCounts::ONE }
+    counts
 }
 
 /// Which of its own coordinates of a vertex a wall holds.
-fn holds(inverse: &[f64], inverse_mass: &[f64], vertex: usize) -> [bool; 2] {
+pub(super) fn holds(inverse: &[f64], inverse_mass: &[f64], vertex: usize) -> [bool; 2] {
     [0, 1].map(|k| inverse[2 * vertex + k] == 0.0 && inverse_mass[2 * vertex + k] != 0.0)
 }
 

@@ -37,8 +37,7 @@ impl Integrator for ImplicitEuler {
 
 impl SecondOrder for ImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let affine = Affine { ax: h * h, av: h, end: 1.0 };
-        implicit::step(system, state, work, (affine, h), |state, number| {
+        implicit::step(system, state, work, (Affine::euler(h), h), |state, number| {
             [state.x[number] + h * state.v[number], state.v[number]]
         })
     }

@@ -12,6 +12,7 @@ mod implicit_midpoint;
 mod linearly_implicit_euler;
 mod memory;
 mod position_verlet;
+mod rest;
 mod runge_kutta4;
 mod symplectic_euler;
 mod system;
@@ -138,6 +139,7 @@ pub struct Work {
     spare: Vec<f64>,
     past: Vec<f64>,
     axes: Vec<f64>,
+    pushes: Vec<f64>,
     newton: Newton,
 }
 

@@ -58,6 +58,13 @@ pub trait Dynamics {
         true
     }
 
+    /// Takes from velocities `v` [m/s] what leads into walls that are touched where a step begins, at positions and velocities
+    /// `before`, by what faces them. `x` is scratch of the same length. Returns whether that is all there is to it: no wall moves, and
+    /// nothing is inside one.
+    fn rest(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
+        false
+    }
+
     /// Changes positions and velocities at the end of a step that are not allowed, seen from those at its beginning.
     /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the
     /// solution of the next try to say, in which what faces the wall is held.

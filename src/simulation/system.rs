@@ -3,13 +3,12 @@
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
     elements::{Everywhere, Kicking, make_room},
-    integrators::{Class, Dynamics, Ode, Work, kick_and_drift},
+    integrators::{Class, Dynamics, Work, kick_and_drift},
     obstacles::{Encounter, Inside, Noted, Start, Surface, find_ways},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
     state::State,
-    toys::Toy,
 };
 use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
@@ -323,6 +322,20 @@ impl Dynamics for System<'_> {
         self.scratch.plan.surface.friction != 0.0
     }
 
+    fn rest(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
+        let effects = &self.scene.effects;
+        if !self.constrains() || !self.scratch.plan.constraints.iter().all(|number| effects[*number].is_steady()) {
+            return false;
+        }
+        let supplied = std::mem::take(&mut self.scratch.supplied);
+        let inside = std::mem::take(&mut self.scratch.inside);
+        x.copy_from_slice(before[0]);
+        self.constrain(before, x, v, true);
+        let rests = (self.scratch.supplied, self.scratch.inside) == (0.0, Inside::Nothing) && x == before[0];
+        (self.scratch.supplied, self.scratch.inside) = (supplied, inside);
+        rests
+    }
+
     /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         if !self.constrains() {
@@ -394,20 +407,5 @@ impl Dynamics for System<'_> {
             if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
         }
         (self.scratch.outward, self.scratch.held, self.scratch.noted) = (outward, held, noted);
-    }
-}
-
-/// A toy as the integrator sees it; its rates count as forces.
-pub(super) struct ToySystem<'a> {
-    pub toy: &'a dyn Toy,
-    pub counts: &'a mut Counts,
-}
-
-impl Ode for ToySystem<'_> {
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
-        self.counts.force_evaluations += 1;
-        if let &[a, b] = x {
-            rate.copy_from_slice(&self.toy.rate([a, b]));
-        }
     }
 }

@@ -158,10 +158,10 @@ fn sliders_of_walls_stand_under_what_they_belong_to_and_that_stands_out_while_th
         window.run_steps(3);
         painted(&window)
     };
-    let ([ball, wedge], at_ball, at_wedge) = (point_at("Gravity"), point_at("Ball"), point_at("Polygon"));
+    let ([ball, wedge], at_ball, at_wedge) = (point_at("Effects"), point_at("Ball"), point_at("Polygon"));
     assert!(at_ball[0] > ball && at_ball[1] == wedge, "{at_ball:?} in place of {ball} and {wedge}");
     assert!(at_wedge[0] == ball && at_wedge[1] > wedge, "{at_wedge:?} in place of {ball} and {wedge}");
-    assert_eq!(point_at("Gravity"), [ball, wedge]);
+    assert_eq!(point_at("Effects"), [ball, wedge]);
 }
 
 #[test]

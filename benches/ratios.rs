@@ -1,4 +1,4 @@
-//! What size and a second thread do to the price of a step: `cargo bench --bench ratios`, about three minutes; or of some materials
+//! What size and a second thread do to the price of a step: `cargo bench --bench ratios`, a quarter of an hour; or of some materials
 //! alone, `cargo bench --bench ratios -- Corotated NeoHookean`.
 //!
 //! All that is compared is measured in turn, for a fiftieth of a second each, round after round, and the ratio of two is the median over

@@ -345,3 +345,26 @@ fn walls_only_push_what_bounces_on_them() {
     }
     assert!(most > 100.0 && apart > 100 && least > -1e-6 * most, "{least} to {most} N, {apart} steps without");
 }
+
+#[test]
+fn in_a_notch_walls_only_push_and_only_across_themselves() {
+    let slopes = "(effect: Rayleigh(mass: 2)), (effect: Walls(obstacles: [Plane(point: (0.5, 0.05), normal: (0.8, 0.6), eps: 0.005),
+        Plane(point: (0.5, 0.05), normal: (-0.8, 0.6), eps: 0.005)])),";
+    let level = Level { substeps: Substeps::new(4).unwrap(), ..block(slopes, "(0.3, 0.4)") };
+    let mut run = built(&under(level, "ImplicitEuler"), None);
+    let (mut most, mut least, mut along) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..900 {
+        let before = run.state().clone();
+        run.advance(1, &mut || true);
+        let (scene, state) = (run.scene(), run.state());
+        let force = force(scene, state, None);
+        let wall = |k: usize| scene.mass[k] * (state.v[k] - before.v[k]) / scene.step - force[k];
+        for vertex in 0..force.len() / 2 {
+            let side = if state.x[2 * vertex] < 0.5 { 0.8 } else { -0.8 };
+            let [fx, fy] = [wall(2 * vertex), wall(2 * vertex + 1)];
+            let (across, slip) = (side * fx + 0.6 * fy, side * fy - 0.6 * fx);
+            (most, least, along) = (most.max(across), least.min(across), along.max(slip.abs()));
+        }
+    }
+    assert!(most > 100.0 && least > -1e-6 * most && along < 1e-6 * most, "{least} to {most} N, {along} N along");
+}

@@ -26,8 +26,8 @@ const SHORTEST: f64 = 1e-3;
 /// How often a step is solved again, at most, with more numbers held by walls.
 const PASSES: usize = 8;
 
-/// How often what rested is let go where a wall would pull.
-const RELEASES: usize = 6;
+/// How often a step is tried with what rests held, at most, and some of it let go after each.
+const TRIES: usize = 6;
 
 /// Factors of z in positions and velocities [s², s], and where the step ends: at `end` times the way to the stage.
 #[derive(Clone, Copy)]
@@ -67,17 +67,23 @@ pub(super) fn step(
     begin(system, state, work, &free);
     let mut walls = rest::hold(system, state, work, (affine, h));
     let own = if affine.end == 1.0 { affine } else { Affine::euler(h) };
-    for _ in 0..RELEASES {
+    for _ in 0..TRIES {
         if walls != Walls::Pull {
             break;
         }
-        let tried = solve(system, state, work, (own, h));
+        let (tried, settled) = solve(system, state, work, (own, h));
         counts.add(&NewtonCounts { unconverged: 0, ..tried });
-        walls = if tried.unconverged == 0 { rest::release(system, work) } else { Walls::Other };
+        let solved = settled && tried.unconverged == 0;
+        walls = if solved { rest::release(system, work) } else { Walls::Other };
+        // A step in which no wall acts is the scheme's own.
+        if walls == Walls::Push && affine.end != 1.0 && !rest::is_held(system, work) {
+            walls = Walls::Other;
+        }
     }
     if walls != Walls::Push {
+        system.start_over();
         begin(system, state, work, &free);
-        counts.add(&solve(system, state, work, (affine, h)));
+        counts.add(&solve(system, state, work, (affine, h)).0);
     }
     let Work { numbers, spare, .. } = work;
     let [.., inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
@@ -115,8 +121,13 @@ pub(super) fn fly(system: &dyn Dynamics, state: &State, [free_x, free_v]: [&mut 
     }
 }
 
-/// Solves with what is held, and again and again while more comes to be held.
-fn solve(system: &mut dyn Dynamics, state: &State, work: &mut Work, (mut affine, h): (Affine, f64)) -> NewtonCounts {
+/// Solves with what is held, and again and again while more comes to be held. Returns also whether that came to an end.
+fn solve(
+    system: &mut dyn Dynamics,
+    state: &State,
+    work: &mut Work,
+    (mut affine, h): (Affine, f64),
+) -> (NewtonCounts, bool) {
     let Work { numbers, spare, newton, axes, .. } = work;
     let [free_x, free_v, x, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     let smooth = !system.grips();
@@ -150,7 +161,7 @@ fn solve(system: &mut dyn Dynamics, state: &State, work: &mut Work, (mut affine,
             faces = more;
         }
         if !more {
-            break;
+            return (counts, true);
         }
         if affine.end != 1.0 {
             // An impact is not smooth; a scheme that damps nothing would turn it into noise.
@@ -175,7 +186,7 @@ fn solve(system: &mut dyn Dynamics, state: &State, work: &mut Work, (mut affine,
             }
         }
     }
-    counts
+    (counts, false)
 }
 
 /// Which of its own coordinates of a vertex a wall holds.

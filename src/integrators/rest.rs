@@ -30,7 +30,7 @@ pub(super) fn hold(system: &mut dyn Dynamics, state: &State, work: &mut Work, (a
         return Walls::Other;
     }
     let Work { numbers, spare, axes, pushes, .. } = work;
-    let [free_x, free_v, x, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
+    let [free_x, free_v, _, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     system.force(&state.x, &state.v, v);
     for (((v, before), inverse), end) in v.iter_mut().zip(&state.v).zip(&*inverse).zip(&mut *end_v) {
         *v = if *inverse == 0.0 { 0.0 } else { before + h * *v * inverse };
@@ -47,7 +47,8 @@ pub(super) fn hold(system: &mut dyn Dynamics, state: &State, work: &mut Work, (a
     let mut rests = false;
     for vertex in 0..state.x.len() / 2 {
         let [end, free] = [&*end_v, &*v].map(|v| pair(v, vertex));
-        if !is_stopped(end, free) || !axes::hold(vertex, (axes, inverse, z), [&*end_x, &*end_v], spare, true) {
+        let stays = pair(end_x, vertex) == pair(&state.x, vertex) && is_stopped(end, free);
+        if !stays || !axes::hold(vertex, (axes, inverse, z), [&*end_x, &*end_v], spare, true) {
             continue;
         }
         rests = true;
@@ -69,17 +70,17 @@ pub(super) fn hold(system: &mut dyn Dynamics, state: &State, work: &mut Work, (a
         let held = holds(inverse, system.inverse_mass(), vertex);
         put(z, vertex, [0, 1].map(|k| if held[k] { stay[k] / affine.ax } else { 0.0 }));
     }
-    x.copy_from_slice(&state.x);
     Walls::Pull
 }
 
-/// Whether what took from a velocity left nothing of it across: a bounce, and an edge at a corner, leave some.
+/// Whether what took from a velocity left nothing of it across: a bounce leaves some, and so does most of what stops an edge.
 fn is_stopped(end: [f64; 2], free: [f64; 2]) -> bool {
     let change = axes::less(end, free);
     axes::dot(end, change).abs() <= ROUND_OFF * axes::dot(change, change)
 }
 
-/// Lets go what [`hold`] held where `M z - f`, which the wall does to hold it, points into the wall.
+/// Lets go what [`hold`] held where `M z - f`, which the wall does to hold it, points into the wall; and with it whatever came to be
+/// held while that was.
 pub(super) fn release(system: &mut dyn Dynamics, work: &mut Work) -> Walls {
     let Work { numbers, axes, pushes, .. } = work;
     let [_, _, x, v, z, inverse, _, _, force] = parts::<PARTS>(numbers, pushes.len());
@@ -90,25 +91,37 @@ pub(super) fn release(system: &mut dyn Dynamics, work: &mut Work) -> Walls {
         *force = if *push == 0.0 { 0.0 } else { (mass * z - *force) * push.signum() };
     }
     let most = force.iter().copied().fold(0.0, f64::max);
-    let mut walls = Walls::Push;
+    let pulls = |reaction: f64| reaction.is_nan() || reaction < -ROUND_OFF * most;
+    let held = |inverse: &[f64], vertex| holds(inverse, system.inverse_mass(), vertex);
+    let is_unclear = |vertex| {
+        // Which of two walls pushes, neither of which is along an axis, cannot be told.
+        !Axis::of(axes, vertex).is_straight() && held(inverse, vertex) == [true; 2] && pair(pushes, vertex) != [0.0; 2]
+    };
+    if (0..pushes.len() / 2).any(is_unclear) {
+        return Walls::Other;
+    }
+    if !force.iter().copied().any(pulls) {
+        return Walls::Push;
+    }
     for vertex in 0..pushes.len() / 2 {
-        let pulls = pair(force, vertex).map(|reaction| reaction.is_nan() || reaction < -ROUND_OFF * most);
-        if pulls == [false; 2] {
+        let (held, reaction, push) = (held(inverse, vertex), pair(force, vertex), pair(pushes, vertex));
+        let goes = [0, 1].map(|k| held[k] && (push[k] == 0.0 || pulls(reaction[k])));
+        if goes == [false; 2] {
             continue;
         }
-        let axis = Axis::of(axes, vertex);
-        let held = holds(inverse, system.inverse_mass(), vertex);
-        if !axis.is_straight() && held != [true, false] {
-            // What is not across either of two walls cannot be told apart.
-            return Walls::Other;
-        }
-        walls = Walls::Pull;
-        put(z, vertex, axis.out_of_own(pair(z, vertex)));
+        put(z, vertex, Axis::of(axes, vertex).out_of_own(pair(z, vertex)));
         axes::straighten_one(axes, vertex);
-        for k in (0..2).filter(|k| pulls[*k]) {
+        for k in (0..2).filter(|k| goes[*k]) {
             inverse[2 * vertex + k] = system.inverse_mass()[2 * vertex + k];
             pushes[2 * vertex + k] = 0.0;
         }
     }
-    walls
+    Walls::Pull
+}
+
+/// Whether any wall holds anything.
+pub(super) fn is_held(system: &dyn Dynamics, work: &mut Work) -> bool {
+    let numbers = work.pushes.len();
+    let [_, _, _, _, _, inverse, ..] = parts::<PARTS>(&mut work.numbers, numbers);
+    inverse.iter().zip(system.inverse_mass()).any(|(inverse, inverse_mass)| inverse != inverse_mass)
 }

@@ -59,11 +59,14 @@ pub trait Dynamics {
     }
 
     /// Takes from velocities `v` [m/s] what leads into walls that are touched where a step begins, at positions and velocities
-    /// `before`, by what faces them. `x` is scratch of the same length. Returns whether that is all there is to it: no wall moves, and
-    /// nothing is inside one.
+    /// `before`, by what faces them. `x` is scratch of the same length: where it is not as before there is more to it. Returns
+    /// whether no wall moves, and nothing that faces one is inside it.
     fn rest(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
         false
     }
+
+    /// Forgets what was booked in this step, as it is solved anew.
+    fn start_over(&mut self) {}
 
     /// Changes positions and velocities at the end of a step that are not allowed, seen from those at its beginning.
     /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the

@@ -331,9 +331,13 @@ impl Dynamics for System<'_> {
         let inside = std::mem::take(&mut self.scratch.inside);
         x.copy_from_slice(before[0]);
         self.constrain(before, x, v, true);
-        let rests = (self.scratch.supplied, self.scratch.inside) == (0.0, Inside::Nothing) && x == before[0];
+        let rests = (self.scratch.supplied, self.scratch.inside) == (0.0, Inside::Nothing);
         (self.scratch.supplied, self.scratch.inside) = (supplied, inside);
         rests
+    }
+
+    fn start_over(&mut self) {
+        (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
     }
 
     /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.

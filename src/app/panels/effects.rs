@@ -83,9 +83,12 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
                 if let Some(title) = title {
                     ui.label(RichText::new(title).small());
                 }
-                sum.add(sliders(ui, numbers));
+                let outcome = sliders(ui, numbers);
+                let changed = outcome.changed;
+                sum.add(outcome);
+                changed
             });
-            if let Some(solid) = solid.filter(|_| group.response.contains_pointer()) {
+            if let Some(solid) = solid.filter(|_| group.inner || group.response.contains_pointer()) {
                 view.meant = Some([index, solid]);
             }
         }

@@ -140,7 +140,8 @@ fn the_effects_panel_shows_every_effect_of_a_level_with_a_switch_and_its_numbers
 
 #[test]
 fn sliders_of_walls_stand_under_what_they_belong_to_and_that_stands_out_while_the_pointer_is_there() {
-    let mut window = open("jelly_disk");
+    // High enough for all sliders.
+    let mut window = open_level(level("jelly_disk"), 1280.0, 1300.0);
     // How much is painted at the top of the ball, and at the tip of the wedge.
     let painted = |window: &Window| {
         let places = [[0.36, 0.45], [0.6, 0.17]].map(|point| on_screen(window, point));

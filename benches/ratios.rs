@@ -5,7 +5,7 @@
 //! the rounds: a machine that is now fast, now slow, as most that are shared are, slows down both. Least times stand beside them, and
 //! before the ratios of two threads those of the least times: whoever else is about holds up one of two that wait for each other more
 //! than one alone.
-#![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
+#![allow(missing_docs, clippy::panic, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
 mod sheet;
 
@@ -86,6 +86,10 @@ fn ratio(of: &Times, to: &Times) -> String {
 
 fn main() {
     let names: Vec<_> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    if let Some(name) = names.iter().find(|name| Model::ALL.iter().all(|model| model.name() != *name)) {
+        let known: Vec<_> = Model::ALL.iter().map(|model| model.name()).collect();
+        panic!("there is no model {name}; there are {}", known.join(", "));
+    }
     let wanted = |model: &&Model| names.is_empty() || names.iter().any(|name| name == model.name());
     println!("| model | triangles | ns, least | ns, median | of {}'s | two threads | two halves apart |", {
         2 * SIDES[USUAL].pow(2)

@@ -1,28 +1,35 @@
-//! Triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
+//! Fans of two triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
 
 use super::{
     corners::{Corners, RUN},
-    triangle::{Rest, edges, edges_between},
+    triangle::Rest,
 };
 use crate::{
-    lanes::{LANES, Lanes, Order, Pairs, Quads, Real, Square, Wide},
+    lanes::{LANES, Lanes, Order, Pairs, Real, Square, Wide},
     materials::Material,
 };
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Forces at the first, second and third corners of a block [N].
-pub type CornerForces = [Pairs; 3];
+/// Forces on the middle of each fan of a block and at the ends of its spokes [N].
+pub type CornerForces = [Pairs; 4];
 
-/// Rest shapes of eight triangles, in the lanes that [`Order`] gives them.
+/// The spokes of each fan of a block [m], or how fast they change [m/s].
+pub type Spokes = [Pairs; 3];
+
+/// Rest shapes of the first, or of the second, triangles of eight fans, in the lanes that [`Order::of_pairs`] gives them.
 #[derive(Clone, Debug, Default)]
-#[repr(align(64))]
-pub struct Block {
+struct Shapes {
     /// D0⁻¹, column by column [1/m].
     inverse: [Lanes; 4],
     /// Minus the area [m²], which is the volume of unit thickness: as forces are computed from it.
     minus_area: Lanes,
 }
+
+/// Rest shapes of eight fans: those of their first triangles, and those of their second.
+#[derive(Clone, Debug, Default)]
+#[repr(align(64))]
+pub struct Block([Shapes; 2]);
 
 /// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
 pub trait Law: Copy {
@@ -80,25 +87,28 @@ impl<M: Material> Law for Elastic<M> {
 /// Rest shapes in blocks.
 #[derive(Debug)]
 pub struct Blocks {
-    blocks: Vec<Block>,
+    all: Vec<Block>,
+    fans: usize,
     order: Order,
 }
 
 impl Blocks {
-    /// Packs rest shapes for an instruction set; the lanes left over are triangles of no area.
-    pub fn new(shapes: &[Rest], set: Arch) -> Self {
-        let order = Order::new(set);
-        let pack = |shapes: &[Rest]| {
+    /// Packs the rest shapes of fans for an instruction set; the lanes left over are triangles of no area.
+    pub fn new(fans: &[[Rest; 2]], set: Arch) -> Self {
+        let order = Order::of_pairs(set);
+        let pack = |fans: &[[Rest; 2]]| {
             let mut block = Block::default();
-            for (Rest { inverse, area }, lane) in shapes.iter().zip(order.lane) {
-                for (to, from) in block.inverse.iter_mut().zip(inverse.as_slice()) {
-                    to[lane] = *from;
+            for (fan, lane) in fans.iter().zip(order.lane) {
+                for (shapes, Rest { inverse, area }) in block.0.iter_mut().zip(fan) {
+                    for (to, from) in shapes.inverse.iter_mut().zip(inverse.as_slice()) {
+                        to[lane] = *from;
+                    }
+                    shapes.minus_area[lane] = -*area;
                 }
-                block.minus_area[lane] = -*area;
             }
             block
         };
-        Self { blocks: shapes.chunks(LANES).map(pack).collect(), order }
+        Self { all: fans.chunks(LANES).map(pack).collect(), fans: fans.len(), order }
     }
 
     /// The instruction set.
@@ -106,48 +116,68 @@ impl Blocks {
         self.order.set
     }
 
-    /// All of them.
-    pub fn all(&self) -> &[Block] {
-        &self.blocks
+    /// How many fans there are.
+    pub const fn fans(&self) -> usize {
+        self.fans
     }
 
-    /// The rest shape of one triangle.
+    /// All of them.
+    pub fn all(&self) -> &[Block] {
+        &self.all
+    }
+
+    /// The rest shape of one triangle, which is the first or the second of a fan.
     #[inline]
-    pub fn rest(&self, triangle: usize) -> Rest {
-        let (block, lane) = (&self.blocks[triangle / LANES], self.order.lane[triangle % LANES]);
-        let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| block.inverse[entry][lane]);
-        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: -block.minus_area[lane] }
+    pub fn rest(&self, fan: usize, side: usize) -> Rest {
+        let (shapes, lane) = (&self.all[fan / LANES].0[side], self.order.lane[fan % LANES]);
+        let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| shapes.inverse[entry][lane]);
+        Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: -shapes.minus_area[lane] }
+    }
+
+    /// The rest shapes of the first and the second triangle of a fan.
+    pub fn fan(&self, fan: usize) -> [Rest; 2] {
+        [self.rest(fan, 0), self.rest(fan, 1)]
     }
 }
 
-/// Part of the matrices of a block, taken apart.
+/// The spokes of a fan, from the places of its middle and of their ends.
 #[inline(always)]
-fn taken_apart<S: Simd>(set: S, of: &Quads, part: usize) -> Square<Wide<S>> {
-    let [m11, m21, m12, m22] = Wide::load_quads(set, of, part);
+pub fn spokes([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
+    let to = |end: [f64; 2]| [end[0] - middle[0], end[1] - middle[1]];
+    [to(first), to(second), to(third)]
+}
+
+impl Shapes {
+    /// Part of D0⁻¹.
+    #[inline(always)]
+    fn inverse<S: Simd>(&self, set: S, part: usize) -> Square<Wide<S>> {
+        let [m11, m21, m12, m22] = &self.inverse;
+        Square::new(
+            Wide::load(set, m11, part),
+            Wide::load(set, m12, part),
+            Wide::load(set, m21, part),
+            Wide::load(set, m22, part),
+        )
+    }
+}
+
+/// The matrices D of the first or the second triangles of part of a block.
+#[inline(always)]
+fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Square<Wide<S>> {
+    let ([m11, m21], [m12, m22]) =
+        (Wide::load_pairs(set, &spokes[side], part), Wide::load_pairs(set, &spokes[side + 1], part));
     Square::new(m11, m12, m21, m22)
 }
 
-/// Part of D0⁻¹.
-#[inline(always)]
-fn inverse<S: Simd>(set: S, of: &Block, part: usize) -> Square<Wide<S>> {
-    let [m11, m21, m12, m22] = &of.inverse;
-    Square::new(
-        Wide::load(set, m11, part),
-        Wide::load(set, m12, part),
-        Wide::load(set, m21, part),
-        Wide::load(set, m22, part),
-    )
-}
-
-/// The matrices D of a run.
+/// The spokes of a run.
 #[derive(Default)]
 #[repr(align(64))]
-struct Run([Quads; RUN]);
+struct Run([Spokes; RUN]);
 
-/// Computes the forces at all corners from [`Laws`].
+/// Computes the forces on all fans from [`Laws`].
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
-    pub corners: &'a Corners<3>,
+    pub corners: &'a Corners<4>,
     /// The run with which `blocks` begins.
     pub first: usize,
     pub blocks: &'a [Block],
@@ -170,33 +200,31 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
         for (run, blocks) in (first..end).zip(runs) {
             let out = out.each_mut().map(|out| &mut out[run - first]);
             if ahead.is_none() {
-                corners.collect(run, x, edges_between, &mut now.0);
+                corners.collect(run, x, spokes, &mut now.0);
                 if L::RATE {
-                    corners.collect(run, v, edges_between, &mut rates.0);
+                    corners.collect(run, v, spokes, &mut rates.0);
                 }
             }
             let of = |moving| if run + 1 < end { corners.ahead(run + 1, moving) } else { None };
             ahead = of(x).zip(of(if L::RATE { v } else { x }));
             for (number, (block, now)) in blocks.iter().zip(&mut now.0).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
-                    let inverse = inverse(set, block, part);
-                    let f = taken_apart(set, now, part).times(inverse);
-                    let rate = if L::RATE { taken_apart(set, &rates.0[number], part).times(inverse) } else { f };
-                    let stresses = laws.stresses(f, rate);
-                    let (turned, minus_area) = (inverse.transpose(), Wide::load(set, &block.minus_area, part));
+                    let one = on_spokes(set, laws, (&block.0[0], 0), (now, &rates.0[number]), part);
+                    let other = on_spokes(set, laws, (&block.0[1], 1), (now, &rates.0[number]), part);
                     for law in 0..N {
-                        let h = stresses[law].times(turned) * minus_area;
-                        let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
-                        for (out, [x, y]) in out[law][number].iter_mut().zip(forces) {
+                        let ([first, second], [also, third]) = (one[law], other[law]);
+                        let second = [second[0] + also[0], second[1] + also[1]];
+                        let middle = [-first[0] - second[0] - third[0], -first[1] - second[1] - third[1]];
+                        for (out, [x, y]) in out[law][number].iter_mut().zip([middle, first, second, third]) {
                             Wide::store_pairs(x, y, out, part);
                         }
                     }
                 }
                 // What is collected needs other parts of the processor than the stresses do, and both go on at once.
                 if let Some((of_x, of_v)) = ahead {
-                    of_x.collect(number, edges_between, now);
+                    of_x.collect(number, spokes, now);
                     if L::RATE {
-                        of_v.collect(number, edges_between, &mut rates.0[number]);
+                        of_v.collect(number, spokes, &mut rates.0[number]);
                     }
                 }
             }
@@ -204,10 +232,32 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
     }
 }
 
-/// Sums the energy of all triangles [J], in their order.
+/// The forces of each stress of the first or the second triangles at the ends of their two spokes, x and y: the columns of -A P(F) D0⁻ᵀ.
+#[inline(always)]
+fn on_spokes<S: Simd, L: Laws<N>, const N: usize>(
+    set: S,
+    laws: L,
+    (shapes, side): (&Shapes, usize),
+    (now, rates): (&Spokes, &Spokes),
+    part: usize,
+) -> [[[Wide<S>; 2]; 2]; N] {
+    let inverse = shapes.inverse(set, part);
+    let f = edges(set, now, side, part).times(inverse);
+    let rate = if L::RATE { edges(set, rates, side, part).times(inverse) } else { f };
+    let stresses = laws.stresses(f, rate);
+    let (turned, minus_area) = (inverse.transpose(), Wide::load(set, &shapes.minus_area, part));
+    let mut forces = [[[minus_area; 2]; 2]; N];
+    for law in 0..N {
+        let h = stresses[law].times(turned) * minus_area;
+        forces[law] = [[h.m11, h.m21], [h.m12, h.m22]];
+    }
+    forces
+}
+
+/// Sums the energy of all triangles [J], in the order of their fans.
 pub struct Energy<'a, M> {
     pub material: &'a M,
-    pub corners: &'a [[u32; 3]],
+    pub corners: &'a Corners<4>,
     pub blocks: &'a Blocks,
     pub x: &'a [f64],
 }
@@ -217,20 +267,27 @@ impl<M: Material> WithSimd for Energy<'_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> f64 {
-        let x = self.x.as_chunks().0;
-        let mut now = [Quads::default()];
-        let mut energies = Lanes::default();
+        let mut now = Run::default();
+        let mut energies = [Lanes::default(); 2];
         let mut sum = 0.0;
-        for (corners, block) in self.corners.chunks(LANES).zip(&self.blocks.blocks) {
-            for (to, &triangle) in now.as_flattened_mut().iter_mut().zip(corners) {
-                *to = edges(x, triangle);
+        for (run, blocks) in self.blocks.all().chunks(RUN).enumerate() {
+            self.corners.collect(run, self.x, spokes, &mut now.0);
+            for (now, Block(shapes)) in now.0.iter().zip(blocks) {
+                for (side, (shapes, energies)) in shapes.iter().zip(&mut energies).enumerate() {
+                    for part in 0..Wide::<S>::PARTS {
+                        let f = edges(set, now, side, part).times(shapes.inverse(set, part));
+                        (self.material.psi(f) * -Wide::load(set, &shapes.minus_area, part)).store(energies, part);
+                    }
+                }
+                for lane in self.blocks.order.lane {
+                    for (shapes, energies) in shapes.iter().zip(&energies) {
+                        // Where there is no area there is no triangle, and maybe no number.
+                        if shapes.minus_area[lane] != 0.0 {
+                            sum += energies[lane];
+                        }
+                    }
+                }
             }
-            for part in 0..Wide::<S>::PARTS {
-                let f = taken_apart(set, &now[0], part).times(inverse(set, block, part));
-                (self.material.psi(f) * -Wide::load(set, &block.minus_area, part)).store(&mut energies, part);
-            }
-            // A lane left over holds what is not a triangle.
-            sum = self.blocks.order.lane[..corners.len()].iter().fold(sum, |sum, &lane| sum + energies[lane]);
         }
         sum
     }

@@ -1,6 +1,6 @@
-//! Which vertices lie at the corners of triangles or the ends of springs, in as few bytes as sweeps can read them from.
+//! Which vertices fans of triangles and springs have, in as few bytes as sweeps can read them from.
 
-use crate::lanes::{LANES, Near, vector};
+use crate::lanes::{LANES, Near, Pairs, vector};
 
 /// For how many blocks of elements what lies between their corners is collected ahead: enough for what is stored number by number to have
 /// arrived when it is read lane by lane, and little enough to stay near the processor.
@@ -56,29 +56,34 @@ impl<const N: usize> Corners<N> {
         Some(Ahead { numbers: values.get(2 * *first as usize..)?.first_chunk()?, blocks })
     }
 
-    /// What lies between the corners of each element of a run.
-    pub fn collect<T>(
+    /// What lies between the corners of each element of a run: M vectors each.
+    pub fn collect<const M: usize>(
         &self,
         run: usize,
         values: &[f64],
-        between: impl Fn([[f64; 2]; N]) -> T,
-        out: &mut [[T; LANES]; RUN],
+        between: impl Fn([[f64; 2]; N]) -> [[f64; 2]; M],
+        out: &mut [[Pairs; M]; RUN],
     ) {
         if let Some(ahead) = self.ahead(run, values) {
             out.iter_mut().enumerate().for_each(|(block, out)| ahead.collect(block, &between, out));
             return;
         }
-        let (values, out) = (values.as_chunks().0, out.as_flattened_mut());
-        let of = |vertices: [u32; N]| between(vertices.map(|vertex| values[vertex as usize]));
+        let values = values.as_chunks().0;
+        let mut put = |element: usize, vertices: [u32; N]| {
+            let vectors = between(vertices.map(|vertex| values[vertex as usize]));
+            for (to, vector) in out[element / LANES].iter_mut().zip(vectors) {
+                to[element % LANES] = vector;
+            }
+        };
         match self.starts[run] {
             Start::Near(first) => {
+                let near = &self.near[run * RUN * LANES..][..RUN * LANES];
                 let vertices = |places: &[u16; N]| places.map(|place| first + u32::from(place) / 2);
-                let near = &self.near[run * RUN * LANES..];
-                out.iter_mut().zip(near).for_each(|(to, places)| *to = of(vertices(places)));
+                near.iter().enumerate().for_each(|(element, places)| put(element, vertices(places)));
             }
             Start::Far(first) => {
-                let far = &self.far[first as usize..];
-                out.iter_mut().zip(far).for_each(|(to, corners)| *to = of(*corners));
+                let far = self.far[first as usize..].iter().take(RUN * LANES);
+                far.enumerate().for_each(|(element, corners)| put(element, *corners));
             }
         }
     }
@@ -94,9 +99,17 @@ pub struct Ahead<'a, const N: usize> {
 impl<const N: usize> Ahead<'_, N> {
     /// What lies between the corners of each element of a block.
     #[inline(always)]
-    pub fn collect<T>(self, block: usize, between: impl Fn([[f64; 2]; N]) -> T, out: &mut [T; LANES]) {
-        for (to, places) in out.iter_mut().zip(&self.blocks[block]) {
-            *to = between(places.map(|place| vector(self.numbers, place)));
+    pub fn collect<const M: usize>(
+        self,
+        block: usize,
+        between: impl Fn([[f64; 2]; N]) -> [[f64; 2]; M],
+        out: &mut [Pairs; M],
+    ) {
+        for (element, places) in self.blocks[block].iter().enumerate() {
+            let vectors = between(places.map(|place| vector(self.numbers, place)));
+            for (to, vector) in out.iter_mut().zip(vectors) {
+                to[element] = vector;
+            }
         }
     }
 }

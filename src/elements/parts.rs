@@ -15,14 +15,14 @@ use crate::lanes::{LANES, Lined, Order};
 use pulp::Arch;
 use std::ops::Range;
 
-/// Bodies of so many triangles are cut in two: a part has to be worth a thread.
-const LARGE: usize = 8192;
+/// Bodies of so many fans are cut in two: a part has to be worth a thread.
+const LARGE: usize = 4096;
 
 /// A mesh in whose seams more than this share of its vertices would lie is left whole.
 const SEAM: f64 = 0.1;
 
-/// The triangles at which the second and further parts begin, for a mesh that is worth being cut.
-pub fn cuts(corners: &[[u32; 3]]) -> Vec<usize> {
+/// The fans at which the second and further parts begin, for a mesh that is worth being cut.
+pub fn cuts(corners: &[[u32; 4]]) -> Vec<usize> {
     if corners.len() < LARGE {
         return Vec::new();
     }
@@ -34,11 +34,11 @@ pub fn cuts(corners: &[[u32; 3]]) -> Vec<usize> {
 }
 
 /// The vertices that lie in several parts, ascending.
-fn seam(corners: &[[u32; 3]], cuts: &[usize], vertices: &Range<usize>) -> Vec<u32> {
+fn seam(corners: &[[u32; 4]], cuts: &[usize], vertices: &Range<usize>) -> Vec<u32> {
     let mut part_of = vec![None; vertices.len()];
     let mut found = Vec::new();
-    for (triangle, corners) in corners.iter().enumerate() {
-        let part = cuts.partition_point(|cut| *cut <= triangle);
+    for (fan, corners) in corners.iter().enumerate() {
+        let part = cuts.partition_point(|cut| *cut <= fan);
         for &corner in corners {
             if *part_of[corner as usize - vertices.start].get_or_insert(part) != part {
                 found.push(corner);
@@ -64,8 +64,8 @@ pub struct Parts {
 struct Part {
     /// Scene numbers of the vertices that are its alone; in its own numbers those on the seams come after them.
     own: Vec<u32>,
-    /// Of its triangles, in its own numbers.
-    corners: Corners<3>,
+    /// Of its fans, in its own numbers.
+    corners: Corners<4>,
     blocks: Blocks,
     gather: Gather,
     /// The stage after which it has all its forces at the seams.
@@ -73,43 +73,43 @@ struct Part {
 }
 
 impl Parts {
-    /// The parts of a mesh, whose triangles have these rest shapes, for an instruction set; none if it is to be left whole.
+    /// The parts of a mesh, whose fans have these rest shapes, for an instruction set; none if it is to be left whole.
     pub(super) fn new(
-        corners: &[[u32; 3]],
+        corners: &[[u32; 4]],
         vertices: &Range<usize>,
-        rest: impl Fn(usize) -> Rest,
+        rest: impl Fn(usize) -> [Rest; 2],
         set: Arch,
     ) -> Option<Self> {
         let cuts = Some(cuts(corners)).filter(|cuts| !cuts.is_empty())?;
         let seam = seam(corners, &cuts, vertices);
         let ends = cuts.iter().copied().chain([corners.len()]);
         let begins = [0].into_iter().chain(cuts.iter().copied());
-        let part = |(number, triangles): (usize, Range<usize>)| {
+        let part = |(number, fans): (usize, Range<usize>)| {
             // The first ends at the seam, so it is taken the other way round: both know early in a step how the seam moves.
             let turned = number == 0;
-            let mut triangles: Vec<_> = triangles.collect();
-            let of_triangles = triangles.iter().flat_map(|triangle| corners[*triangle]);
-            let mut own: Vec<_> = of_triangles.filter(|vertex| seam.binary_search(vertex).is_err()).collect();
+            let mut fans: Vec<_> = fans.collect();
+            let of_fans = fans.iter().flat_map(|fan| corners[*fan]);
+            let mut own: Vec<_> = of_fans.filter(|vertex| seam.binary_search(vertex).is_err()).collect();
             own.sort_unstable();
             own.dedup();
             if turned {
-                triangles.reverse();
+                fans.reverse();
                 own.reverse();
             }
             let renamed = |vertex: u32| match seam.binary_search(&vertex) {
                 Ok(at) => own.len() + at,
                 Err(_) => own.partition_point(|other| if turned { *other > vertex } else { *other < vertex }),
             };
-            let corners = triangles.iter().map(|triangle| corners[*triangle].map(|vertex| renamed(vertex) as u32));
+            let corners = fans.iter().map(|fan| corners[*fan].map(|vertex| renamed(vertex) as u32));
             let corners: Vec<_> = corners.collect();
-            let shapes: Vec<_> = triangles.iter().map(|triangle| rest(*triangle)).collect();
-            let gather = Gather::new(&corners, &(0..own.len() + seam.len()), (&[], turned), &Order::new(set));
-            let on_seam = |corners: &[u32; 3]| corners.iter().any(|corner| *corner as usize >= own.len());
-            let met = corners.iter().rposition(on_seam).map_or(0, |triangle| triangle / STRETCH);
+            let shapes: Vec<_> = fans.iter().map(|fan| rest(*fan)).collect();
+            let gather = Gather::new(&corners, &(0..own.len() + seam.len()), (&[], turned), &Order::of_pairs(set));
+            let on_seam = |corners: &[u32; 4]| corners.iter().any(|corner| *corner as usize >= own.len());
+            let met = corners.iter().rposition(on_seam).map_or(0, |fan| fan / STRETCH);
             Part { own, corners: Corners::new(&corners, 0), blocks: Blocks::new(&shapes, set), gather, met }
         };
-        let triangles = begins.zip(ends).map(|(begin, end)| begin..end);
-        Some(Self { parts: triangles.enumerate().map(part).collect(), seam })
+        let fans = begins.zip(ends).map(|(begin, end)| begin..end);
+        Some(Self { parts: fans.enumerate().map(part).collect(), seam })
     }
 
     /// How many parts there are.

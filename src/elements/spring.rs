@@ -192,7 +192,7 @@ fn block(x: &[f64], link: &Link, tangent: Tangent) -> [f64; 3] {
 /// What lies between the ends of the springs of a run.
 #[derive(Default)]
 #[repr(align(64))]
-struct Run([Pairs; RUN]);
+struct Run([[Pairs; 1]; RUN]);
 
 /// Computes the forces at both ends of all springs.
 struct Pulls<'a> {
@@ -211,7 +211,7 @@ impl WithSimd for Pulls<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
         let Self { ends, first, blocks, x, out } = self;
-        let between = |[a, b]: [[f64; 2]; 2]| [b[0] - a[0], b[1] - a[1]];
+        let between = |[a, b]: [[f64; 2]; 2]| [[b[0] - a[0], b[1] - a[1]]];
         let (mut now, mut ahead) = (Run::default(), None);
         let runs = blocks.chunks(RUN);
         let last = first + runs.len();
@@ -222,7 +222,7 @@ impl WithSimd for Pulls<'_> {
             ahead = if run + 1 < last { ends.ahead(run + 1, x) } else { None };
             for (number, ((block, now), [one, other])) in blocks.iter().zip(&mut now.0).zip(out).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
-                    let [dx, dy] = Wide::load_pairs(set, now, part);
+                    let [dx, dy] = Wide::load_pairs(set, &now[0], part);
                     let stiffness = Wide::load(set, &block.stiffness, part);
                     let rest = Wide::load(set, &block.rest, part);
                     let length = (dx * dx + dy * dy).sqrt();

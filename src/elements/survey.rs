@@ -97,7 +97,11 @@ impl<M: Material> WithSimd for Sweep<'_, M> {
     fn with_simd<S: Simd>(self, set: S) -> Survey {
         let Self { of, material, energy, field, x, out } = self;
         let x = x.as_chunks().0;
-        let mut found = Survey { energy: energy.unwrap_or_default(), least: f64::INFINITY, inverted: 0, continued: 0 };
+        // Energies wait behind the values until they are summed in the order of the fans, as they are when nothing else is asked for.
+        let end = out.len() + if field == Field::None { 0 } else { of.corners().len() };
+        let mut next = out.len();
+        out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
+        let mut found = Survey { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
         let mut eights = [Eight::default(); RUN];
         let [mut ratios, mut energies, mut values] = [Lanes::default(); 3];
         for (run, corners) in of.corners().chunks(RUN * LANES).enumerate() {
@@ -122,20 +126,25 @@ impl<M: Material> WithSimd for Sweep<'_, M> {
                 }
                 // A lane left over holds what is not a triangle here.
                 for lane in 0..corners.len() {
-                    let j = ratios[lane];
-                    found.energy += energies[lane];
+                    let (j, triangle) = (ratios[lane], (run * RUN + number) * LANES + lane);
+                    if energy.is_none() {
+                        out[end + of.slot(triangle)] = energies[lane];
+                    }
                     found.least = found.least.min(j);
                     found.inverted += usize::from(j <= 0.0);
                     if j < WHOLE {
-                        let f = of.gradient_of(x.as_flattened(), (run * RUN + number) * LANES + lane);
+                        let f = of.gradient_of(x.as_flattened(), triangle);
                         found.continued += usize::from(material.is_continued(&f));
                     }
                 }
                 if field != Field::None {
-                    out.extend_from_slice(&values[..corners.len()]);
+                    out[next..][..corners.len()].copy_from_slice(&values[..corners.len()]);
+                    next += corners.len();
                 }
             }
         }
+        found.energy = energy.unwrap_or_else(|| out[end..].iter().fold(0.0, |sum, energy| sum + energy));
+        out.truncate(end);
         found
     }
 }

@@ -1,4 +1,4 @@
-//! Triangles swept over stage by stage: forces at corners, and what becomes of them at the vertices.
+//! Fans of triangles swept over stage by stage: the forces on each, and what becomes of them at the vertices.
 
 use super::{
     Target,
@@ -13,12 +13,13 @@ use std::ops::Range;
 /// A stage begins with a run.
 const _: () = assert!(STAGE.is_multiple_of(RUN));
 
-/// The triangles of a body or of a part of it.
+/// The fans of a body or of a part of it.
 #[derive(Clone)]
 pub struct Piece<'a> {
     /// The numbers of its vertices.
     pub vertices: Range<usize>,
-    pub corners: &'a Corners<3>,
+    /// Which of them each fan has.
+    pub corners: &'a Corners<4>,
     /// Their rest shapes.
     pub blocks: &'a [Block],
     pub gather: &'a Gather,
@@ -30,12 +31,12 @@ impl Piece<'_> {
         2 * copy(&self.vertices) + self.buffer()
     }
 
-    /// How many of them are for the forces at corners.
+    /// How many of them are for the forces on fans.
     pub fn buffer(&self) -> usize {
-        room(3 * self.gather.buffer())
+        room(4 * self.gather.buffer())
     }
 
-    /// Computes the forces of stresses on the corners of all triangles, sums them at their vertices and hands them out.
+    /// Computes the forces of stresses on all fans, sums them at their vertices and hands them out.
     pub fn sweep<L: Laws<N>, const N: usize>(&self, laws: L, target: &mut impl Target<N>, scratch: &mut [f64]) {
         let copy = copy(&self.vertices);
         let (copies, scratch) = scratch.split_at_mut(2 * copy);
@@ -67,7 +68,7 @@ impl Piece<'_> {
         target: &mut impl Target<N>,
     ) {
         let (gather, span) = (self.gather, self.gather.span(stage));
-        let out = buffers.each_mut().map(|buffer| buffer[3 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0);
+        let out = buffers.each_mut().map(|buffer| buffer[4 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0);
         let [x, v] = match from {
             Some(from) => from,
             None => target.motion().map(|values| values.get(2 * self.vertices.start..).unwrap_or_default()),

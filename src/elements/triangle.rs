@@ -11,6 +11,7 @@ use crate::{
     effects::{Effect, Motion, Viscous},
     lanes::Order,
     materials::{Lame, Material, Model, Visitor},
+    meshes::{Fan, Mesh},
     solvers::{BlockMatrix, Weights},
 };
 use nalgebra::{Matrix2, Matrix4, Vector4};
@@ -22,13 +23,18 @@ use std::{ops::Range, sync::OnceLock};
 /// With the edges D = [x1 - x0, x2 - x0] now and D0 at rest, the deformation gradient is `F = D D0⁻¹`, constant over a
 /// triangle. The forces on its corners are `[f1 f2] = -A P(F) D0⁻ᵀ` and `f0 = -f1 - f2`
 /// (Sifakis and Barbic, *FEM Simulation of 3D Deformable Solids*, SIGGRAPH 2012 course, section 4.2).
+///
+/// Forces are computed for two triangles that share an edge at a time ([`Fan`]), whose four vertices are read and written once.
 #[derive(Debug)]
 pub struct Triangles {
     vertices: Range<usize>,
+    /// The corner in the middle of its fan comes first.
     corners: Vec<[u32; 3]>,
-    /// The same for sweeps.
-    packed: Corners<3>,
-    /// Rest shapes.
+    /// In which fan each triangle is: twice its number, and one more for the second there.
+    slots: Vec<u32>,
+    /// The vertices of the fans,
+    fans: Corners<4>,
+    /// and their rest shapes.
     blocks: Blocks,
     model: Model,
     lame: Lame,
@@ -47,40 +53,76 @@ pub(super) struct Rest {
     pub area: f64,
 }
 
+impl Rest {
+    /// The same with both edges in each other's place and without an area: it adds nothing to what the triangle does.
+    fn once_more(&self) -> Self {
+        let mut inverse = self.inverse;
+        inverse.swap_rows(0, 1);
+        Self { inverse, area: 0.0 }
+    }
+}
+
 impl Triangles {
-    /// The elements of a body.
+    /// The elements of a body, whose vertices are these of the scene, with the triangles of a mesh.
     ///
-    /// `rest` is flat, two numbers for each vertex of the whole scene [m]; `vertices` are this body's; `corners` holds
-    /// scene vertex numbers, counter-clockwise.
-    pub fn new(rest: &[f64], vertices: Range<usize>, corners: Vec<[u32; 3]>, material: (Model, Lame, bool)) -> Self {
-        let shapes = corners.iter().map(|&triangle| {
-            let edges = edge_matrix(rest, triangle);
+    /// `rest` is flat, two numbers for each vertex of the whole scene [m].
+    pub fn new(rest: &[f64], vertices: Range<usize>, mesh: &Mesh, material: (Model, Lame, bool)) -> Self {
+        let first = vertices.start as u32;
+        let mut corners: Vec<_> = mesh.triangles().iter().map(|corners| corners.map(|corner| corner + first)).collect();
+        let mut slots = vec![0; corners.len()];
+        let shape = |corners: [u32; 3]| {
+            let edges = edge_matrix(rest, corners);
             let area = 0.5 * edges.determinant();
             Rest { inverse: Matrix2::new(edges.m22, -edges.m12, -edges.m21, edges.m11) / (2.0 * area), area }
-        });
-        let shapes: Vec<_> = shapes.collect();
-        Self::of_shapes(&shapes, vertices, corners, material, Arch::new())
+        };
+        let pack = |(number, fan): (usize, &Fan)| {
+            let [middle, from, across, to] = fan.corners(&corners);
+            let both = [[middle, from, across], [middle, across, to]];
+            for (side, triangle) in fan.triangles().enumerate() {
+                corners[triangle as usize] = both[side];
+                slots[triangle as usize] = 2 * number as u32 + side as u32;
+            }
+            let one = shape(both[0]);
+            let other = if fan.triangles().count() == 2 { shape(both[1]) } else { one.once_more() };
+            ([middle, from, across, to], [one, other])
+        };
+        let fans = mesh.fans().iter().enumerate().map(pack).unzip();
+        Self::of_fans(fans, vertices, (corners, slots), material, Arch::new())
     }
 
-    fn of_shapes(
-        shapes: &[Rest],
+    /// From the vertices and rest shapes of the fans, and the corners of the triangles and where these are in fans.
+    fn of_fans(
+        (fans, shapes): (Vec<[u32; 4]>, Vec<[Rest; 2]>),
         vertices: Range<usize>,
-        corners: Vec<[u32; 3]>,
+        (corners, slots): (Vec<[u32; 3]>, Vec<u32>),
         (model, lame, plane_stress): (Model, Lame, bool),
         set: Arch,
     ) -> Self {
-        let blocks = Blocks::new(shapes, set);
-        let gather = Gather::new(&corners, &vertices, (&parts::cuts(&corners), false), &Order::new(set));
-        let packed = Corners::new(&corners, vertices.start);
-        Self { vertices, corners, packed, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
+        let gather = Gather::new(&fans, &vertices, (&parts::cuts(&fans), false), &Order::of_pairs(set));
+        let (blocks, fans) = (Blocks::new(&shapes, set), Corners::new(&fans, vertices.start));
+        Self { vertices, corners, slots, fans, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
+    }
+
+    /// The vertices of each fan, as [`Fan::corners`] has them.
+    fn fans(&self) -> Vec<[u32; 4]> {
+        let mut fans = vec![[0; 4]; self.blocks.fans()];
+        let of_side = |side| self.slots.iter().zip(&self.corners).filter(move |(slot, _)| **slot % 2 == side);
+        for (slot, &[middle, from, across]) in of_side(0) {
+            fans[*slot as usize / 2] = [middle, from, across, from];
+        }
+        for (slot, &[.., to]) in of_side(1) {
+            fans[*slot as usize / 2][3] = to;
+        }
+        fans
     }
 
     /// The same for another instruction set than the best: with the same bits, in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
-        let shapes: Vec<_> = (0..self.corners.len()).map(|triangle| self.rest(triangle)).collect();
-        let material = (self.model, self.lame, self.plane_stress);
-        Self::of_shapes(&shapes, self.vertices.clone(), self.corners.clone(), material, set)
+        let fans = self.fans();
+        let shapes = (0..fans.len()).map(|fan| self.blocks.fan(fan)).collect();
+        let (material, of) = ((self.model, self.lame, self.plane_stress), (self.corners.clone(), self.slots.clone()));
+        Self::of_fans((fans, shapes), self.vertices.clone(), of, material, set)
     }
 
     /// The instruction set that forces, energies and stiffness are computed with.
@@ -108,10 +150,22 @@ impl Triangles {
         self.lame
     }
 
+    /// Where a triangle is among those of all fans, two each.
+    #[inline]
+    pub(super) fn slot(&self, triangle: usize) -> usize {
+        self.slots[triangle] as usize
+    }
+
+    /// How many there are of these, those of triangles that are alone in a fan included.
+    pub(super) const fn slots(&self) -> usize {
+        2 * self.blocks.fans()
+    }
+
     /// The rest shape of a triangle.
     #[inline]
     pub(super) fn rest(&self, triangle: usize) -> Rest {
-        self.blocks.rest(triangle)
+        let slot = self.slot(triangle);
+        self.blocks.rest(slot / 2, slot % 2)
     }
 
     /// Whether the faces of the sheet are free of stress.
@@ -168,8 +222,8 @@ impl Triangles {
         impl Visitor for Visit<'_> {
             type Output = f64;
             fn visit<M: Material>(self, material: &M) -> f64 {
-                let Self(Triangles { corners, blocks, .. }, x) = self;
-                blocks.set().dispatch(blocks::Energy { material, corners, blocks, x })
+                let Self(Triangles { vertices, fans: corners, blocks, .. }, x) = self;
+                blocks.set().dispatch(blocks::Energy { material, corners, blocks, x: &x[2 * vertices.start..] })
             }
         }
         self.model.visit(self.lame, Visit(self, x))
@@ -181,18 +235,13 @@ impl Triangles {
     }
 
     fn piece(&self) -> Piece<'_> {
-        Piece {
-            vertices: self.vertices.clone(),
-            corners: &self.packed,
-            blocks: self.blocks.all(),
-            gather: &self.gather,
-        }
+        Piece { vertices: self.vertices.clone(), corners: &self.fans, blocks: self.blocks.all(), gather: &self.gather }
     }
 
     /// The body in parts, if it is large enough for several to share the work.
     pub(crate) fn parts(&self) -> Option<&Parts> {
         self.parts
-            .get_or_init(|| Parts::new(&self.corners, &self.vertices, |triangle| self.rest(triangle), self.set()))
+            .get_or_init(|| Parts::new(&self.fans(), &self.vertices, |fan| self.blocks.fan(fan), self.set()))
             .as_ref()
     }
 
@@ -250,12 +299,7 @@ impl Triangles {
 /// D = [x1 - x0, x2 - x0] of a triangle, column by column.
 #[inline(always)]
 pub(super) fn edges(x: &[[f64; 2]], corners: [u32; 3]) -> [f64; 4] {
-    edges_between(corners.map(|corner| x[corner as usize]))
-}
-
-/// The same, from where its corners are.
-#[inline(always)]
-pub(super) fn edges_between([a, b, c]: [[f64; 2]; 3]) -> [f64; 4] {
+    let [a, b, c] = corners.map(|corner| x[corner as usize]);
     [b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]]
 }
 

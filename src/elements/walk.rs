@@ -28,8 +28,8 @@ const WAVE: usize = 6;
 /// ahead of what it has seen of the others.
 const RECENT: usize = 2 * WAVE;
 
-/// A body of so many triangles is larger than most caches: a step reads some 84 bytes a triangle (rest shape 40, numbers of corners
-/// and of their places 12, half a vertex 32) and writes 16.
+/// A body of so many triangles is larger than most caches: a step reads some 80 bytes a triangle (rest shape 40, numbers of corners
+/// and of their places 8, half a vertex 32) and writes 16.
 const VAST: usize = 1 << 17;
 
 /// How many steps of a body of so many triangles are best under way at once.

@@ -29,16 +29,32 @@ pub const fn split(bits: u64) -> [u64; 2] {
     [(moved & 0x000f_ffff_ffff_ffff) + LOW, (moved >> 52) | 0x4330_0000_0000_0000]
 }
 
-/// ln x as in `e_log.c` of fdlibm (Sun Microsystems, 1993), the operations in the same order. NaN below 0, -inf at 0.
-///
-/// With x = m 2^k and f = m - 1, `s = f/(2 + f)` gives `ln m = ln((1 + s)/(1 - s)) = f - f²/2 + s (f²/2 + R(s²))`.
+/// ln x for every number: NaN below 0, -inf at 0.
 #[inline(always)]
 pub fn log<R: Real>(x: R) -> R {
     let zero = x.of(0.0);
     // Subnormal numbers are scaled up.
     let least = x.of(f64::MIN_POSITIVE);
     let (m, k) = x.if_less(least, x * 18_014_398_509_481_984.0, x).split();
-    let k = x.if_less(least, k - 54.0, k);
+    let log = of_split(m, x.if_less(least, k - 54.0, k));
+    let positive = x.if_less(x.of(f64::INFINITY), log, x);
+    let limit = x.if_less(zero, x.of(f64::NAN), x.of(f64::NEG_INFINITY));
+    // Neither 0 < x nor x <= 0 holds for NaN, which stays itself.
+    zero.if_less(x, positive, x.if_less(least, limit, x))
+}
+
+/// ln x for positive normal numbers, the same bits; for others anything.
+#[inline(always)]
+pub fn of_normal<R: Real>(x: R) -> R {
+    let (m, k) = x.split();
+    of_split(m, k)
+}
+
+/// ln(m 2^k) as in `e_log.c` of fdlibm (Sun Microsystems, 1993), the operations in the same order.
+///
+/// With f = m - 1, `s = f/(2 + f)` gives `ln m = ln((1 + s)/(1 - s)) = f - f²/2 + s (f²/2 + R(s²))`.
+#[inline(always)]
+fn of_split<R: Real>(m: R, k: R) -> R {
     let f = m - 1.0;
     let half_square = f * 0.5 * f;
     let s = f / (f + 2.0);
@@ -47,9 +63,5 @@ pub fn log<R: Real>(x: R) -> R {
     let even = w * (w * (w * L[5] + L[3]) + L[1]);
     let odd = z * (w * (w * (w * L[6] + L[4]) + L[2]) + L[0]);
     let series = odd + even;
-    let log = s * (half_square + series) + k * LN2[1] - half_square + f + k * LN2[0];
-    let positive = x.if_less(x.of(f64::INFINITY), log, x);
-    let limit = x.if_less(zero, x.of(f64::NAN), x.of(f64::NEG_INFINITY));
-    // Neither 0 < x nor x <= 0 holds for NaN, which stays itself.
-    zero.if_less(x, positive, x.if_less(least, limit, x))
+    s * (half_square + series) + k * LN2[1] - half_square + f + k * LN2[0]
 }

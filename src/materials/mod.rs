@@ -92,7 +92,8 @@ pub trait Material: Copy + Send + Sync {
         false
     }
 
-    /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none.
+    /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none. Anything where
+    /// F is no number.
     fn thickness_stress<R: Real>(&self, f: Square<R>) -> R;
 
     /// The width w at which a strip of stretch s pulls its free sides neither in nor out: P22(diag(s, w)) = 0.

@@ -35,7 +35,8 @@ fn log<R: Real>(j: R) -> (R, R) {
     let u = t.if_less(t.of(INVERTED), t.of(INVERTED), t);
     let slope = -u + 1.0;
     let continued = u - u * u * 0.5 + slope * (t - u) - LN_10;
-    (j.if_less(j.of(FLAT), continued, j.logarithm()), slope)
+    // Where J is no number or infinite |F|² is so too, and tells.
+    (j.if_less(j.of(FLAT), continued, j.logarithm_of_normal()), slope)
 }
 
 /// L with its first and second derivative.

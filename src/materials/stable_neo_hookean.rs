@@ -50,7 +50,7 @@ impl Material for StableNeoHookean {
     fn psi<R: Real>(&self, f: Square<R>) -> R {
         let above = f.norm_squared() - 2.0;
         let growth = f.determinant() - 1.0;
-        let log = (above * (1.0 / 3.0) + 1.0).logarithm();
+        let log = (above * (1.0 / 3.0) + 1.0).logarithm_of_normal();
         (above - log) * (0.75 * self.lame.mu) + growth * (growth * (0.5 * self.bulk()) - self.lame.mu)
     }
 

@@ -1,16 +1,17 @@
 //! The mesh every recipe ends in: points, counter-clockwise triangles and icing, all of it checked.
 
-use super::{Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, topology::Topology};
+use super::{Fan, Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, fans::fans, topology::Topology};
 
 /// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
 const FLATTEST: f64 = 1e-12;
 
 /// A triangle mesh in its rest shape. What [`Mesh::new`] lets through has finite points, counter-clockwise triangles with
-/// an area, at most two of them at an edge and one fan of them at every vertex, and no vertex without a triangle.
+/// an area, at most two of them at an edge and one row of them around every vertex, and no vertex without a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     points: Vec<[f64; 2]>,
     triangles: Vec<[u32; 3]>,
+    fans: Vec<Fan>,
     icing: Vec<Stroke>,
     messages: Vec<String>,
     numbering: Numbering,
@@ -42,12 +43,13 @@ impl Mesh {
             });
         }
         check_used(base, points.len(), &triangles)?;
-        let pieces = Topology::new(points.len(), &triangles, base)?.pieces();
+        let topology = Topology::new(points.len(), &triangles, base)?;
+        let (pieces, fans) = (topology.pieces(), fans(&points, &topology));
         if pieces > 1 {
             messages.push(format!("the mesh is {pieces} separate pieces"));
         }
         messages.extend(coincident(base, &points));
-        Ok(Self { points, triangles, icing: Vec::new(), messages, numbering: Numbering::default() })
+        Ok(Self { points, triangles, fans, icing: Vec::new(), messages, numbering: Numbering::default() })
     }
 
     /// The same mesh with icing on it.
@@ -67,16 +69,22 @@ impl Mesh {
     #[must_use]
     pub fn renumbered(&self, numbering: Numbering) -> Self {
         let corners = |corners: [u32; 3]| corners.map(|corner| numbering.vertex(corner));
+        let mut places = vec![0; self.triangles.len()];
+        (0..places.len()).for_each(|triangle| places[numbering.element_name(triangle)] = triangle as u32);
         let mut icing = self.icing.clone();
-        if !icing.is_empty() {
-            let mut places = vec![0; self.triangles.len()];
-            (0..places.len()).for_each(|triangle| places[numbering.element_name(triangle)] = triangle as u32);
-            let embedded = icing.iter_mut().flat_map(|stroke| &mut stroke.points);
-            embedded.for_each(|point| point.triangle = places[point.triangle as usize]);
-        }
+        let embedded = icing.iter_mut().flat_map(|stroke| &mut stroke.points);
+        embedded.for_each(|point| point.triangle = places[point.triangle as usize]);
+        let renumbered = |fan: &Fan| {
+            let mut triangles = fan.0.map(|triangle| places.get(triangle as usize).copied().unwrap_or(Fan::ALONE));
+            triangles.sort_unstable();
+            Fan(triangles)
+        };
+        let mut fans: Vec<_> = self.fans.iter().map(renumbered).collect();
+        fans.sort_unstable_by_key(|fan| fan.0);
         Self {
             points: numbering.vertices_of(&self.points),
             triangles: numbering.elements_of(&self.triangles).into_iter().map(corners).collect(),
+            fans,
             icing,
             messages: self.messages.clone(),
             numbering,
@@ -101,6 +109,11 @@ impl Mesh {
     /// What is drawn on top and moves with the body.
     pub fn icing(&self) -> &[Stroke] {
         &self.icing
+    }
+
+    /// All triangles two by two, those in a fan with one that shares an edge; in the order of their first triangles.
+    pub fn fans(&self) -> &[Fan] {
+        &self.fans
     }
 
     /// What the user should know about the mesh although it can be used.

@@ -3,12 +3,12 @@
 use super::MeshError;
 
 /// A half-edge that no other triangle shares.
-const ALONE: u32 = u32::MAX;
+pub(super) const BOUNDARY: u32 = u32::MAX;
 
 /// The neighbours of counter-clockwise triangles. Half-edge `3 t + c` of triangle `t` runs from its corner `c` to the next.
 pub(super) struct Topology<'a> {
     triangles: &'a [[u32; 3]],
-    /// The half-edge that runs the other way, or [`ALONE`].
+    /// The half-edge that runs the other way, or [`BOUNDARY`].
     twins: Vec<u32>,
 }
 
@@ -26,9 +26,19 @@ impl<'a> Topology<'a> {
         }
     }
 
+    /// The triangles.
+    pub(super) const fn triangles(&self) -> &[[u32; 3]] {
+        self.triangles
+    }
+
+    /// For each half-edge the one that runs the other way, or [`BOUNDARY`].
+    pub(super) fn twins(&self) -> &[u32] {
+        &self.twins
+    }
+
     /// Boundary edges `(from, to)` with the body on their left, in the order of the triangles.
     pub(super) fn boundary_edges(&self) -> impl Iterator<Item = [u32; 2]> {
-        (0..self.twins.len()).filter(|&half| self.twins[half] == ALONE).map(|half| ends(self.triangles, half))
+        (0..self.twins.len()).filter(|&half| self.twins[half] == BOUNDARY).map(|half| ends(self.triangles, half))
     }
 
     /// The boundary as closed loops, the body on their left: outer loops run counter-clockwise, holes clockwise.
@@ -67,7 +77,7 @@ impl<'a> Topology<'a> {
             todo.push(start);
             while let Some(triangle) = todo.pop() {
                 for &twin in &self.twins[3 * triangle..3 * triangle + 3] {
-                    if twin != ALONE && !std::mem::replace(&mut seen[twin as usize / 3], true) {
+                    if twin != BOUNDARY && !std::mem::replace(&mut seen[twin as usize / 3], true) {
                         todo.push(twin as usize / 3);
                     }
                 }
@@ -76,30 +86,30 @@ impl<'a> Topology<'a> {
         pieces
     }
 
-    /// A vertex whose triangles do not form one single fan.
+    /// A vertex whose triangles do not lie in one row around it.
     fn bow_tie(&self, vertices: usize) -> Option<usize> {
         let mut degree = vec![0_u32; vertices];
-        let mut start = vec![ALONE; vertices];
+        let mut start = vec![BOUNDARY; vertices];
         for half in 0..self.twins.len() {
             let vertex = ends(self.triangles, half)[0] as usize;
             degree[vertex] += 1;
-            // Counter-clockwise turns from the boundary reach the whole fan; inside any start will do.
-            if start[vertex] == ALONE || self.twins[half] == ALONE {
+            // Counter-clockwise turns from the boundary reach all of them; inside any start will do.
+            if start[vertex] == BOUNDARY || self.twins[half] == BOUNDARY {
                 start[vertex] = half as u32;
             }
         }
-        (0..vertices).find(|&vertex| start[vertex] != ALONE && self.fan(start[vertex]) != degree[vertex])
+        (0..vertices).find(|&vertex| start[vertex] != BOUNDARY && self.around(start[vertex]) != degree[vertex])
     }
 
     /// Number of triangles met when turning counter-clockwise about the start of a half-edge.
-    fn fan(&self, start: u32) -> u32 {
+    fn around(&self, start: u32) -> u32 {
         let mut half = start;
         let mut count = 0;
         loop {
             count += 1;
             // The edge that comes into the same vertex within this triangle, seen from its other side.
             half = self.twins[(half / 3 * 3 + (half + 2) % 3) as usize];
-            if half == ALONE || half == start {
+            if half == BOUNDARY || half == start {
                 return count;
             }
         }
@@ -107,7 +117,7 @@ impl<'a> Topology<'a> {
 }
 
 /// The two ends of a half-edge.
-fn ends(triangles: &[[u32; 3]], half: usize) -> [u32; 2] {
+pub(super) fn ends(triangles: &[[u32; 3]], half: usize) -> [u32; 2] {
     let corners = triangles[half / 3];
     [corners[half % 3], corners[(half + 1) % 3]]
 }
@@ -121,7 +131,7 @@ fn twins(triangles: &[[u32; 3]], base: usize) -> Result<Vec<u32>, MeshError> {
         })
         .collect();
     edges.sort_unstable();
-    let mut twins = vec![ALONE; edges.len()];
+    let mut twins = vec![BOUNDARY; edges.len()];
     for group in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let (from, to) = (group[0].0 as usize + base, group[0].1 as usize + base);
         match *group {

@@ -249,8 +249,7 @@ impl Scene {
             Arc::clone(&body.mesh)
         } else {
             let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            let order = order::mended(mesh.points().len(), mesh.triangles());
-            Arc::new(if let Some(order) = order { mesh.renumbered(order) } else { mesh })
+            Arc::new(order::mesh(mesh))
         };
         let numbering = mesh.numbering();
         let first = self.rest.len() / 2;
@@ -265,10 +264,9 @@ impl Scene {
         if total > MOST_TRIANGLES {
             return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
-        let corners: Vec<_> = mesh.triangles().iter().map(|triangle| triangle.map(|i| i + first as u32)).collect();
         let material = &level.material;
         let stuff = (material.model(), material.lame(), material.plane() == Plane::Stress);
-        let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), corners, stuff));
+        let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), &mesh, stuff));
         if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
             let flat = numbering.element_name(flat);
             return Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"));

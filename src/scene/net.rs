@@ -19,9 +19,7 @@ pub struct Net {
 
 impl Scene {
     pub(super) fn add_net(&mut self, level: &NetLevel) -> Result<(), String> {
-        let net = level.net.kind().build().map_err(|error| error.to_string())?;
-        let ends: Vec<_> = net.links().iter().map(|link| link.ends).collect();
-        let net = if let Some(order) = order::mended(net.points().len(), &ends) { net.renumbered(order) } else { net };
+        let net = order::net(level.net.kind().build().map_err(|error| error.to_string())?);
         let first = self.rest.len() / 2;
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();

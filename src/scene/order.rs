@@ -2,10 +2,15 @@
 //!
 //! Meshes that are made here have one, as long as they are small. Those from files, and nets, have the numbers that somebody gave them: on
 //! a shuffled mesh every corner of a triangle would be fetched from far away. And in large ones that follow a curve through the plane,
-//! the forces at a vertex are wanted long after the first of them were known. Such meshes are numbered anew while a scene is built.
+//! the forces at a vertex are wanted long after the first of them were known. Such meshes are numbered anew while a scene is built, as they
+//! are stepped: fan by fan ([`Mesh::fans`]).
 //! Nobody outside needs to know: levels, saved states, tables and messages go on with the names from the file ([`Numbering`]).
 
-use crate::{elements::STRETCH, meshes::Numbering};
+use crate::{
+    elements::STRETCH,
+    meshes::{Mesh, Numbering},
+    nets::Net,
+};
 
 /// Vertices whose positions lie in the same line of memory.
 const LINE: usize = 4;
@@ -15,18 +20,33 @@ const NEAR: usize = 256;
 
 /// A mesh is out of order if each line is fetched from far away more than so many times in a step. Where rows, rings or a curve that fills the
 /// plane are followed that is at most 0.5 times, as the processor sees the next line coming; where thousands of vertices or triangles
-/// are listed anyhow it is 3 to 24 times. What is so small that it is always near is in order in any order.
+/// are listed anyhow it is 2 to 16 times. What is so small that it is always near is in order in any order.
 const SEVERAL: f64 = 1.5;
 
-/// Nor is it in order if there are more elements than these between two that meet at a vertex, and another order has less than half as
-/// many: the forces at the corners of all of them have to be kept meanwhile. Where rows are followed these are one row or two; a curve
-/// that fills the plane passes where it has been before half the mesh ago.
-const FAR: usize = 4 * STRETCH;
+/// Nor is it in order if elements with more corners than these lie between two that meet at a vertex, and in another order less than half
+/// as many: the forces at all those corners have to be kept meanwhile. Where rows are followed it is one row or two; a curve that fills
+/// the plane passes where it has been before half the mesh ago.
+const FAR: usize = 8 * STRETCH;
 
-/// The numbering for a mesh that is out of order; nothing for others, which are left as they are.
-pub(super) fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<Numbering> {
+/// A mesh in a better order, if it is out of order; others are left as they are.
+pub(super) fn mesh(mesh: Mesh) -> Mesh {
+    let fans: Vec<_> = mesh.fans().iter().map(|fan| fan.corners(mesh.triangles())).collect();
+    let Some([names, order]) = mended(mesh.points().len(), &fans) else { return mesh };
+    let triangles = order.iter().flat_map(|fan| mesh.fans()[*fan as usize].triangles());
+    mesh.renumbered(Numbering::new(names, triangles.collect()))
+}
+
+/// A net in a better order, if it is out of order.
+pub(super) fn net(net: Net) -> Net {
+    let ends: Vec<_> = net.links().iter().map(|link| link.ends).collect();
+    let Some([names, order]) = mended(net.points().len(), &ends) else { return net };
+    net.renumbered(Numbering::new(names, order))
+}
+
+/// The names of vertices and of elements, springs or fans of triangles, in a better order; nothing where they are in order.
+fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<[Vec<u32>; 2]> {
     let (scattered, apart) = (fetches(vertices, elements) > SEVERAL, spread(vertices, elements.iter()));
-    if !scattered && apart <= FAR {
+    if !scattered && N * apart <= FAR {
         return None;
     }
     let near = by_neighbours(vertices, elements);
@@ -42,7 +62,7 @@ pub(super) fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> 
     if !scattered && !better() {
         return None;
     }
-    Some(Numbering::new(by_stretches(vertices, elements, &order), order))
+    Some([by_stretches(vertices, elements, &order), order])
 }
 
 /// How often a line of positions is fetched from far away in a sweep over all elements, on average: when neither it nor a line

@@ -9,7 +9,7 @@ use gingerbread::{
     files,
     level::{Level, RunMode},
     levels::built_in,
-    materials::{MaterialParameters, Model, Plane},
+    materials::{Material, MaterialParameters, Model, Plane, Visitor},
     meshes::NoFiles,
     quantity::{Poisson, Young},
     sandbox::Sandbox,
@@ -17,7 +17,7 @@ use gingerbread::{
     simulation::Simulation,
     snapshot::{Field, Snapshot},
 };
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector2};
 
 /// A fixed stream of irregular numbers (`SplitMix64`).
 pub struct Random(pub u64);
@@ -109,3 +109,38 @@ pub fn models() -> impl Iterator<Item = &'static str> {
 
 /// Both modes.
 pub const MODES: [RunMode; 2] = [RunMode::Simulate, RunMode::Collide];
+
+/// Energy of the first body, and the forces `[f1 f2] = -A P D0⁻ᵀ` of one triangle after another.
+pub fn one_by_one(simulation: &Simulation, x: &[f64]) -> (f64, Vec<f64>) {
+    let elements = &simulation.scene().bodies[0].elements;
+    elements.model().visit(elements.lame(), OneByOne(simulation, x))
+}
+
+struct OneByOne<'a>(&'a Simulation, &'a [f64]);
+
+impl Visitor for OneByOne<'_> {
+    type Output = (f64, Vec<f64>);
+
+    fn visit<M: Material>(self, material: &M) -> Self::Output {
+        let Self(simulation, x) = self;
+        let body = &simulation.scene().bodies[0];
+        let edges = |points: &[f64], [a, b, c]: [u32; 3]| {
+            let at = |i: u32| Vector2::new(points[2 * i as usize], points[2 * i as usize + 1]);
+            Matrix2::from_columns(&[at(b) - at(a), at(c) - at(a)])
+        };
+        let (mut energy, mut force) = (0.0, vec![0.0; x.len()]);
+        for &triangle in body.mesh.triangles() {
+            let rest = edges(&simulation.scene().rest, triangle);
+            let inverse = rest.try_inverse().unwrap();
+            let (f, area) = (edges(x, triangle) * inverse, 0.5 * rest.determinant());
+            energy += material.energy(&f) * area;
+            let forces = material.stress(&f) * inverse.transpose() * -area;
+            let (one, two) = (forces.column(0).into_owned(), forces.column(1).into_owned());
+            for (corner, corner_force) in triangle.into_iter().zip([-one - two, one, two]) {
+                force[2 * corner as usize] += corner_force.x;
+                force[2 * corner as usize + 1] += corner_force.y;
+            }
+        }
+        (energy, force)
+    }
+}

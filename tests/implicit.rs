@@ -327,19 +327,24 @@ fn what_rests_on_a_wall_takes_one_factorisation_a_step() {
     }
 }
 
+/// Takes a step of implicit Euler; what walls added to the other forces at its end, m (v' - v)/h - f, number by number [N].
+fn step_and_walls(run: &mut Simulation) -> Vec<f64> {
+    let before = run.state().clone();
+    run.advance(1, &mut || true);
+    let (scene, state) = (run.scene(), run.state());
+    let force = force(scene, state, None);
+    (0..force.len()).map(|k| scene.mass[k] * (state.v[k] - before.v[k]) / scene.step - force[k]).collect()
+}
+
 #[test]
 fn walls_only_push_what_bounces_on_them() {
     let level = Level { substeps: Substeps::new(4).unwrap(), ..block("", "(0.3, 0.3)") };
     let mut run = built(&under(level, "ImplicitEuler"), None);
     let (mut most, mut least, mut apart) = (0.0_f64, 0.0_f64, 0);
     for _ in 0..600 {
-        let before = run.state().clone();
-        run.advance(1, &mut || true);
-        let (scene, state) = (run.scene(), run.state());
-        let force = force(scene, state, None);
-        let wall = |k: usize| scene.mass[k] * (state.v[k] - before.v[k]) / scene.step - force[k];
-        let walls = (1..force.len()).step_by(2).map(wall);
-        let [low, high] = walls.fold([0.0, 0.0], |[low, high], wall| [f64::min(low, wall), f64::max(high, wall)]);
+        let walls = step_and_walls(&mut run);
+        let [low, high] =
+            walls.iter().skip(1).step_by(2).fold([0.0_f64; 2], |[low, high], wall| [low.min(*wall), high.max(*wall)]);
         (most, least) = (most.max(high), least.min(low));
         apart += usize::from(high < 1e-6);
     }
@@ -354,14 +359,9 @@ fn in_a_notch_walls_only_push_and_only_across_themselves() {
     let mut run = built(&under(level, "ImplicitEuler"), None);
     let (mut most, mut least, mut along) = (0.0_f64, 0.0_f64, 0.0_f64);
     for _ in 0..900 {
-        let before = run.state().clone();
-        run.advance(1, &mut || true);
-        let (scene, state) = (run.scene(), run.state());
-        let force = force(scene, state, None);
-        let wall = |k: usize| scene.mass[k] * (state.v[k] - before.v[k]) / scene.step - force[k];
-        for vertex in 0..force.len() / 2 {
-            let side = if state.x[2 * vertex] < 0.5 { 0.8 } else { -0.8 };
-            let [fx, fy] = [wall(2 * vertex), wall(2 * vertex + 1)];
+        let walls = step_and_walls(&mut run);
+        for ([fx, fy], x) in walls.as_chunks().0.iter().zip(run.state().x.as_chunks::<2>().0) {
+            let side = if x[0] < 0.5 { 0.8 } else { -0.8 };
             let (across, slip) = (side * fx + 0.6 * fy, side * fy - 0.6 * fx);
             (most, least, along) = (most.max(across), least.min(across), along.max(slip.abs()));
         }

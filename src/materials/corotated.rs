@@ -37,7 +37,8 @@ const UNDECIDED: f64 = 1e-12;
 /// Also returns sqrt(a² + b²) = tr(RᵀF).
 #[inline(always)]
 pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
-    let ([a, b], length) = conformal(f);
+    let ([a, b], square) = conformal(f);
+    let length = square.sqrt();
     let (zero, one, least) = (a.of(0.0), a.of(1.0), a.of(UNDECIDED));
     let (c, s) = (least.if_less(length, a, one), least.if_less(length, b, zero));
     let inverse = one / least.if_less(length, length, one);
@@ -45,19 +46,21 @@ pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
     (Square::new(c, -s, s, c), length)
 }
 
-/// a, b and sqrt(a² + b²) of [`nearest_rotation`].
+/// a, b and a² + b² of [`nearest_rotation`].
 #[inline(always)]
 fn conformal<R: Real>(f: Square<R>) -> ([R; 2], R) {
     let (a, b) = (f.m11 + f.m22, f.m21 - f.m12);
-    ([a, b], (a * a + b * b).sqrt())
+    ([a, b], a * a + b * b)
 }
 
 /// `linear F + (constant + inverse / t) t R`, with `t = tr(RᵀF)`: what depends on R without a division for R itself, as `t R` is
 /// `[[a, -b], [b, a]]`.
 #[inline(always)]
 pub(super) fn with_rotation<R: Real>(f: Square<R>, [linear, constant, inverse]: [f64; 3]) -> Square<R> {
-    let ([a, b], trace) = conformal(f);
-    let factor = a.of(inverse) / trace + constant;
+    let ([a, b], square) = conformal(f);
+    let trace = square.sqrt();
+    // As 1/t = t/t² the quotient does not wait for the root.
+    let factor = a.of(inverse) / square * trace + constant;
     let least = a.of(UNDECIDED);
     let c = least.if_less(trace, factor * a, a.of(inverse));
     let s = least.if_less(trace, factor * b, a.of(0.0));

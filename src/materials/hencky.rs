@@ -42,23 +42,21 @@ impl Hencky {
 const NEAR: f64 = 0.25;
 
 /// `(h - 1)/y` by powers of y: of all polynomials of this degree the one that makes the least relative error in h for y from 0 to
-/// [`NEAR`], 3e-20, found by Remez's algorithm. Cut off there, the Taylor series would need twice as many terms.
-const SERIES: [f64; 15] = [
-    0.333_333_333_333_333_37,
-    0.199_999_999_999_984_2,
-    0.142_857_142_859_409_43,
-    0.111_111_110_946_710_65,
-    0.090_909_097_996_865_88,
-    0.076_922_878_434_326_94,
-    0.066_670_476_984_349_6,
-    0.058_771_695_704_992_556,
-    0.053_140_821_273_194_05,
-    0.043_979_183_878_256_89,
-    0.062_327_734_814_581_47,
-    -0.029_450_400_068_609_35,
-    0.212_000_596_692_528_35,
-    -0.243_047_416_988_451_78,
-    0.258_384_806_255_637_64,
+/// [`NEAR`], 7e-18, found by Remez's algorithm. Cut off there, the Taylor series would need twice as many terms.
+const SERIES: [f64; 13] = [
+    0.333_333_333_333_339_9,
+    0.199_999_999_997_951_1,
+    0.142_857_143_080_352_97,
+    0.111_111_098_885_917_39,
+    0.090_909_484_860_039_12,
+    0.076_914_947_481_244_86,
+    0.066_779_443_886_069_54,
+    0.057_743_959_658_354_084,
+    0.059_824_057_209_393_405,
+    0.014_564_741_016_676_8,
+    0.144_927_915_596_679_14,
+    -0.152_894_474_046_388_67,
+    0.224_776_098_325_018_9,
 ];
 
 /// [`SERIES`] for dh/dy.
@@ -101,10 +99,10 @@ impl<R: Real> Stretches<R> {
         // Both have two entries in common: |F + G|² = 2 p², |F - G|² = 2 q².
         let sum = plus.m11 * plus.m11 + plus.m21 * plus.m21;
         let y = (minus.m11 * minus.m11 + minus.m21 * minus.m21) / sum;
-        // ln J = 2 atanh(twice/2), with the same series.
-        let twice = (j - 1.0) / (j + 1.0) * 2.0;
-        let (square, limit) = (twice * twice * 0.25, y.of(NEAR));
-        let (mut h, mut log) = (rest(y) + 1.0, rest(square) * twice + twice);
+        // ln J = 2 atanh(half), with the same series.
+        let half = (j - 1.0) / (j + 1.0);
+        let (square, limit) = (half * half, y.of(NEAR));
+        let (mut h, mut log) = (rest(y) + 1.0, (rest(square) * half + half) * 2.0);
         // Seldom, and twice the work.
         if !(y.all_less(limit) && square.all_less(limit)) {
             let root = y.sqrt();
@@ -218,14 +216,14 @@ mod tests {
     }
 
     #[test]
-    fn the_logarithm_of_j_is_that_of_libm_but_for_two_last_places() {
+    fn the_logarithm_of_j_is_that_of_libm_but_for_three_last_places() {
         let wide = (-1000..1000).map(|power| libm::exp2(f64::from(power) * 0.999));
         let round_one = (1..200_000).map(|turn| f64::from(turn) / 50_000.0);
         let next_to_one = (1..53).flat_map(|power| [1.0, -1.0].map(|sign| 1.0 + sign * libm::exp2(-f64::from(power))));
         for j in wide.chain(round_one).chain(next_to_one) {
             let log = Stretches::of(Square::new(j, 0.0, 0.0, 1.0)).log;
             let expected = libm::log(j);
-            assert!(apart(log, expected) <= 2, "{j:e}: {log:e} is not {expected:e}");
+            assert!(apart(log, expected) <= 3, "{j:e}: {log:e} is not {expected:e}");
         }
     }
 }

@@ -3,97 +3,25 @@
 //! triangle after another: the ratio of the two says more than either on a machine that is busy or slow.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark is not a library")]
 
+mod plain;
 mod sheet;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
-    lanes::{Square, sets, width},
+    lanes::{sets, width},
     level::{Level, Toggle},
     levels,
-    materials::{Material, Model, Visitor},
+    materials::Model,
     meshes::NoFiles,
     sandbox::Sandbox,
     scene::Scene,
     simulation::Simulation,
     snapshot::{Field, Snapshot},
 };
-use nalgebra::Matrix2;
+use plain::Plain;
 use sheet::{Lap, sheet, simulation, strip};
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
-
-/// The same step as a course would write it: symplectic Euler, forces scattered triangle by triangle.
-struct Plain {
-    model: Model,
-    /// Corners, D0⁻¹ and area.
-    triangles: Vec<([usize; 3], Square<f64>, f64)>,
-    x: Vec<[f64; 2]>,
-    v: Vec<[f64; 2]>,
-    force: Vec<[f64; 2]>,
-    inverse_mass: Vec<f64>,
-    h: f64,
-}
-
-fn edges(x: &[[f64; 2]], [a, b, c]: [usize; 3]) -> Square<f64> {
-    Square::new(x[b][0] - x[a][0], x[c][0] - x[a][0], x[b][1] - x[a][1], x[c][1] - x[a][1])
-}
-
-impl Plain {
-    fn new(simulation: &Simulation) -> Self {
-        let scene = simulation.scene();
-        let pairs = |flat: &[f64]| flat.as_chunks::<2>().0.to_vec();
-        let rest = pairs(&scene.rest);
-        let triangle = |corners: &[u32; 3]| {
-            let corners = corners.map(|corner| corner as usize);
-            let edges = Matrix2::from(edges(&rest, corners));
-            (corners, Square::from(&edges.try_inverse().unwrap()), 0.5 * edges.determinant())
-        };
-        Self {
-            model: scene.bodies[0].elements.model(),
-            triangles: scene.triangles.iter().map(triangle).collect(),
-            x: pairs(&scene.start.x),
-            v: pairs(&scene.start.v),
-            force: rest.clone(),
-            inverse_mass: scene.inverse_mass.iter().step_by(2).copied().collect(),
-            h: scene.step,
-        }
-    }
-
-    fn steps(&mut self, simulation: &Simulation, steps: u64) -> Duration {
-        let lame = simulation.scene().bodies[0].elements.lame();
-        let begin = Instant::now();
-        for _ in 0..steps {
-            self.model.visit(lame, &mut *self);
-        }
-        begin.elapsed()
-    }
-}
-
-impl Visitor for &mut Plain {
-    type Output = ();
-    fn visit<M: Material>(self, material: &M) {
-        self.force.fill([0.0; 2]);
-        for &(corners, inverse, area) in &self.triangles {
-            let stress = material.piola(edges(&self.x, corners).times(inverse));
-            let h = stress.times(inverse.transpose()) * -area;
-            let forces = [[-h.m11 - h.m12, -h.m21 - h.m22], [h.m11, h.m21], [h.m12, h.m22]];
-            for (corner, [x, y]) in corners.into_iter().zip(forces) {
-                self.force[corner][0] += x;
-                self.force[corner][1] += y;
-            }
-        }
-        let moving = self.x.iter_mut().zip(&mut self.v).zip(self.force.iter().zip(&self.inverse_mass));
-        for ((x, v), (force, inverse_mass)) in moving {
-            for axis in 0..2 {
-                v[axis] += self.h * force[axis] * inverse_mass;
-                x[axis] += self.h * v[axis];
-            }
-        }
-    }
-}
+use std::{sync::Arc, time::Duration};
 
 /// At the start the guard looks at every step.
 const LAP: Lap = Lap { lead: 200, end: 2000 };
@@ -103,7 +31,7 @@ fn steps(criterion: &mut Criterion) {
     for n in [22, 71, 224] {
         for &model in Model::ALL {
             let mut simulation = sheet(n, model);
-            let mut plain = Plain::new(&simulation);
+            let mut plain = Plain::new(simulation.scene());
             let name = format!("{} triangles, {}", 2 * n * n, model.name());
             group.bench_function(&name, |bencher| {
                 bencher.iter_custom(|count| LAP.time(&mut simulation, count) / (2 * n * n));
@@ -120,7 +48,7 @@ fn steps(criterion: &mut Criterion) {
                 });
             }
             group.bench_function(format!("{name}, plain"), |bencher| {
-                bencher.iter_custom(|count| plain.steps(&simulation, count) / (2 * n * n));
+                bencher.iter_custom(|count| plain.time(count) / (2 * n * n));
             });
         }
     }

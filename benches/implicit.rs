@@ -7,6 +7,7 @@ mod physics;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gingerbread::{
+    effects::Effect as _,
     files,
     integrators::{ImplicitEuler, SecondOrder, Work},
     materials::Model,
@@ -86,6 +87,29 @@ fn assembly(criterion: &mut Criterion) {
                     });
                 });
             }
+        }
+    }
+}
+
+/// The stiffness times a displacement, without a matrix: what the longest stable step is found by.
+fn product(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("stiffness times a displacement, per triangle");
+    for n in SIDES {
+        for &model in Model::ALL {
+            let simulation = sheet(n, model);
+            let (scene, state) = (simulation.scene(), simulation.state());
+            let (mut scratch, mut product) = (vec![0.0; scene.scratch()], vec![0.0; state.x.len()]);
+            let elements = &scene.bodies[0].elements;
+            group.bench_function(BenchmarkId::new(model.name(), 2 * n * n), |bencher| {
+                bencher.iter_custom(|count| {
+                    let begin = Instant::now();
+                    for _ in 0..count {
+                        product.fill(0.0);
+                        elements.stiffness_times(scene.motion(state, None), &scene.rest, &mut scratch, &mut product);
+                    }
+                    begin.elapsed() / (2 * n * n)
+                });
+            });
         }
     }
 }
@@ -208,6 +232,6 @@ fn man(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(1)).warm_up_time(Duration::from_millis(200));
-    targets = assembly, factor, step, sizes, paths, man
+    targets = assembly, product, factor, step, sizes, paths, man
 }
 criterion_main!(benches);

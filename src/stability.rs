@@ -41,6 +41,7 @@ pub struct StabilityProbe {
     basis: Vec<f64>,
     displacement: Vec<f64>,
     product: Vec<f64>,
+    scratch: Vec<f64>,
 }
 
 impl StabilityProbe {
@@ -64,6 +65,7 @@ impl StabilityProbe {
         for buffer in [&mut self.displacement, &mut self.product] {
             buffer.resize(count, 0.0);
         }
+        self.scratch.resize(scene.scratch(), 0.0);
         self.basis.clear();
         let length = norm(&self.vector);
         self.basis.extend(self.vector.iter().map(|value| value / length));
@@ -110,7 +112,8 @@ impl StabilityProbe {
         }
         self.product.fill(0.0);
         for effect in &scene.effects {
-            effect.stiffness_times(scene.motion(state, None), &self.displacement, &mut self.product);
+            let scratch = &mut self.scratch[..effect.scratch()];
+            effect.stiffness_times(scene.motion(state, None), &self.displacement, scratch, &mut self.product);
         }
         for (product, inverse_mass) in self.product.iter_mut().zip(&scene.inverse_mass) {
             *product *= root(inverse_mass);

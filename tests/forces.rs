@@ -71,7 +71,7 @@ fn stiffness_times_a_displacement_is_the_change_of_force() {
         let d = shaken(&vec![0.0; x.len()], 1.0, 2);
         let mut product = vec![0.0; x.len()];
         let motion = Motion { x: &x, v: &d, mass: &d, inverse_mass: &d, grab: None };
-        body.stiffness_times(motion, &d, &mut product);
+        body.stiffness_times(motion, &d, &mut vec![0.0; body.scratch()], &mut product);
         let error = |epsilon: f64| {
             let along = |by: f64| forces(body, &x.iter().zip(&d).map(|(x, d)| x + by * d).collect::<Vec<_>>());
             let (ahead, behind) = (along(epsilon), along(-epsilon));
@@ -215,7 +215,8 @@ fn at_rest_damping_is_rayleighs() {
     let force = damping_force(3.0, 0.02, &scene.rest, &v, &simulation);
     let mut expected = vec![0.0; v.len()];
     let motion = Motion { x: &scene.rest, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None };
-    elements(&simulation).stiffness_times(motion, &v, &mut expected);
+    let body = elements(&simulation);
+    body.stiffness_times(motion, &v, &mut vec![0.0; body.scratch()], &mut expected);
     for ((expected, mass), v) in expected.iter_mut().zip(&scene.mass).zip(&v) {
         *expected = -0.02 * *expected - 3.0 * mass * v;
     }

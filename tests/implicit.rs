@@ -105,7 +105,9 @@ fn the_stiffness_matrix_is_the_difference_of_the_forces_and_symmetric() {
         let matrix =
             assembled(scene.scene(), motion, Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Exact });
         let mut product = vec![0.0; state.x.len()];
-        scene.scene().effects.iter().for_each(|effect| effect.stiffness_times(motion, &state.x, &mut product));
+        for effect in &scene.scene().effects {
+            effect.stiffness_times(motion, &state.x, &mut vec![0.0; effect.scratch()], &mut product);
+        }
         let scale = greatest(product.iter().copied());
         assert!(greatest(times(&matrix, &state.x).iter().zip(&product).map(|(a, b)| a - b)) < 1e-12 * scale.max(1.0));
     }

@@ -68,7 +68,7 @@ fn stiffness_times_a_displacement_is_the_change_of_force_and_symmetric() {
         let (d, other) = (shaken(), shaken());
         let times = |d: &[f64]| {
             let mut product = vec![0.0; x.len()];
-            springs.stiffness_times(at(&x, &x), d, &mut product);
+            springs.stiffness_times(at(&x, &x), d, &mut [], &mut product);
             product
         };
         let product = times(&d);
@@ -107,7 +107,7 @@ fn a_spring_whose_ends_coincide_gives_no_force_and_finite_numbers() {
         assert_eq!(forces(&springs, x), [0.0; 4]);
         assert_eq!(springs.elastic_energy(x), 0.5 * 7.0 * rest * rest);
         let mut product = [0.0; 4];
-        springs.stiffness_times(at(x, x), &d, &mut product);
+        springs.stiffness_times(at(x, x), &d, &mut [], &mut product);
         assert_eq!(product, [-7.0, -14.0, 7.0, 14.0]);
     }
     let text = "(name: \"\", nets: [(name: \"point\", net: Chain(from: (0.5, 0.5), to: (0.5, 0.5), springs: 4, stiffness: 10, rest: 0.1), mass: 1)],
@@ -132,7 +132,7 @@ fn rayleigh_damping_of_springs_is_a_damper_beside_each() {
     let mut random = Random(8);
     let v: Vec<f64> = scene.rest.iter().map(|_| random.between(-1.0, 1.0)).collect();
     let mut expected = vec![0.0; v.len()];
-    springs.stiffness_times(at(&scene.rest, &v), &v, &mut expected);
+    springs.stiffness_times(at(&scene.rest, &v), &v, &mut [], &mut expected);
     let force = damped(&scene.rest, &v);
     let gap: Vec<_> = force.iter().zip(&expected).map(|(force, product)| force + 0.02 * product).collect();
     assert!(norm(&gap) < 1e-13 * norm(&expected));

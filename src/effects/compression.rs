@@ -6,7 +6,7 @@ use crate::{
     quantity::{CompressionStrength, Quantity},
     solvers::{BlockMatrix, Weights},
 };
-use nalgebra::{Matrix2, Matrix4, Vector4};
+use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -76,17 +76,6 @@ impl Squeezed {
         let missing = (1.0 - f.determinant()).max(0.0);
         self.0 / 3.0 * missing * missing * missing
     }
-
-    /// dP = 2 k (1 - J) (G : dF) G - k (1 - J)² dG.
-    fn stiffness(self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let missing = (1.0 - f.determinant()).max(0.0);
-        let g = Vector4::new(f.m22, -f.m12, -f.m21, f.m11);
-        let mut turned = Matrix4::zeros();
-        for (row, sign) in [1.0, -1.0, -1.0, 1.0].into_iter().enumerate() {
-            turned[(row, 3 - row)] = sign;
-        }
-        g * g.transpose() * (2.0 * self.0 * missing) - turned * (self.0 * missing * missing)
-    }
 }
 
 impl Isotropic for Squeezed {
@@ -142,10 +131,9 @@ impl Effect for Resistance {
         }
     }
 
-    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], scratch: &mut [f64], product: &mut [f64]) {
         for body in &self.bodies {
-            let law = self.law(body);
-            body.add_tangent_times(motion.x, d, product, |f| law.stiffness(f));
+            body.add_energy_change([motion.x, d], &mut scratch[..body.scratch()], product, self.law(body));
         }
     }
 

@@ -186,7 +186,7 @@ pub trait Effect: Send + Sync {
     /// How many elements (vertices, triangles, ...) one call touches.
     fn elements(&self, motion: Motion<'_>) -> usize;
 
-    /// How many numbers of scratch `force` needs.
+    /// How many numbers of scratch [`Self::force`] and [`Self::stiffness_times`] need.
     fn scratch(&self) -> usize {
         0
     }
@@ -226,7 +226,7 @@ pub trait Effect: Send + Sync {
     fn kick(&self, _vertices: &mut Kicking<'_>, _scratch: &mut [f64]) {}
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
-    fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _product: &mut [f64]) {}
+    fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _scratch: &mut [f64], _product: &mut [f64]) {}
 
     /// Names every couple of different vertices whose forces depend on each other, in the order in which
     /// [`Self::add_stiffness`] adds their blocks. A couple may be named more than once.

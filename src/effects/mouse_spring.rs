@@ -80,7 +80,7 @@ impl Effect for Pulling {
         }
     }
 
-    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _: &mut [f64], product: &mut [f64]) {
         if let Some(grab) = motion.grab {
             let at = 2 * grab.vertex;
             product[at] += self.0 * d[at];

@@ -266,7 +266,7 @@ impl Effect for Springs {
         self.sweep(vertices, &mut scratch[..self.scratch()]);
     }
 
-    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _: &mut [f64], product: &mut [f64]) {
         for link in &self.links {
             let ([xx, xy, yy], [dx, dy]) = (block(motion.x, link, Tangent::Exact), between(d, link));
             add_pair(product, link, [-xx * dx - xy * dy, -xy * dx - yy * dy]);

@@ -1,7 +1,8 @@
 //! The stiffness of triangles as 2 x 2 blocks between their corners.
 
 use super::{
-    Triangles,
+    Adding, Triangles,
+    blocks::Law,
     triangle::{Rest, edges},
 };
 use crate::{
@@ -33,6 +34,20 @@ impl<M: Material> Isotropic for Stored<'_, M> {
     }
 }
 
+/// Minus the change of a stress with a change of F, which stands in the place of dF/dt.
+#[derive(Clone, Copy)]
+struct Change<L>(L);
+
+impl<L: Isotropic> Law for Change<L> {
+    const RATE: bool = true;
+
+    #[inline(always)]
+    fn stress<R: Real>(&self, f: Square<R>, change: Square<R>) -> Square<R> {
+        let parts = Parts::of(f);
+        self.0.moduli(&parts).change(&parts, change) * -1.0
+    }
+}
+
 impl Triangles {
     /// Names the three couples of corners of each triangle.
     pub(crate) fn name_couples(&self, add: &mut dyn FnMut(u32, u32)) {
@@ -41,6 +56,29 @@ impl Triangles {
             add(a, c);
             add(b, c);
         }
+    }
+
+    /// Adds the elastic stiffness at x, geometric part included, times a displacement d [m] to `product` [N]; both flat.
+    pub(crate) fn add_elastic_change(&self, moving: [&[f64]; 2], scratch: &mut [f64], product: &mut [f64]) {
+        struct Visit<'a>(&'a Triangles, [&'a [f64]; 2], &'a mut [f64], &'a mut [f64]);
+        impl Visitor for Visit<'_> {
+            type Output = ();
+            fn visit<M: Material>(self, material: &M) {
+                self.0.add_energy_change(self.1, self.2, self.3, Stored(material));
+            }
+        }
+        self.model().visit(self.lame(), Visit(self, moving, scratch, product));
+    }
+
+    /// Adds the second derivative of the energy at x, of an isotropic density of it, times a displacement d [m] to `product` [N].
+    pub(crate) fn add_energy_change(
+        &self,
+        [x, d]: [&[f64]; 2],
+        scratch: &mut [f64],
+        product: &mut [f64],
+        law: impl Isotropic,
+    ) {
+        self.sweep(Change(law), &mut Adding { x, v: d, force: product }, scratch);
     }
 
     /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.

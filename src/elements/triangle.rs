@@ -14,7 +14,7 @@ use crate::{
     meshes::{Fan, Mesh},
     solvers::{BlockMatrix, Weights},
 };
-use nalgebra::{Matrix2, Matrix4, Vector4};
+use nalgebra::Matrix2;
 use pulp::Arch;
 use std::{ops::Range, sync::OnceLock};
 
@@ -268,28 +268,6 @@ impl Triangles {
         (beta != 0.0).then(|| Viscous::new(beta, self.lame))
     }
 
-    /// Adds the derivative of the force of a stress, the other way round, times a displacement `d` [m] to `product` [N]; `tangent`
-    /// is the derivative of that stress by F (4 x 4) [Pa].
-    pub(crate) fn add_tangent_times(
-        &self,
-        x: &[f64],
-        d: &[f64],
-        product: &mut [f64],
-        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
-    ) {
-        for (number, (&triangle, (f, _))) in self.corners.iter().zip(self.gradients(x)).enumerate() {
-            let Rest { inverse, area } = self.rest(number);
-            let df = edge_matrix(d, triangle) * inverse;
-            let dp = tangent(&f) * Vector4::from_column_slice(df.as_slice());
-            let forces = Matrix2::from_column_slice(dp.as_slice()) * inverse.transpose() * area;
-            let [one, two] = [forces.column(0), forces.column(1)];
-            for (corner, force) in triangle.iter().zip([-one - two, one.into(), two.into()]) {
-                product[2 * *corner as usize] += force.x;
-                product[2 * *corner as usize + 1] += force.y;
-            }
-        }
-    }
-
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
         edge_matrix(field, self.corners[number]) * self.rest(number).inverse
@@ -326,20 +304,6 @@ fn until_flat(edges: &Matrix2<f64>, change: &Matrix2<f64>, least: f64) -> f64 {
     let root = square.sqrt();
     let greatest = if b <= 0.0 { (root - b) / (2.0 * c) } else { -2.0 * a / (b + root) };
     if greatest > 0.0 { 1.0 / greatest } else { f64::INFINITY }
-}
-
-struct StiffnessTimes<'a> {
-    of: &'a Triangles,
-    x: &'a [f64],
-    d: &'a [f64],
-    product: &'a mut [f64],
-}
-
-impl Visitor for StiffnessTimes<'_> {
-    type Output = ();
-    fn visit<M: Material>(self, material: &M) {
-        self.of.add_tangent_times(self.x, self.d, self.product, |f| material.stiffness(f));
-    }
 }
 
 impl Effect for Triangles {
@@ -395,8 +359,8 @@ impl Effect for Triangles {
         longest
     }
 
-    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
-        self.model.visit(self.lame, StiffnessTimes { of: self, x: motion.x, d, product });
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], scratch: &mut [f64], product: &mut [f64]) {
+        self.add_elastic_change([motion.x, d], scratch, product);
     }
 
     fn couples(&self, add: &mut dyn FnMut(u32, u32)) {

@@ -88,6 +88,23 @@ impl<R: Real> Moduli<R> {
         Self { twist: self.twist * factor, flip: self.flip * factor, sizes: [a * factor, b * factor, c * factor] }
     }
 
+    /// The change of the stress with a change of F, `dP = (dP/dF) : dF`, from what F consists of.
+    #[inline(always)]
+    #[must_use]
+    pub fn change(&self, parts: &Parts<R>, df: Square<R>) -> Square<R> {
+        let ([c, s], [d, t]) = (parts.turned, parts.mirrored);
+        let (twice, turn) = (df.m11 + df.m22, df.m21 - df.m12);
+        let (spread, shear) = (df.m11 - df.m22, df.m21 + df.m12);
+        let (along_u, along_m) = (c * twice + s * turn, d * spread + t * shear);
+        let (around_u, around_m) = ((c * turn - s * twice) * self.twist, (d * shear - t * spread) * self.flip);
+        let [pp, pq, qq] = self.sizes;
+        let (by_u, by_m) = (along_u * pp + along_m * pq, along_u * pq + along_m * qq);
+        // Both parts of dP, by their first columns.
+        let (turned, mirrored) =
+            ([c * by_u - s * around_u, s * by_u + c * around_u], [d * by_m - t * around_m, t * by_m + d * around_m]);
+        Square::new(turned[0] + mirrored[0], mirrored[1] - turned[1], turned[1] + mirrored[1], turned[0] - mirrored[0])
+    }
+
     /// The same with negative eigenvalues multiplied by `factor`.
     #[inline(always)]
     #[must_use]

@@ -237,6 +237,11 @@ impl Scene {
         Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
     }
 
+    /// How many numbers of scratch are enough for each of the effects.
+    pub fn scratch(&self) -> usize {
+        self.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0)
+    }
+
     /// How many of the effects, from the first, are elements: what they store is elastic energy.
     pub fn element_count(&self) -> usize {
         self.bodies.len() + self.nets.len()

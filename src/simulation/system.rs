@@ -91,7 +91,7 @@ pub(super) struct Scratch {
 impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
         self.work.forget();
-        make_room(&mut self.effects, scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0));
+        make_room(&mut self.effects, scene.scratch());
         self.rest(scene, std::iter::empty());
         (self.free, self.room, self.inside) = (None, -1.0, Inside::Nothing);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
@@ -291,9 +291,12 @@ impl Dynamics for System<'_> {
     }
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
-        let motion = self.motion(x, v);
-        for effect in awake(self.scene, &self.scratch.plan) {
-            effect.stiffness_times(motion, d, product);
+        let scene = self.scene;
+        let Scratch { plan, held, effects, .. } = &mut *self.scratch;
+        let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
+        let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
+        for effect in awake(scene, plan) {
+            effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
     }
 

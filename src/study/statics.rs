@@ -47,13 +47,12 @@ struct Balance<'a> {
 
 impl<'a> Balance<'a> {
     fn new(scene: &'a Scene, from: &[f64], holding: f64, weight: f64) -> Self {
-        let scratch = scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0);
         Self {
             scene,
             from: from.to_vec(),
             x: from.to_vec(),
             still: vec![0.0; from.len()],
-            scratch: vec![0.0; scratch],
+            scratch: vec![0.0; scene.scratch()],
             holding,
             inverse_weight: scene.inverse_mass.iter().map(|inverse_mass| inverse_mass / weight).collect(),
         }

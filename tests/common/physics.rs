@@ -18,8 +18,7 @@ pub struct Physics<'a> {
 impl<'a> Physics<'a> {
     /// Without a floor.
     pub fn new(scene: &'a Scene) -> Self {
-        let scratch = scene.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0);
-        Self { scene, scratch: vec![0.0; scratch], floor: f64::NEG_INFINITY }
+        Self { scene, scratch: vec![0.0; scene.scratch()], floor: f64::NEG_INFINITY }
     }
 }
 
@@ -44,7 +43,9 @@ impl Dynamics for Physics<'_> {
     }
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
-        self.scene.effects.iter().for_each(|effect| effect.stiffness_times(motion(self.scene, x, v), d, product));
+        for effect in &self.scene.effects {
+            effect.stiffness_times(motion(self.scene, x, v), d, &mut self.scratch[..effect.scratch()], product);
+        }
     }
 
     fn couples(&self, add: &mut dyn FnMut(u32, u32)) {

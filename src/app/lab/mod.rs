@@ -16,8 +16,9 @@ use crate::{
 };
 use std::time::Duration;
 
-/// For how many coordinates, about as many as there are triangles, the stability limit is looked for in one frame.
-const PER_FRAME: usize = 2500;
+/// For how many coordinates, about as many as there are triangles, the stability limit is looked for in one frame: two rounds for so many
+/// take a third of a millisecond.
+const PER_FRAME: usize = 7500;
 /// Rounds of a look while something moves, and at most while nothing does.
 const ROUNDS: [usize; 2] = [2, 16];
 /// A change of the limit by a look, as a share of it, at which it is settled.
@@ -185,9 +186,10 @@ impl Lab {
     /// Looks for the longest stable step.
     fn probe(&mut self, sandbox: &Sandbox) {
         let (simulation, size) = (sandbox.simulation(), sandbox.simulation().scene().rest.len());
-        // The limit moves slowly and a look at it costs as much as many steps: a large scene is looked at every few frames.
+        // The limit moves slowly and a look at it costs as much as some steps: a large scene in which time runs is looked at every few
+        // frames.
         self.unprobed += 1;
-        if self.limit.is_some() && self.unprobed <= size / PER_FRAME {
+        if self.limit.is_some() && sandbox.is_busy() && self.unprobed <= size / PER_FRAME {
             return;
         }
         self.unprobed = 0;

@@ -3,7 +3,7 @@
 //!
 //! All that is compared is measured in turn, for a hundredth of a second each, round after round, and the ratio of two is the median over
 //! the rounds: a machine that is now fast, now slow, as most that are shared are, slows down both. Least times stand beside them, and
-//! before ratios of how fast something is those of the least times: whoever else is about holds up one of two that wait for each other more
+//! before the median of how many times as fast something is stands that of the least times: whoever else is about holds up one of two that wait for each other more
 //! than one alone.
 #![allow(missing_docs, clippy::panic, clippy::unwrap_used, reason = "a benchmark is not a library")]
 

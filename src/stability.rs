@@ -1,6 +1,6 @@
 //! How long a step may be: the highest natural frequency of a scene, by Lanczos iteration on the stiffness.
 
-use crate::{chance::irregular, scene::Scene, state::State};
+use crate::{chance::irregular, elements::make_room, scene::Scene, state::State};
 
 /// The longest stable step of symplectic Euler near a state [s], or `None` if nothing is stiff there or the stiffness is
 /// not a number. The same holds for both Verlet schemes without damping.
@@ -65,7 +65,7 @@ impl StabilityProbe {
         for buffer in [&mut self.displacement, &mut self.product] {
             buffer.resize(count, 0.0);
         }
-        self.scratch.resize(scene.scratch(), 0.0);
+        make_room(&mut self.scratch, scene.scratch());
         self.basis.clear();
         let length = norm(&self.vector);
         self.basis.extend(self.vector.iter().map(|value| value / length));

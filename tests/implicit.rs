@@ -99,7 +99,7 @@ fn the_stiffness_matrix_is_the_difference_of_the_forces_and_symmetric() {
             });
             assert!(best.into_iter().fold(1.0, f64::min) < 1e-7, "{model} {weights:?}: {best:?}");
         }
-        let scene = built(&sheet(model, "", ""), None);
+        let scene = built(&sheet(model, "", DAMPED), None);
         let state = shaken(scene.scene(), 0.01, 0.0);
         let motion = scene.scene().motion(&state, None);
         let matrix =

@@ -186,7 +186,7 @@ pub trait Effect: Send + Sync {
     /// How many elements (vertices, triangles, ...) one call touches.
     fn elements(&self, motion: Motion<'_>) -> usize;
 
-    /// How many numbers of scratch [`Self::force`] and [`Self::stiffness_times`] need.
+    /// How many numbers of scratch [`Self::force`] and [`Self::stiffness_times`] need; what is in it does not matter.
     fn scratch(&self) -> usize {
         0
     }

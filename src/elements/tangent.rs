@@ -1,4 +1,4 @@
-//! The stiffness of triangles as 2 x 2 blocks between their corners.
+//! The stiffness of triangles: as 2 x 2 blocks between their corners, and times a displacement without them.
 
 use super::{
     Adding, Triangles,
@@ -70,7 +70,7 @@ impl Triangles {
         self.model().visit(self.lame(), Visit(self, moving, scratch, product));
     }
 
-    /// Adds the second derivative of the energy at x, of an isotropic density of it, times a displacement d [m] to `product` [N].
+    /// Adds d²E/dx² at x times a displacement d [m] to `product` [N], for the energy E of an isotropic density.
     pub(crate) fn add_energy_change(
         &self,
         [x, d]: [&[f64]; 2],

@@ -65,7 +65,8 @@ pub trait Real:
 
 /// `c0 + c1 x + c2 x² + ...`, every fourth power by itself: the four do not wait for each other.
 #[inline(always)]
-pub fn polynomial<R: Real>(x: R, coefficients: &[f64]) -> R {
+pub fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
+    const { assert!(N >= 4) };
     let square = x * x;
     let fourth = square * square;
     let [even, odd, twice_even, twice_odd] = [

@@ -4,7 +4,8 @@
 //! A model writes its energy [`Material::psi`] and stress [`Material::piola`] once, over any [`Real`]: with `f64` they serve
 //! whoever looks at a single triangle, with lanes they step eight triangles at a time. So they use the operations of
 //! [`Real`] and [`Square`] alone, and where a formula has cases, both sides are computed and [`Real::if_less`] takes one.
-//! What is needed less often, the stiffness and the closed forms of strips, is written for `f64`.
+//! Closed forms of strips are written for `f64`, and so is, beside its moduli, the stiffness as one would write it down: what the
+//! moduli are held against.
 //!
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 

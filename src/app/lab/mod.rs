@@ -62,7 +62,7 @@ pub struct Lab {
     limit: Option<f64>,
     /// Frames since the probe was last worked on.
     unprobed: usize,
-    /// The revision of the simulation for which the limit has settled.
+    /// The shape for which the limit has settled.
     settled: Option<u64>,
     twin: Option<Twin>,
     /// The work-precision diagram.
@@ -167,7 +167,7 @@ impl Lab {
     /// more to do.
     pub fn work(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
         let simulation = sandbox.simulation();
-        let doubtful = gauge && self.settled != Some(simulation.revision());
+        let doubtful = gauge && self.settled != Some(simulation.shape());
         if doubtful {
             self.probe(sandbox);
         }
@@ -186,21 +186,24 @@ impl Lab {
     /// Looks for the longest stable step.
     fn probe(&mut self, sandbox: &Sandbox) {
         let (simulation, size) = (sandbox.simulation(), sandbox.simulation().scene().rest.len());
-        // The limit moves slowly and a look at it costs as much as some steps: a large scene in which time runs is looked at every few
-        // frames.
+        let [few, many] = ROUNDS;
+        let (rounds, per_frame) = if sandbox.is_busy() {
+            (few, PER_FRAME)
+        } else {
+            ((many * PER_FRAME / size.max(1)).clamp(few, many), many / few * PER_FRAME)
+        };
+        // The limit moves slowly and a look at it costs as much as some steps: a large scene is looked at every few frames.
         self.unprobed += 1;
-        if self.limit.is_some() && sandbox.is_busy() && self.unprobed <= size / PER_FRAME {
+        if self.limit.is_some() && self.unprobed <= size / per_frame {
             return;
         }
         self.unprobed = 0;
-        let [few, many] = ROUNDS;
-        let rounds = if sandbox.is_busy() { few } else { (many * PER_FRAME / size.max(1)).clamp(few, many) };
         let limit = self.probe.refine(simulation.scene(), simulation.state(), rounds);
         let settled = match (self.limit, limit) {
             (Some(before), Some(now)) => (before - now).abs() <= SETTLED * now,
             (_, None) => true,
             (None, _) => false,
         };
-        (self.limit, self.settled) = (limit, settled.then_some(simulation.revision()));
+        (self.limit, self.settled) = (limit, settled.then_some(simulation.shape()));
     }
 }

@@ -10,6 +10,7 @@ use crate::{
 };
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
+use std::array;
 
 /// Forces on the middle of each fan of a block and at the ends of its spokes [N].
 pub type CornerForces = [Pairs; 4];
@@ -17,11 +18,15 @@ pub type CornerForces = [Pairs; 4];
 /// The spokes of each fan of a block [m], or how fast they change [m/s].
 pub type Spokes = [Pairs; 3];
 
+/// Matrices (2 x 2) of the first, or of the second, triangles of eight fans, column by column.
+#[derive(Clone, Debug, Default)]
+struct Matrices([Lanes; 4]);
+
 /// Rest shapes of the first, or of the second, triangles of eight fans, in the lanes that [`Order::of_pairs`] gives them.
 #[derive(Clone, Debug, Default)]
 struct Shapes {
-    /// D0⁻¹, column by column [1/m].
-    inverse: [Lanes; 4],
+    /// D0⁻¹ [1/m].
+    inverse: Matrices,
     /// Minus the area [m²], which is the volume of unit thickness: as forces are computed from it.
     minus_area: Lanes,
 }
@@ -100,7 +105,7 @@ impl Blocks {
             let mut block = Block::default();
             for (fan, lane) in fans.iter().zip(order.lane) {
                 for (shapes, Rest { inverse, area }) in block.0.iter_mut().zip(fan) {
-                    for (to, from) in shapes.inverse.iter_mut().zip(inverse.as_slice()) {
+                    for (to, from) in shapes.inverse.0.iter_mut().zip(inverse.as_slice()) {
                         to[lane] = *from;
                     }
                     shapes.minus_area[lane] = -*area;
@@ -130,7 +135,7 @@ impl Blocks {
     #[inline]
     pub fn rest(&self, fan: usize, side: usize) -> Rest {
         let (shapes, lane) = (&self.all[fan / LANES].0[side], self.order.lane[fan % LANES]);
-        let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| shapes.inverse[entry][lane]);
+        let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| shapes.inverse.0[entry][lane]);
         Rest { inverse: Matrix2::new(m11, m12, m21, m22), area: -shapes.minus_area[lane] }
     }
 
@@ -147,17 +152,27 @@ pub fn spokes([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
     [to(first), to(second), to(third)]
 }
 
-impl Shapes {
-    /// Part of D0⁻¹.
+impl Matrices {
+    /// Those of a part.
     #[inline(always)]
-    fn inverse<S: Simd>(&self, set: S, part: usize) -> Square<Wide<S>> {
-        let [m11, m21, m12, m22] = &self.inverse;
+    fn load<S: Simd>(&self, set: S, part: usize) -> Square<Wide<S>> {
+        let [m11, m21, m12, m22] = &self.0;
         Square::new(
             Wide::load(set, m11, part),
             Wide::load(set, m12, part),
             Wide::load(set, m21, part),
             Wide::load(set, m22, part),
         )
+    }
+
+    /// Writes those of a part.
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, matrix: Square<Wide<S>>, part: usize) {
+        let [m11, m21, m12, m22] = &mut self.0;
+        matrix.m11.store(m11, part);
+        matrix.m21.store(m21, part);
+        matrix.m12.store(m12, part);
+        matrix.m22.store(m22, part);
     }
 }
 
@@ -174,7 +189,15 @@ fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Square<W
 #[repr(align(64))]
 struct Run([Spokes; RUN]);
 
+/// Stresses in the first and in the second triangles of two blocks.
+#[derive(Default)]
+#[repr(align(64))]
+struct Stresses([[Matrices; 2]; 2]);
+
 /// Computes the forces on all fans from [`Laws`].
+///
+/// Stresses wait for roots, quotients and logarithms, and what is made of them waits as well, until the processor can look no further
+/// ahead. So the forces on the fans of a block are made one block later, when nothing has to wait.
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
     pub corners: &'a Corners<4>,
@@ -194,6 +217,7 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
     fn with_simd<S: Simd>(self, set: S) {
         let Self { laws, corners, first, blocks, x, v, mut out } = self;
         let (mut now, mut rates) = (Run::default(), Run::default());
+        let mut stresses: [Stresses; N] = array::from_fn(|_| Stresses::default());
         let runs = blocks.chunks(RUN);
         let end = first + runs.len();
         let mut ahead = None;
@@ -207,24 +231,40 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
             }
             let of = |moving| if run + 1 < end { corners.ahead(run + 1, moving) } else { None };
             ahead = of(x).zip(of(if L::RATE { v } else { x }));
-            for (number, (block, now)) in blocks.iter().zip(&mut now.0).enumerate() {
-                for part in 0..Wide::<S>::PARTS {
-                    let one = on_spokes(set, laws, (&block.0[0], 0), (now, &rates.0[number]), part);
-                    let other = on_spokes(set, laws, (&block.0[1], 1), (now, &rates.0[number]), part);
-                    for law in 0..N {
-                        let ([first, second], [also, third]) = (one[law], other[law]);
-                        let second = [second[0] + also[0], second[1] + also[1]];
-                        let middle = [-first[0] - second[0] - third[0], -first[1] - second[1] - third[1]];
-                        for (out, [x, y]) in out[law][number].iter_mut().zip([middle, first, second, third]) {
-                            Wide::store_pairs(x, y, out, part);
+            for number in 0..=blocks.len() {
+                if let Some(block) = blocks.get(number) {
+                    let (now, rates) = (&mut now.0[number], &mut rates.0[number]);
+                    for part in 0..Wide::<S>::PARTS {
+                        for (side, shapes) in block.0.iter().enumerate() {
+                            let inverse = shapes.inverse.load(set, part);
+                            let f = edges(set, now, side, part).times(inverse);
+                            let rate = if L::RATE { edges(set, rates, side, part).times(inverse) } else { f };
+                            let of_laws = laws.stresses(f, rate);
+                            for law in 0..N {
+                                stresses[law].0[number % 2][side].store(of_laws[law], part);
+                            }
+                        }
+                    }
+                    // What is collected needs other parts of the processor than the stresses do, and both go on at once.
+                    if let Some((of_x, of_v)) = ahead {
+                        of_x.collect(number, spokes, now);
+                        if L::RATE {
+                            of_v.collect(number, spokes, rates);
                         }
                     }
                 }
-                // What is collected needs other parts of the processor than the stresses do, and both go on at once.
-                if let Some((of_x, of_v)) = ahead {
-                    of_x.collect(number, spokes, now);
-                    if L::RATE {
-                        of_v.collect(number, spokes, &mut rates.0[number]);
+                let Some(before) = number.checked_sub(1) else { continue };
+                let Block([shapes, others]) = &blocks[before];
+                for part in 0..Wide::<S>::PARTS {
+                    for law in 0..N {
+                        let [one, other] = &stresses[law].0[before % 2];
+                        let [first, second] = on_spokes(set, shapes, one, part);
+                        let [also, third] = on_spokes(set, others, other, part);
+                        let second = [second[0] + also[0], second[1] + also[1]];
+                        let middle = [-first[0] - second[0] - third[0], -first[1] - second[1] - third[1]];
+                        for (out, [x, y]) in out[law][before].iter_mut().zip([middle, first, second, third]) {
+                            Wide::store_pairs(x, y, out, part);
+                        }
                     }
                 }
             }
@@ -232,26 +272,12 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
     }
 }
 
-/// The forces of each stress of the first or the second triangles at the ends of their two spokes, x and y: the columns of -A P(F) D0⁻ᵀ.
+/// The forces at the ends of two spokes, x and y, from the stresses in the triangles between: the columns of -A P D0⁻ᵀ.
 #[inline(always)]
-fn on_spokes<S: Simd, L: Laws<N>, const N: usize>(
-    set: S,
-    laws: L,
-    (shapes, side): (&Shapes, usize),
-    (now, rates): (&Spokes, &Spokes),
-    part: usize,
-) -> [[[Wide<S>; 2]; 2]; N] {
-    let inverse = shapes.inverse(set, part);
-    let f = edges(set, now, side, part).times(inverse);
-    let rate = if L::RATE { edges(set, rates, side, part).times(inverse) } else { f };
-    let stresses = laws.stresses(f, rate);
-    let (turned, minus_area) = (inverse.transpose(), Wide::load(set, &shapes.minus_area, part));
-    let mut forces = [[[minus_area; 2]; 2]; N];
-    for law in 0..N {
-        let h = stresses[law].times(turned) * minus_area;
-        forces[law] = [[h.m11, h.m21], [h.m12, h.m22]];
-    }
-    forces
+fn on_spokes<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usize) -> [[Wide<S>; 2]; 2] {
+    let (turned, minus_area) = (shapes.inverse.load(set, part).transpose(), Wide::load(set, &shapes.minus_area, part));
+    let h = stresses.load(set, part).times(turned) * minus_area;
+    [[h.m11, h.m21], [h.m12, h.m22]]
 }
 
 /// Sums the energy of all triangles [J], in the order of their fans.
@@ -275,7 +301,7 @@ impl<M: Material> WithSimd for Energy<'_, M> {
             for (now, Block(shapes)) in now.0.iter().zip(blocks) {
                 for (side, (shapes, energies)) in shapes.iter().zip(&mut energies).enumerate() {
                     for part in 0..Wide::<S>::PARTS {
-                        let f = edges(set, now, side, part).times(shapes.inverse(set, part));
+                        let f = edges(set, now, side, part).times(shapes.inverse.load(set, part));
                         (self.material.psi(f) * -Wide::load(set, &shapes.minus_area, part)).store(energies, part);
                     }
                 }

@@ -189,7 +189,7 @@ fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Square<W
 #[repr(align(64))]
 struct Run([Spokes; RUN]);
 
-/// Stresses in the first and in the second triangles of two blocks.
+/// Stresses in the first and in the second triangles of two blocks: the one at hand and the one before, by turns.
 #[derive(Default)]
 #[repr(align(64))]
 struct Stresses([[Matrices; 2]; 2]);

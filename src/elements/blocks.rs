@@ -5,7 +5,7 @@ use super::{
     triangle::Rest,
 };
 use crate::{
-    lanes::{LANES, Lanes, Order, Pairs, Real, Square, Wide},
+    lanes::{Abreast, LANES, Lanes, Order, Pairs, Real, Square, Wide},
     materials::Material,
 };
 use nalgebra::Matrix2;
@@ -184,6 +184,15 @@ fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Square<W
     Square::new(m11, m12, m21, m22)
 }
 
+/// F, or dF/dt, of the first and of the second triangles of part of a block: D D0⁻¹.
+#[inline(always)]
+fn gradients<S: Simd>(set: S, spokes: &Spokes, block: &Block, part: usize) -> Square<Abreast<Wide<S>>> {
+    let Block([first, second]) = block;
+    let of_first = edges(set, spokes, 0, part).times(first.inverse.load(set, part));
+    let of_second = edges(set, spokes, 1, part).times(second.inverse.load(set, part));
+    Square::abreast(of_first, of_second)
+}
+
 /// The spokes of a run.
 #[derive(Default)]
 #[repr(align(64))]
@@ -197,7 +206,8 @@ struct Stresses([[Matrices; 2]; 2]);
 /// Computes the forces on all fans from [`Laws`].
 ///
 /// Stresses wait for roots, quotients and logarithms, and what is made of them waits as well, until the processor can look no further
-/// ahead. So the forces on the fans of a block are made one block later, when nothing has to wait.
+/// ahead. So the stresses of both triangles of a fan are computed [`Abreast`], and the forces are made one block later, when nothing
+/// has to wait.
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
     pub corners: &'a Corners<4>,
@@ -235,14 +245,14 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
                 if let Some(block) = blocks.get(number) {
                     let (now, rates) = (&mut now.0[number], &mut rates.0[number]);
                     for part in 0..Wide::<S>::PARTS {
-                        for (side, shapes) in block.0.iter().enumerate() {
-                            let inverse = shapes.inverse.load(set, part);
-                            let f = edges(set, now, side, part).times(inverse);
-                            let rate = if L::RATE { edges(set, rates, side, part).times(inverse) } else { f };
-                            let of_laws = laws.stresses(f, rate);
-                            for law in 0..N {
-                                stresses[law].0[number % 2][side].store(of_laws[law], part);
-                            }
+                        let f = gradients(set, now, block, part);
+                        let rate = if L::RATE { gradients(set, rates, block, part) } else { f };
+                        let of_laws = laws.stresses(f, rate);
+                        for law in 0..N {
+                            let [first, second] = of_laws[law].both();
+                            let [to_first, to_second] = &mut stresses[law].0[number % 2];
+                            to_first.store(first, part);
+                            to_second.store(second, part);
                         }
                     }
                     // What is collected needs other parts of the processor than the stresses do, and both go on at once.
@@ -298,11 +308,12 @@ impl<M: Material> WithSimd for Energy<'_, M> {
         let mut sum = 0.0;
         for (run, blocks) in self.blocks.all().chunks(RUN).enumerate() {
             self.corners.collect(run, self.x, spokes, &mut now.0);
-            for (now, Block(shapes)) in now.0.iter().zip(blocks) {
-                for (side, (shapes, energies)) in shapes.iter().zip(&mut energies).enumerate() {
-                    for part in 0..Wide::<S>::PARTS {
-                        let f = edges(set, now, side, part).times(shapes.inverse.load(set, part));
-                        (self.material.psi(f) * -Wide::load(set, &shapes.minus_area, part)).store(energies, part);
+            for (now, block) in now.0.iter().zip(blocks) {
+                let Block(shapes) = block;
+                for part in 0..Wide::<S>::PARTS {
+                    let Abreast(first, second) = self.material.psi(gradients(set, now, block, part));
+                    for (psi, (shapes, energies)) in [first, second].into_iter().zip(shapes.iter().zip(&mut energies)) {
+                        (psi * -Wide::load(set, &shapes.minus_area, part)).store(energies, part);
                     }
                 }
                 for lane in self.blocks.order.lane {

@@ -1,6 +1,7 @@
 //! Which vertices fans of triangles and springs have, in as few bytes as sweeps can read them from.
 
 use crate::lanes::{LANES, Near, Pairs, vector};
+use std::array;
 
 /// For how many blocks of elements what lies between their corners is collected ahead: enough for what is stored number by number to have
 /// arrived when it is read lane by lane, and little enough to stay near the processor.
@@ -106,7 +107,7 @@ impl<const N: usize> Ahead<'_, N> {
         out: &mut [Pairs; M],
     ) {
         for (element, places) in self.blocks[block].iter().enumerate() {
-            let vectors = between(places.map(|place| vector(self.numbers, place)));
+            let vectors = between(array::from_fn(|corner| vector(self.numbers, places[corner])));
             for (to, vector) in out.iter_mut().zip(vectors) {
                 to[element] = vector;
             }

@@ -4,12 +4,14 @@
 //! Only operations that IEEE 754 rounds in one way are used (`+ - * /` and the square root, no contraction), so every lane
 //! holds the bits that `f64` would, and a run is the same on every processor.
 
+mod abreast;
 mod lines;
 mod logarithm;
 mod sets;
 mod square;
 mod wide;
 
+pub use abreast::Abreast;
 pub use lines::{Lined, NEAR, Near, SPARE, lined, vector};
 pub use sets::{sets, width};
 pub use square::Square;

@@ -61,9 +61,13 @@ pub(super) fn with_rotation<R: Real>(f: Square<R>, [linear, constant, inverse]: 
     let trace = square.sqrt();
     // As 1/t = t/t² the quotient does not wait for the root.
     let factor = a.of(inverse) / square * trace + constant;
+    let (mut c, mut s) = (factor * a, factor * b);
     let least = a.of(UNDECIDED);
-    let c = least.if_less(trace, factor * a, a.of(inverse));
-    let s = least.if_less(trace, factor * b, a.of(0.0));
+    // Seldom, and more work.
+    if !least.all_less(trace) {
+        c = least.if_less(trace, c, a.of(inverse));
+        s = least.if_less(trace, s, a.of(0.0));
+    }
     Square::new(f.m11 * linear + c, f.m12 * linear - s, f.m21 * linear + s, f.m22 * linear + c)
 }
 

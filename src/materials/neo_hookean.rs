@@ -28,26 +28,30 @@ const FLAT: f64 = 0.1;
 /// The t below which the series is continued by its tangent.
 const INVERTED: f64 = -2.0;
 
-/// L, and, where it is not the logarithm, J0 times its derivative: 1 - t, and no more than at [`INVERTED`].
+/// L and its derivative.
 #[inline(always)]
-fn log<R: Real>(j: R) -> (R, R) {
-    let t = j * (1.0 / FLAT) - 1.0;
-    let u = t.if_less(t.of(INVERTED), t.of(INVERTED), t);
-    let slope = -u + 1.0;
-    let continued = u - u * u * 0.5 + slope * (t - u) - LN_10;
-    // Where J is no number or infinite |F|² is so too, and tells.
-    (j.if_less(j.of(FLAT), continued, j.logarithm_of_normal()), slope)
+fn log<R: Real>(j: R) -> [R; 2] {
+    // The quotient does not wait for the logarithm. Where J is no number or infinite |F|² is so too, and tells.
+    let (mut log, mut slope) = (j.logarithm_of_normal(), j.of(1.0) / j);
+    let flat = j.of(FLAT);
+    // Seldom, and more work.
+    if !flat.all_less(j) {
+        let t = j * (1.0 / FLAT) - 1.0;
+        let u = t.if_less(t.of(INVERTED), t.of(INVERTED), t);
+        let falling = -u + 1.0;
+        log = j.if_less(flat, u - u * u * 0.5 + falling * (t - u) - LN_10, log);
+        slope = j.if_less(flat, falling * (1.0 / FLAT), slope);
+    }
+    [log, slope]
 }
 
 /// L with its first and second derivative.
-fn derivatives(j: f64) -> [f64; 3] {
-    const LEAST: f64 = FLAT * (1.0 + INVERTED);
-    let (log, slope) = log(j);
-    match j {
-        ..LEAST => [log, slope / FLAT, 0.0],
-        ..FLAT => [log, slope / FLAT, -1.0 / (FLAT * FLAT)],
-        _ => [log, 1.0 / j, -1.0 / (j * j)],
-    }
+#[inline(always)]
+fn derivatives<R: Real>(j: R) -> [R; 3] {
+    let [log, slope] = log(j);
+    let (flat, inverted) = (j.of(FLAT), j.of(FLAT * (1.0 + INVERTED)));
+    let bend = j.if_less(flat, j.of(-(1.0 / FLAT) * (1.0 / FLAT)), -(slope * slope));
+    [log, slope, j.if_less(inverted, j.of(0.0), bend)]
 }
 
 impl NeoHookean {
@@ -67,7 +71,7 @@ impl Material for NeoHookean {
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
         let Lame { mu, lambda } = self.lame;
-        let (log, _) = log(f.determinant());
+        let [log, _] = log(f.determinant());
         (f.norm_squared() - 2.0) * (0.5 * mu) - log * mu + log * log * (0.5 * lambda)
     }
 
@@ -75,11 +79,8 @@ impl Material for NeoHookean {
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        // The quotient does not wait for the logarithm.
-        let inverse = j.of(1.0) / j;
-        let (log, slope) = log(j);
-        let pull = log * lambda - mu;
-        f * mu + f.cofactor() * (pull * j.if_less(j.of(FLAT), slope * (1.0 / FLAT), inverse))
+        let [log, slope] = log(j);
+        f * mu + f.cofactor() * ((log * lambda - mu) * slope)
     }
 
     /// dP = mu dF + (lambda L'² + (lambda L - mu) L'') (G : dF) G + (lambda L - mu) L' dG.
@@ -95,11 +96,7 @@ impl Material for NeoHookean {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
         let Lame { mu, lambda } = self.lame;
         let j = parts.f.determinant();
-        let (log, slope) = log(j);
-        let (flat, inverted) = (j.of(FLAT), j.of(FLAT * (1.0 + INVERTED)));
-        let inverse = j.of(1.0) / flat.if_less(j, j, flat);
-        let slope = j.if_less(flat, slope * (1.0 / FLAT), inverse);
-        let bend = j.if_less(inverted, j.of(0.0), -(inverse * inverse));
+        let [log, slope, bend] = derivatives(j);
         let pull = log * lambda - mu;
         let second = slope * slope * lambda + pull * bend;
         parts.moduli([j.of(0.5 * mu), pull * slope], [j.of(0.0), second])
@@ -114,9 +111,9 @@ impl Material for NeoHookean {
     fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
-        let (log, slope) = log(j);
+        let [log, slope] = log(j);
         let pull = log * lambda - mu;
-        j.if_less(j.of(FLAT), pull * (slope * (1.0 / FLAT)) * j, pull) + mu
+        j.if_less(j.of(FLAT), pull * slope * j, pull) + mu
     }
 
     /// mu w² + (lambda L - mu) L' s w = 0, which is mu (w² - 1) + lambda ln(s w) = 0 from J0 on, by Newton's method on

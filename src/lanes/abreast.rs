@@ -1,0 +1,96 @@
+//! Two of the same formula, operation by operation.
+
+use super::{Real, Square};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number, or lanes, of one formula and of another of the same kind: each operation is done for both before the next is. While a result
+/// of one is waited for the processor has the other's at hand, and need not look as far ahead for work as where one formula follows the
+/// other.
+#[derive(Clone, Copy, Debug)]
+pub struct Abreast<R>(pub R, pub R);
+
+impl<R: Real> Neg for Abreast<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
+/// An operator between the numbers of both, and between them and a constant.
+macro_rules! operator {
+    ($Trait:ident, $function:ident) => {
+        impl<R: Real> $Trait for Abreast<R> {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self($Trait::$function(self.0, other.0), $Trait::$function(self.1, other.1))
+            }
+        }
+
+        impl<R: Real> $Trait<f64> for Abreast<R> {
+            type Output = Self;
+            #[inline(always)]
+            fn $function(self, other: f64) -> Self {
+                $Trait::$function(self, self.of(other))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<R: Real> Real for Abreast<R> {
+    #[inline(always)]
+    fn of(self, constant: f64) -> Self {
+        Self(self.0.of(constant), self.1.of(constant))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+
+    #[inline(always)]
+    fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self {
+        Self(self.0.if_less(than.0, then.0, otherwise.0), self.1.if_less(than.1, then.1, otherwise.1))
+    }
+
+    #[inline(always)]
+    fn all_less(self, than: Self) -> bool {
+        // Both, without a jump between them.
+        self.0.all_less(than.0) & self.1.all_less(than.1)
+    }
+
+    #[inline(always)]
+    fn split(self) -> (Self, Self) {
+        let ((m, k), (of_other, also)) = (self.0.split(), self.1.split());
+        (Self(m, of_other), Self(k, also))
+    }
+}
+
+impl<R: Real> Square<Abreast<R>> {
+    /// Two matrices.
+    #[inline(always)]
+    pub const fn abreast(one: Square<R>, other: Square<R>) -> Self {
+        Self {
+            m11: Abreast(one.m11, other.m11),
+            m12: Abreast(one.m12, other.m12),
+            m21: Abreast(one.m21, other.m21),
+            m22: Abreast(one.m22, other.m22),
+        }
+    }
+
+    /// The two of them.
+    #[inline(always)]
+    pub const fn both(self) -> [Square<R>; 2] {
+        let Self { m11, m12, m21, m22 } = self;
+        [
+            Square { m11: m11.0, m12: m12.0, m21: m21.0, m22: m22.0 },
+            Square { m11: m11.1, m12: m12.1, m21: m21.1, m22: m22.1 },
+        ]
+    }
+}

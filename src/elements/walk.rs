@@ -1,6 +1,6 @@
 //! Many steps of a body without a look at the whole on the way.
 //!
-//! Two things make that faster than one step after another. Where a body is larger than the caches, several steps are under way
+//! Two things make that faster than one step after another. Where a body is larger than a core's own cache, several steps are under way
 //! at once, each some stages behind the one before: what the first has brought from memory is still near when the others want it.
 //! And where parts of a body are walked by several threads, each sweeps from the seam inwards: it posts its sums at the seam early in a
 //! step, and by the end of it those of the others have long arrived. All know the same, and stop after the same step; who is asked
@@ -20,17 +20,17 @@ use pulp::Simd;
 use std::{array::from_fn, sync::Arc};
 use wide::f64x2;
 
-/// How many steps of a body that is larger than the caches are under way at once: enough for memory to be no longer what they wait
-/// for, and little enough for what is in use to stay in the caches.
-const WAVE: usize = 6;
+/// How many steps of a body that is larger than a core's own cache are under way at once: enough for memory to be no longer what they wait
+/// for, and little enough for what is in use to stay in that cache.
+const WAVE: usize = 4;
 
 /// How many of the last steps may not have been looked at yet, as each look is at as many as there are in a wave: so far a walker may be
 /// ahead of what it has seen of the others.
 const RECENT: usize = 2 * WAVE;
 
-/// A body of so many triangles is larger than most caches: a step reads some 80 bytes a triangle (rest shape 40, numbers of corners
-/// and of their places 8, half a vertex 32) and writes 16.
-const VAST: usize = 1 << 17;
+/// A body of so many triangles is larger than the cache that a processor's core has to itself, which is 0.5 to 2 MB: a step reads some 80
+/// bytes a triangle (rest shape 40, numbers of corners and of their places 8, half a vertex 32) and writes 16.
+const VAST: usize = 1 << 14;
 
 /// How many steps of a body of so many triangles are best under way at once.
 pub const fn wave(triangles: usize) -> u32 {

@@ -38,87 +38,86 @@ impl Hencky {
     }
 }
 
-/// Below this y, that is for s1 < 3 s2, h is a polynomial.
+/// Below this y, that is for s1 < 3 s2, h is 1 + y N/D with two polynomials.
 const NEAR: f64 = 0.25;
 
-/// `(h - 1)/y` by powers of y: of all polynomials of this degree the one that makes the least relative error in h for y from 0 to
-/// [`NEAR`], 1.2e-17 as rounded, found by Remez's algorithm. Cut off there, the Taylor series would need twice as many terms.
-const SERIES: [f64; 13] = [
-    0.333_333_333_333_339_9,
-    0.199_999_999_997_951_1,
-    0.142_857_143_080_352_97,
-    0.111_111_098_885_917_39,
-    0.090_909_484_860_039_12,
-    0.076_914_947_481_244_86,
-    0.066_779_443_886_069_54,
-    0.057_743_959_658_354_084,
-    0.059_824_057_209_393_405,
-    0.014_564_741_016_676_8,
-    0.144_927_915_596_679_14,
-    -0.152_894_474_046_388_67,
-    0.224_776_098_325_018_9,
+/// N and D by powers of y: of all with as many coefficients as these the ones that make the least relative error in h for y from 0 to
+/// [`NEAR`], 1.4e-17 as rounded, found by Remez's algorithm. One polynomial would need 13 coefficients for that, the Taylor series
+/// twice as many.
+const SERIES: [[f64; 5]; 2] = [
+    [
+        4.852_458_419_866_562,
+        -8.741_106_926_276_68,
+        4.774_055_581_561_059_5,
+        -0.762_675_582_622_440_7,
+        0.004_999_947_688_734_648,
+    ],
+    [14.557_375_259_599_421, -34.957_745_934_552_08, 29.057_939_192_322_28, -9.593_357_524_790_756, 1.0],
 ];
 
-/// [`SERIES`] for dh/dy, where it errs by up to 3e-14: that is for the stiffness alone.
-const SLOPES: [f64; SERIES.len()] = {
-    let mut slopes = SERIES;
-    let mut k = 0;
-    while k < SERIES.len() {
-        slopes[k] *= (k + 1) as f64;
-        k += 1;
-    }
-    slopes
-};
-
-/// h - 1 of a y below [`NEAR`].
+/// h of a y below [`NEAR`], and (h - 1)/y, both as a numerator over the same denominator: [D + y N, N, D]. As h is a quotient of what D
+/// was rounded to and of nearly that, it errs by hardly more than the sum and the quotient are rounded.
 #[inline(always)]
-fn rest<R: Real>(y: R) -> R {
-    polynomial(y, &SERIES) * y
+fn series<R: Real>(y: R) -> [R; 3] {
+    let (n, d) = (polynomial(y, &SERIES[0]), polynomial(y, &SERIES[1]));
+    [y * n + d, n, d]
 }
 
 /// What the stretches of a gradient are to the model.
 struct Stretches<R> {
+    /// F + G = [[s, -t], [t, s]].
+    even: [R; 2],
+    /// F - G = [[d, e], [e, -d]].
+    odd: [R; 2],
     j: R,
-    /// 1/J.
-    inverse: R,
-    /// ln J.
-    log: R,
+    /// ln(J)/2, numerator and denominator: a few last places off, as the stress may be.
+    half_log: [R; 2],
     /// p².
     sum: R,
     y: R,
-    h: R,
-    k: Square<R>,
+    /// Numerator and denominator.
+    h: [R; 2],
+    /// (h - 1)/y.
+    growth: R,
 }
 
 impl<R: Real> Stretches<R> {
     #[inline(always)]
     fn of(f: Square<R>) -> Self {
-        let g = f.cofactor();
+        let (s, t, d, e) = (f.m11 + f.m22, f.m21 - f.m12, f.m11 - f.m22, f.m12 + f.m21);
         let j = f.determinant();
-        let (plus, minus) = (f + g, f - g);
-        // Both have two entries in common: |F + G|² = 2 p², |F - G|² = 2 q².
-        let sum = plus.m11 * plus.m11 + plus.m21 * plus.m21;
-        let y = (minus.m11 * minus.m11 + minus.m21 * minus.m21) / sum;
-        // ln J = 2 atanh(half), with the same series.
-        let half = (j - 1.0) / (j + 1.0);
-        let (square, limit) = (half * half, y.of(NEAR));
-        let (mut h, mut log) = (rest(y) + 1.0, (rest(square) * half + half) * 2.0);
+        let sum = s * s + t * t;
+        // With half = (J - 1)/(J + 1) ln J is 2 atanh(half), which has the same series. One quotient serves for y and half.
+        let (odds, less, more) = (d * d + e * e, j - 1.0, j + 1.0);
+        let inverse = j.of(1.0) / (sum * more);
+        let (y, half) = (odds * more * inverse, less * sum * inverse);
+        let square = half * half;
+        let ([top, rise, bottom], [log, _, below]) = (series(y), series(square));
+        let (mut h, mut half_log, mut growth) = ([top, bottom], [log * half, below], rise / bottom);
+        let (limit, one) = (y.of(NEAR), y.of(1.0));
         // Seldom, and twice the work.
         if !(y.all_less(limit) && square.all_less(limit)) {
-            let root = y.sqrt();
+            let root = (odds / sum).sqrt();
             // (1 + x)/(1 - x) = (1 + x)²/(1 - y), without the difference.
             let ratio = (root + 1.0) * (root + 1.0) * sum / (j * 4.0);
-            h = y.if_less(limit, h, ratio.logarithm() / (root * 2.0));
-            log = square.if_less(limit, log, j.logarithm());
+            let far = ratio.logarithm() / (root * 2.0);
+            growth = y.if_less(limit, growth, (far - 1.0) / y);
+            h = [y.if_less(limit, top, far), y.if_less(limit, bottom, one)];
+            let log = square.if_less(limit, half_log[0], j.logarithm() * 0.5);
+            half_log = [log, square.if_less(limit, half_log[1], one)];
         }
-        Self { j, inverse: j.of(1.0) / j, log, sum, y, h, k: minus - plus * y }
+        Self { even: [s, t], odd: [d, e], j, half_log, sum, y, h, growth }
     }
 
-    /// dh/dy.
+    #[inline(always)]
+    fn h(&self) -> R {
+        self.h[0] / self.h[1]
+    }
+
+    /// dh/dy: as the derivative of sqrt(y) h is 1/(2 sqrt(y) (1 - y)), it is half of 1/(1 - y) - (h - 1)/y, and 1 - y = 4 J/p².
     #[inline(always)]
     fn slope(&self) -> R {
-        let far = (self.sum * self.inverse * 0.25 - self.h) / (self.y * 2.0);
-        self.y.if_less(self.y.of(NEAR), polynomial(self.y, &SLOPES), far)
+        (self.sum / (self.j * 4.0) - self.growth) * 0.5
     }
 }
 
@@ -130,14 +129,23 @@ impl Material for Hencky {
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Square<R>) -> R {
-        let Stretches { log, y, h, .. } = Stretches::of(f);
-        log * log * (0.5 * self.bulk()) + y * h * h * (2.0 * self.lame.mu)
+        let stretches = Stretches::of(f);
+        let (log, h) = (stretches.j.logarithm(), stretches.h());
+        log * log * (0.5 * self.bulk()) + stretches.y * h * h * (2.0 * self.lame.mu)
     }
 
+    /// As G is half the difference of F + G and F - G, P is `(a - y b)(F + G) + (b - a)(F - G)` with
+    /// `a = (mu + lambda) ln(J)/(2 J)` and `b = mu h/J`.
     #[inline(always)]
     fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
-        let Stretches { inverse, log, h, k, .. } = Stretches::of(f);
-        f.cofactor() * (log * inverse * self.bulk()) + k * (h * inverse * self.lame.mu)
+        let Stretches { even: [s, t], odd: [d, e], j, half_log, y, h, .. } = Stretches::of(f);
+        // One quotient for both.
+        let inverse = j.of(1.0) / (half_log[1] * (h[1] * j));
+        let a = half_log[0] * h[1] * self.bulk() * inverse;
+        let b = h[0] * half_log[1] * self.lame.mu * inverse;
+        let (even, odd) = (a - y * b, b - a);
+        let (s, t, d, e) = (s * even, t * even, d * odd, e * odd);
+        Square::new(s + d, e - t, t + e, s - d)
     }
 
     /// `J dP = d(J P) - P (G : dF)`. With `dy = 2 (K : dF)/p²` and `(1 - y)(F + G) = K + 2 G` that is
@@ -147,8 +155,10 @@ impl Material for Hencky {
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let mu = self.lame.mu;
         let stretches = Stretches::of(Square::from(f));
-        let Stretches { j, log, sum, y, h, k, .. } = stretches;
-        let (g, k) = (Matrix2::from(Square::from(f).cofactor()), Matrix2::from(k));
+        let Stretches { even: [s, t], odd: [d, e], j, sum, y, .. } = stretches;
+        let (log, h) = (stretches.j.logarithm(), stretches.h());
+        let g = Matrix2::from(Square::from(f).cofactor());
+        let k = Matrix2::new(d - y * s, e + y * t, e - y * t, -d - y * s);
         let times_j = outer(&g, &g) * (self.bulk() * (1.0 - log) / j)
             + COFACTOR * (self.bulk() * log - mu * h * (1.0 + y))
             + Matrix4::identity() * (mu * h * 4.0 * j / sum)
@@ -162,7 +172,8 @@ impl Material for Hencky {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
         let two_mu = 2.0 * self.lame.mu;
         let stretches = Stretches::of(parts.f);
-        let Stretches { inverse, log, y, h, .. } = stretches;
+        let (log, h, y) = (stretches.j.logarithm(), stretches.h(), stretches.y);
+        let inverse = y.of(1.0) / stretches.j;
         let square = parts.p * parts.p;
         let rest = square * inverse * 0.5;
         let slope = stretches.slope();
@@ -209,21 +220,33 @@ mod tests {
         let all = (0..200_000).map(|turn| numbers / 200_000 * turn);
         let ends = (1..1000).flat_map(|n| [n, numbers - n]).chain((0..42).map(|power| 1 << power));
         for x in all.chain(ends).filter(|n| *n > 0).map(|n| n as f64 / numbers as f64) {
-            let h = Stretches::of(Square::new(1.0 + x, 0.0, 0.0, 1.0 - x)).h;
+            let h = Stretches::of(Square::new(1.0 + x, 0.0, 0.0, 1.0 - x)).h();
             let expected = libm::atanh(x) / x;
             assert!(apart(h, expected) <= 2, "{x:e}: {h:e} is not {expected:e}");
         }
     }
 
     #[test]
-    fn the_logarithm_of_j_is_that_of_libm_but_for_three_last_places() {
-        let wide = (-1000..1000).map(|power| libm::exp2(f64::from(power) * 0.999));
-        let round_one = (1..200_000).map(|turn| f64::from(turn) / 50_000.0);
-        let next_to_one = (1..53).flat_map(|power| [1.0, -1.0].map(|sign| 1.0 + sign * libm::exp2(-f64::from(power))));
-        for j in wide.chain(round_one).chain(next_to_one) {
-            let log = Stretches::of(Square::new(j, 0.0, 0.0, 1.0)).log;
-            let expected = libm::log(j);
-            assert!(apart(log, expected) <= 3, "{j:e}: {log:e} is not {expected:e}");
+    fn the_stress_is_that_of_the_formula_but_for_a_few_last_places() {
+        let law = Hencky::new(Lame { mu: 1.0, lambda: 1.5 });
+        let stretches = || (-60..=60).map(|power| libm::exp2(f64::from(power) * 0.07));
+        let turns = || (0..7).map(f64::from);
+        for (one, other) in stretches().flat_map(|one| stretches().map(move |other| (one, other))) {
+            for (before, after) in turns().flat_map(|before| turns().map(move |after| (before, after))) {
+                let turn =
+                    |angle: f64| Matrix2::new(libm::cos(angle), -libm::sin(angle), libm::sin(angle), libm::cos(angle));
+                let f = turn(after) * Matrix2::new(one, 0.0, 0.0, other) * turn(before);
+                let volume = law.lame.lambda * libm::log(one * other);
+                let principal = [one, other].map(|s| (2.0 * law.lame.mu * libm::log(s) + volume) / s);
+                let expected = turn(after) * Matrix2::new(principal[0], 0.0, 0.0, principal[1]) * turn(before);
+                // What the entries of F are rounded to moves it as well.
+                let size = law.stiffness(&f).norm() * f.norm() + expected.norm();
+                assert!(
+                    (law.stress(&f) - expected).norm() <= 8.0 * f64::EPSILON * size,
+                    "{f}: {} is not {expected}",
+                    law.stress(&f)
+                );
+            }
         }
     }
 }

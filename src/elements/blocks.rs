@@ -194,9 +194,19 @@ fn gradients<S: Simd>(set: S, spokes: &Spokes, block: &Block, part: usize) -> Sq
 }
 
 /// The spokes of a run.
-#[derive(Default)]
+#[derive(Debug, Default)]
 #[repr(align(64))]
 struct Run([Spokes; RUN]);
+
+/// The spokes of a run and how fast they change, collected while the forces of the run before were computed; also where a stage ends in
+/// between, as no stage moves a vertex that a later one has to do with.
+#[derive(Debug, Default)]
+pub struct Collected {
+    now: Run,
+    rates: Run,
+    /// Whether it was.
+    is_there: bool,
+}
 
 /// Stresses in the first and in the second triangles of two blocks: the one at hand and the one before, by turns.
 #[derive(Default)]
@@ -216,6 +226,8 @@ pub struct Forces<'a, L, const N: usize> {
     pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
+    /// The first of its runs, maybe, and then the one after the last.
+    pub collected: &'a mut Collected,
     /// Those of each stress, run by run.
     pub out: [&'a mut [[CornerForces; RUN]]; N],
 }
@@ -225,22 +237,20 @@ impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { laws, corners, first, blocks, x, v, mut out } = self;
-        let (mut now, mut rates) = (Run::default(), Run::default());
+        let Self { laws, corners, first, blocks, x, v, collected, mut out } = self;
+        let Collected { now, rates, is_there } = collected;
         let mut stresses: [Stresses; N] = array::from_fn(|_| Stresses::default());
-        let runs = blocks.chunks(RUN);
-        let end = first + runs.len();
-        let mut ahead = None;
-        for (run, blocks) in (first..end).zip(runs) {
+        for (run, blocks) in (first..).zip(blocks.chunks(RUN)) {
             let out = out.each_mut().map(|out| &mut out[run - first]);
-            if ahead.is_none() {
+            if !*is_there {
                 corners.collect(run, x, spokes, &mut now.0);
                 if L::RATE {
                     corners.collect(run, v, spokes, &mut rates.0);
                 }
             }
-            let of = |moving| if run + 1 < end { corners.ahead(run + 1, moving) } else { None };
-            ahead = of(x).zip(of(if L::RATE { v } else { x }));
+            let of = |moving| corners.ahead(run + 1, moving);
+            let ahead = of(x).zip(of(if L::RATE { v } else { x }));
+            *is_there = ahead.is_some();
             for number in 0..=blocks.len() {
                 if let Some(block) = blocks.get(number) {
                     let (now, rates) = (&mut now.0[number], &mut rates.0[number]);

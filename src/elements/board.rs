@@ -86,14 +86,16 @@ impl Board {
         post.met.0.store(step, Ordering::Release);
     }
 
-    /// Waits for the forces of all parts at the seams in a step, and sums them [N].
-    pub fn sum_seam(&self, step: u32, forces: &mut [f64x2]) {
-        forces.fill(f64x2::ZERO);
-        for post in &self.posts {
-            post.met.wait(step);
-            for ([x, y], sum) in post.pages[step as usize % 2].iter().zip(&mut *forces) {
-                *sum += f64x2::new([read(x), read(y)]);
-            }
+    /// Adds to the forces of a part at the seams [N] in a step those of all others, in the order of the parts: it waits for them.
+    pub fn sum_seam(&self, part: usize, step: u32, forces: &mut [f64x2]) {
+        let (before, after) = (&self.posts[..part], &self.posts[part + 1..]);
+        before.iter().chain(after).for_each(|post| post.met.wait(step));
+        for (at, own) in forces.iter_mut().enumerate() {
+            let with = |sum: f64x2, post: &Post| {
+                let [x, y] = &post.pages[step as usize % 2][at];
+                sum + f64x2::new([read(x), read(y)])
+            };
+            *own = after.iter().fold(before.iter().fold(f64x2::ZERO, with) + *own, with);
         }
     }
 

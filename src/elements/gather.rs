@@ -7,7 +7,7 @@ use std::{iter::repeat_n, ops::Range};
 
 /// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
 /// vertices in a row, and little enough for the forces to be still near the processor.
-pub const STAGE: usize = 128;
+pub const STAGE: usize = 32;
 
 /// The same in elements.
 pub const STRETCH: usize = LANES * STAGE;

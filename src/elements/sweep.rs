@@ -2,7 +2,7 @@
 
 use super::{
     Target,
-    blocks::{Block, Forces, Laws},
+    blocks::{Block, Collected, Forces, Laws},
     corners::{Corners, RUN},
     gather::{Gather, STAGE, pairs, room},
     stages::Stages,
@@ -50,10 +50,10 @@ impl Piece<'_> {
             }
         }
         let from = if x.is_empty() { None } else { Some([&*x, &*v]) };
-        let mut buffers = buffers(scratch);
+        let mut desk = Desk::new(scratch);
         let mut stages = self.gather.stages();
         for stage in 0..self.gather.count() {
-            self.stage(stage, laws, from, (&mut buffers, &mut stages), target);
+            self.stage(stage, laws, from, (&mut desk, &mut stages), target);
         }
     }
 
@@ -64,11 +64,12 @@ impl Piece<'_> {
         stage: usize,
         laws: impl Laws<N>,
         from: Option<[&[f64]; 2]>,
-        (buffers, stages): (&mut [&mut [Pairs]; N], &mut Stages<'_>),
+        (desk, stages): (&mut Desk<'_, N>, &mut Stages<'_>),
         target: &mut impl Target<N>,
     ) {
         let (gather, span) = (self.gather, self.gather.span(stage));
-        let out = buffers.each_mut().map(|buffer| buffer[4 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0);
+        let Desk { forces, collected } = desk;
+        let out = forces.each_mut().map(|buffer| buffer[4 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0);
         let [x, v] = match from {
             Some(from) => from,
             None => target.motion().map(|values| values.get(2 * self.vertices.start..).unwrap_or_default()),
@@ -80,9 +81,10 @@ impl Piece<'_> {
             blocks: &self.blocks[span],
             x,
             v,
+            collected,
             out,
         });
-        stages.add(buffers.each_ref().map(|buffer| &**buffer), target);
+        stages.add(forces.each_ref().map(|buffer| &**buffer), target);
     }
 }
 
@@ -92,8 +94,18 @@ pub fn copy(vertices: &Range<usize>) -> usize {
     if vertices.len() < NEAR { 2 * vertices.len() + NEAR } else { 0 }
 }
 
-/// Buffers for the forces of each stress at the corners, in scratch for all of them.
-pub fn buffers<const N: usize>(mut scratch: &mut [f64]) -> [&mut [Pairs]; N] {
-    let each = scratch.len() / N;
-    [(); N].map(|()| pairs(scratch.split_off_mut(..each).unwrap_or_default()))
+/// What a sweep has at hand.
+pub struct Desk<'a, const N: usize> {
+    /// The forces of each stress at the corners.
+    forces: [&'a mut [Pairs]; N],
+    collected: Collected,
+}
+
+impl<'a, const N: usize> Desk<'a, N> {
+    /// In scratch for the forces of all stresses.
+    pub fn new(mut scratch: &'a mut [f64]) -> Self {
+        let each = scratch.len() / N;
+        let forces = [(); N].map(|()| pairs(scratch.split_off_mut(..each).unwrap_or_default()));
+        Self { forces, collected: Collected::default() }
+    }
 }

@@ -11,18 +11,17 @@ use super::{
     blocks::Laws,
     board::Board,
     gather::make_room,
-    kick::Kick,
+    kick::{Kick, Masses, Moving},
     stages::Stages,
-    sweep::{Piece, buffers},
+    sweep::{Desk, Piece},
 };
-use crate::lanes::Pairs;
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 use std::{array::from_fn, sync::Arc};
 use wide::f64x2;
 
-/// How many steps of a body that is larger than a core's own cache are under way at once: enough for memory to be no longer what they wait
-/// for, and little enough for what is in use to stay in that cache.
-const WAVE: usize = 4;
+/// How many steps of a body that is larger than a core's own cache are under way at once at most: enough for memory to be no longer what
+/// they wait for, and little enough for what is in use to stay in that cache.
+const WAVE: usize = 8;
 
 /// How many of the last steps may not have been looked at yet, as each look is at as many as there are in a wave: so far a walker may be
 /// ahead of what it has seen of the others.
@@ -32,9 +31,16 @@ const RECENT: usize = 2 * WAVE;
 /// bytes a triangle (rest shape 40, numbers of corners and of their places 8, half a vertex 32) and writes 16.
 const VAST: usize = 1 << 14;
 
+/// Of a body of so many triangles a row is so long, and so much of it lies between a step and the next, that fewer stay in that cache.
+const WIDE: usize = 1 << 18;
+
 /// How many steps of a body of so many triangles are best under way at once.
 pub const fn wave(triangles: usize) -> u32 {
-    if triangles < VAST { 1 } else { WAVE as u32 }
+    match triangles {
+        ..VAST => 1,
+        VAST..WIDE => WAVE as u32,
+        _ => 6,
+    }
 }
 
 /// Whether to go on.
@@ -155,7 +161,7 @@ impl<const N: usize> Walk<'_, '_, N> {
     fn go(mut self, laws: impl Laws<N>, more: More<'_>, scratch: &mut Vec<f64>) -> Outcome {
         let each = N * self.ground.piece.buffer();
         make_room(scratch, self.way.wave as usize * each);
-        let mut buffers: Vec<_> = scratch.chunks_exact_mut(each).map(buffers::<N>).collect();
+        let mut desks: Vec<_> = scratch.chunks_exact_mut(each).map(Desk::new).collect();
         let alone = self.way.board.is_alone();
         let (mut taken, mut on, mut asks) = (0, true, false);
         while on {
@@ -174,7 +180,7 @@ impl<const N: usize> Walk<'_, '_, N> {
             let sure = if alone || close { end } else { taken };
             while taken < end {
                 let count = self.way.wave.min(end - taken);
-                self.surge(laws, taken + 1, &mut buffers[..count as usize]);
+                self.surge(laws, taken + 1, &mut desks[..count as usize]);
                 taken += count;
             }
             on = self.look(sure);
@@ -185,11 +191,12 @@ impl<const N: usize> Walk<'_, '_, N> {
         Outcome { steps: taken, late: self.known.steps < taken, ..self.known }
     }
 
-    /// Takes some steps at once, from a first one on, each with buffers of its own.
-    fn surge(&mut self, laws: impl Laws<N>, first: u32, buffers: &mut [[&mut [Pairs]; N]]) {
-        let (piece, count) = (self.ground.piece.clone(), buffers.len());
+    /// Takes some steps at once, from a first one on, each at a desk of its own.
+    fn surge(&mut self, laws: impl Laws<N>, first: u32, desks: &mut [Desk<'_, N>]) {
+        let (piece, count) = (self.ground.piece.clone(), desks.len());
         let mut stages: [Stages<'_>; WAVE] = from_fn(|_| piece.gather.stages());
-        let (ends, lag) = (piece.gather.count(), piece.gather.lag().max(self.ground.met));
+        // A stage collects what the next begins with: that has to be moved by then.
+        let (ends, lag) = (piece.gather.count(), (piece.gather.lag() + 1).max(self.ground.met));
         for tick in 0..ends + (count - 1) * lag {
             for turn in 0..count {
                 let Some(stage) = tick.checked_sub(turn * lag).filter(|stage| *stage < ends) else { continue };
@@ -201,7 +208,7 @@ impl<const N: usize> Walk<'_, '_, N> {
                     self.squares[turn] = f64x2::ZERO;
                 }
                 self.turn = turn;
-                piece.stage(stage, laws, None, (&mut buffers[turn], &mut stages[turn]), self);
+                piece.stage(stage, laws, None, (&mut desks[turn], &mut stages[turn]), self);
                 if stage == self.ground.met {
                     self.way.board.post_seam(self.ground.number, step, self.seam.as_flattened());
                 }
@@ -216,21 +223,29 @@ impl<const N: usize> Walk<'_, '_, N> {
 
     /// Moves the vertices on the seams, as everyone does.
     fn move_seam(&mut self, step: u32) {
-        let Self { ground: Ground { x, v, masses: [mass, inverse_mass], own, .. }, seam, kick, .. } = self;
-        if seam.is_empty() {
+        /// A closure might stay a call, without the instruction set.
+        struct Move<'a, const N: usize>(Kick, Moving<'a>, Masses<'a>, &'a [[f64x2; N]]);
+        impl<const N: usize> WithSimd for Move<'_, N> {
+            type Output = f64x2;
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, set: S) -> f64x2 {
+                let Self(kick, moving, masses, forces) = self;
+                let (fours, rest) = forces.as_chunks();
+                kick.of_run(set, 0, moving, masses, fours.iter().copied(), rest.iter().copied())
+            }
+        }
+        let Ground { piece, number, x, v, masses, own, .. } = &mut self.ground;
+        if self.seam.is_empty() {
             return;
         }
-        self.way.board.sum_seam(step, seam.as_flattened_mut());
-        let moving = x[*own..].iter_mut().zip(&mut v[*own..]);
-        let masses = mass[*own..].iter().zip(&inverse_mass[*own..]);
-        let mut squares = f64x2::ZERO;
-        for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(seam) {
-            squares += kick.of([x, v], [*mass, *inverse_mass], *forces);
-            // What is not in a part gets no force from it.
-            *forces = [f64x2::ZERO; N];
-        }
-        let [along_x, along_y] = squares.to_array();
+        self.way.board.sum_seam(*number, step, self.seam.as_flattened_mut());
+        let masses = masses.map(|masses| &masses[*own..]);
+        let seam = Move(self.kick, [&mut x[*own..], &mut v[*own..]], masses, &self.seam);
+        let [along_x, along_y] = piece.gather.set().dispatch(seam).to_array();
         self.of_seam[step as usize % RECENT] = along_x + along_y;
+        // What is not in a part gets no force from it.
+        self.seam.fill([f64x2::ZERO; N]);
     }
 
     /// Looks at the energy of motion after each step up to one. Returns whether they may go on.

@@ -26,7 +26,7 @@ const SEVERAL: f64 = 1.5;
 /// Nor is it in order if elements with more corners than these lie between two that meet at a vertex, and in another order less than half
 /// as many: the forces at all those corners have to be kept meanwhile. Where rows are followed it is one row or two; a curve that fills
 /// the plane passes where it has been before half the mesh ago.
-const FAR: usize = 8 * STRETCH;
+const FAR: usize = 8192;
 
 /// A mesh in a better order, if it is out of order; others are left as they are.
 pub(super) fn mesh(mesh: Mesh) -> Mesh {

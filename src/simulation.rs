@@ -1,6 +1,7 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
 mod books;
+mod checkpoint;
 mod companion;
 mod energies;
 mod paces;
@@ -21,6 +22,7 @@ use crate::{
     scene::Scene,
     state::State,
 };
+use checkpoint::Checkpoint;
 use energies::Elastic;
 use paces::Paces;
 use sleep::Islands;
@@ -52,17 +54,6 @@ pub struct Simulation {
     /// Counts what may have changed the shape of anything, or what it is made of.
     shape: u64,
     elastic: RefCell<Elastic>,
-}
-
-/// A moment to go back to.
-#[derive(Clone, Default)]
-struct Checkpoint {
-    state: State,
-    /// What had been counted and booked then.
-    counts: Counts,
-    costs: Vec<EffectCost>,
-    /// What the guard knew.
-    guard: Guard,
 }
 
 /// Steps between two checkpoints, and between two looks at the clock, where they are not taken at a stretch.
@@ -250,6 +241,7 @@ impl Simulation {
             }
             self.fall_asleep();
             if self.is_asleep() {
+                self.checkpoint.keep(&self.state);
                 self.pass(1);
                 return 1;
             }
@@ -257,6 +249,7 @@ impl Simulation {
             if let Some(taken) = self.stride(most, more) {
                 return taken;
             }
+            self.checkpoint.keep(&self.state);
         }
         self.step();
         if !self.is_sound() {
@@ -265,16 +258,6 @@ impl Simulation {
         // Going back relies on all steps since the checkpoint being of one length.
         self.stale |= self.guard.calm_down();
         1
-    }
-
-    fn set_checkpoint(&mut self) {
-        std::mem::swap(&mut self.checkpoint, &mut self.older);
-        self.joined = !std::mem::take(&mut self.stale);
-        self.team.pass_checkpoint();
-        self.checkpoint.state.clone_from(&self.state);
-        self.checkpoint.counts = self.scratch.counts;
-        self.checkpoint.costs.clone_from(&self.scratch.costs);
-        self.checkpoint.guard = self.guard.clone();
     }
 
     /// One step, in as many shorter ones as the guard wants.
@@ -353,20 +336,6 @@ impl Simulation {
     fn is_suspicious(&self) -> bool {
         self.scene.integrator.kind().class() == Class::Implicit
             || self.guard.is_suspicious(self.scratch.kinetic.unwrap_or_else(|| self.kinetic_energy()))
-    }
-
-    /// Back to a step since the checkpoint: the same steps from there give the same bits again.
-    fn go_back_to(&mut self, step: u64) {
-        self.state.clone_from(&self.checkpoint.state);
-        self.shape += 1;
-        self.scratch.counts = self.checkpoint.counts;
-        self.scratch.costs.clone_from(&self.checkpoint.costs);
-        self.guard.book(self.checkpoint.guard.put_in());
-        self.scratch.work.forget();
-        self.scratch.room = -1.0;
-        while self.state.steps < step {
-            self.step();
-        }
     }
 
     /// Goes back to the checkpoint after a step that failed, and comes back to it in shorter steps, as far as the guard may; a

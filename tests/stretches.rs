@@ -121,6 +121,16 @@ fn a_body_beside_one_that_sleeps_is_shared_as_well() {
     }
 }
 
+/// As long as it moves a stretch does not stop where somebody would look whether it is calm; then it does.
+#[test]
+fn what_comes_to_rest_during_a_stretch_falls_asleep_after_the_step_it_would() {
+    let rest = "substeps: 20, effects: [(effect: Rayleigh(mass: 30))]";
+    let soft = "(name: \"soft\", mass: Density(1), stretch: (1.02, 1), mesh: Rectangle(width: 1, height: 1, columns: 68, rows: 68),
+        material: (model: StableNeoHookean, young: 10, poisson: 0.3, plane: Strain))";
+    let run = compare(&level(&format!("(name: \"soft\", {rest}, bodies: [{soft}])")), 3, 1500);
+    assert!(run.is_asleep() && run.counts().slept > 0 && run.steps_together() > 1000, "{:?}", run.counts());
+}
+
 #[test]
 fn what_falls_on_a_floor_while_two_share_the_work_is_stopped_where_it_would_be() {
     let floor = "(effect: Walls(obstacles: [Plane(point: (0, -0.02), normal: (0, 1), eps: 0.001)]))";

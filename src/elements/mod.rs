@@ -26,7 +26,7 @@ pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
-pub(crate) use walk::{More, Outcome, Way, wave};
+pub(crate) use walk::{Looks, More, Outcome, Way, wave};
 
 use std::sync::Arc;
 

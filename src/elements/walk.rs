@@ -61,12 +61,34 @@ pub struct Way {
     pub everywhere: Everywhere,
     /// They stop after a step with a greater energy of motion than this [J].
     pub most_kinetic: f64,
+    /// When somebody looks whether it is calm.
+    pub looks: Looks,
     /// What is known at the start; they stop when the room is used up.
     pub start: Outcome,
     /// The least mass of a vertex [kg].
     pub lightest: f64,
     /// What is left of the room [m] after a step with an energy of motion [J], with that mass and length of a step.
     pub shrink: fn(f64, f64, f64, f64) -> f64,
+}
+
+/// After which steps somebody looks whether a body is calm: they stop there, unless it moves so much that it is not.
+#[derive(Clone, Copy, Debug)]
+pub struct Looks {
+    /// The first of them, and how many lie between two.
+    pub first: u32,
+    pub every: u32,
+    /// With more energy of motion than this it is not calm [J].
+    pub calm: f64,
+}
+
+impl Looks {
+    /// How many steps there are from one to the next look, or to one just after it.
+    const fn until(&self, step: u32) -> u32 {
+        match self.first.checked_sub(step) {
+            Some(left) => left,
+            None => (self.every - (step - self.first) % self.every) % self.every,
+        }
+    }
 }
 
 /// What came of a walk, and what is known on the way.
@@ -95,10 +117,13 @@ impl Default for Outcome {
 
 impl Outcome {
     /// Whether they may have to stop within the steps of a few waves, if it goes on as in the last step; or that is not known.
-    fn is_close(&self, most_kinetic: f64) -> bool {
+    fn is_close(&self, way: &Way) -> bool {
         const AHEAD: f64 = 4.0 * WAVE as f64;
-        let far = self.kinetic + AHEAD * self.growth <= most_kinetic && self.kinetic <= most_kinetic;
-        !(far && AHEAD * self.travel <= self.room)
+        let soon = self.kinetic + AHEAD * self.growth;
+        let far = [self.kinetic, soon].iter().all(|kinetic| *kinetic <= way.most_kinetic);
+        let lively = [self.kinetic, soon].iter().all(|kinetic| *kinetic > 2.0 * way.looks.calm);
+        let unseen = lively || f64::from(way.looks.until(self.steps + 1)) > AHEAD;
+        !(far && unseen && AHEAD * self.travel <= self.room)
     }
 }
 
@@ -174,7 +199,7 @@ impl<const N: usize> Walk<'_, '_, N> {
                 break;
             }
             asks = last == self.way.steps;
-            let close = self.known.is_close(self.way.most_kinetic);
+            let close = self.known.is_close(self.way);
             let end = last.min(taken + if close { 1 } else { WAVE as u32 });
             // What the others posted some steps ago has arrived already.
             let sure = if alone || close { end } else { taken };
@@ -258,6 +283,9 @@ impl<const N: usize> Walk<'_, '_, N> {
             self.known = Outcome { steps: step, kinetic, growth, room, travel, late: false };
             // Nothing that is not a number is below a limit.
             if !(kinetic <= self.way.most_kinetic && room >= 0.0) {
+                return false;
+            }
+            if kinetic <= self.way.looks.calm && self.way.looks.until(step) == 0 {
                 return false;
             }
         }

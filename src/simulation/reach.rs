@@ -90,19 +90,32 @@ impl Simulation {
 
     /// Looks how far everything may go.
     pub(super) fn measure_room(&mut self) {
-        self.scratch.room = room(extents(&self.state.x), self.scratch.free.unwrap_or(WORLD));
+        let inner = extents(&self.state.x);
+        let outer = self.scratch.free.unwrap_or_else(|| surroundings(inner));
+        (self.scratch.room, self.scratch.reach) = (room(inner, outer), greatest(outer));
     }
 }
 
 /// Where a state can still mean something.
 const WORLD: Bounds = [[-State::LIMIT; 2], [State::LIMIT; 2]];
 
+/// A box so much larger than one in it that nothing leaves it soon, and its corners are still known to a small share of that one.
+fn surroundings(inner: Bounds) -> Bounds {
+    let size = (0..2).map(|axis| inner[1][axis] - inner[0][axis]).fold(0.0, f64::max);
+    let outer = grown(inner, [true; 4], libm::ldexp(size, 20) + libm::ldexp(greatest(inner), -16));
+    outer.map(|corner| corner.map(|along| along.clamp(-State::LIMIT, State::LIMIT)))
+}
+
+/// The greatest distance of a corner from the origin along an axis.
+fn greatest(bounds: Bounds) -> f64 {
+    bounds.as_flattened().iter().fold(0.0, |most, along| most.max(along.abs()))
+}
+
 /// How far everything in a box can go at least before it leaves another around it, less a share for round-off in a great many
 /// steps.
 fn room(inner: Bounds, outer: Bounds) -> f64 {
     let sides = [0, 1].map(|axis| (inner[0][axis] - outer[0][axis]).min(outer[1][axis] - inner[1][axis]));
-    let size = outer.as_flattened().iter().fold(0.0_f64, |most, corner| most.max(corner.abs()));
-    sides[0].min(sides[1]) - 1e-6 * size
+    sides[0].min(sides[1]) - 1e-6 * greatest(outer)
 }
 
 /// Least and greatest of x and y.

@@ -75,6 +75,14 @@ impl Islands {
     }
 }
 
+impl Island {
+    /// The greatest speed along an axis [m/s] at which it is calm, if it lies so far from the origin along one [m] and takes steps of
+    /// length h [s].
+    fn calm_speed(&self, reach: f64, h: f64) -> f64 {
+        (FAR * self.size / WINDOW).max(f64::EPSILON * reach / h)
+    }
+}
+
 impl Islands {
     /// Steps between two looks at who is calm; as many as there are where nobody looks.
     pub const fn every(&self) -> u64 {
@@ -160,11 +168,26 @@ impl Simulation {
             }
             let own = 2 * island.vertices.start..2 * island.vertices.end;
             let fastest = greatest(&self.state.v[own.clone()]);
-            let round_off = f64::EPSILON * greatest(&self.state.x[own]) / self.paces.step(number, self.scene.step);
-            let slow = fastest <= (FAR * island.size / WINDOW).max(round_off);
+            let h = self.paces.step(number, self.scene.step);
+            let slow = fastest <= island.calm_speed(greatest(&self.state.x[own]), h);
             let free = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
             *calm = if slow && free { *calm + 1 } else { 0 };
         }
+    }
+
+    /// With more energy of motion than this [J] a body or net is not calm, if it lies no farther from the origin than so far along an axis
+    /// [m]: a mass m of which nothing is faster than v along either axis has m v² at most.
+    pub(super) fn calm_energy(&self, number: usize, reach: f64) -> f64 {
+        self.islands.all.get(number).map_or(f64::INFINITY, |island| {
+            let speed = island.calm_speed(reach, self.scene.step);
+            1.000_001 * island.mass * speed * speed
+        })
+    }
+
+    /// Books looks that would have found nobody calm.
+    pub(super) fn book_looks(&mut self) {
+        self.state.calm.resize(self.islands.all.len(), 0);
+        self.state.calm.iter_mut().filter(|calm| **calm != ASLEEP).for_each(|calm| *calm = 0);
     }
 
     /// Lets those fall asleep that have been calm for long enough and stay where they are when let go; call it after the
@@ -177,6 +200,7 @@ impl Simulation {
         if !self.state.calm.iter().any(|calm| *calm >= looks && *calm != ASLEEP) {
             return;
         }
+        self.checkpoint.keep(&self.state);
         self.let_go();
         let islands = std::mem::take(&mut self.islands.all);
         for (number, island) in islands.iter().enumerate() {

@@ -10,7 +10,7 @@ use super::{
     system::{System, shrunk},
 };
 use crate::{
-    elements::{Board, Everywhere, More, Outcome, Parts, Triangles, Walker, Way, wave},
+    elements::{Board, Everywhere, Looks, More, Outcome, Parts, Triangles, Walker, Way, wave},
     integrators::{IntegratorKind, StepCounts},
 };
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl Simulation {
     }
 
     /// The body that alone is to be moved, and what acts on it everywhere, if there is nothing else to do.
-    fn only_work(&self) -> Option<(Arc<Triangles>, Everywhere)> {
+    fn only_work(&self) -> Option<(usize, Arc<Triangles>, Everywhere)> {
         let &[number] = self.scratch.plan.elements.as_slice() else { return None };
         let plain = matches!(self.scene.integrator, IntegratorKind::SymplecticEuler(_)) && !self.paces.differ();
         let free = self.scratch.plan.constraints.is_empty() || self.scratch.free.is_some();
@@ -98,7 +98,7 @@ impl Simulation {
         // What is not asked while nothing moves is asked from the next step on.
         let starts = self.scratch.plan.forces.iter().any(|number| self.scene.effects[*number].idle(motion).is_some())
             && motion.stillness().is_some();
-        (!starts).then(|| (Arc::clone(&body.elements), everywhere))
+        (!starts).then(|| (number, Arc::clone(&body.elements), everywhere))
     }
 
     /// Takes a stretch of up to so many steps from a checkpoint, as long as there is `more` to do, if that is only to move the vertices of
@@ -108,10 +108,10 @@ impl Simulation {
         if self.state.steps < self.team.plain_until {
             return None;
         }
-        let (body, everywhere) = self.only_work()?;
+        let (number, body, everywhere) = self.only_work()?;
         let triangles = body.corners().len();
         let parts = if self.team.threads < 2 { None } else { body.parts() };
-        let steps = most.min(LONGEST).min(self.until_look());
+        let steps = most.min(LONGEST);
         let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
         if steps < BATCH || most_kinetic < 0.0 || !parts.is_none_or(|parts| self.team.is_complete(parts.count())) {
             return None;
@@ -129,18 +129,25 @@ impl Simulation {
             step: self.scene.step,
             everywhere,
             most_kinetic,
+            looks: self.looks(number),
             start: Outcome { steps: 0, room: self.scratch.room, ..known.unwrap_or_default() },
             lightest: self.scratch.lightest,
             shrink: shrunk,
         };
         let outcome = self.walk((&body, parts), (&way, more), known.is_some());
-        let taken = u64::from(outcome.steps);
+        let (taken, looks) = (u64::from(outcome.steps), outcome.steps > way.looks.first);
         (self.scratch.kinetic, self.scratch.room) = (Some(outcome.kinetic), outcome.room);
         self.team.walked[0] = true;
         self.team.steps[0] += taken;
         self.book_stretch(taken);
         self.team.arrived = Some((self.revision, outcome));
-        Some(if !outcome.late && self.is_sound() { taken } else { self.step_plainly(taken) })
+        if outcome.late || !self.is_sound() {
+            return Some(self.step_plainly(taken));
+        }
+        if looks {
+            self.book_looks();
+        }
+        Some(taken)
     }
 
     /// A stretch by a thread for each part, or by this one alone; the walkers may have arrived where everything is.
@@ -150,7 +157,7 @@ impl Simulation {
         (way, more): (&Way, More<'_>),
         arrived: bool,
     ) -> Outcome {
-        let Self { scene, state, scratch, team, .. } = self;
+        let Self { scene, state, scratch, team, checkpoint, .. } = self;
         let count = parts.map_or(1, Parts::count);
         let arrived = arrived && team.walkers.len() == count;
         if team.walkers.len() != count {
@@ -171,6 +178,12 @@ impl Simulation {
         for (walker, companion) in others.iter_mut().zip(&mut team.companions) {
             *walker = companion.receive();
         }
+        // Of parts only those of one body arrive.
+        if parts.is_none() || scene.bodies.len() + scene.nets.len() == 1 {
+            checkpoint.take_over(state);
+        } else {
+            checkpoint.keep(state);
+        }
         for walker in &team.walkers {
             walker.arrive(parts, [&mut state.x, &mut state.v]);
         }
@@ -181,10 +194,12 @@ impl Simulation {
         outcome
     }
 
-    /// Steps until somebody looks who is calm.
-    fn until_look(&self) -> u64 {
+    /// After which of the next steps somebody looks who is calm, where only one body moves.
+    fn looks(&self, number: usize) -> Looks {
         let every = self.islands.every();
-        every - self.state.steps % every
+        let [first, every] =
+            [every - self.state.steps % every, every].map(|steps| steps.try_into().unwrap_or(u32::MAX));
+        Looks { first, every, calm: self.calm_energy(number, self.scratch.reach) }
     }
 
     /// Books steps that were taken at a stretch.

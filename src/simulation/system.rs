@@ -78,6 +78,8 @@ pub(super) struct Scratch {
     pub free: Option<Bounds>,
     /// How far every vertex may still go before it has to be looked where they are; negative if it is not known [m].
     pub room: f64,
+    /// How far from the origin along an axis no vertex is as long as there is room [m].
+    pub reach: f64,
     /// The energy of motion after the step [J], if it came along.
     pub kinetic: Option<f64>,
     /// The least mass of what can move [kg].

@@ -21,7 +21,8 @@ fn square(side: u32, body: &str, rest: &str) -> Level {
 
 fn work(simulation: &Simulation) -> impl PartialEq + std::fmt::Debug {
     let costs = simulation.costs().iter().map(|cost| (cost.name, cost.calls, cost.elements, cost.skipped, cost.idle));
-    (simulation.state().hash(), simulation.state().time, simulation.counts(), costs.collect::<Vec<_>>())
+    let state = simulation.state();
+    (state.hash(), state.time, state.calm.clone(), simulation.counts(), costs.collect::<Vec<_>>())
 }
 
 /// Takes steps by so few that there is no stretch: fewer than between two checkpoints.

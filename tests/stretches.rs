@@ -5,7 +5,16 @@
 mod common;
 
 use common::{level, simulation};
-use gingerbread::{level::Level, simulation::Simulation};
+use gingerbread::{
+    elements::{Bytes, Caches},
+    level::Level,
+    simulation::Simulation,
+};
+
+/// With which as many steps are under way at once as there may be, two, and one.
+const NONE: Caches = Caches { own: 0, shared: 0 };
+const LITTLE: Caches = Caches { own: 1, shared: usize::MAX };
+const ENDLESS: Caches = Caches { own: usize::MAX, shared: usize::MAX };
 
 /// A sheet of 9248 triangles, row by row.
 fn large(body: &str, rest: &str) -> Level {
@@ -34,9 +43,12 @@ fn singly(simulation: &mut Simulation, steps: u64) -> u64 {
     taken
 }
 
-/// Runs a level step by step, at a stretch with one thread and with two, and compares them every now and then.
+/// Runs a level step by step, at a stretch with one thread and with two, with one step under way and with many, and compares them every
+/// now and then.
 fn compare(level: &Level, stretches: u32, steps: u64) -> Simulation {
     let [mut single, mut one, mut two] = [level; 3].map(simulation);
+    one.set_caches(NONE);
+    two.set_caches(ENDLESS);
     two.set_threads(2);
     for stretch in 0..stretches {
         let taken = singly(&mut single, steps);
@@ -48,6 +60,20 @@ fn compare(level: &Level, stretches: u32, steps: u64) -> Simulation {
     }
     assert_eq!(single.steps_at_a_stretch(), 0);
     two
+}
+
+#[test]
+fn as_many_steps_are_under_way_as_stay_in_a_cores_own_cache_and_all_there_may_be_where_none_is_large_enough() {
+    const KILO: usize = 1 << 10;
+    let caches = |own| Caches { own: own * KILO, shared: 32 << 20 };
+    let steps = |own, in_all| caches(own).steps_at_once(Bytes { in_all: in_all * KILO, at_once: 100 * KILO });
+    assert_eq!([256, 1024, 2048].map(|own| steps(own, own)), [1; 3], "all of it stays there");
+    assert_eq!([256, 512, 1024, 2048, 4096].map(|own| steps(own, 8192)), [2, 3, 5, 8, 8]);
+    assert_eq!([256, 1024, 2048].map(|own| steps(own, (32 << 10) + 1)), [8; 3], "memory is what they wait for");
+    assert_eq!(NONE.steps_at_once(Bytes { in_all: 0, at_once: 0 }), 1);
+    assert_eq!(LITTLE.steps_at_once(Bytes { in_all: 2, at_once: 0 }), 2);
+    let Caches { own, shared } = Caches::here();
+    assert!((1 << 15..1 << 27).contains(&own) && (own..1 << 34).contains(&shared), "{own} {shared}");
 }
 
 /// Larger than a core's own cache: sheets of 16,928, of which each thread has a few stages only, and of 131,072 triangles.
@@ -62,9 +88,10 @@ fn a_vast_body_whose_steps_overlap_comes_to_the_bits_and_books_of_single_steps()
         let level = square(side, "stretch: (1.1, 1), velocity: (0, -10),", &format!("substeps: {substeps}, {rest}"));
         let mut single = simulation(&level);
         singly(&mut single, 81);
-        for threads in &threads[..threads[1]] {
+        for (threads, caches) in threads[..threads[1]].iter().flat_map(|threads| [(threads, NONE), (threads, LITTLE)]) {
             let mut run = simulation(&level);
             run.set_threads(*threads);
+            run.set_caches(caches);
             // As if somebody had no more time after a while.
             let taken = run.advance(81, &mut enough_after(2));
             assert!(taken < 45, "{rest}: {taken} steps");

@@ -158,6 +158,11 @@ impl Gather {
         self.set
     }
 
+    /// How many bytes tell what is summed where.
+    pub const fn bytes(&self) -> usize {
+        size_of_val(self.vertices.as_slice()) + size_of_val(self.near.as_slice()) + size_of_val(self.far.as_slice())
+    }
+
     /// How many blocks of elements the buffer of corners has to hold.
     pub const fn buffer(&self) -> usize {
         self.window * STAGE

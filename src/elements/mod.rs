@@ -2,6 +2,7 @@
 
 mod blocks;
 mod board;
+mod caches;
 mod corners;
 mod fields;
 mod gather;
@@ -18,6 +19,7 @@ mod walk;
 
 pub(crate) use blocks::Law;
 pub(crate) use board::Board;
+pub use caches::{Bytes, Caches};
 pub use fields::Field;
 pub(crate) use gather::{STRETCH, make_room};
 pub(crate) use parts::{Parts, Walker};
@@ -26,7 +28,7 @@ pub use survey::Survey;
 pub(crate) use tangent::Isotropic;
 pub use target::{Adding, Everywhere, Kicking, Target};
 pub use triangle::Triangles;
-pub(crate) use walk::{Looks, More, Outcome, Way, wave};
+pub(crate) use walk::{Looks, More, Outcome, Way};
 
 use std::sync::Arc;
 

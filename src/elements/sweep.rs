@@ -2,12 +2,13 @@
 
 use super::{
     Target,
-    blocks::{Block, Collected, Forces, Laws},
+    blocks::{Block, Collected, CornerForces, Forces, Laws},
+    caches::Bytes,
     corners::{Corners, RUN},
     gather::{Gather, STAGE, pairs, room},
     stages::Stages,
 };
-use crate::lanes::{NEAR, Pairs};
+use crate::lanes::{LANES, NEAR, Pairs};
 use std::ops::Range;
 
 /// A stage begins with a run.
@@ -34,6 +35,17 @@ impl Piece<'_> {
     /// How many of them are for the forces on fans.
     pub fn buffer(&self) -> usize {
         room(4 * self.gather.buffer())
+    }
+
+    /// What a step with one stress has to do with: rest shapes, numbers of corners, vertices, what is summed at them, and the forces on
+    /// the fans of some stages.
+    pub fn bytes(&self) -> Bytes {
+        let (blocks, stages) = (self.blocks.len(), self.gather.lag() + 1);
+        let fans = size_of_val(self.blocks) + blocks * LANES * size_of::<[u16; 4]>();
+        // Place, velocity, mass and its reciprocal.
+        let vertices = self.vertices.len() * 4 * size_of::<[f64; 2]>() + self.gather.bytes();
+        let of_stages = (fans + vertices) * (stages * STAGE).min(blocks) / blocks.max(1);
+        Bytes { in_all: fans + vertices, at_once: of_stages + self.gather.buffer() * size_of::<CornerForces>() }
     }
 
     /// Computes the forces of stresses on all fans, sums them at their vertices and hands them out.

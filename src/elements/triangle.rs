@@ -1,6 +1,7 @@
 use super::{
     Adding, Everywhere, Kicking, Target,
     blocks::{self, Blocks, Both, Elastic, Laws},
+    caches::Bytes,
     corners::Corners,
     gather::Gather,
     parts::{self, Parts, Walker},
@@ -243,6 +244,11 @@ impl Triangles {
         self.parts
             .get_or_init(|| Parts::new(&self.fans(), &self.vertices, |fan| self.blocks.fan(fan), self.set()))
             .as_ref()
+    }
+
+    /// What a step has to do with.
+    pub(crate) fn bytes(&self) -> Bytes {
+        self.piece().bytes()
     }
 
     /// Takes a walker on its way through a number of steps, together with those of the other parts if there are any.

@@ -1,15 +1,15 @@
 //! Many steps of a body without a look at the whole on the way.
 //!
 //! Two things make that faster than one step after another. Where a body is larger than a core's own cache, several steps are under way
-//! at once, each some stages behind the one before: what the first has brought from memory is still near when the others want it.
-//! And where parts of a body are walked by several threads, each sweeps from the seam inwards: it posts its sums at the seam early in a
-//! step, and by the end of it those of the others have long arrived. All know the same, and stop after the same step; who is asked
-//! whether to go on tells the others early enough.
+//! at once, each some stages behind the one before ([`Caches`]). And where parts of a body are walked by several threads, each sweeps
+//! from the seam inwards: it posts its sums at the seam early in a step, and by the end of it those of the others have long arrived. All
+//! know the same, and stop after the same step; who is asked whether to go on tells the others early enough.
 
 use super::{
     Everywhere, Target,
     blocks::Laws,
     board::Board,
+    caches::Caches,
     gather::make_room,
     kick::{Kick, Masses, Moving},
     stages::Stages,
@@ -19,29 +19,12 @@ use pulp::{Simd, WithSimd};
 use std::{array::from_fn, sync::Arc};
 use wide::f64x2;
 
-/// How many steps of a body that is larger than a core's own cache are under way at once at most: enough for memory to be no longer what
-/// they wait for, and little enough for what is in use to stay in that cache.
-const WAVE: usize = 8;
+/// How many steps are under way at once at most.
+const WAVE: usize = Caches::MOST_STEPS as usize;
 
 /// How many of the last steps may not have been looked at yet, as each look is at as many as there are in a wave: so far a walker may be
 /// ahead of what it has seen of the others.
 const RECENT: usize = 2 * WAVE;
-
-/// A body of so many triangles is larger than the cache that a processor's core has to itself, which is 0.5 to 2 MB: a step reads some 80
-/// bytes a triangle (rest shape 40, numbers of corners and of their places 8, half a vertex 32) and writes 16.
-const VAST: usize = 1 << 14;
-
-/// Of a body of so many triangles a row is so long, and so much of it lies between a step and the next, that fewer stay in that cache.
-const WIDE: usize = 1 << 18;
-
-/// How many steps of a body of so many triangles are best under way at once.
-pub const fn wave(triangles: usize) -> u32 {
-    match triangles {
-        ..VAST => 1,
-        VAST..WIDE => WAVE as u32,
-        _ => 6,
-    }
-}
 
 /// Whether to go on.
 pub type More<'a> = &'a mut dyn FnMut() -> bool;
@@ -53,7 +36,7 @@ pub struct Way {
     pub board: Arc<Board>,
     /// How many steps they take at most.
     pub steps: u32,
-    /// How many of them may be under way at once: [`wave`].
+    /// How many of them are under way at once: [`Caches::steps_at_once`].
     pub wave: u32,
     /// Length of a step [s].
     pub step: f64,

@@ -10,7 +10,7 @@ use super::{
     system::{System, shrunk},
 };
 use crate::{
-    elements::{Board, Everywhere, Looks, More, Outcome, Parts, Triangles, Walker, Way, wave},
+    elements::{Board, Caches, Everywhere, Looks, More, Outcome, Parts, Triangles, Walker, Way},
     integrators::{IntegratorKind, StepCounts},
 };
 use std::sync::Arc;
@@ -23,6 +23,8 @@ const LONGEST: u64 = 400 * BATCH;
 pub(super) struct Team {
     /// How many threads there may be.
     threads: usize,
+    /// Those that steps are arranged for, if not [`Caches::here`].
+    caches: Option<Caches>,
     /// One for each part, or for the whole.
     walkers: Vec<Walker>,
     /// Those who walk beside this thread, for the second and further parts.
@@ -77,6 +79,11 @@ impl Simulation {
         self.team.threads = threads;
     }
 
+    /// Steps are arranged for caches of so many bytes, in place of this processor's; the same bits come of any.
+    pub const fn set_caches(&mut self, caches: Caches) {
+        self.team.caches = Some(caches);
+    }
+
     /// How many steps several threads have taken together, tries included.
     pub const fn steps_together(&self) -> u64 {
         self.team.steps[1]
@@ -109,7 +116,6 @@ impl Simulation {
             return None;
         }
         let (number, body, everywhere) = self.only_work()?;
-        let triangles = body.corners().len();
         let parts = if self.team.threads < 2 { None } else { body.parts() };
         let steps = most.min(LONGEST);
         let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
@@ -125,7 +131,7 @@ impl Simulation {
         let way = Way {
             board: Arc::new(Board::new(count, forces, steps as u32)),
             steps: steps as u32,
-            wave: wave(triangles),
+            wave: self.team.caches.unwrap_or_else(Caches::here).steps_at_once(body.bytes()),
             step: self.scene.step,
             everywhere,
             most_kinetic,

@@ -1,5 +1,5 @@
-//! Cost against size, as a table and as a picture: `cargo bench --bench sizes -- --csv sizes.csv --svg assets/sizes.svg`, about a
-//! minute. Each number is the least of several, taken in turn.
+//! Cost against size, as a table and as a picture: `cargo bench --bench sizes -- --csv sizes.csv --svg assets/sizes.svg`, half a minute
+//! or a whole. Each number is the least of several, taken in turn.
 //!
 //! A unit sheet of n x n quads, density 1, E = 1e3, nu = 0.3, stretched 1.2 in x: steps of symplectic Euler at 0.4 of the stable step,
 //! and the first step of 1/60 s of implicit Euler, whose equations are solved to tolerance.

@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 /// Capacities of caches [bytes].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Caches {
-    /// Of the largest that a core has to itself: as a rule the second level.
+    /// Of the second level, which as a rule a core has to itself.
     pub own: usize,
-    /// Of the largest of all, which cores share.
+    /// Of the third, which cores share; where there is none, that of the second.
     pub shared: usize,
 }
 
@@ -27,7 +27,7 @@ impl Default for Caches {
 pub struct Bytes {
     /// From its start to its end.
     pub in_all: usize,
-    /// Until the next may follow behind it.
+    /// Until the next may follow behind it: each step under way wants so many to stay near.
     pub at_once: usize,
 }
 
@@ -35,31 +35,25 @@ impl Caches {
     /// How many steps are under way at once at most.
     pub const MOST_STEPS: u32 = 8;
 
-    /// Those of this processor. It is asked once: where it is only pretended to be one, asking takes a while.
+    /// Those of this processor: of the core that asks first. It is asked once, as in a virtual machine every answer takes a while.
     pub fn here() -> Self {
         static HERE: OnceLock<Caches> = OnceLock::new();
         *HERE.get_or_init(|| Self::told().unwrap_or_default())
     }
 
+    /// What the processor tells, if it is credible.
     #[cfg(target_arch = "x86_64")]
     fn told() -> Option<Self> {
-        use raw_cpuid::{CacheType, CpuId};
-        let size = |level| {
-            let caches = CpuId::new().get_cache_parameters()?;
-            let for_data = |kind| matches!(kind, CacheType::Data | CacheType::Unified);
-            let mut of_level = caches.filter(|cache| cache.level() == level && for_data(cache.cache_type()));
-            of_level
-                .next()
-                .map(|cache| {
-                    cache.sets()
-                        * cache.associativity()
-                        * cache.physical_line_partitions()
-                        * cache.coherency_line_size()
-                })
-                .filter(|size| *size > 0)
+        use raw_cpuid::{CacheParameter, CacheType, CpuId};
+        let size = |cache: &CacheParameter| {
+            let ways = cache.associativity().checked_mul(cache.physical_line_partitions())?;
+            cache.sets().checked_mul(ways)?.checked_mul(cache.coherency_line_size())
         };
-        let own = size(2)?;
-        Some(Self { own, shared: size(3).unwrap_or(own) })
+        let of_data = |cache: &CacheParameter| matches!(cache.cache_type(), CacheType::Data | CacheType::Unified);
+        let caches: Vec<_> = CpuId::new().get_cache_parameters()?.filter(of_data).collect();
+        let of_level = |level| caches.iter().find(|cache| cache.level() == level).and_then(size);
+        let own = of_level(2).filter(|own| (1 << 15..1 << 27).contains(own))?;
+        Some(Self { own, shared: of_level(3).unwrap_or(own).max(own) })
     }
 
     #[cfg(not(target_arch = "x86_64"))]
@@ -69,8 +63,8 @@ impl Caches {
 
     /// How many steps are best under way at once.
     ///
-    /// One, while all of a body stays in a core's own cache. If it is larger, as many as half of that cache holds (the other half is for
-    /// what comes and goes), and two at least. On sheets of some 25,000 to 100,000 triangles that makes 4 with 1 MB and 8 with 2 MB, which
+    /// One, while all of a body stays in a core's own cache. If it is larger, about as many as half of that cache holds (the other half is
+    /// for what comes and goes), but two at least. On sheets of 50,000 to 100,000 triangles that makes 4 with 1 MB and 8 with 2 MB, which
     /// were measured to be the fastest on processors with so much. If a body does not stay in the shared cache either, memory is what all
     /// wait for, and it is as many as there may be.
     pub fn steps_at_once(self, bytes: Bytes) -> u32 {
@@ -78,10 +72,10 @@ impl Caches {
         let Bytes { in_all, at_once } = bytes;
         if in_all <= own {
             1
-        } else if in_all > shared {
+        } else if in_all > shared && shared > own {
             Self::MOST_STEPS
         } else {
-            let fitting = (own + at_once) / (2 * at_once).max(1);
+            let fitting = own.saturating_add(at_once) / at_once.saturating_mul(2).max(1);
             fitting.clamp(2, Self::MOST_STEPS as usize) as u32
         }
     }

@@ -44,8 +44,9 @@ impl Piece<'_> {
         let fans = size_of_val(self.blocks) + blocks * LANES * size_of::<[u16; 4]>();
         // Place, velocity, mass and its reciprocal.
         let vertices = self.vertices.len() * 4 * size_of::<[f64; 2]>() + self.gather.bytes();
-        let of_stages = (fans + vertices) * (stages * STAGE).min(blocks) / blocks.max(1);
-        Bytes { in_all: fans + vertices, at_once: of_stages + self.gather.buffer() * size_of::<CornerForces>() }
+        let forces = self.gather.buffer() * size_of::<CornerForces>();
+        let of_stages = (fans + vertices) / blocks.max(1) * (stages * STAGE).min(blocks);
+        Bytes { in_all: fans + vertices + forces, at_once: of_stages + forces }
     }
 
     /// Computes the forces of stresses on all fans, sums them at their vertices and hands them out.

@@ -246,7 +246,7 @@ impl Triangles {
             .as_ref()
     }
 
-    /// What a step has to do with.
+    /// What a step of the whole has to do with, with one stress.
     pub(crate) fn bytes(&self) -> Bytes {
         self.piece().bytes()
     }

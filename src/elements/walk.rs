@@ -22,8 +22,8 @@ use wide::f64x2;
 /// How many steps are under way at once at most.
 const WAVE: usize = Caches::MOST_STEPS as usize;
 
-/// How many of the last steps may not have been looked at yet, as each look is at as many as there are in a wave: so far a walker may be
-/// ahead of what it has seen of the others.
+/// How many of the last steps may not have been looked at yet, as each look is at so many at most: so far a walker may be ahead of what
+/// it has seen of the others.
 const RECENT: usize = 2 * WAVE;
 
 /// Whether to go on.
@@ -172,6 +172,8 @@ impl<const N: usize> Walk<'_, '_, N> {
         let mut desks: Vec<_> = scratch.chunks_exact_mut(each).map(Desk::new).collect();
         let alone = self.way.board.is_alone();
         let (mut taken, mut on, mut asks) = (0, true, false);
+        // No wave is cut short by a look.
+        let most = WAVE as u32 / self.way.wave * self.way.wave;
         while on {
             if asks && !more() {
                 // Nobody goes beyond so many steps from here before having seen what is posted in the next one, and with it this.
@@ -183,7 +185,7 @@ impl<const N: usize> Walk<'_, '_, N> {
             }
             asks = last == self.way.steps;
             let close = self.known.is_close(self.way);
-            let end = last.min(taken + if close { 1 } else { WAVE as u32 });
+            let end = last.min(taken + if close { 1 } else { most });
             // What the others posted some steps ago has arrived already.
             let sure = if alone || close { end } else { taken };
             while taken < end {

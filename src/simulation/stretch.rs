@@ -34,6 +34,8 @@ pub(super) struct Team {
     arrived: Option<(u64, Outcome)>,
     /// How many steps were taken at a stretch, and how many of them together.
     steps: [u64; 2],
+    /// How many were under way at once in the last stretch.
+    at_once: u32,
     /// Whether steps after the last checkpoint, and between that and the one before, were taken in a stretch.
     walked: [bool; 2],
     /// Up to this step nobody walks.
@@ -94,6 +96,11 @@ impl Simulation {
         self.team.steps[0]
     }
 
+    /// How many steps were under way at once in the last stretch; zero before the first.
+    pub const fn steps_at_once(&self) -> u32 {
+        self.team.at_once
+    }
+
     /// The body that alone is to be moved, and what acts on it everywhere, if there is nothing else to do.
     fn only_work(&self) -> Option<(usize, Arc<Triangles>, Everywhere)> {
         let &[number] = self.scratch.plan.elements.as_slice() else { return None };
@@ -145,6 +152,7 @@ impl Simulation {
         (self.scratch.kinetic, self.scratch.room) = (Some(outcome.kinetic), outcome.room);
         self.team.walked[0] = true;
         self.team.steps[0] += taken;
+        self.team.at_once = way.wave;
         self.book_stretch(taken);
         self.team.arrived = Some((self.revision, outcome));
         if outcome.late || !self.is_sound() {

@@ -156,7 +156,7 @@ fn draw(path: &str, curves: &[Curve]) {
     let each = |(triangles, time): (f64, f64)| (triangles, 1e9 * time / triangles);
     let (above, below) = (SeriesLabelPosition::UpperLeft, SeriesLabelPosition::LowerRight);
     // The list of names has its place above what is nearly level, and below what rises.
-    panel(&left, ["Explicit step, per triangle", "ns per triangle and step"], (above, [2.0, 12.0]), &explicit, each);
+    panel(&left, ["Explicit step, per triangle", "ns per triangle and step"], (above, [2.0, 5.0]), &explicit, each);
     panel(&right, ["Implicit step of 1/60 s", "seconds per step"], (below, [3.0, 2.0]), &implicit, |point| point);
     area.present().unwrap();
 }

@@ -87,7 +87,7 @@ fn as_many_steps_are_under_way_as_half_of_a_cores_own_cache_holds_and_all_there_
     assert!((1 << 15..1 << 27).contains(&own) && own <= shared, "{own} {shared}");
 }
 
-/// What was measured to be the fastest on processors with so much.
+/// What the numbers in the documentation of the caches are.
 #[test]
 fn four_steps_of_a_sheet_are_under_way_with_a_megabyte_eight_with_two_and_one_while_all_of_it_stays_there() {
     let sheet = |side: u32| {

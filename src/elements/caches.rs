@@ -64,8 +64,8 @@ impl Caches {
     /// How many steps are best under way at once.
     ///
     /// One, while all of a body stays in a core's own cache. If it is larger, about as many as half of that cache holds (the other half is
-    /// for what comes and goes), but two at least. On sheets of 50,000 to 100,000 triangles that makes 4 with 1 MB and 8 with 2 MB, which
-    /// were measured to be the fastest on processors with so much. If a body does not stay in the shared cache either, memory is what all
+    /// for what comes and goes), but two at least. On sheets of 50,000 to 100,000 triangles that makes 4 with 1 MB, where 8 were measured to
+    /// be slower while others used the processor too, and 8 with 2 MB. If a body does not stay in the shared cache either, memory is what all
     /// wait for, and it is as many as there may be.
     pub fn steps_at_once(self, bytes: Bytes) -> u32 {
         let Self { own, shared } = self;

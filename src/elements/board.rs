@@ -1,6 +1,11 @@
 //! What those who step the parts of a body tell each other.
 
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use super::patience::Patience;
+use prefetch_index::prefetch_index;
+use std::{
+    slice,
+    sync::atomic::{AtomicU32, AtomicU64, Ordering},
+};
 use wide::f64x2;
 
 /// Where they meet, for a stretch of steps. Steps are counted from one.
@@ -12,31 +17,42 @@ pub struct Board {
 
 /// What one of them has posted.
 struct Post {
-    /// After how many steps it has posted its sums at the seams.
-    met: Count,
+    /// Sums at the seams: one page for each other step. Others may still be reading the last, but no earlier one.
+    pages: [Page; 2],
     /// After how many steps it has posted its energy of motion.
     ended: Count,
-    /// One of two pages for each other step: others may still be reading the last, but no earlier one.
-    pages: [Vec<[AtomicU64; 2]>; 2],
     /// Twice the energy of motion of the vertices of its own after each step [J].
     kinetic: Vec<AtomicU64>,
 }
+
+/// Sums at the seams.
+struct Page {
+    /// After how many steps they were posted. Who is a little ahead does not touch what others are about to read.
+    met: Count,
+    forces: Vec<Line>,
+}
+
+/// Forces that fill a line of memory [N].
+#[derive(Default)]
+#[repr(align(64))]
+struct Line([[AtomicU64; 2]; IN_LINE]);
+
+/// How many they are.
+const IN_LINE: usize = 4;
 
 /// A number of steps in lines of memory of its own; the greatest number once who counts has left.
 #[repr(align(128))]
 struct Count(AtomicU32);
 
-/// Looks at a post before the processor is offered to others.
-const PATIENCE: u32 = 200;
-
 impl Count {
+    const fn new() -> Self {
+        Self(AtomicU32::new(0))
+    }
+
     /// Waits until so many steps are counted.
-    fn wait(&self, steps: u32) {
-        let mut looks = 0;
-        while self.0.load(Ordering::Acquire) < steps {
-            looks += 1;
-            if looks < PATIENCE { std::hint::spin_loop() } else { std::thread::yield_now() }
-        }
+    #[inline]
+    fn wait(&self, steps: u32, patience: &mut Patience) {
+        patience.wait(|| self.0.load(Ordering::Acquire) >= steps);
     }
 }
 
@@ -47,11 +63,10 @@ fn read(number: &AtomicU64) -> f64 {
 impl Board {
     /// For so many parts, with up to so many forces at the seams, and so many steps.
     pub fn new(parts: usize, seam: usize, steps: u32) -> Self {
-        let zeros = |count: usize| (0..count).map(|_| AtomicU64::new(0));
-        let page = || zeros(seam).zip(zeros(seam)).map(|(x, y)| [x, y]).collect();
-        let count = || Count(AtomicU32::new(0));
-        let kinetic = || zeros(steps as usize).collect();
-        let post = |_| Post { met: count(), ended: count(), pages: [page(), page()], kinetic: kinetic() };
+        let forces = || (0..seam.div_ceil(IN_LINE)).map(|_| Line::default()).collect();
+        let page = || Page { met: Count::new(), forces: forces() };
+        let kinetic = || (0..steps).map(|_| AtomicU64::new(0)).collect();
+        let post = |_| Post { pages: [page(), page()], ended: Count::new(), kinetic: kinetic() };
         Self { posts: (0..parts).map(post).collect(), last: AtomicU32::new(steps) }
     }
 
@@ -77,22 +92,31 @@ impl Board {
 
     /// Posts the forces of a part at the seams [N] in a step.
     pub fn post_seam(&self, part: usize, step: u32, forces: &[f64x2]) {
-        let post = &self.posts[part];
-        for ([x, y], force) in post.pages[step as usize % 2].iter().zip(forces) {
+        let page = self.posts[part].page(step);
+        for ([x, y], force) in page.forces.iter().flat_map(|line| &line.0).zip(forces) {
             let [fx, fy] = force.to_array().map(f64::to_bits);
             x.store(fx, Ordering::Relaxed);
             y.store(fy, Ordering::Relaxed);
         }
-        post.met.0.store(step, Ordering::Release);
+        page.met.0.store(step, Ordering::Release);
+    }
+
+    /// Asks for what the others have posted at the seams in a step, that it may be near when it is read.
+    pub fn fetch_seam(&self, part: usize, step: u32) {
+        let (before, after) = self.others(part);
+        for page in before.iter().chain(after).map(|post| post.page(step)) {
+            prefetch_index(slice::from_ref(&page.met), 0);
+            (0..page.forces.len()).for_each(|line| prefetch_index(page.forces.as_slice(), line));
+        }
     }
 
     /// Adds to the forces of a part at the seams [N] in a step those of all others, in the order of the parts: it waits for them.
-    pub fn sum_seam(&self, part: usize, step: u32, forces: &mut [f64x2]) {
-        let (before, after) = (&self.posts[..part], &self.posts[part + 1..]);
-        before.iter().chain(after).for_each(|post| post.met.wait(step));
+    pub fn sum_seam(&self, part: usize, step: u32, forces: &mut [f64x2], patience: &mut Patience) {
+        let (before, after) = self.others(part);
+        before.iter().chain(after).for_each(|post| post.page(step).met.wait(step, patience));
         for (at, own) in forces.iter_mut().enumerate() {
             let with = |sum: f64x2, post: &Post| {
-                let [x, y] = &post.pages[step as usize % 2][at];
+                let [x, y] = &post.page(step).forces[at / IN_LINE].0[at % IN_LINE];
                 sum + f64x2::new([read(x), read(y)])
             };
             *own = after.iter().fold(before.iter().fold(f64x2::ZERO, with) + *own, with);
@@ -107,12 +131,24 @@ impl Board {
     }
 
     /// Waits for all parts' energies of motion after a step, and sums them: twice that of all vertices but those on the seams [J].
-    pub fn kinetic(&self, step: u32) -> f64 {
+    pub fn kinetic(&self, step: u32, patience: &mut Patience) -> f64 {
         let of = |post: &Post| {
-            post.ended.wait(step);
+            post.ended.wait(step, patience);
             read(&post.kinetic[step as usize - 1])
         };
         self.posts.iter().map(of).sum()
+    }
+
+    /// What those before a part and those after it have posted.
+    fn others(&self, part: usize) -> (&[Post], &[Post]) {
+        (&self.posts[..part], &self.posts[part + 1..])
+    }
+}
+
+impl Post {
+    /// What is posted at the seams in a step.
+    const fn page(&self, step: u32) -> &Page {
+        &self.pages[step as usize % 2]
     }
 }
 
@@ -121,7 +157,8 @@ pub struct Presence<'a>(&'a Post);
 
 impl Drop for Presence<'_> {
     fn drop(&mut self) {
-        for count in [&self.0.met, &self.0.ended] {
+        let [even, odd] = &self.0.pages;
+        for count in [&even.met, &odd.met, &self.0.ended] {
             count.0.store(u32::MAX, Ordering::Release);
         }
     }

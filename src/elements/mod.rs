@@ -8,6 +8,7 @@ mod fields;
 mod gather;
 mod kick;
 mod parts;
+mod patience;
 mod spring;
 mod stages;
 mod survey;

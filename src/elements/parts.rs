@@ -7,6 +7,7 @@ use super::{
     blocks::{Blocks, Laws},
     corners::Corners,
     gather::{Gather, STRETCH},
+    patience::Patience,
     sweep::Piece,
     triangle::Rest,
     walk::{Ground, More, Outcome, Way, walk},
@@ -130,6 +131,7 @@ pub struct Walker {
     /// Positions, velocities, masses and their reciprocals; flat.
     own: [Lined; 4],
     scratch: Vec<f64>,
+    patience: Patience,
     /// What came of the last walk.
     pub outcome: Outcome,
 }
@@ -193,6 +195,6 @@ impl Walker {
         });
         let [x, v] = [x, v].map(|moving| moving.and_more().as_chunks_mut().0);
         let ground = Ground { piece, number: self.part, x, v, masses, own, met };
-        self.outcome = walk(laws, ground, way, &mut self.scratch);
+        self.outcome = walk(laws, ground, way, (&mut self.scratch, &mut self.patience));
     }
 }

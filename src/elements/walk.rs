@@ -12,6 +12,7 @@ use super::{
     caches::Caches,
     gather::make_room,
     kick::{Kick, Masses, Moving},
+    patience::Patience,
     stages::Stages,
     sweep::{Desk, Piece},
 };
@@ -115,7 +116,7 @@ pub fn walk<L: Laws<N>, const N: usize>(
     laws: L,
     ground: Ground<'_>,
     (way, more): (&Way, More<'_>),
-    scratch: &mut Vec<f64>,
+    (scratch, patience): (&mut Vec<f64>, &mut Patience),
 ) -> Outcome {
     let _presence = way.board.presence(ground.number);
     let start = Walk {
@@ -125,6 +126,7 @@ pub fn walk<L: Laws<N>, const N: usize>(
         squares: [f64x2::ZERO; WAVE],
         of_seam: [0.0; RECENT],
         known: way.start,
+        patience,
         ground,
         way,
     };
@@ -163,6 +165,8 @@ struct Walk<'a, 'b, const N: usize> {
     of_seam: [f64; RECENT],
     /// What is known of all so far.
     known: Outcome,
+    /// With the others.
+    patience: &'b mut Patience,
 }
 
 impl<const N: usize> Walk<'_, '_, N> {
@@ -217,6 +221,10 @@ impl<const N: usize> Walk<'_, '_, N> {
                     }
                     self.squares[turn] = f64x2::ZERO;
                 }
+                // What the others posted is read after this stage.
+                if stage > self.ground.met && stage + 1 == if turn + 1 == count { ends } else { lag } {
+                    self.way.board.fetch_seam(self.ground.number, step);
+                }
                 self.turn = turn;
                 piece.stage(stage, laws, None, (&mut desks[turn], &mut stages[turn]), self);
                 if stage == self.ground.met {
@@ -249,7 +257,7 @@ impl<const N: usize> Walk<'_, '_, N> {
         if self.seam.is_empty() {
             return;
         }
-        self.way.board.sum_seam(*number, step, self.seam.as_flattened_mut());
+        self.way.board.sum_seam(*number, step, self.seam.as_flattened_mut(), self.patience);
         let masses = masses.map(|masses| &masses[*own..]);
         let seam = Move(self.kick, [&mut x[*own..], &mut v[*own..]], masses, &self.seam);
         let [along_x, along_y] = piece.gather.set().dispatch(seam).to_array();
@@ -262,7 +270,7 @@ impl<const N: usize> Walk<'_, '_, N> {
     fn look(&mut self, last: u32) -> bool {
         while self.known.steps < last {
             let (before, step) = (self.known, self.known.steps + 1);
-            let kinetic = 0.5 * (self.way.board.kinetic(step) + self.of_seam[step as usize % RECENT]);
+            let kinetic = 0.5 * (self.way.board.kinetic(step, self.patience) + self.of_seam[step as usize % RECENT]);
             let room = (self.way.shrink)(before.room, kinetic, self.way.lightest, self.way.step);
             let (growth, travel) = (kinetic - before.kinetic, before.room - room);
             self.known = Outcome { steps: step, kinetic, growth, room, travel, late: false };

@@ -1,6 +1,6 @@
 //! What those who step the parts of a body tell each other.
 
-use super::patience::Patience;
+use super::{claim::claim, patience::Patience};
 use prefetch_index::prefetch_index;
 use std::{
     slice,
@@ -101,13 +101,24 @@ impl Board {
         page.met.0.store(step, Ordering::Release);
     }
 
-    /// Asks for what the others have posted at the seams in a step, that it may be near when it is read.
+    /// Asks for what the others have posted at the seams in a step, that it may be near when it is read. Who is ahead of them does
+    /// not: he would take away from them what they are writing.
     pub fn fetch_seam(&self, part: usize, step: u32) {
-        let (before, after) = self.others(part);
-        for page in before.iter().chain(after).map(|post| post.page(step)) {
-            prefetch_index(slice::from_ref(&page.met), 0);
+        for page in self.pages_of_others(part, step).filter(|page| page.met.0.load(Ordering::Relaxed) >= step) {
             (0..page.forces.len()).for_each(|line| prefetch_index(page.forces.as_slice(), line));
         }
+    }
+
+    /// Asks whether they have, some time before that.
+    pub fn fetch_counts(&self, part: usize, step: u32) {
+        self.pages_of_others(part, step).for_each(|page| prefetch_index(slice::from_ref(&page.met), 0));
+    }
+
+    /// Asks for what a part is to write at the seams in a step, which others have read two steps ago.
+    pub fn claim_seam(&self, part: usize, step: u32) {
+        let page = self.posts[part].page(step);
+        claim(&page.met);
+        page.forces.iter().for_each(claim);
     }
 
     /// Adds to the forces of a part at the seams [N] in a step those of all others, in the order of the parts: it waits for them.
@@ -137,6 +148,11 @@ impl Board {
             read(&post.kinetic[step as usize - 1])
         };
         self.posts.iter().map(of).sum()
+    }
+
+    fn pages_of_others(&self, part: usize, step: u32) -> impl Iterator<Item = &Page> {
+        let (before, after) = self.others(part);
+        before.iter().chain(after).map(move |post| post.page(step))
     }
 
     /// What those before a part and those after it have posted.

@@ -3,6 +3,7 @@
 mod blocks;
 mod board;
 mod caches;
+mod claim;
 mod corners;
 mod fields;
 mod gather;

@@ -221,10 +221,7 @@ impl<const N: usize> Walk<'_, '_, N> {
                     }
                     self.squares[turn] = f64x2::ZERO;
                 }
-                // What the others posted is read after this stage.
-                if stage > self.ground.met && stage + 1 == if turn + 1 == count { ends } else { lag } {
-                    self.way.board.fetch_seam(self.ground.number, step);
-                }
+                self.ask(stage, step, if turn + 1 == count { ends } else { lag });
                 self.turn = turn;
                 piece.stage(stage, laws, None, (&mut desks[turn], &mut stages[turn]), self);
                 if stage == self.ground.met {
@@ -237,6 +234,19 @@ impl<const N: usize> Walk<'_, '_, N> {
             }
         }
         self.move_seam(first + count as u32 - 1);
+    }
+
+    /// Asks, before a stage, for the memory that goes to and fro between those who walk: it may take as long as some hundred triangles. What
+    /// the others posted in this step is read before a stage `read`.
+    fn ask(&self, stage: usize, step: u32, read: usize) {
+        let Ground { number, met, .. } = self.ground;
+        if stage == met {
+            self.way.board.claim_seam(number, step);
+        } else if stage > met && stage + 2 == read {
+            self.way.board.fetch_counts(number, step);
+        } else if stage > met && stage + 1 == read {
+            self.way.board.fetch_seam(number, step);
+        }
     }
 
     /// Moves the vertices on the seams, as everyone does.

@@ -1,5 +1,5 @@
 //! What size and a second thread do to the price of a step, and what the same step costs when it is written plainly:
-//! `cargo bench --bench ratios`, ten minutes; or of some materials alone, `cargo bench --bench ratios -- Corotated NeoHookean`.
+//! `cargo bench --bench ratios`, some four minutes; or of some materials alone, `cargo bench --bench ratios -- Corotated NeoHookean`.
 //!
 //! All that is compared is measured in turn, for a hundredth of a second each, round after round, and the ratio of two is the median over
 //! the rounds: a machine that is now fast, now slow, as most that are shared are, slows down both. Least times stand beside them, and

@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_waited_for_on_a_busy_processor_comes() {
+    fn nobody_goes_on_before_who_he_waits_for_even_with_more_threads_than_processors() {
         use std::sync::atomic::{AtomicU32, Ordering::SeqCst};
         let count = AtomicU32::new(0);
         // More than there are processors, each waiting for the one before.
@@ -137,8 +137,9 @@ mod tests {
                 scope.spawn(move || {
                     let mut patience = Patience::default();
                     for round in 0..200 {
-                        patience.wait(|| count.load(SeqCst) == round * many + number);
-                        count.fetch_add(1, SeqCst);
+                        let turn = round * many + number;
+                        patience.wait(|| count.load(SeqCst) == turn);
+                        assert_eq!(count.fetch_add(1, SeqCst), turn);
                     }
                 });
             }

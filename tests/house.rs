@@ -1,4 +1,4 @@
-//! The rules of the house, kept mechanically: which room may know what, and how large a file may grow.
+//! The rules of the house, kept mechanically: which room may know what.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
 
 use std::{fs, path::Path};
@@ -122,10 +122,8 @@ fn stepping_is_deterministic_by_construction() {
 }
 
 #[test]
-fn files_stay_small_and_speak_of_nothing_outside() {
+fn files_speak_of_nothing_outside() {
     for (file, text) in sources() {
-        let lines = text.lines().count();
-        assert!(lines <= 420, "{file} has {lines} lines: it is two rooms");
         assert!(
             !text.contains("/home/") && !text.contains("/root/") && !text.contains("/tmp/"),
             "{file} names a machine"

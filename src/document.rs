@@ -5,9 +5,9 @@ use crate::{
     level::{BodyLevel, EffectLevel, Level, Paces, Pin, Place, RunMode, StretchTest, Substeps, Switch, Toggle, When},
     materials::Model,
     meshes::MeshKind,
-    quantity::{Coordinate, Factor, Point, Time},
+    quantity::{Factor, Point},
     scene::Owner,
-    state::State,
+    simulation::Restart,
 };
 
 /// The document of a sandbox.
@@ -21,11 +21,11 @@ pub struct Document {
     pub side_by_side: Option<[f64; 2]>,
 }
 
-/// Past and future documents. An entry carries the state that its change replaced, if it did.
+/// Past and future documents. An entry carries the moment of the run that its change replaced, if it did.
 #[derive(Clone, Default)]
 pub struct History {
-    past: Vec<(Document, Option<State>)>,
-    future: Vec<(Document, Option<State>)>,
+    past: Vec<(Document, Option<Restart>)>,
+    future: Vec<(Document, Option<Restart>)>,
     /// What the last change was about, while its gesture goes on.
     gesture: Option<Gesture>,
     /// How many changes were ever remembered.
@@ -64,7 +64,7 @@ const STATES: usize = 1 << 24;
 
 impl History {
     /// Remembers a document that is about to change. `state` is what the change is about to replace.
-    pub fn remember(&mut self, document: Document, state: Option<State>, gesture: Option<Gesture>) {
+    pub fn remember(&mut self, document: Document, state: Option<Restart>, gesture: Option<Gesture>) {
         self.future.clear();
         if gesture.is_some() && gesture == self.gesture {
             return;
@@ -72,11 +72,8 @@ impl History {
         self.gesture = gesture;
         self.past.push((document, state));
         self.count += 1;
-        let states = |past: &[(Document, Option<State>)]| {
-            past.iter()
-                .filter_map(|(_, state)| state.as_ref())
-                .map(|state| state.x.len() + state.v.len())
-                .sum::<usize>()
+        let states = |past: &[(Document, Option<Restart>)]| {
+            past.iter().filter_map(|(_, state)| state.as_ref()).map(Restart::len).sum::<usize>()
         };
         while self.past.len() > DEPTH || (self.past.len() > 1 && states(&self.past) > STATES) {
             self.past.remove(0);
@@ -89,12 +86,12 @@ impl History {
     }
 
     /// The document to go back (or, if `forth`, forward) to, with its state.
-    pub fn next(&self, forth: bool) -> Option<&(Document, Option<State>)> {
+    pub fn next(&self, forth: bool) -> Option<&(Document, Option<Restart>)> {
         if forth { self.future.last() } else { self.past.last() }
     }
 
     /// Has gone there; what was there before is kept on the other side.
-    pub fn went(&mut self, forth: bool, before: Document, replaced: Option<State>) {
+    pub fn went(&mut self, forth: bool, before: Document, replaced: Option<Restart>) {
         let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
         from.pop();
         to.push((before, replaced));
@@ -246,17 +243,4 @@ impl Default for Level {
             state: None,
         }
     }
-}
-
-/// A state as a level file holds it; `None` if it is not finite.
-pub fn saved(state: &State) -> Option<crate::level::SavedState> {
-    let points = |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
-    Some(crate::level::SavedState {
-        steps: state.steps,
-        time: Time::new(state.time).ok()?,
-        positions: points(&state.x)?,
-        velocities: points(&state.v)?,
-        calm: if state.calm.iter().any(|calm| *calm > 0) { state.calm.clone() } else { Vec::new() },
-        memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
-    })
 }

@@ -1,6 +1,6 @@
 //! The guard: an unstable step is noticed as it begins to blow up, and taken again in shorter ones.
 
-use crate::{report::Energies, scene::Scene};
+use crate::{level::SavedGuard, report::Energies, scene::Scene};
 
 /// Watches one run for energy that comes from nowhere.
 ///
@@ -17,7 +17,7 @@ use crate::{report::Energies, scene::Scene};
 ///
 /// Looking at all energies costs as much as a step. It is only done when the kinetic energy, which is cheap, has grown by half
 /// since the last look.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guard {
     /// What was put in so far, from the energies' zero [J]; found when it is first needed.
     put_in: Option<f64>,
@@ -46,10 +46,27 @@ pub enum Verdict {
 
 impl Guard {
     /// A step is taken in up to 2^6 = 64 shorter ones.
-    pub const MOST: u32 = 6;
+    pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
     /// Longer steps are tried again after so many steps without trouble, at first and at most.
     const PATIENCE: [u32; 2] = [32, 2048];
+
+    /// As a level file holds it, with the hash of the state that it belongs to; `None` before the first step, or if an energy is not
+    /// finite.
+    pub fn saved(&self, state: u64) -> Option<SavedGuard> {
+        let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
+        let (mechanical, total) = last.unwrap_or_default();
+        let finite = [supplied, self.unsuspicious, mechanical, total].into_iter().all(f64::is_finite);
+        finite.then_some(SavedGuard {
+            state,
+            supplied,
+            threshold: self.unsuspicious,
+            last,
+            level: self.level,
+            quiet: self.calm,
+            retry: self.patience,
+        })
+    }
 
     /// How many shorter steps a step is made of: 2^level.
     pub const fn level(&self) -> u32 {
@@ -135,7 +152,7 @@ impl Guard {
     /// Takes shorter steps from now on, if it may. Returns whether it does.
     pub fn refine(&mut self) -> bool {
         (self.unsuspicious, self.last, self.calm) = (0.0, None, 0);
-        self.patience = (2 * self.patience).clamp(Self::PATIENCE[0], Self::PATIENCE[1]);
+        self.patience = self.patience.saturating_mul(2).clamp(Self::PATIENCE[0], Self::PATIENCE[1]);
         let may = self.level < Self::MOST;
         self.level += u32::from(may);
         may
@@ -163,12 +180,25 @@ impl Guard {
         if self.level == 0 {
             return false;
         }
-        self.calm += 1;
+        self.calm = self.calm.saturating_add(1);
         let longer = self.calm >= self.patience;
         if longer {
             (self.level, self.calm) = (self.level - 1, 0);
         }
         longer
+    }
+}
+
+impl From<&SavedGuard> for Guard {
+    fn from(saved: &SavedGuard) -> Self {
+        Self {
+            put_in: Some(saved.supplied),
+            unsuspicious: saved.threshold,
+            last: saved.last.map(|(mechanical, total)| [mechanical, total]),
+            level: saved.level.min(Self::MOST),
+            calm: saved.quiet,
+            patience: saved.retry,
+        }
     }
 }
 

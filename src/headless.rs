@@ -131,8 +131,7 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
         files::write_text(path, &(json + "\n"))?;
     }
     if let Some(path) = &request.save {
-        let state = crate::document::saved(&simulation.scene().listed_state(simulation.state()));
-        files::save(path, &Level { state, ..level })?;
+        files::save(path, &Level { state: simulation.saved(), ..level })?;
     }
     simulation.fault().cloned().map_or(Ok(report), |fault| Err(HeadlessError::Fault(fault)))
 }
@@ -183,8 +182,7 @@ fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
     let fail = |why| HeadlessError::Level { file: path.display().to_string(), why: Refused::Scene(why) };
     let mode: RunMode = level.mode;
     let scene = Scene::build(level, mode, &files::Disk, None).map_err(fail)?;
-    let state = scene.first_state(level.state.as_ref()).map_err(fail)?;
-    Ok(Simulation::new(scene, state))
+    Simulation::open(scene, level.state.as_ref()).map_err(fail)
 }
 
 /// The simulation that is asked for, before its first step.

@@ -6,7 +6,7 @@
 mod saved;
 mod steps;
 
-pub use saved::SavedState;
+pub use saved::{SavedGuard, SavedState};
 pub use steps::{Paces, Substeps};
 
 use crate::{

@@ -1,12 +1,12 @@
-//! The last seconds, kept so that time can be turned back.
+//! The last seconds, kept so that time can be turned back and continues as it did.
 
-use crate::state::State;
+use crate::simulation::{Restart, Simulation};
 use std::collections::VecDeque;
 
-/// States of the last seconds, one for every frame of simulated time, as far as the memory allows.
+/// Moments of the last seconds, one for every frame of simulated time, as far as the memory allows.
 #[derive(Debug, Default)]
 pub struct Rewind {
-    states: VecDeque<State>,
+    moments: VecDeque<Restart>,
 }
 
 impl Rewind {
@@ -14,46 +14,47 @@ impl Rewind {
     pub const SECONDS: f64 = 10.0;
     /// Time between two kept states [s].
     pub const FRAME: f64 = 1.0 / 60.0;
-    /// Most numbers that are kept: 64 MB.
-    const MOST: usize = 8_000_000;
+    /// Most numbers that are kept: 128 MB.
+    const MOST: usize = 16_000_000;
 
-    /// Keeps a state, unless the last one kept is less than a frame older. A state of an earlier time, or of another scene, is a
-    /// new beginning.
-    pub fn keep(&mut self, state: &State) {
-        if let Some(last) = self.states.back() {
+    /// Keeps the present moment of a run, unless the last one kept is less than a frame older. A moment of an earlier time, or of
+    /// another scene, is a new beginning.
+    pub fn keep(&mut self, run: &Simulation) {
+        let state = run.state();
+        if let Some(Restart { state: last, .. }) = self.moments.back() {
             let elsewhere = state.steps < last.steps || state.x.len() != last.x.len();
             if elsewhere {
-                self.states.clear();
+                self.moments.clear();
             } else if state.time - last.time < Self::FRAME * (1.0 - 1e-6) {
                 return;
             }
         }
-        let numbers = (state.x.len() + state.v.len() + state.memory.len()).max(1);
-        let full = self.states.len() > Self::MOST / numbers;
-        let old = self.states.front().is_some_and(|first| first.time < state.time - Self::SECONDS);
+        let numbers = self.moments.back().map_or(0, Restart::len).max(1);
+        let full = self.moments.len() > Self::MOST / numbers;
+        let old = self.moments.front().is_some_and(|first| first.state.time < state.time - Self::SECONDS);
         // The buffers of the one that goes are good for the one that comes.
-        let mut kept = if full || old { self.states.pop_front().unwrap_or_default() } else { State::default() };
-        kept.clone_from(state);
-        self.states.push_back(kept);
+        let mut kept = if full || old { self.moments.pop_front().unwrap_or_default() } else { Restart::default() };
+        run.write_restart(&mut kept);
+        self.moments.push_back(kept);
     }
 
-    /// The latest state that is at least so much older than a time [s], or the oldest there is; later ones are forgotten. Never one
+    /// The latest moment that is at least so much older than a time [s], or the oldest there is; later ones are forgotten. Never one
     /// of a later time.
-    pub fn back(&mut self, now: f64, seconds: f64) -> Option<State> {
+    pub fn back(&mut self, now: f64, seconds: f64) -> Option<Restart> {
         let wanted = now - seconds + 1e-6 * Self::FRAME;
-        while self.states.len() > 1 && self.states.back().is_some_and(|last| last.time > wanted) {
-            self.states.pop_back();
+        while self.moments.len() > 1 && self.moments.back().is_some_and(|last| last.state.time > wanted) {
+            self.moments.pop_back();
         }
-        self.states.back().filter(|last| last.time <= now).cloned()
+        self.moments.back().filter(|last| last.state.time <= now).cloned()
     }
 
     /// How far back one can go from a time [s].
     pub fn reach(&self, now: f64) -> f64 {
-        self.states.front().map_or(0.0, |first| (now - first.time).max(0.0))
+        self.moments.front().map_or(0.0, |first| (now - first.state.time).max(0.0))
     }
 
     /// Forgets all.
     pub fn clear(&mut self) {
-        self.states.clear();
+        self.moments.clear();
     }
 }

@@ -4,15 +4,14 @@ mod edit;
 
 use crate::{
     command::{Command, Mode},
-    document::{Document, Gesture, History, saved},
+    document::{Document, Gesture, History},
     effects::Grab,
     level::{Level, RunMode},
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
     scene::{Owner, Scene, SceneError, extent},
-    simulation::Simulation,
-    state::State,
+    simulation::{Restart, Simulation},
     untangle::untangled,
 };
 use std::{rc::Rc, sync::Arc};
@@ -61,8 +60,7 @@ impl Sandbox {
     /// If the level cannot be built.
     pub fn new(level: Level, files: Box<dyn Files>) -> Result<Self, Refused> {
         let scene = Scene::build(&level, level.mode, files.as_ref(), None)?;
-        let state = scene.first_state(level.state.as_ref())?;
-        let simulation = Simulation::new(scene, state);
+        let simulation = Simulation::open(scene, level.state.as_ref())?;
         let shown = Arc::new(without_state(&level));
         let document = Document::new(level);
         let (history, files) = (History::default(), Rc::from(files));
@@ -83,7 +81,7 @@ impl Sandbox {
     #[must_use]
     pub fn fork(&self) -> Self {
         let mut simulation = Simulation::new(self.simulation.scene().clone(), self.simulation.state().clone());
-        simulation.set_grab(self.simulation.grab());
+        simulation.resume(&self.simulation.restart());
         Self {
             document: self.document.clone(),
             history: self.history.clone(),
@@ -96,9 +94,9 @@ impl Sandbox {
     }
 
     /// Goes on from another moment of the same scene; what is pulled stays pulled.
-    pub(crate) fn resume(&mut self, state: State) {
+    pub(crate) fn resume(&mut self, moment: &Restart) {
         let grab = self.simulation.grab();
-        self.simulation.set_state(state);
+        self.simulation.resume(moment);
         self.simulation.set_grab(grab);
     }
 
@@ -119,14 +117,15 @@ impl Sandbox {
             Command::StepOnce => self.step_once()?,
             Command::Reset => {
                 let start = self.simulation.scene().start.clone();
-                self.resume(start);
+                self.resume(&Restart::from(start));
                 self.begin_anew();
             }
             Command::Rewind(seconds) => self.turn_back(seconds)?,
             Command::Untangle => {
                 let free = untangled(self.simulation.scene(), self.simulation.state());
-                self.rewind.keep(self.simulation.state());
-                self.resume(free.ok_or(Refused::NotHere("nothing lies over itself: there is nothing to untangle"))?);
+                self.rewind.keep(&self.simulation);
+                let free = free.ok_or(Refused::NotHere("nothing lies over itself: there is nothing to untangle"))?;
+                self.resume(&Restart::from(free));
             }
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
             Command::Pull(target) => {
@@ -150,7 +149,7 @@ impl Sandbox {
 
     fn change(&mut self, document: Document, then: Then, gesture: Option<Gesture>) -> Result<(), Refused> {
         let before = self.document.clone();
-        let replaced = (then != Then::Keep).then(|| self.simulation.state().clone());
+        let replaced = (then != Then::Keep).then(|| self.simulation.restart());
         self.show(document, then, None)?;
         self.history.remember(before, replaced, gesture);
         Ok(())
@@ -159,14 +158,14 @@ impl Sandbox {
     fn travel(&mut self, forth: bool) -> Result<(), Refused> {
         let Some((document, state)) = self.history.next(forth).cloned() else { return Ok(()) };
         let then = if state.is_some() { Then::Restart } else { Then::Keep };
-        let (before, replaced) = (self.document.clone(), state.is_some().then(|| self.simulation.state().clone()));
+        let (before, replaced) = (self.document.clone(), state.is_some().then(|| self.simulation.restart()));
         self.show(document, then, state)?;
         self.history.went(forth, before, replaced);
         Ok(())
     }
 
     /// Makes a document the one that is shown. If it cannot be built nothing changes.
-    fn show(&mut self, document: Document, then: Then, state: Option<State>) -> Result<(), Refused> {
+    fn show(&mut self, document: Document, then: Then, moment: Option<Restart>) -> Result<(), Refused> {
         let known = (then != Then::Reload).then(|| self.simulation.scene());
         let shown = without_state(&document.shown());
         let scene = Scene::build(&shown, self.effect_mode(&document), self.files.as_ref(), known)?;
@@ -178,12 +177,13 @@ impl Sandbox {
                     a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
                 });
         if then != Then::Keep || !same {
-            let state = match state {
-                Some(state) if state.x.len() == scene.start.x.len() => state,
-                _ => scene.first_state(document.level.state.as_ref())?,
+            let moment = match moment {
+                Some(moment) if moment.state.x.len() == scene.start.x.len() => moment,
+                _ => Restart::read(&scene, document.level.state.as_ref())?,
             };
             self.simulation.replace_scene(scene);
-            self.simulation.set_state(state);
+            self.simulation.resume(&moment);
+            self.simulation.set_grab(None);
             self.begin_anew();
             self.generation += 1;
         } else {
@@ -241,7 +241,7 @@ impl Sandbox {
     fn step_once(&mut self) -> Result<(), Refused> {
         self.set_running(true)?;
         self.running = false;
-        self.rewind.keep(self.simulation.state());
+        self.rewind.keep(&self.simulation);
         self.simulation.advance(1, &mut || true);
         Ok(())
     }
@@ -249,14 +249,11 @@ impl Sandbox {
     /// Goes back, and pauses.
     fn turn_back(&mut self, seconds: f64) -> Result<(), Refused> {
         let now = self.simulation.state().time;
-        let Some(state) =
-            self.rewind.back(now, seconds).filter(|state| state.x.len() == self.simulation.state().x.len())
-        else {
+        let length = self.simulation.state().x.len();
+        let Some(moment) = self.rewind.back(now, seconds).filter(|moment| moment.state.x.len() == length) else {
             return Err(Refused::NotHere("there is nothing to go back to yet: let time run first"));
         };
-        let grab = self.simulation.grab();
-        self.simulation.set_state(state);
-        self.simulation.set_grab(grab);
+        self.resume(&moment);
         self.running = false;
         Ok(())
     }
@@ -335,7 +332,7 @@ impl Sandbox {
         let per_frame = (Rewind::FRAME / self.step_length()).round().max(1.0) as u64;
         let mut taken = 0;
         while taken < steps && self.is_live() && (taken == 0 || more()) {
-            self.rewind.keep(self.simulation.state());
+            self.rewind.keep(&self.simulation);
             let wanted = per_frame.min(steps - taken);
             let done = self.simulation.advance(wanted, more);
             taken += done;
@@ -360,8 +357,7 @@ impl Sandbox {
     /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.
     pub fn saved(&self) -> Level {
         let mode = self.effect_mode(&self.document);
-        let state = saved(&self.simulation.scene().listed_state(self.simulation.state()));
-        Level { mode, state, ..Level::clone(&self.shown) }
+        Level { mode, state: self.simulation.saved(), ..Level::clone(&self.shown) }
     }
 }
 

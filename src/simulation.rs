@@ -6,6 +6,7 @@ mod companion;
 mod energies;
 mod paces;
 mod reach;
+mod restart;
 mod sleep;
 mod stretch;
 mod system;
@@ -25,6 +26,7 @@ use crate::{
 use checkpoint::Checkpoint;
 use energies::Elastic;
 use paces::Paces;
+pub use restart::Restart;
 use sleep::Islands;
 use std::cell::RefCell;
 use stretch::Team;
@@ -51,6 +53,8 @@ pub struct Simulation {
     fault: Option<Fault>,
     /// Counts what changed: scenes, states, pulls and steps.
     revision: u64,
+    /// The step that this part of the run began with: earlier ones were counted elsewhere.
+    first: u64,
     /// Counts what may have changed the shape of anything, or what it is made of.
     shape: u64,
     elastic: RefCell<Elastic>,
@@ -60,10 +64,12 @@ pub struct Simulation {
 const BATCH: u64 = 10;
 
 impl Simulation {
-    /// A scene in a state. The state must belong to the scene (see [`Scene::first_state`]).
+    /// A scene in a state. The state must belong to the scene (see [`Scene::first_state`]); one that was saved is
+    /// continued by [`Self::open`].
     pub fn new(scene: Scene, state: State) -> Self {
         let mut scratch = Scratch::default();
         scratch.fit(&scene);
+        let state_steps = state.steps;
         let mut simulation = Self {
             checkpoint: Checkpoint::default(),
             older: Checkpoint::default(),
@@ -79,6 +85,7 @@ impl Simulation {
             guard: Guard::default(),
             fault: None,
             revision: 0,
+            first: state_steps,
             shape: 0,
             elastic: RefCell::default(),
         };
@@ -108,9 +115,10 @@ impl Simulation {
         }
     }
 
-    /// Puts the simulation into a state; a fault is forgotten.
+    /// Puts the simulation into a state, from which it begins anew; a fault is forgotten. See [`Self::resume`].
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
+        self.first = self.state.steps;
         self.revision += 1;
         self.shape += 1;
         (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, Inside::Nothing);
@@ -269,9 +277,11 @@ impl Simulation {
         for part in 0..parts {
             self.integrate(h, [at(part), at(part + 1)]);
         }
-        self.scratch.counts.steps += 1;
-        self.scratch.counts.guarded += u64::from(parts > 1);
-        self.scratch.counts.pushed_out += u64::from(self.pushes_out());
+        if self.state.steps >= self.first {
+            self.scratch.counts.steps += 1;
+            self.scratch.counts.guarded += u64::from(parts > 1);
+            self.scratch.counts.pushed_out += u64::from(self.pushes_out());
+        }
         self.state.steps += 1;
         self.revision += 1;
         self.shape += 1;

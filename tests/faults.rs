@@ -292,6 +292,9 @@ fn long_ones() -> [Level; 2] {
             velocities: vec![point; 60_000],
             memory: Vec::new(),
             calm: Vec::new(),
+            guard: None,
+            checkpoints: Vec::new(),
+            batched: false,
         };
         Level { state: Some(state), ..released("") }
     };

@@ -8,7 +8,7 @@ use common::{
     systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control},
 };
 use gingerbread::{
-    document, files,
+    files,
     integrators::{Class, IntegratorKind, Ode, Scheme, Work},
     level::Level,
     meshes::NoFiles,
@@ -181,8 +181,7 @@ fn saving_and_going_on_equals_never_having_stopped_under_every_integrator() {
         let from = |level: &Level| {
             let mut scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
             scene.step = 1e-3;
-            let state = scene.first_state(level.state.as_ref()).unwrap();
-            Simulation::new(scene, state)
+            Simulation::open(scene, level.state.as_ref()).unwrap()
         };
         let mut straight = from(&level);
         advance(&mut straight, 400);
@@ -190,7 +189,7 @@ fn saving_and_going_on_equals_never_having_stopped_under_every_integrator() {
         for bunch in [1, 7, 129] {
             advance(&mut first, bunch);
         }
-        let saved = Level { state: document::saved(first.state()), ..level.clone() };
+        let saved = Level { state: first.saved(), ..level.clone() };
         let mut second = from(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap());
         advance(&mut second, 263);
         assert_eq!(second.state(), straight.state(), "{name}");

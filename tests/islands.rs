@@ -6,7 +6,6 @@ mod common;
 use common::{level, simulation};
 use gingerbread::{
     command::{Command, Mode},
-    document::saved,
     effects::Grab,
     files,
     integrators::{Class, IntegratorKind},
@@ -250,7 +249,7 @@ fn a_run_saved_at_any_moment_goes_on_bit_for_bit() {
         for moment in [1, 10, 137, 200] {
             let mut first = simulation(&begin());
             first.advance(moment, &mut || true);
-            let text = files::write(&Level { state: saved(first.state()), ..begin() }).unwrap();
+            let text = files::write(&Level { state: first.saved(), ..begin() }).unwrap();
             assert!(text.contains("paces: Own"));
             let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
             second.advance(300 - moment, &mut || true);

@@ -185,7 +185,7 @@ fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
 #[test]
 fn a_saved_state_of_another_mesh_is_refused() {
     let simulation = simulation(&sheet("Corotated", "", ""));
-    let mut saved = gingerbread::document::saved(simulation.state()).unwrap();
+    let mut saved = simulation.saved().unwrap();
     saved.positions.pop();
     let error = simulation.scene().first_state(Some(&saved)).unwrap_err().to_string();
     assert!(error.contains("24 positions") && error.contains("25 vertices"), "{error}");

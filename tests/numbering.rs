@@ -7,7 +7,6 @@ mod common;
 use common::{Random, level, simulation};
 use gingerbread::{
     command::Command,
-    document::saved,
     files,
     level::{Level, Pin},
     levels::BUILT_IN,
@@ -141,7 +140,7 @@ fn a_large_man_is_saved_as_he_is_listed_and_goes_on_bit_for_bit() {
     assert_eq!(whole.scene().owner_of(whole.scene().pins[0] as usize).unwrap().1, 17);
     whole.advance(30, &mut || true);
     half.advance(10, &mut || true);
-    let state = saved(&half.scene().listed_state(half.state())).unwrap();
+    let state = half.saved().unwrap();
     let text = files::write(&Level { state: Some(state), ..level }).unwrap();
     let mut rest = simulation(&files::parse(&text, "saved.ron").unwrap());
     assert_eq!(rest.state(), half.state());
@@ -205,7 +204,7 @@ fn a_shuffled_mesh_is_saved_as_it_is_listed_and_goes_on_bit_for_bit() {
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
     whole.advance(5, &mut || true);
     half.advance(3, &mut || true);
-    let state = saved(&half.scene().listed_state(half.state())).unwrap();
+    let state = half.saved().unwrap();
     let positions: Vec<_> = state.positions.iter().flat_map(|point| point.get()).collect();
     assert_eq!(positions, listed(&half)[0]);
     let text = files::write(&Level { state: Some(state), ..level }).unwrap();

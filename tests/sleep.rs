@@ -6,7 +6,6 @@ mod common;
 use common::{level, simulation};
 use gingerbread::{
     command::{Command, Mode},
-    document::saved,
     effects::Grab,
     files,
     integrators::IntegratorKind,
@@ -221,7 +220,7 @@ fn a_run_saved_before_or_during_sleep_goes_on_bit_for_bit() {
     for moment in [asleep - 200, asleep - 130, asleep - 17, asleep, asleep + 99] {
         let mut first = simulation(&falling());
         first.advance(moment, &mut || true);
-        let text = files::write(&Level { state: saved(first.state()), ..falling() }).unwrap();
+        let text = files::write(&Level { state: first.saved(), ..falling() }).unwrap();
         let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
         second.advance(whole.state().steps - moment, &mut || true);
         assert_eq!(second.state(), whole.state(), "saved after {moment} steps of {asleep}");

@@ -5,7 +5,6 @@ mod common;
 
 use common::{Random, level, simulation};
 use gingerbread::{
-    document,
     effects::{Effect, Motion},
     elements::Springs,
     files,
@@ -234,7 +233,7 @@ fn saving_reading_back_and_going_on_equals_never_having_stopped() {
     straight.advance(900, &mut || true);
     let mut first = simulation(&level(SWINGING));
     first.advance(311, &mut || true);
-    let saved = Level { state: document::saved(first.state()), ..level(SWINGING) };
+    let saved = Level { state: first.saved(), ..level(SWINGING) };
     let mut second = simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap());
     second.advance(589, &mut || true);
     assert_eq!(second.state(), straight.state());
@@ -334,7 +333,7 @@ fn every_integrator_that_needs_only_rates_advances_every_toy_and_the_others_are_
             let gap = [state.x[0] - exact[0], state.x[1] - exact[1]];
             assert!(norm(&gap) < 0.02 * norm(&exact), "{} {}: {gap:?}", integrator.name(), kind.name());
             assert!(state.v.is_empty() && simulation.counts().force_evaluations >= steps);
-            let saved = Level { state: document::saved(state), ..level.clone() };
+            let saved = Level { state: simulation.saved(), ..level.clone() };
             let mut again = common::simulation(&files::parse(&files::write(&saved).unwrap(), "toy.ron").unwrap());
             assert_eq!(again.state(), state);
             again.advance(10, &mut || true);

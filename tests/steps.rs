@@ -5,7 +5,7 @@ mod common;
 
 use common::{Random, level, models, sheet, simulation};
 use gingerbread::{
-    document, files,
+    files,
     level::Level,
     levels,
     simulation::Simulation,
@@ -118,7 +118,7 @@ fn saving_reading_back_and_going_on_equals_never_having_stopped() {
         run(&mut straight, 1000);
         let mut first = simulation(&falling(model));
         run(&mut first, 437);
-        let saved = Level { state: document::saved(first.state()), ..falling(model) };
+        let saved = Level { state: first.saved(), ..falling(model) };
         let text = files::write(&saved).unwrap();
         let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
         assert_eq!(second.scene().rest, first.scene().rest, "saving must not touch the rest shape");

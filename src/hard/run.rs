@@ -48,9 +48,8 @@ impl Run {
     pub fn new(case: &Case, model: Model, method: Method) -> Result<Self, SceneError> {
         let level = Level { substeps: Substeps::nearest(1.0), sleep: Toggle::Off, ..case.level(model, method) };
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
-        let state = scene.first_state(level.state.as_ref())?;
         let fence = Fence::new(&level, &scene, case.within);
-        let simulation = Simulation::new(scene, state);
+        let simulation = Simulation::open(scene, level.state.as_ref())?;
         let end = match case.lasts {
             Lasts::Seconds(time) => (frame(time), u64::MAX),
             Lasts::Steps(steps) => (u64::MAX, u64::from(steps)),

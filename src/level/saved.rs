@@ -21,6 +21,68 @@ pub struct SavedState {
     /// How calm each body and then each net has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,
+    /// What the guard knew, if the run was guarded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guard: Option<SavedGuard>,
+    /// Up to two earlier states, the latest first, that a step which the guard refuses is taken again from. They have none themselves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub checkpoints: Vec<SavedState>,
+    /// Of a checkpoint: whether the steps after it were taken in one batch.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub batched: bool,
+}
+
+/// What the guard against unstable steps knew when a level was saved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedGuard {
+    /// Hash of the positions and velocities that this belongs to. If they were edited it is dropped, and the account begins anew.
+    pub state: u64,
+    /// Energy supplied so far [J].
+    #[serde(deserialize_with = "finite")]
+    pub supplied: f64,
+    /// Kinetic energy up to which the other energies are not computed [J].
+    #[serde(deserialize_with = "finite")]
+    pub threshold: f64,
+    /// Mechanical and total energy after the last step [J], where every step is looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "both_finite")]
+    pub last: Option<(f64, f64)>,
+    /// Every step is taken in 2^level shorter ones.
+    #[serde(deserialize_with = "level")]
+    pub level: u32,
+    /// Steps without trouble since the level was last raised.
+    pub quiet: u32,
+    /// After how many of them longer steps are tried again.
+    pub retry: u32,
+}
+
+fn finite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let number = f64::deserialize(from)?;
+    if number.is_finite() { Ok(number) } else { Err(serde::de::Error::custom("an energy must be finite")) }
+}
+
+fn both_finite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<(f64, f64)>, D::Error> {
+    let both = Option::<(f64, f64)>::deserialize(from)?;
+    if both.is_none_or(|(one, other)| one.is_finite() && other.is_finite()) {
+        Ok(both)
+    } else {
+        Err(serde::de::Error::custom("energies must be finite"))
+    }
+}
+
+/// How finely the guard may divide a step.
+fn level<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    let level = u32::deserialize(from)?;
+    if level <= SavedGuard::MOST_LEVEL {
+        Ok(level)
+    } else {
+        Err(serde::de::Error::custom(format!("level must be at most {}, got {level}", SavedGuard::MOST_LEVEL)))
+    }
+}
+
+impl SavedGuard {
+    /// A step is taken in up to 2^6 = 64 shorter ones.
+    pub const MOST_LEVEL: u32 = 6;
 }
 
 /// A number of steps that a double still counts exactly.

@@ -22,6 +22,20 @@ pub(super) struct Checkpoint {
 }
 
 impl Checkpoint {
+    /// One of an earlier part of the run, of which nothing was counted here.
+    pub fn new(state: State, guard: Guard, (counts, costs): (Counts, &[EffectCost])) -> Self {
+        Self { state, due: false, counts, costs: costs.to_vec(), guard }
+    }
+
+    /// Writes its state to another one, where everything is now.
+    pub fn write_state(&self, now: &State, to: &mut State) {
+        to.clone_from(&self.state);
+        if self.due {
+            to.x.clone_from(&now.x);
+            to.v.clone_from(&now.v);
+        }
+    }
+
     /// Takes positions and velocities from where everything is, if they are due.
     pub fn keep(&mut self, state: &State) {
         if std::mem::take(&mut self.due) {

@@ -1,7 +1,7 @@
 //! Energies of a running scene. That of deformation is the dear one: it is computed once for each shape, whoever asks for it.
 
 use super::Simulation;
-use crate::report::Energies;
+use crate::{effects::Grab, report::Energies};
 use pulp::Arch;
 
 /// Elastic energies, as far as they are known.
@@ -24,11 +24,16 @@ impl Simulation {
 
     /// Energies now [J].
     pub fn energies(&self) -> Energies {
+        self.energies_with(self.grab)
+    }
+
+    /// Energies now, if this were pulled [J].
+    pub(super) fn energies_with(&self, grab: Option<Grab>) -> Energies {
         if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
             let [kinetic, potential] = toy.kind().energies([a, b]);
             return Energies { kinetic, elastic: 0.0, potential };
         }
-        let motion = self.scene.motion(&self.state, self.grab);
+        let motion = self.scene.motion(&self.state, grab);
         let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
         if self.elastic.borrow().shape != Some(self.shape) {
             self.learn(elements.iter().map(|effect| effect.energy(motion)));

@@ -18,6 +18,9 @@ use std::sync::Arc;
 /// How many steps a stretch has at most: if the last one is found unsound all of them are taken again.
 const LONGEST: u64 = 400 * BATCH;
 
+/// No two checkpoints lie farther apart [steps].
+pub(super) const MOST_BETWEEN: u64 = LONGEST + BATCH;
+
 /// Those who step a body.
 #[derive(Default)]
 pub(super) struct Team {
@@ -66,6 +69,16 @@ impl Team {
             self.companions.push(companion);
         }
         true
+    }
+
+    /// Whether the steps after the last checkpoint, and those between that and the one before, were taken in a stretch.
+    pub const fn walked(&self) -> [bool; 2] {
+        self.walked
+    }
+
+    /// Takes that, and the step that was just gone back to, from an earlier part of the run.
+    pub const fn recall(&mut self, walked: [bool; 2], seen: Option<u64>) {
+        (self.walked, self.seen) = (walked, seen);
     }
 
     /// Takes note of a checkpoint.

@@ -56,8 +56,7 @@ pub fn level(text: &str) -> Level {
 /// A simulation of a level in its own mode.
 pub fn simulation(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
-    let state = scene.first_state(level.state.as_ref()).unwrap();
-    Simulation::new(scene, state)
+    Simulation::open(scene, level.state.as_ref()).unwrap()
 }
 
 /// A sandbox with a built-in level.

@@ -15,8 +15,8 @@ use super::{lab::Lab, panels::History, theme::Theme};
 use crate::{
     command::{About, Command},
     sandbox::{Refused, Sandbox},
+    simulation::Restart,
     snapshot::{Field, Snapshot},
-    state::State,
 };
 use eframe::egui::Color32;
 use rounds::Rounds;
@@ -88,7 +88,7 @@ struct Change {
     /// How many changes it is for each pane.
     counts: [u64; 2],
     /// Where a pane was that changed nothing itself, but had to start over with the other.
-    states: [Option<State>; 2],
+    states: [Option<Restart>; 2],
 }
 
 /// Most changes that are remembered.
@@ -200,7 +200,7 @@ impl Comparison {
             Command::StepOnce => return self.step_once(a),
             _ => {}
         }
-        let before = [&*a, &self.b].map(|sandbox| (sandbox.history.count(), sandbox.simulation().state().clone()));
+        let before = [&*a, &self.b].map(|sandbox| (sandbox.history.count(), sandbox.simulation().restart()));
         let (here, there) = match from {
             Pane::A => (&mut *a, &mut self.b),
             Pane::B => (&mut self.b, &mut *a),
@@ -232,11 +232,11 @@ impl Comparison {
     }
 
     /// Puts both at the start if only one was, and notes what is to be undone.
-    fn remember(&mut self, a: &mut Sandbox, before: [(u64, State); 2]) -> Result<(), Refused> {
+    fn remember(&mut self, a: &mut Sandbox, before: [(u64, Restart); 2]) -> Result<(), Refused> {
         let [a_before, b_before] = before;
         let counts = [a.history.count() - a_before.0, self.b.history.count() - b_before.0];
         let mut states = [None, None];
-        if self.parted(a, [a_before.1.steps, b_before.1.steps]) {
+        if self.parted(a, [a_before.1.state.steps, b_before.1.state.steps]) {
             states = [a_before.1, b_before.1].map(Some);
             self.start_over(a)?;
         }
@@ -284,8 +284,8 @@ impl Comparison {
                 sandbox.apply(if forth { Command::Redo } else { Command::Undo })?;
             }
             if let Some(state) = state {
-                let now = sandbox.simulation().state().clone();
-                sandbox.resume(std::mem::replace(state, now));
+                let now = sandbox.simulation().restart();
+                sandbox.resume(&std::mem::replace(state, now));
             }
         }
         to.push(Change { counts, states });

@@ -1,6 +1,6 @@
 //! Time for two panes whose steps differ: it runs in rounds, after which both are at the end of a step.
 
-use crate::{sandbox::Sandbox, state::State};
+use crate::{sandbox::Sandbox, simulation::Restart};
 use web_time::Instant;
 
 /// Steps that a pane takes in one go, if its rounds are short [steps].
@@ -18,7 +18,7 @@ pub struct Rounds {
     /// Whether B goes first: they take turns, as who goes first finds cold caches.
     b_first: bool,
     /// Where both were when they last met.
-    met: [State; 2],
+    met: [Restart; 2],
     /// Time of computing [s], and the simulated time it was for [s], both fading.
     spent: [f64; 2],
     simulated: f64,
@@ -54,7 +54,7 @@ impl Rounds {
                 self.left = steps.map(|count| count * self.bunch);
                 self.b_first = !self.b_first;
                 for (met, pane) in self.met.iter_mut().zip(&panes) {
-                    met.clone_from(pane.simulation().state());
+                    pane.simulation().write_restart(met);
                 }
             }
             for number in if self.b_first { [1, 0] } else { [0, 1] } {
@@ -79,10 +79,10 @@ impl Rounds {
 
     /// One of the two has stopped: the other goes from where they last met to that time, or as near to it as its steps allow.
     fn catch_up(&mut self, other: &mut Sandbox, stopped: f64, number: usize) {
-        other.resume(self.met[number].clone());
+        other.resume(&self.met[number]);
         self.left = [0, 0];
         // Half a millionth of a step is rounding.
-        let steps = ((stopped - self.met[number].time) / other.step_length() + 5e-7).max(0.0);
+        let steps = ((stopped - self.met[number].state.time) / other.step_length() + 5e-7).max(0.0);
         other.advance(steps as u64, &mut || true);
     }
 
@@ -97,7 +97,7 @@ impl Rounds {
     pub fn go_back(&mut self, panes: [&mut Sandbox; 2]) {
         if self.is_between() {
             for (pane, met) in panes.into_iter().zip(&self.met) {
-                pane.resume(met.clone());
+                pane.resume(met);
             }
             self.left = [0, 0];
         }

@@ -1,0 +1,188 @@
+//! Everything that a run needs to continue bit for bit: in memory for rewinding and undoing, in level files for saving.
+
+use super::{BATCH, Simulation, checkpoint::Checkpoint, stretch::MOST_BETWEEN};
+use crate::{
+    effects::Grab,
+    guard::Guard,
+    level::SavedState,
+    quantity::{Coordinate, Point, Time},
+    scene::{Scene, SceneError},
+    state::State,
+};
+
+/// A moment of a run, with all that influences the steps after it.
+///
+/// The state alone is not enough: the [`Guard`] has an account of the energy supplied so far, and a step that it refuses is taken
+/// again from one of the last two checkpoints, up to 20 steps before. So both belong to the moment. Without the guard, or where the
+/// next step sets a checkpoint anyway, no checkpoints are kept.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Restart {
+    /// Positions, velocities, time, and what the integrator and sleep remember.
+    pub state: State,
+    /// What the mouse pulls.
+    grab: Option<Grab>,
+    guard: Guard,
+    /// Checkpoints, the latest first: at most two.
+    checkpoints: Vec<Earlier>,
+}
+
+/// A checkpoint of a [`Restart`].
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Earlier {
+    state: State,
+    guard: Guard,
+    /// Whether the steps after it were taken in one batch, without checkpoints between them.
+    batched: bool,
+}
+
+impl Restart {
+    /// The moment that the level of a scene was saved in, or the start.
+    ///
+    /// # Errors
+    /// [`SceneError::State`] if what was saved belongs to other meshes.
+    pub fn read(scene: &Scene, saved: Option<&SavedState>) -> Result<Self, SceneError> {
+        let mut restart = Self::from(scene.first_state(saved)?);
+        let Some(saved) = saved else { return Ok(restart) };
+        let Some(account) = saved.guard.as_ref().filter(|account| account.state == hash(saved)) else {
+            return Ok(restart);
+        };
+        restart.guard = Guard::from(account);
+        let mut last = saved.steps;
+        for checkpoint in &saved.checkpoints {
+            // Steps are taken again from it, so it can be neither later nor long ago.
+            if checkpoint.steps > last || last - checkpoint.steps > MOST_BETWEEN {
+                restart.checkpoints.clear();
+                break;
+            }
+            last = checkpoint.steps;
+            let state = scene.first_state(Some(checkpoint))?;
+            let guard = checkpoint.guard.as_ref().map(Guard::from).unwrap_or_default();
+            restart.checkpoints.push(Earlier { state, guard, batched: checkpoint.batched });
+        }
+        Ok(restart)
+    }
+
+    /// How many floating-point numbers it holds.
+    pub fn len(&self) -> usize {
+        let states = self.checkpoints.iter().map(|earlier| &earlier.state).chain([&self.state]);
+        states.map(|state| state.x.len() + state.v.len() + state.memory.len()).sum()
+    }
+
+    /// Whether it holds no numbers: it was not taken from a run yet.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl From<State> for Restart {
+    /// A new beginning in a state.
+    fn from(state: State) -> Self {
+        Self { state, ..Self::default() }
+    }
+}
+
+impl Simulation {
+    /// A scene in the state that its level was saved in, or at the start: it continues as if it had not been saved.
+    ///
+    /// # Errors
+    /// [`SceneError::State`] if what was saved belongs to other meshes.
+    pub fn open(scene: Scene, saved: Option<&SavedState>) -> Result<Self, SceneError> {
+        let restart = Restart::read(&scene, saved)?;
+        let mut simulation = Self::new(scene, State::default());
+        simulation.resume(&restart);
+        Ok(simulation)
+    }
+
+    /// The present moment.
+    pub fn restart(&self) -> Restart {
+        let mut restart = Restart::default();
+        self.write_restart(&mut restart);
+        restart
+    }
+
+    /// The present moment, into the buffers of another one.
+    pub fn write_restart(&self, restart: &mut Restart) {
+        restart.state.clone_from(&self.state);
+        (restart.grab, restart.guard) = (self.grab, self.guard.clone());
+        let walked = self.team.walked();
+        let kept = if self.stale || !self.is_guarded() {
+            0
+        } else {
+            // With the next checkpoint the older of the two is dropped.
+            let is_due = self.state.steps.is_multiple_of(BATCH) && self.checkpoint.state.steps < self.state.steps;
+            1 + usize::from(self.joined && !is_due)
+        };
+        restart.checkpoints.resize_with(kept, Earlier::default);
+        let both = [&self.checkpoint, &self.older].into_iter().zip(walked);
+        for (earlier, (checkpoint, batched)) in restart.checkpoints.iter_mut().zip(both) {
+            checkpoint.write_state(&self.state, &mut earlier.state);
+            earlier.guard.clone_from(&checkpoint.guard);
+            earlier.batched = batched;
+        }
+    }
+
+    /// Continues from a moment of this scene; a fault is forgotten.
+    pub fn resume(&mut self, from: &Restart) {
+        self.set_state(from.state.clone());
+        (self.grab, self.guard) = (from.grab, from.guard.clone());
+        let mut both = from.checkpoints.iter().map(|earlier| {
+            let Earlier { state, guard, .. } = earlier.clone();
+            Checkpoint::new(state, guard, (self.scratch.counts, &self.scratch.costs))
+        });
+        if let Some(latest) = both.next() {
+            let older = both.next();
+            self.joined = older.is_some();
+            (self.checkpoint, self.older) = (latest, older.unwrap_or_default());
+            self.stale = false;
+            let batched = |number: usize| from.checkpoints.get(number).is_some_and(|earlier| earlier.batched);
+            let seen = (self.checkpoint.state.steps == self.state.steps).then_some(self.state.steps);
+            self.team.recall([batched(0), batched(1)], seen);
+        }
+    }
+
+    /// The present moment as a level file holds it, with nothing pulled; `None` if it is not finite.
+    pub fn saved(&self) -> Option<SavedState> {
+        let mut restart = self.restart();
+        if restart.grab.is_some() && self.is_guarded() {
+            restart.guard.changed(self.energies(), self.energies_with(None));
+            restart.checkpoints.clear();
+        }
+        let mut saved = self.saved_state(&restart.state)?;
+        if self.is_guarded() && !restart.guard.is_new() {
+            saved.guard = restart.guard.saved(hash(&saved));
+            for earlier in &restart.checkpoints {
+                let guard = earlier.guard.saved(0);
+                saved.checkpoints.push(SavedState {
+                    guard,
+                    batched: earlier.batched,
+                    ..self.saved_state(&earlier.state)?
+                });
+            }
+        }
+        Some(saved)
+    }
+
+    /// A state alone as a level file holds it; `None` if it is not finite.
+    fn saved_state(&self, state: &State) -> Option<SavedState> {
+        let points =
+            |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
+        let state = self.scene.listed_state(state);
+        Some(SavedState {
+            steps: state.steps,
+            time: Time::new(state.time).ok()?,
+            positions: points(&state.x)?,
+            velocities: points(&state.v)?,
+            calm: state.calm.clone(),
+            memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
+            guard: None,
+            checkpoints: Vec::new(),
+            batched: false,
+        })
+    }
+}
+
+/// The hash of what a file says of positions and velocities: what was noted of the run is of no use to a state that was edited.
+fn hash(saved: &SavedState) -> u64 {
+    let flat = |points: &[Point]| points.iter().flat_map(|point| point.get()).collect();
+    State { x: flat(&saved.positions), v: flat(&saved.velocities), ..State::default() }.hash()
+}

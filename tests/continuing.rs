@@ -1,0 +1,179 @@
+//! A run that was stopped, saved and opened again, rewound or undone continues with the same bits as one that never stopped.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{seen, sheet, simulation};
+use gingerbread::{
+    command::{Command, Mode},
+    files,
+    integrators::IntegratorKind,
+    level::{Level, Paces, Substeps, Toggle},
+    levels::BUILT_IN,
+    materials::MaterialParameters,
+    meshes::NoFiles,
+    quantity::Young,
+    sandbox::Sandbox,
+    simulation::Simulation,
+};
+
+/// Steps per run.
+const STEPS: u64 = 33;
+
+/// Lengths of the pieces of a run, made from a seed; their sum is [`STEPS`].
+fn pieces(seed: u64) -> Vec<u64> {
+    let (mut random, mut left, mut pieces) = (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1, STEPS, Vec::new());
+    while left > 0 {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        let piece = (1 + random % 14).min(left);
+        pieces.push(piece);
+        left -= piece;
+    }
+    pieces
+}
+
+/// Saves a run in a level's text and opens it again.
+fn reopened(run: &Simulation, level: &Level) -> Simulation {
+    let saved = Level { state: run.saved(), ..level.clone() };
+    simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap())
+}
+
+/// Where two runs differ.
+fn difference(one: &Simulation, other: &Simulation) -> String {
+    let (a, b) = (one.state(), other.state());
+    let gap = a.x.iter().zip(&b.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    format!("positions by up to {gap} m, memory {}, calm {:?} and {:?}", a.memory == b.memory, a.calm, b.calm)
+}
+
+/// Runs a level in one piece and in several with a save between them. Returns how often the guard took steps again.
+fn compare(level: &Level, seed: u64) -> u64 {
+    let about = format!("{}, {}, guard {:?}, seed {seed}", level.name, level.integrator.name(), level.guard);
+    let mut straight = simulation(level);
+    straight.advance(STEPS, &mut || true);
+    let mut run = simulation(level);
+    for piece in pieces(seed) {
+        run.advance(piece, &mut || true);
+        run = reopened(&run, level);
+    }
+    assert_eq!(run.state().steps, straight.state().steps, "{about}");
+    assert!(run.state() == straight.state(), "{about}: {}", difference(&run, &straight));
+    straight.counts().retaken
+}
+
+/// The steps are too long for most explicit schemes, so that the guard is busy.
+#[test]
+fn saved_runs_continue_bit_equal_with_every_integrator() {
+    let (mut retaken, mut seed) = (0, 0_u64);
+    for (file, text) in BUILT_IN {
+        let level = files::parse(text, file).unwrap();
+        for integrator in IntegratorKind::all() {
+            if level.toy.is_some() && !matches!(integrator.kind().scheme(), gingerbread::integrators::Scheme::First(_))
+            {
+                continue;
+            }
+            seed += 1;
+            let guard = Toggle::from(!seed.is_multiple_of(4));
+            let substeps = Substeps::new([2, 8, 30][seed as usize % 3]).unwrap();
+            let paces = if seed.is_multiple_of(5) { Paces::Own } else { level.paces };
+            let level = Level { integrator: integrator.clone(), guard, substeps, paces, ..level.clone() };
+            retaken += compare(&level, seed);
+        }
+    }
+    assert!(retaken > 100, "the guard took only {retaken} steps again");
+}
+
+/// A stretched sheet with a step above the stability limit, without end in shorter ones.
+fn unstable() -> Level {
+    let mut level = sheet("NeoHookean", "stretch: (1.4, 0.9)", "substeps: 7");
+    let soft = level.bodies[0].material;
+    let young = Young::new(5000.0).unwrap();
+    level.bodies[0].material = MaterialParameters::new(soft.model(), young, soft.poisson(), soft.plane()).unwrap();
+    level
+}
+
+#[test]
+fn saving_while_the_guard_is_busy_changes_no_bit() {
+    let level = unstable();
+    let mut straight = simulation(&level);
+    straight.advance(600, &mut || true);
+    assert!(straight.counts().retaken > 20 && straight.fault().is_none(), "{:?}", straight.counts());
+    let mut run = simulation(&level);
+    for _ in 0..120 {
+        run.advance(5, &mut || true);
+        run = reopened(&run, &level);
+    }
+    assert!(run.state() == straight.state(), "{}", difference(&run, &straight));
+}
+
+/// A large body steps in batches, in which checkpoints are far apart.
+#[test]
+fn saving_after_a_batch_of_steps_changes_no_bit() {
+    let mut scene_level = sheet("Corotated", "stretch: (1.2, 1)", "");
+    scene_level.substeps = Substeps::new(60).unwrap();
+    let mut straight = simulation(&scene_level);
+    straight.advance(2000, &mut || true);
+    for split in [33, 410, 1999] {
+        let mut run = simulation(&scene_level);
+        run.advance(split, &mut || true);
+        let mut run = reopened(&run, &scene_level);
+        run.advance(2000 - split, &mut || true);
+        assert!(run.state() == straight.state(), "{split}: {}", difference(&run, &straight));
+    }
+}
+
+fn running(level: Level) -> Sandbox {
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    sandbox
+}
+
+#[test]
+fn a_rewound_run_repeats_its_bits() {
+    let mut sandbox = running(unstable());
+    sandbox.advance(40 * 7, &mut || true);
+    let there = sandbox.simulation().state().clone();
+    for frames in [1, 3, 11, 24] {
+        sandbox.apply(Command::Rewind(f64::from(frames) / 60.0)).unwrap();
+        let left = there.steps - sandbox.simulation().state().steps;
+        assert_eq!(left, 7 * u64::from(frames as u32));
+        sandbox.apply(Command::SetRunning(true)).unwrap();
+        sandbox.advance(left, &mut || true);
+        assert!(*sandbox.simulation().state() == there, "{frames} frames");
+    }
+}
+
+#[test]
+fn an_undone_restart_repeats_its_bits() {
+    let mut sandbox = running(unstable());
+    sandbox.advance(123, &mut || true);
+    let mut straight = sandbox.fork();
+    straight.advance(200, &mut || true);
+    sandbox.apply(Command::SetModel(gingerbread::materials::Model::Corotated)).unwrap();
+    sandbox.advance(50, &mut || true);
+    sandbox.apply(Command::Undo).unwrap();
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    sandbox.advance(200, &mut || true);
+    let (run, straight) = (sandbox.simulation(), straight.simulation());
+    assert!(run.state() == straight.state(), "{}", difference(run, straight));
+    assert!(!seen(&sandbox).can_undo);
+}
+
+/// What was noted of a run must not act on a state that somebody edited.
+#[test]
+fn an_edited_saved_state_drops_what_the_guard_knew() {
+    let level = unstable();
+    let mut run = simulation(&level);
+    run.advance(123, &mut || true);
+    let mut saved = run.saved().unwrap();
+    assert!(saved.guard.is_some() && !saved.checkpoints.is_empty());
+    saved
+        .positions
+        .iter_mut()
+        .for_each(|point| *point = gingerbread::quantity::Point::new([2.0 * point.get()[0], point.get()[1]]).unwrap());
+    let edited = simulation(&Level { state: Some(saved.clone()), ..level.clone() });
+    let bare = gingerbread::level::SavedState { guard: None, checkpoints: Vec::new(), ..saved };
+    let bare = simulation(&Level { state: Some(bare), ..level });
+    assert_eq!(edited.restart(), bare.restart());
+}

@@ -105,10 +105,17 @@ impl Guard {
         }
     }
 
-    /// Takes energies of a stable scheme for what they are, where more was put in than is known.
+    /// Takes energies of a stable scheme for what they are, where more was put in than is known; see [`Self::is_possible`].
     pub fn allow(&mut self, after: Energies) {
         self.put_in = self.put_in.map(|put_in| put_in.max(after.total()));
         self.last = None;
+    }
+
+    /// Whether something in a scene can have supplied energy up to this total [J]: not more than a hundred times what its elements
+    /// store at a stretch of one, or what was there before.
+    pub fn is_possible(&self, scene: &Scene, total: f64) -> bool {
+        let before = self.put_in.unwrap_or(0.0).abs();
+        total <= 100.0 * scale(scene).max(before)
     }
 
     /// Takes note of a change from outside, such as a pull: what it added to the energies, or took, was put in.
@@ -202,9 +209,14 @@ impl From<&SavedGuard> for Guard {
     }
 }
 
-/// An energy that is round-off to a scene [J]: 1e-12 of what its elements store at a stretch of one.
+/// An energy that is round-off to a scene [J].
 fn negligible(scene: &Scene) -> f64 {
+    1e-12 * scale(scene)
+}
+
+/// What the elements of a scene store at a stretch of one [J].
+fn scale(scene: &Scene) -> f64 {
     let bodies = scene.bodies.iter().map(|body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>());
     let links = scene.nets.iter().flat_map(|net| net.springs.links());
-    1e-12 * (bodies.sum::<f64>() + links.map(|link| link.stiffness * link.rest * link.rest).sum::<f64>())
+    bodies.sum::<f64>() + links.map(|link| link.stiffness * link.rest * link.rest).sum::<f64>()
 }

@@ -326,7 +326,9 @@ impl Simulation {
             return true;
         }
         let after = self.energies();
-        if self.pushes_out() && self.scene.integrator.kind().class() == Class::Implicit {
+        let total = after.total();
+        let is_solved = self.scene.integrator.kind().class() == Class::Implicit;
+        if self.pushes_out() && is_solved && self.guard.is_possible(&self.scene, total) {
             // What brings a body out pushes with forces that such a scheme does not tell.
             self.guard.allow(after);
             return true;
@@ -382,6 +384,7 @@ impl Simulation {
             if let [.., (a, x), (b, y), (c, z)] = gains[..]
                 && (a, b) == (b, c)
                 && (x - z).abs().max((y - z).abs()) < 0.2 * (z - start)
+                && self.guard.is_possible(&self.scene, z)
             {
                 self.guard.accept(level, self.energies());
                 self.stale = true;

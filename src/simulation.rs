@@ -193,7 +193,10 @@ impl Simulation {
 
     /// Counts from zero again.
     pub fn count_anew(&mut self) {
-        (self.scratch.counts, self.stale) = (Counts::default(), true);
+        for counts in [&mut self.scratch.counts, &mut self.checkpoint.counts, &mut self.older.counts] {
+            *counts = Counts::default();
+        }
+        self.first = self.state.steps;
     }
 
     /// What each effect cost so far.

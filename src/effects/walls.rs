@@ -112,10 +112,6 @@ struct Contacts {
 /// How often what was stopped is looked at again, as that may make others touch, before it stays where the step began.
 const ROUNDS: usize = 8;
 
-/// How often it is looked at again while more and more stays where the step began, before everything on a boundary does: an explosion
-/// would need a round for each edge.
-const MOST_ROUNDS: usize = 64;
-
 impl Contacts {
     /// The obstacles that are near enough to a box around all ways to be worth a look at each vertex in it.
     fn near(&self, effect: usize, time: [f64; 2], bounds: Bounds) -> impl Iterator<Item = Encounter<'_>> + Clone {
@@ -140,20 +136,15 @@ impl Contacts {
             near.clone().for_each(|wall| touched += wall.constrain(start, x, v));
         }
         let mut held = x.to_vec();
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..self.boundary.len() {
             let stopped = near.clone().map(|wall| {
                 let stopped = wall.stop_edges(&self.boundary, start, x, v);
                 hold_back(wall.carry(), start, &mut held, x, v);
                 stopped
             });
             if stopped.sum::<usize>() == 0 {
-                return touched;
+                break;
             }
-        }
-        let ends =
-            self.boundary.as_flattened().iter().flat_map(|vertex| [2 * *vertex as usize, 2 * *vertex as usize + 1]);
-        for number in ends.filter(|number| start.inverse_mass[*number] != 0.0) {
-            (x[number], v[number]) = (start.x[number], 0.0);
         }
         touched
     }

@@ -95,7 +95,8 @@ impl Destination {
 /// [`FileError::Access`] if the system refuses. A file that was there stays, unless writing in place fails half way.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     // Only an option of a command can mean standard output by `-`.
-    let destination = if path == Path::new("-") { Destination::Path(PathBuf::from("./-")) } else { Destination::of(path) };
+    let destination =
+        if path == Path::new("-") { Destination::Path(PathBuf::from("./-")) } else { Destination::of(path) };
     destination.write(bytes)
 }
 

@@ -109,8 +109,8 @@ impl Record {
         let columns = ["time_s", "positions_m", "positions_relative", "energy_j", "ms_a", "ms_b"];
         let mut table = Table::new(head(&self.level, 1, &about), &columns);
         for Moment { time, positions, energy, prices } in &self.moments {
-            let [metres, relative] =
-                positions.map_or([const { String::new() }; 2], |apart| [apart.metres.to_string(), apart.relative.to_string()]);
+            let [metres, relative] = positions
+                .map_or([const { String::new() }; 2], |apart| [apart.metres.to_string(), apart.relative.to_string()]);
             let [a, b] = prices.map_or([const { String::new() }; 2], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
             table.row([time.to_string(), metres, relative, energy.to_string(), a, b]);
         }

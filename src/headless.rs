@@ -138,7 +138,7 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
     let begin = Instant::now();
-    step_with_progress(&request.pace, &mut simulation, steps);
+    step_with_progress(&request.pace, &mut simulation, steps, "steps");
     let wall_seconds = begin.elapsed().as_secs_f64();
     let mut report = RunReport::new(&level, &simulation, wall_seconds);
     (report.warnings, report.end_state) = (warnings, EndState::of(&beginning, &simulation));
@@ -148,7 +148,7 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
     if outputs.path("--report").is_some() && report.partial.is_none() {
         let mut timed = prepared(request, &level)?;
         timed.set_timed(true);
-        step_with_progress(&request.pace, &mut timed, steps);
+        step_with_progress(&request.pace, &mut timed, steps, "steps of the second run, which measures effects,");
         match stopped(timed.counts().steps) {
             None => report.set_effects(&level, &timed),
             Some(signal) => {
@@ -272,12 +272,12 @@ fn prepared(request: &Run, level: &Level) -> Result<Simulation, HeadlessError> {
 }
 
 /// Takes so many steps, or fewer if there is a fault or a signal.
-fn step_with_progress(pace: &Pace, simulation: &mut Simulation, steps: u64) {
+fn step_with_progress(pace: &Pace, simulation: &mut Simulation, steps: u64, unit: &'static str) {
     // Between two looks at a signal and two moves of the bar; slow steps are taken one by one.
     const LOOK: Duration = Duration::from_millis(200);
-    let progress = Progress::new(pace, steps, "steps");
+    let progress = Progress::new(pace, steps, unit);
     let most = steps.div_ceil(100).max(200);
-    let (mut taken, mut piece) = (0, most);
+    let (mut taken, mut piece) = (0, 1);
     while taken < steps && simulation.fault().is_none() && Interrupt::seen().is_none() {
         let begin = Instant::now();
         let asked = piece.min(steps - taken);
@@ -287,7 +287,7 @@ fn step_with_progress(pace: &Pace, simulation: &mut Simulation, steps: u64) {
         if begin.elapsed() > LOOK {
             piece = (piece / 2).max(1);
         } else if begin.elapsed() < LOOK / 4 {
-            piece = (2 * piece).min(most);
+            piece = (10 * piece).min(most);
         }
     }
 }

@@ -7,6 +7,7 @@ use signal_hook::{
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+static TOLD: AtomicBool = AtomicBool::new(false);
 static SIGNAL: AtomicUsize = AtomicUsize::new(0);
 
 /// A signal that asked a command to stop.
@@ -28,6 +29,17 @@ impl Interrupt {
     /// The signal that has come, if one has.
     pub fn seen() -> Option<Self> {
         ASKED.load(Ordering::SeqCst).then(|| Self(SIGNAL.load(Ordering::SeqCst)))
+    }
+
+    /// Says, once, that a signal has come and what happens now.
+    pub(super) fn tell() {
+        if let Some(signal) = Self::seen()
+            && !TOLD.swap(true, Ordering::SeqCst)
+        {
+            crate::terminal::report(&format!(
+                "gingerbread: {signal}: what there is will be written after the present step; another signal ends the program at once"
+            ));
+        }
     }
 
     /// 130 for SIGINT, 143 for SIGTERM.

@@ -1,5 +1,6 @@
 //! Progress of a long command: a bar on a terminal, elsewhere a line on standard error every few seconds.
 
+use super::Interrupt;
 use crate::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{
@@ -44,23 +45,23 @@ impl Progress {
             bar.set_style(style);
         }
         let done = Arc::new(AtomicU64::new(0));
-        let hidden = bar.is_hidden() && pace.progress > 0.0;
-        let ticker = hidden.then(|| {
-            let (stop, stopped) = mpsc::channel::<()>();
-            let (done, every, begin) = (Arc::clone(&done), Duration::from_secs_f64(pace.progress), Instant::now());
-            let tick = move || {
-                while stopped.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
-                    let (done, elapsed) = (done.load(Ordering::Relaxed), begin.elapsed().as_secs_f64());
-                    let share = if unit == PER_CENT {
-                        format!("{:.1} {unit}", done as f64 / 10.0)
-                    } else {
-                        format!("{done} of {total} {unit}")
-                    };
-                    terminal::report(&format!("gingerbread: {share} done after {elapsed:.0} s"));
+        let (stop, stopped) = mpsc::channel::<()>();
+        let ticker = Ticker { done: Arc::clone(&done), total, unit, begin: Instant::now() };
+        let every = Duration::from_secs_f64(pace.progress);
+        let lines = bar.is_hidden() && !every.is_zero();
+        let tick = move || {
+            let mut next = every;
+            let wake = if lines { LOOK.min(every) } else { LOOK };
+            while stopped.recv_timeout(wake) == Err(RecvTimeoutError::Timeout) {
+                // The work may be in a long step and not have seen the signal yet.
+                Interrupt::tell();
+                if lines && ticker.begin.elapsed() >= next && Interrupt::seen().is_none() {
+                    terminal::report(&ticker.line());
+                    next += every;
                 }
-            };
-            (stop, std::thread::spawn(tick))
-        });
+            }
+        };
+        let ticker = Some((stop, std::thread::spawn(tick)));
         Self { bar, done, ticker }
     }
 
@@ -68,6 +69,29 @@ impl Progress {
     pub fn set(&self, done: u64) {
         self.done.store(done, Ordering::Relaxed);
         self.bar.set_position(done);
+    }
+}
+
+/// Longest time in which nobody looks for a signal.
+const LOOK: Duration = Duration::from_millis(200);
+
+/// What a line of progress is made of.
+struct Ticker {
+    done: Arc<AtomicU64>,
+    total: u64,
+    unit: &'static str,
+    begin: Instant,
+}
+
+impl Ticker {
+    fn line(&self) -> String {
+        let (done, elapsed) = (self.done.load(Ordering::Relaxed), self.begin.elapsed().as_secs_f64());
+        let share = if self.unit == PER_CENT {
+            format!("{:.1} %", done as f64 / 10.0)
+        } else {
+            format!("{done} of {} {}", self.total, self.unit)
+        };
+        format!("gingerbread: {share} done after {elapsed:.0} s")
     }
 }
 
@@ -82,5 +106,6 @@ impl Drop for Progress {
             // A line that is being printed is finished first.
             let _ = ticker.join();
         }
+        Interrupt::tell();
     }
 }

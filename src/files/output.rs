@@ -166,17 +166,16 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
             return Ok(whole);
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        match fs::read_link(&path) {
-            Ok(target) => path = folder.join(target),
-            Err(_) => {
-                let Some(name) = path.file_name() else { break };
-                let folder = fs::canonicalize(folder).map_err(|error| match error.kind() {
-                    ErrorKind::NotFound => io::Error::new(ErrorKind::NotFound, "its folder is not there"),
-                    _ => error,
-                })?;
-                return Ok(folder.join(name));
-            }
+        if let Ok(target) = fs::read_link(&path) {
+            path = folder.join(target);
+            continue;
         }
+        let Some(name) = path.file_name() else { break };
+        let folder = fs::canonicalize(folder).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => io::Error::new(ErrorKind::NotFound, "its folder is not there"),
+            _ => error,
+        })?;
+        return Ok(folder.join(name));
     }
     Err(io::Error::other("this is no name of a file, or its links lead in a circle"))
 }

@@ -1,5 +1,9 @@
 //! Levels as text and as files: reading with the place of a mistake, and saving without ever losing what was there.
 
+mod output;
+
+pub use output::{Destination, Identity, identity, write_bytes};
+
 use crate::{level::Level, levels, meshes::Files};
 use ron::{extensions::Extensions, ser::PrettyConfig};
 use std::{
@@ -88,12 +92,19 @@ pub fn read(path: &Path) -> Result<Level, FileError> {
     Ok(level)
 }
 
-/// Saves a level so that at every moment either the old file or the whole new one is there. Paths of meshes below its
-/// folder are written relative to it, others in full.
+/// Saves a level so that at every moment either the old file or the whole new one is there; see [`write_bytes`].
 ///
 /// # Errors
-/// [`FileError::Access`] if the system refuses; a file that was there stays.
+/// [`FileError::Access`] if the system refuses.
 pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
+    write_text(path, &text_at(path, level)?)
+}
+
+/// A level as the text of a file at a path: paths of meshes below its folder are written relative to it, others in full.
+///
+/// # Errors
+/// [`FileError::Access`] if it cannot be written as RON.
+pub fn text_at(path: &Path, level: &Level) -> Result<String, FileError> {
     let mut level = level.clone();
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
@@ -102,45 +113,24 @@ pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
         let mesh = absolute(mesh);
         mesh.strip_prefix(&folder).map(Path::to_path_buf).unwrap_or(mesh)
     });
-    write_text(path, &write(&level)?)
+    write(&level)
 }
 
-/// Writes a text file so that at every moment either the old one or the whole new one is there.
+/// The files of the meshes that a level names.
+pub fn mesh_paths(level: &Level) -> Vec<PathBuf> {
+    let mut paths = Vec::new();
+    for body in &level.bodies {
+        paths.extend(body.mesh.clone().kind_mut().path_mut().map(|path| PathBuf::from(path.as_str())));
+    }
+    paths
+}
+
+/// Writes a text file; see [`write_bytes`].
 ///
 /// # Errors
-/// [`FileError::Access`] if the system refuses; a file that was there stays.
+/// [`FileError::Access`] if the system refuses.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_bytes(path, text.as_bytes())
-}
-
-/// Writes a file so that at every moment either the old one or the whole new one is there, with the old one's permissions. Where a
-/// link leads the file is, and what is no file, such as `/dev/stdout`, is written to as it is.
-///
-/// # Errors
-/// [`FileError::Access`] if the system refuses; a file that was there stays.
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let fail = |error: std::io::Error| FileError::Access { file: path.display().to_string(), why: error.to_string() };
-    let known = std::fs::metadata(path).ok();
-    if known.as_ref().is_some_and(|known| !known.is_file() && !known.is_dir()) {
-        let opened = std::fs::OpenOptions::new().write(true).open(path);
-        return opened.and_then(|mut file| std::io::Write::write_all(&mut file, bytes)).map_err(fail);
-    }
-    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let mut temporary = path.as_os_str().to_owned();
-    temporary.push(format!(".{}.part", std::process::id()));
-    let temporary = PathBuf::from(temporary);
-    let written = std::fs::File::create(&temporary).and_then(|mut file| {
-        std::io::Write::write_all(&mut file, bytes)?;
-        if let Some(known) = &known {
-            file.set_permissions(known.permissions())?;
-        }
-        file.sync_all()
-    });
-    written.and_then(|()| std::fs::rename(&temporary, path)).map_err(|error| {
-        // Best effort: the file that counts is untouched either way.
-        let _ = std::fs::remove_file(&temporary);
-        fail(error)
-    })
 }
 
 /// The text of a file.

@@ -1,29 +1,43 @@
 //! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong,
 //! `study` tells what accuracy costs, `hard` runs the gallery of hard cases.
 
+mod end_state;
+mod ending;
 mod hard;
+mod interrupt;
+mod outputs;
 mod paces;
+mod progress;
 mod report;
 mod study;
 
-pub use hard::{Hard, Hardness, hard};
+pub use end_state::{Beginning, EndState, GREATEST_GAIN, GREATEST_J};
+pub use ending::{EXIT_CODES, Ending};
+pub use hard::{Hard, hard};
+pub use interrupt::Interrupt;
+pub use outputs::Outputs;
 pub use paces::PaceReport;
+pub use progress::{PER_CENT, Pace, Progress};
 pub use report::{EffectReport, EnergyReport, RunReport};
 pub use study::{Study, study};
 
 use crate::{
     files::{self, FileError},
     level::{Level, RunMode},
+    levels,
     materials::Model,
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
     study::threads,
+    table::{Table, remark},
+    terminal,
     untangle::untangled,
 };
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
+    time::Duration,
 };
 use web_time::Instant;
 
@@ -47,7 +61,7 @@ pub struct Run {
     /// Number of threads for one large body, at most two; as many as there are if not given. The same bits come of any number.
     #[arg(long, value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Write the last positions and velocities here, as CSV: vertex,x,y,vx,vy.
+    /// Write the last positions and velocities here, as CSV: vertex,x,y,vx,vy. Of a toy: time, its two numbers and the exact ones.
     #[arg(long)]
     pub state: Option<PathBuf>,
     /// Write energies, counts and costs here, as JSON. What each effect takes is measured in a second run of the same steps, because
@@ -57,6 +71,9 @@ pub struct Run {
     /// Save the level with its last state here, to go on from.
     #[arg(long)]
     pub save: Option<PathBuf>,
+    /// How progress is shown.
+    #[command(flatten)]
+    pub pace: Pace,
 }
 
 /// Why a headless command stopped.
@@ -96,12 +113,15 @@ impl HeadlessError {
     }
 }
 
-/// Runs a level to the end and writes what was asked for. Shows progress on a terminal.
+/// Runs a level to the end, or until a signal asks it to stop, and writes what was asked for. Shows progress.
 ///
 /// # Errors
-/// [`HeadlessError`]; what could be written has been.
-pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
-    let mut level = files::read(&request.level)?;
+/// [`HeadlessError`] if the run cannot begin. What goes wrong later is told in the [`Ending`], and what could be written has been.
+pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
+    let mut level = read(&request.level)?;
+    let options =
+        [("--state", request.state.as_ref()), ("--report", request.report.as_ref()), ("--save", request.save.as_ref())];
+    let mut outputs = Outputs::new(&options, &inputs(&request.level, &level))?;
     if level.bodies.is_empty() && (request.model.is_some() || request.untangle) {
         let why = Refused::NotHere("there is no body here to be of another material or to be untangled");
         return Err(HeadlessError::Level { file: request.level.display().to_string(), why });
@@ -110,30 +130,89 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
         level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
     }
     let mut simulation = prepared(request, &level)?;
+    let warnings = simulation.scene().warnings(simulation.state());
+    ending::warn(&request.level.display().to_string(), &warnings);
+    Interrupt::watch();
+    let beginning = Beginning::of(&simulation);
     simulation.set_threads(request.threads.unwrap_or_else(threads));
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
     let begin = Instant::now();
-    step_with_progress(&mut simulation, steps);
+    step_with_progress(&request.pace, &mut simulation, steps, "steps");
     let wall_seconds = begin.elapsed().as_secs_f64();
     let mut report = RunReport::new(&level, &simulation, wall_seconds);
-    if request.report.is_some() {
+    (report.warnings, report.end_state) = (warnings, EndState::of(&beginning, &simulation));
+    let stopped = |taken: u64| Interrupt::seen().filter(|_| taken < steps);
+    let taken = simulation.counts().steps;
+    report.partial = stopped(taken).map(|signal| format!("stopped by {signal} after {taken} of {steps} steps"));
+    if outputs.path("--report").is_some() && report.partial.is_none() {
         let mut timed = prepared(request, &level)?;
         timed.set_timed(true);
-        step_with_progress(&mut timed, steps);
-        report.set_effects(&level, &timed);
+        step_with_progress(&request.pace, &mut timed, steps, "steps of the second run, which measures effects,");
+        match stopped(timed.counts().steps) {
+            None => report.set_effects(&level, &timed),
+            Some(signal) => {
+                report.partial = Some(format!("stopped by {signal} while the time of each effect was measured"));
+            }
+        }
     }
-    if let Some(path) = &request.state {
-        files::write_text(path, &csv(&simulation))?;
+    outputs.write("--state", |_| {
+        let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
+        Ok(csv(&simulation, head))
+    });
+    outputs.write("--report", |_| {
+        serde_json::to_string_pretty(&report).map(|json| json + "\n").map_err(|error| error.to_string())
+    });
+    outputs.write("--save", |path| {
+        let state = Some(simulation.saved().ok_or("the state is not finite, so there is nothing to continue from")?);
+        files::text_at(path, &Level { state, ..level.clone() }).map_err(|error| error.to_string())
+    });
+    let code = match simulation.fault() {
+        Some(_) => 1,
+        None if report.end_state.physical => 0,
+        None => 3,
+    };
+    let stopped = Interrupt::seen().filter(|_| report.partial.is_some());
+    let mut ending = Ending::new(report.to_string(), outputs, code, stopped);
+    let partial = report.partial.as_ref().map(|partial| format!("the results are partial: {partial}"));
+    let told = [simulation.fault().map(ToString::to_string), report.end_state.sentence(), partial];
+    ending.remarks.splice(0..0, told.into_iter().flatten());
+    Ok(ending)
+}
+
+/// Reads a level.
+///
+/// # Errors
+/// [`HeadlessError::File`]; where there is no such file, with the names of built-in levels.
+pub fn read(path: &Path) -> Result<Level, HeadlessError> {
+    let names = levels::BUILT_IN.iter().map(|(file, _)| *file);
+    files::read(path).map_err(|error| missing(path, error, "level", names))
+}
+
+/// An error of reading a file; if the file is not there, it says what else could have been meant.
+fn missing<'a>(path: &Path, error: FileError, kind: &str, names: impl Iterator<Item = &'a str>) -> HeadlessError {
+    let absent = std::fs::metadata(path).is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound);
+    if !matches!(error, FileError::Access { .. }) || !absent || path == Path::new("-") {
+        return error.into();
     }
-    if let Some(path) = &request.report {
-        let json = serde_json::to_string_pretty(&report).map_err(|error| access(path, &error))?;
-        files::write_text(path, &(json + "\n"))?;
-    }
-    if let Some(path) = &request.save {
-        files::save(path, &Level { state: simulation.saved(), ..level })?;
-    }
-    simulation.fault().cloned().map_or(Ok(report), |fault| Err(HeadlessError::Fault(fault)))
+    let names: Vec<_> = names.map(|file| file.strip_suffix(".ron").unwrap_or(file)).collect();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let bare = path.components().count() == 1;
+    let why = if bare && path.extension().is_none() {
+        format!("there is no such file, and no built-in {kind} of that name; those are: {}", names.join(", "))
+    } else if names.contains(&stem.as_ref()) {
+        format!("there is no such file; the built-in {kind} is called {stem}")
+    } else {
+        "there is no such file".to_owned()
+    };
+    FileError::Access { file: path.display().to_string(), why }.into()
+}
+
+/// The files that a level is read from.
+fn inputs(path: &Path, level: &Level) -> Vec<PathBuf> {
+    let mut inputs = files::mesh_paths(level);
+    inputs.push(path.to_path_buf());
+    inputs
 }
 
 /// Reads and builds a level, and says in a line what it is.
@@ -141,7 +220,7 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
 /// # Errors
 /// [`HeadlessError`] with the place of the mistake.
 pub fn check(path: &Path) -> Result<String, HeadlessError> {
-    let level = files::read(path)?;
+    let level = read(path)?;
     let simulation = start(&level, path)?;
     let scene = simulation.scene();
     let mut line = format!(
@@ -151,16 +230,10 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
         scene.rest.len() / 2,
         scene.pins.len()
     );
-    let inside = simulation.count_inside();
-    let pushed_out = (inside > 0).then(|| match inside {
-        1 => "1 vertex begins inside a wall or beyond the world: it is pushed out slowly, if there is a way".to_owned(),
-        many => format!(
-            "{many} vertices begin inside walls or beyond the world: they are pushed out slowly, if there is a way"
-        ),
-    });
-    for message in scene.messages.iter().chain(&pushed_out) {
+    line = terminal::line(&line);
+    for message in scene.warnings(simulation.state()) {
         // Writing to a string cannot fail.
-        let _ = write!(line, "\n  {message}");
+        let _ = write!(line, "\n  {}", terminal::line(&message));
     }
     Ok(line)
 }
@@ -196,34 +269,45 @@ fn prepared(request: &Run, level: &Level) -> Result<Simulation, HeadlessError> {
     Ok(simulation)
 }
 
-fn step_with_progress(simulation: &mut Simulation, steps: u64) {
-    let bar = indicatif::ProgressBar::new(steps);
-    if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:40} {pos}/{len} steps, {eta} left") {
-        bar.set_style(style);
+/// Takes so many steps, or fewer if there is a fault or a signal.
+fn step_with_progress(pace: &Pace, simulation: &mut Simulation, steps: u64, unit: &'static str) {
+    // Between two looks at a signal and two moves of the bar; slow steps are taken one by one.
+    const LOOK: Duration = Duration::from_millis(200);
+    let progress = Progress::new(pace, steps, unit);
+    let most = steps.div_ceil(100).max(200);
+    let (mut taken, mut piece) = (0, 1);
+    while taken < steps && simulation.fault().is_none() && Interrupt::seen().is_none() {
+        let begin = Instant::now();
+        let asked = piece.min(steps - taken);
+        let done = simulation.advance(asked, &mut || Interrupt::seen().is_none());
+        taken += done;
+        progress.set(taken);
+        if begin.elapsed() > LOOK {
+            piece = (piece / 2).max(1);
+        } else if begin.elapsed() < LOOK / 4 {
+            piece = (10 * piece).min(most);
+        }
     }
-    let (mut left, piece) = (steps, steps.div_ceil(100).max(200));
-    while left > 0 && simulation.fault().is_none() {
-        let taken = simulation.advance(left.min(piece), &mut || true);
-        left -= taken;
-        bar.inc(taken);
-    }
-    bar.finish_and_clear();
 }
 
-/// One line a vertex with 17 significant digits, enough to read back the same bits.
-fn csv(simulation: &Simulation) -> String {
+/// One line a vertex with 17 significant digits, enough to read back the same bits; of a toy, one line.
+fn csv(simulation: &Simulation, head: String) -> String {
     let (scene, state) = (simulation.scene(), simulation.state());
-    let (x, v) = (scene.listed(&state.x), scene.listed(&state.v));
-    let mut text = String::from("vertex,x,y,vx,vy\n");
-    for (vertex, (x, v)) in x.chunks_exact(2).zip(v.chunks_exact(2)).enumerate() {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{vertex},{:.16e},{:.16e},{:.16e},{:.16e}", x[0], x[1], v[0], v[1]);
+    let digits = |number: f64| format!("{number:.16e}");
+    if let Some(toy) = &scene.toy {
+        let toy = toy.kind();
+        let [a, b] = toy.columns();
+        let exact = toy.exact(state.time);
+        let mut table = Table::new(head, &["time_s", a, b, &format!("exact_{a}"), &format!("exact_{b}")]);
+        table.row([state.time].iter().chain(&state.x).chain(&exact).map(|number| digits(*number)));
+        return table.text();
     }
-    text
-}
-
-fn access(path: &Path, error: &dyn std::error::Error) -> FileError {
-    FileError::Access { file: path.display().to_string(), why: error.to_string() }
+    let mut table = Table::new(head, &["vertex", "x", "y", "vx", "vy"]);
+    let (x, v) = (scene.listed(&state.x), scene.listed(&state.v));
+    for (vertex, (x, v)) in x.chunks_exact(2).zip(v.chunks_exact(2)).enumerate() {
+        table.row([vertex.to_string(), digits(x[0]), digits(x[1]), digits(v[0]), digits(v[1])]);
+    }
+    table.text()
 }
 
 /// A number of threads.

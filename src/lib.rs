@@ -23,6 +23,8 @@
 //! |---|---|
 //! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
 //! | `registry` | the macro behind every list of kinds |
+//! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
+//! | [`table`] | tables as CSV |
 //! | `chance` | fixed numbers that look like chance |
 //! | [`lanes`] | formulas for one number or for several at once, the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
@@ -49,8 +51,13 @@
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers) |
 //! | [`app`] | the window; the one room that says egui |
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod quantity;
 mod registry;
+
+pub mod table;
+pub mod terminal;
 
 mod chance;
 

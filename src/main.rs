@@ -1,12 +1,17 @@
 //! Opens the window, or runs a headless subcommand.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::{Parser, Subcommand};
-use gingerbread::{app, files, headless};
-use std::{path::PathBuf, process::ExitCode};
+use gingerbread::{app, files, headless, terminal};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 /// A 2D deformable-body sandbox. Without a subcommand it opens the window.
 #[derive(Parser)]
-#[command(version, about, args_conflicts_with_subcommands = true)]
+#[command(version, about, bin_name = "gingerbread", args_conflicts_with_subcommands = true)]
+#[command(after_help = headless::EXIT_CODES)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -17,10 +22,13 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Steps a level without a window.
+    #[command(after_help = headless::EXIT_CODES)]
     Run(headless::Run),
     /// Tells what accuracy costs: errors against times for many integrators and steps, or for many meshes.
+    #[command(after_help = headless::EXIT_CODES)]
     Study(headless::Study),
     /// Runs the gallery of hard cases and tells which are held; ends with 1 if one is not that should be.
+    #[command(after_help = headless::EXIT_CODES)]
     Hard(headless::Hard),
     /// Reads level files and says what is wrong with them.
     Check {
@@ -31,36 +39,32 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    match arguments.command {
-        Some(Command::Run(run)) => match headless::run(&run) {
-            Ok(report) => {
-                println!("{report}");
-                ExitCode::SUCCESS
-            }
-            Err(error) => fail(&error, error.exit_code()),
-        },
-        Some(Command::Study(study)) => match headless::study(&study) {
-            Ok(table) => {
-                println!("{table}");
-                ExitCode::SUCCESS
-            }
-            Err(error) => fail(&error, error.exit_code()),
-        },
-        Some(Command::Hard(hard)) => match headless::hard(&hard) {
-            Ok(hardness) => {
-                println!("{}", hardness.table);
-                if hardness.unexplained == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-            }
-            Err(error) => fail(&error, error.exit_code()),
-        },
-        Some(Command::Check { files }) => check(&files),
-        None => window(arguments.level.as_deref()),
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let ending = match arguments.command {
+        Some(Command::Run(run)) => headless::run(&run),
+        Some(Command::Study(study)) => headless::study(&study),
+        Some(Command::Hard(hard)) => headless::hard(&hard),
+        Some(Command::Check { files }) => return check(&files),
+        None => return window(arguments.level.as_deref()),
+    };
+    ending.map_or_else(|error| fail(&error, error.exit_code()), |ending| ExitCode::from(ending.tell()))
+}
+
+/// Prints the help that was asked for, or what is wrong with the arguments.
+fn usage(error: &clap::Error) -> ExitCode {
+    let code = u8::try_from(error.exit_code()).unwrap_or(2);
+    if error.use_stderr() {
+        terminal::report(error.render().to_string().trim_end());
+        return ExitCode::from(code);
     }
+    terminal::print(error.render().to_string().trim_end()).map_or_else(|error| unwritten(&error), |()| code.into())
 }
 
 /// Opens the window; where that cannot be, says so and what to do instead.
-fn window(level: Option<&std::path::Path>) -> ExitCode {
+fn window(level: Option<&Path>) -> ExitCode {
     // Built once before the window, so that a mistake in a level is told as such.
     if let Some(Err(error)) = level.map(headless::check) {
         return fail(&error, error.exit_code());
@@ -73,10 +77,11 @@ fn window(level: Option<&std::path::Path>) -> ExitCode {
     // What went before the last colon are places in the source of libraries.
     let error = error.to_string();
     let cause = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
-    eprintln!(
+    let text = format!(
         "gingerbread: no window can be opened here, as there is no display or no OpenGL on it ({cause}); \
          `gingerbread run LEVEL` works without one."
     );
+    terminal::report(&text);
     ExitCode::from(2)
 }
 
@@ -85,14 +90,23 @@ fn check(files: &[PathBuf]) -> ExitCode {
     let mut code = ExitCode::SUCCESS;
     for file in files {
         match headless::check(file) {
-            Ok(line) => println!("{line}"),
+            Ok(text) => {
+                if let Err(error) = terminal::print(&text) {
+                    return unwritten(&error);
+                }
+            }
             Err(error) => code = fail(&error, error.exit_code()),
         }
     }
     code
 }
 
+fn unwritten(error: &std::io::Error) -> ExitCode {
+    terminal::report(&format!("gingerbread: standard output: {error}"));
+    ExitCode::from(2)
+}
+
 fn fail(error: &dyn std::error::Error, code: u8) -> ExitCode {
-    eprintln!("gingerbread: {error}");
+    terminal::report(&format!("gingerbread: {}", terminal::line(&error.to_string())));
     ExitCode::from(code)
 }

@@ -1,38 +1,11 @@
 //! The program as it is run in a terminal or a script.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
-use std::{
-    fs,
-    path::PathBuf,
-    process::{Command, Output},
-};
+#[path = "common/program.rs"]
+mod program;
 
-fn gingerbread(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gingerbread")).args(arguments).output().unwrap()
-}
-
-fn said(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+use program::{Folder, gingerbread, said};
+use std::{fs, process::Command};
 
 #[test]
 fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {

@@ -7,6 +7,8 @@ use std::{fs, path::Path};
 const ROOMS: &[&[&str]] = &[
     &["quantity"],
     &["registry"],
+    &["terminal"],
+    &["table"],
     &["chance"],
     &["lanes"],
     &["materials"],

@@ -1,10 +1,11 @@
 use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
+use crate::table;
 
 /// The columns of the table, separated by commas.
 pub const COLUMNS: &str =
     "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,energy_left,untangle,reason";
 
-/// A line of the table for a trial: what decided, rounded, and why it is not held if that is known.
+/// A line of the table for a trial, as CSV: what decided, rounded, and why it is not held if that is known.
 pub fn row(trial: &Trial, verdict: &Verdict) -> String {
     let Trial { name, case, model, method } = trial;
     let Numbers { gain, outside, area, unsolved, elastic, opens, .. } = verdict.numbers;
@@ -15,17 +16,13 @@ pub fn row(trial: &Trial, verdict: &Verdict) -> String {
         (left, untangle) = (format!("{elastic:.1e}"), if opens { "home" } else { "" });
     }
     let area = area.map_or(String::new(), rounded);
-    let mut reason = String::new();
-    if let Some(failure) = verdict.failure {
+    let (gain, outside, unsolved) = (rounded(gain), rounded(outside), unsolved.to_string());
+    let cells = [name, model.name(), method.name(), held, &area, &gain, &outside, &unsolved, &left, untangle];
+    let reason = verdict.failure.map_or(String::new(), |failure| {
         let why = case.cannot(*model, *method).unwrap_or("UNEXPLAINED");
-        reason = format!("\"{}: {}\"", failure.words(&verdict.numbers), why.replace('"', "'"));
-    }
-    let (model, method) = (model.name(), method.name());
-    format!(
-        "{name},{model},{method},{held},{area},{},{},{unsolved},{left},{untangle},{reason}",
-        rounded(gain),
-        rounded(outside)
-    )
+        table::quoted(&format!("{}: {}", failure.words(&verdict.numbers), why.replace('"', "'")))
+    });
+    table::row(cells) + "," + &reason
 }
 
 /// Two digits; what is far below every limit is not worth a change of the table.

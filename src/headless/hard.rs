@@ -1,11 +1,15 @@
 //! `gingerbread hard`: the gallery of hard cases as a table.
 
-use super::HeadlessError;
+use super::{Ending, HeadlessError, Interrupt, Outputs, Pace, ending};
 use crate::{
-    files,
     hard::{COLUMNS, Case, Entry, Method, Sweep, Trial, row},
+    levels,
     materials::Model,
+    meshes::NoFiles,
+    scene::Scene,
     study::{StudyError, threads},
+    table::remark,
+    terminal,
 };
 use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Duration};
 
@@ -35,22 +39,18 @@ pub struct Hard {
     /// Write the table here, as CSV.
     #[arg(long, conflicts_with = "seeds")]
     pub csv: Option<PathBuf>,
+    /// How progress is shown.
+    #[command(flatten)]
+    pub pace: Pace,
 }
 
-/// What came out of hard cases.
-pub struct Hardness {
-    /// The table to print.
-    pub table: String,
-    /// Runs that were not held without a reason in the file of their case.
-    pub unexplained: usize,
-}
-
-/// Runs hard cases. Shows progress on a terminal.
+/// Runs hard cases to their end, or until a signal asks to stop, and writes the table. Shows progress.
 ///
 /// # Errors
 /// [`HeadlessError`] says what to mend.
-pub fn hard(request: &Hard) -> Result<Hardness, HeadlessError> {
+pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     let cases = read(request)?;
+    let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &request.cases)?;
     let models = request.model.map_or(Model::ALL.to_vec(), |model| vec![model]);
     let methods = request.integrator.map_or(Method::ALL.to_vec(), |method| vec![method]);
     let seeds: Vec<Option<u32>> = request.seeds.map_or(vec![None], |count| (0..count).map(Some).collect());
@@ -67,27 +67,56 @@ pub fn hard(request: &Hard) -> Result<Hardness, HeadlessError> {
     if trials.is_empty() {
         return Err(fail(StudyError::NotHere("none of these starts from a seed: leave --seeds out")));
     }
+    for (name, case) in &cases {
+        // A case that cannot be built is told at the end, with what came of the others.
+        let warnings = Scene::build(&case.level, case.level.mode, &NoFiles, None).and_then(|scene| {
+            let start = scene.first_state(case.level.state.as_ref())?;
+            Ok(scene.warnings(&start))
+        });
+        ending::warn(name, &warnings.unwrap_or_default());
+    }
+    Interrupt::watch();
     let mut sweep = Sweep::new(trials, request.threads.unwrap_or_else(threads));
-    super::study::with_progress(|budget: Duration| Ok(sweep.advance(budget))).map_err(fail)?;
-    let mut csv = format!("{COLUMNS}\n");
+    let done =
+        super::study::with_progress(&request.pace, |budget: Duration| Ok(sweep.advance(budget))).map_err(fail)?;
+    let stopped = Interrupt::seen().filter(|_| done < 1.0);
+    let partial = stopped.map(|signal| format!("stopped by {signal} at about {:.1} % of the work", 100.0 * done));
+    outputs.write("--csv", |_| Ok(csv(&sweep, partial.as_deref())));
+    let mut table = if request.seeds.is_some() { counts(&sweep, seeds.len()) } else { lines(&sweep) };
+    if let Some(partial) = &partial {
+        // Writing to a string cannot fail.
+        let _ = write!(table, "\n\nPartial: {partial}.");
+    }
+    let unexplained = |(trial, entry): &(&Trial, &Entry)| {
+        matches!(&entry.verdict, Some(Ok(verdict)) if !verdict.held())
+            && trial.case.cannot(trial.model, trial.method).is_none()
+    };
+    // What a file says is about its own seed.
+    let unexplained = request.seeds.is_none() && sweep.entries().any(|entry| unexplained(&entry));
+    let refused = |(trial, entry): (&Trial, &Entry)| match &entry.verdict {
+        Some(Err(why)) => Some(format!("{}: {why}", trial.name)),
+        _ => None,
+    };
+    let mut refused: Vec<_> = sweep.entries().filter_map(refused).collect();
+    refused.dedup();
+    let code = if refused.is_empty() { u8::from(unexplained) } else { 2 };
+    let mut ending = Ending::new(table, outputs, code, stopped);
+    ending.remarks.extend(refused);
+    ending.remarks.extend(partial.map(|partial| format!("the results are partial: {partial}")));
+    Ok(ending)
+}
+
+/// The table as far as it is.
+fn csv(sweep: &Sweep, partial: Option<&str>) -> String {
+    let mut text = partial.map_or(String::new(), |partial| remark("partial", partial));
+    text += COLUMNS;
+    text.push('\n');
     for (trial, entry) in sweep.entries() {
-        match &entry.verdict {
-            Some(Ok(verdict)) => csv += &(row(trial, verdict) + "\n"),
-            Some(Err(why)) => {
-                return Err(HeadlessError::Level { file: trial.name.clone(), why: why.clone().into() });
-            }
-            None => {}
+        if let Some(Ok(verdict)) = &entry.verdict {
+            text += &(row(trial, verdict) + "\n");
         }
     }
-    if let Some(path) = &request.csv {
-        files::write_text(path, &csv)?;
-    }
-    let table = if request.seeds.is_some() { counts(&sweep, seeds.len()) } else { lines(&sweep) };
-    let unexplained =
-        |(trial, entry): &(&Trial, &Entry)| !held(entry) && trial.case.cannot(trial.model, trial.method).is_none();
-    // What a file says is about its own seed.
-    let unexplained = if request.seeds.is_some() { 0 } else { sweep.entries().filter(unexplained).count() };
-    Ok(Hardness { table, unexplained })
+    text
 }
 
 fn read(request: &Hard) -> Result<Vec<(String, Case)>, HeadlessError> {
@@ -95,7 +124,8 @@ fn read(request: &Hard) -> Result<Vec<(String, Case)>, HeadlessError> {
     let paths: Vec<PathBuf> = if request.cases.is_empty() { all() } else { request.cases.clone() };
     let mut cases = Vec::new();
     for path in paths {
-        let mut case = Case::read(&path)?;
+        let mut case = Case::read(&path)
+            .map_err(|error| super::missing(&path, error, "hard case", levels::HARD.iter().map(|(file, _)| *file)))?;
         if let Some(triangles) = request.triangles {
             case = case
                 .with_triangles(triangles)
@@ -118,7 +148,7 @@ fn held(entry: &Entry) -> bool {
 
 /// A line for every run.
 fn lines(sweep: &Sweep) -> String {
-    let widest = sweep.entries().map(|(trial, _)| trial.name.len()).max().unwrap_or(0);
+    let widest = sweep.entries().map(|(trial, _)| terminal::line(&trial.name).chars().count()).max().unwrap_or(0);
     let mut text = format!("{:<widest$}  {:<17} {:<16}          ms  result", "case", "model", "integrator");
     for (trial, entry) in sweep.entries() {
         let Some(Ok(verdict)) = &entry.verdict else { continue };
@@ -126,9 +156,9 @@ fn lines(sweep: &Sweep) -> String {
         let mark = match (verdict.held(), why) {
             (true, _) => "held".to_owned(),
             (false, None) => "NOT HELD".to_owned(),
-            (false, Some(why)) => format!("not held, as expected: {why}"),
+            (false, Some(why)) => format!("not held, as expected: {}", terminal::line(why)),
         };
-        let (name, model, method) = (&trial.name, trial.model.name(), trial.method.name());
+        let (name, model, method) = (terminal::line(&trial.name), trial.model.name(), trial.method.name());
         let (ms, decided) = (1e3 * entry.seconds, verdict.decided_by());
         // Writing to a string cannot fail.
         let _ = write!(text, "\n{name:<widest$}  {model:<17} {method:<16} {ms:>11.1}  {mark} ({decided})");
@@ -144,7 +174,8 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
         let Trial { name, model, method, .. } = group[0].0;
-        let (model, method) = (model.name(), method.name());
+        let (name, model, method) = (terminal::line(name), model.name(), method.name());
+        let over = group.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
         let opens = |entry: &Entry| matches!(&entry.verdict, Some(Ok(verdict)) if verdict.numbers.opens);
         let count = group.iter().filter(|(_, entry)| held(entry)).count();
         let opened = group.iter().filter(|(_, entry)| !held(entry) && opens(entry)).count();
@@ -155,7 +186,7 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
         let left = group.iter().filter_map(energy);
         let (least, most) = left.fold((f64::INFINITY, 0.0), |(least, most), j| (j.min(least), j.max(most)));
         let left = if least <= most { format!("{least:.1e} to {most:.1e}") } else { String::new() };
-        let held = format!("{count} of {starts}");
+        let held = format!("{count} of {over}");
         // Writing to a string cannot fail.
         let _ = write!(text, "\n{name:<12} {model:<17} {method:<16} {held:<13} {opened:<12} {left}");
         text.truncate(text.trim_end().len());

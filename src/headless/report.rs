@@ -1,12 +1,16 @@
 //! What a run cost and came to, as it is printed and written.
 
-use super::paces::{PaceReport, paces};
+use super::{
+    EndState,
+    paces::{PaceReport, paces},
+};
 use crate::{
     files,
     level::{Level, RunMode, Switch, When},
     report::{EffectCost, Energies},
     simulation::Simulation,
     study::{Saving, Savings},
+    terminal,
     untangle::Tangle,
 };
 use serde::Serialize;
@@ -17,6 +21,12 @@ use std::time::Duration;
 pub struct RunReport {
     /// Title of the level.
     pub level: String,
+    /// Warnings about how the level begins.
+    pub warnings: Vec<String>,
+    /// Which signal stopped the run, and after how many of how many steps; null if it came to its end.
+    pub partial: Option<String>,
+    /// Whether the state at the end is physical.
+    pub end_state: EndState,
     /// Energies at the end [J].
     pub energy: EnergyReport,
     /// Least det F of all triangles at the end; null if there are none.
@@ -91,6 +101,9 @@ impl RunReport {
         let (triangles, steps) = (scene.triangles.len(), counts.steps);
         Self {
             level: level.name.clone(),
+            warnings: Vec::new(),
+            partial: None,
+            end_state: EndState::default(),
             energy: simulation.energies().into(),
             min_j: (triangles > 0).then_some(min_j),
             inverted,
@@ -137,6 +150,7 @@ impl std::fmt::Display for RunReport {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { level, steps, time, wall_seconds, energy, .. } = self;
         let plural = if *steps == 1 { "" } else { "s" };
+        let level = terminal::line(level);
         write!(out, "{level}: {steps} step{plural} to {time:.4} s in {wall_seconds:.3} s")?;
         if let Some(each) = self.ns_per_triangle_step {
             write!(out, " ({each:.1} ns per triangle and step)")?;

@@ -1,14 +1,16 @@
 //! `gingerbread study`: what accuracy costs, as a table and as CSV.
 
-use super::HeadlessError;
+use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Pace, Progress as Shown, ending};
 use crate::{
     files,
     integrators::IntegratorKind,
     level::{Level, Substeps},
     study::{
         Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshStudy, Plan, Point, Price,
-        Progress, StudyError, Trial, WorkPrecision, threads,
+        Progress, Status, StudyError, Trial, WorkPrecision, threads,
     },
+    table::remark,
+    terminal,
 };
 use std::{fmt::Write as _, path::PathBuf, time::Duration};
 
@@ -46,24 +48,50 @@ pub struct Study {
     /// Write the table here, as CSV.
     #[arg(long)]
     pub csv: Option<PathBuf>,
+    /// How progress is shown.
+    #[command(flatten)]
+    pub pace: Pace,
 }
 
-/// Studies a level and returns the table to print. Shows progress on a terminal.
+/// Studies a level until all is known, or a signal asks to stop, and writes the table. Shows progress.
 ///
 /// # Errors
 /// [`HeadlessError`] says what to mend.
-pub fn study(request: &Study) -> Result<String, HeadlessError> {
-    let level = files::read(&request.level)?;
+pub fn study(request: &Study) -> Result<Ending, HeadlessError> {
+    let level = super::read(&request.level)?;
+    let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &super::inputs(&request.level, &level))?;
     let fail = |why| HeadlessError::Study { file: request.level.display().to_string(), why };
-    let (table, csv) = match &request.meshes {
+    let Studied { mut table, csv, done } = match &request.meshes {
         Some(triangles) => meshes(request, &level, triangles.clone()).map_err(fail)?,
         None if request.drift => drift(request, &level).map_err(fail)?,
         None => integrators(request, &level).map_err(fail)?,
     };
-    if let Some(path) = &request.csv {
-        files::write_text(path, &csv)?;
+    let stopped = Interrupt::seen().filter(|_| done < 1.0);
+    let partial = stopped.map(|signal| format!("stopped by {signal} at about {:.1} % of the work", 100.0 * done));
+    outputs.write("--csv", |_| Ok(partial.as_ref().map_or(String::new(), |partial| remark("partial", partial)) + &csv));
+    if let Some(partial) = &partial {
+        // Writing to a string cannot fail.
+        let _ = write!(table, "\n\nPartial: {partial}.");
     }
-    Ok(table)
+    let mut ending = Ending::new(table, outputs, 0, stopped);
+    ending.remarks.extend(partial.map(|partial| format!("the results are partial: {partial}")));
+    Ok(ending)
+}
+
+/// What came out of a study.
+struct Studied {
+    /// The table to print.
+    table: String,
+    /// The table to write.
+    csv: String,
+    /// Share of the work done.
+    done: f64,
+}
+
+/// Tells warnings about the start of a trial, and lets signals stop the work from then on.
+fn begin(request: &Study, trial: &Trial) {
+    ending::warn(&request.level.display().to_string(), &trial.scene.warnings(&trial.start));
+    Interrupt::watch();
 }
 
 /// What is to be studied, which every integrator that was named can step.
@@ -73,13 +101,14 @@ fn trial(request: &Study, level: &Level) -> Result<Trial, StudyError> {
     Ok(trial)
 }
 
-fn integrators(request: &Study, level: &Level) -> Result<(String, String), StudyError> {
+fn integrators(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     let mut plan = Plan { substeps: request.steps.clone(), integrators: request.schemes(), ..Plan::default() };
     plan.threads = request.threads();
     let trial = trial(request, level)?;
+    begin(request, &trial);
     let mut diagram = WorkPrecision::new(trial, plan);
-    with_progress(|budget| diagram.advance(budget))?;
-    let mut table = format!("{}, {} s simulated", level.name, diagram.trial().seconds());
+    let done = with_progress(&request.pace, |budget| diagram.advance(budget))?;
+    let mut table = format!("{}, {} s simulated", terminal::line(&level.name), diagram.trial().seconds());
     if let Some(reference) = diagram.reference() {
         // Writing to a string cannot fail.
         let _ = write!(table, "; reference: {} (own error at most {:.1e})", reference.source, reference.own_error);
@@ -92,7 +121,7 @@ fn integrators(request: &Study, level: &Level) -> Result<(String, String), Study
         Some(suggestion) => write!(table, "\n\nCheapest under {per_cent} %: {suggestion}"),
         None => write!(table, "\n\nNothing measured is under {per_cent} %."),
     };
-    Ok((table, diagram.csv()))
+    Ok(Studied { table, csv: diagram.csv(), done })
 }
 
 /// The lines of one integrator.
@@ -105,11 +134,11 @@ fn lines(curve: &Curve) -> String {
         let Some(outcome) = outcome else { continue };
         let tolerance = setting.tolerance().map_or("-".to_owned(), |tolerance| format!("{tolerance:.0e}"));
         let error = match outcome.status {
-            crate::study::Status::Unstable => "unstable".to_owned(),
+            Status::Unstable => "unstable".to_owned(),
             _ => format!("{:.2e}", outcome.error),
         };
         let mut remarks = String::new();
-        if outcome.status == crate::study::Status::Unconverged {
+        if outcome.status == Status::Unconverged {
             remarks += "  not all steps converged";
         }
         if *current {
@@ -128,23 +157,25 @@ fn lines(curve: &Curve) -> String {
     text
 }
 
-fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<(String, String), StudyError> {
+fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied, StudyError> {
     let mut plan = MeshPlan { triangles, measure: request.measure, ..MeshPlan::default() };
     plan.threads = request.threads();
     if Trial::new(level, &files::Disk, request.seconds)?.scene.pins.len() < 2 {
         plan.moment = MeshMoment::AtTheEnd;
     }
     let mut study = MeshStudy::new(level, &files::Disk, request.seconds, plan)?;
-    with_progress(|budget| Ok(study.advance(budget)))?;
+    begin(request, study.trial());
+    let mut done = with_progress(&request.pace, |budget| Ok(study.advance(budget)))?;
     let (measure, moment) = (study.plan().measure, study.plan().moment);
-    let mut table = format!("{}: {} [{}] {moment}", level.name, measure.title(), measure.unit());
+    let mut table = format!("{}: {} [{}] {moment}", terminal::line(&level.name), measure.title(), measure.unit());
     if let Some((value, own)) = study.reference() {
         // Writing to a string cannot fail.
         let _ = write!(table, "; extrapolated {value:.6e} (to {:.2} %)", 100.0 * own);
     }
     table += "\n\n  triangles  size [mm]         value      error [%]        ms";
     for point in study.points() {
-        let value = point.value.map_or(point.status.word().to_owned(), |value| format!("{value:.6e}"));
+        let word = if point.status == Status::Ok { "not done" } else { point.status.word() };
+        let value = point.value.map_or(word.to_owned(), |value| format!("{value:.6e}"));
         let error = study.error_of(point).map_or("-".to_owned(), |error| format!("{:.4}", 100.0 * error));
         let (triangles, size, ms) = (point.triangles, 1e3 * point.size, point.ms);
         let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}");
@@ -155,31 +186,40 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<(String
     if let Some(remark) = study.remark() {
         let _ = write!(table, "\n\n{remark}");
     }
-    let locking = if moment == MeshMoment::AtRest && study.remark().is_none() { locking(level)? } else { Vec::new() };
+    let mut locking = Vec::new();
+    if moment == MeshMoment::AtRest && study.remark().is_none() && done == 1.0 {
+        match self::locking(request, level) {
+            Ok((numbers, share)) => (locking, done) = (numbers, 0.5 + 0.5 * share),
+            // The study itself is done and must not be lost.
+            Err(error) => drop(write!(table, "\nLocking was not measured: {}", terminal::line(&error.to_string()))),
+        }
+    }
     for number in &locking {
         let (poisson, ratio) = (number.poisson, number.ratio());
         let _ = write!(table, "\nLocking at nu = {poisson}: {ratio:.3} of the deflection of a better mesh");
     }
-    Ok((table, study.csv(&locking)))
+    Ok(Studied { table, csv: study.csv(&locking), done })
 }
 
-fn locking(level: &Level) -> Result<Vec<LockingNumber>, StudyError> {
+/// The numbers, and the share of the work that was done.
+fn locking(request: &Study, level: &Level) -> Result<(Vec<LockingNumber>, f64), StudyError> {
     let mut locking = Locking::new(level, &files::Disk)?;
-    with_progress(|_| Ok(locking.advance()))?;
-    Ok(locking.numbers())
+    let done = with_progress(&request.pace, |_| Ok(locking.advance()))?;
+    Ok((locking.numbers(), done))
 }
 
-fn drift(request: &Study, level: &Level) -> Result<(String, String), StudyError> {
+fn drift(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     let trial = trial(request, level)?;
     let mut settings = Vec::new();
     for substeps in request.steps.iter().copied().map(Some).chain(request.steps.is_empty().then_some(None)) {
         settings.extend(Drift::settings(&trial, &request.schemes(), substeps));
     }
+    begin(request, &trial);
     let mut drift = Drift::new(trial, settings, request.threads());
-    with_progress(|budget| Ok(drift.advance(budget)))?;
+    let done = with_progress(&request.pace, |budget| Ok(drift.advance(budget)))?;
     let mut table = format!(
         "{}, {} s simulated; energy over {:.3e} J, the greatest kinetic energy",
-        level.name,
+        terminal::line(&level.name),
         drift.trial().seconds(),
         drift.scale()
     );
@@ -200,7 +240,7 @@ fn drift(request: &Study, level: &Level) -> Result<(String, String), StudyError>
         let label = run.setting.label();
         let _ = write!(table, "\n  {label:<widest$}  {energy:>9.2e}  {linear:>9.2e}  {angular:>9.2e}  {end:>17}");
     }
-    Ok((table, drift.csv()))
+    Ok(Studied { table, csv: drift.csv(), done })
 }
 
 impl Study {
@@ -214,22 +254,23 @@ impl Study {
     }
 }
 
-/// Works until a job is finished, with a bar where there is a terminal.
+/// Works until a job is finished or a signal asks to stop, and shows progress. Returns the share of the work that was done.
 pub(super) fn with_progress(
+    pace: &Pace,
     mut advance: impl FnMut(Duration) -> Result<Progress, StudyError>,
-) -> Result<(), StudyError> {
-    let bar = indicatif::ProgressBar::new(1000);
-    if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:40} {percent} %, {elapsed}") {
-        bar.set_style(style);
-    }
-    loop {
-        let progress = advance(Duration::from_millis(200));
-        bar.set_position(progress.as_ref().map_or(0.0, |progress| 1e3 * progress.done) as u64);
-        if progress.as_ref().map_or(true, |progress| progress.finished) {
-            bar.finish_and_clear();
-            return progress.map(|_| ());
+) -> Result<f64, StudyError> {
+    let shown = Shown::new(pace, 1000, PER_CENT);
+    let mut done = 0.0;
+    while Interrupt::seen().is_none() {
+        let progress = advance(Duration::from_millis(200))?;
+        done = progress.done;
+        shown.set((1e3 * done) as u64);
+        if progress.finished {
+            return Ok(1.0);
         }
     }
+    // All but finished is not finished.
+    Ok(done.min(0.999))
 }
 
 fn integrator(text: &str) -> Result<IntegratorKind, String> {

@@ -9,6 +9,7 @@ mod names;
 mod net;
 mod order;
 mod start;
+mod warnings;
 
 pub use alone::Alone;
 use held::{on_edge, pinned, sliding};

@@ -81,11 +81,7 @@ impl Simulation {
 
     /// How many vertices are deep inside walls or beyond edges of the world.
     pub fn count_inside(&self) -> usize {
-        self.scene
-            .effects
-            .iter()
-            .map(|effect| effect.count_inside(&self.state.x, self.state.time, &self.scene.exits))
-            .sum()
+        self.scene.count_inside(&self.state)
     }
 
     /// Looks how far everything may go.

@@ -1,7 +1,8 @@
 //! Tables to take away: CSV with a head that says where the numbers come from.
 
 use super::{Drift, Invariant, LockingNumber, MeshStudy, Outcome, Reference, Trial, WorkPrecision};
-use std::{fmt::Write as _, sync::OnceLock};
+use crate::table::{Table, remark};
+use std::sync::OnceLock;
 
 /// Where numbers come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,11 +54,10 @@ pub fn head(level: &str, threads: usize, about: &[(&str, String)]) -> String {
     lines.extend(about.iter().cloned());
     lines.extend(origin.map(|(name, value)| (name, value.clone())));
     lines.push(("threads", threads.to_string()));
-    let clean = |text: &str| text.replace(['\n', '\r'], " ");
-    lines.iter().fold(String::new(), |text, (name, value)| text + "# " + name + ": " + &clean(value) + "\n")
+    lines.iter().map(|(name, value)| remark(name, value)).collect()
 }
 
-/// The head of what was measured in a trial.
+/// The head of what was measured in a trial, with what is worth knowing about its start.
 fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
     let mut about = vec![
         ("start_hash", format!("{:016x}", trial.start.hash())),
@@ -66,6 +66,7 @@ fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
         ("simulated_seconds", trial.seconds().to_string()),
     ];
     about.extend(more.iter().cloned());
+    about.extend(trial.scene.warnings(&trial.start).into_iter().map(|warning| ("warning", warning)));
     head(&trial.name, threads, &about)
 }
 
@@ -82,27 +83,54 @@ impl WorkPrecision {
                 "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned(),
             ),
         ];
-        let mut text = head_of(self.trial(), self.plan().threads, &more);
-        text += "integrator,order,measured_order,substeps,step_s,tolerance,current,status,error,above_floor,steps,\
-                 inner_steps,rejected,force_evaluations,newton_iterations,factorisations,ms_per_simulated_s\n";
+        let columns = [
+            "integrator",
+            "order",
+            "measured_order",
+            "substeps",
+            "step_s",
+            "tolerance",
+            "current",
+            "status",
+            "error",
+            "above_floor",
+            "steps",
+            "inner_steps",
+            "rejected",
+            "force_evaluations",
+            "newton_iterations",
+            "factorisations",
+            "ms_per_simulated_s",
+        ];
+        let mut table = Table::new(head_of(self.trial(), self.plan().threads, &more), &columns);
         let floor = self.reference().map_or(0.0, Reference::floor);
+        let optional = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.4e}"));
         for curve in self.curves() {
             for point in &curve.points {
                 let Some(Outcome { error, status, counts, ms_per_second }) = &point.outcome else { continue };
-                let (setting, kind) = (&point.setting, curve.integrator.kind());
-                let optional = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.4e}"));
-                let step = setting.substeps.step();
-                // Writing to a string cannot fail.
-                let _ = write!(text, "{},{},", curve.integrator.name(), kind.order());
-                let _ = write!(text, "{},{},{step:e},", optional(curve.order), setting.substeps.get());
-                let _ = write!(text, "{},{},", optional(setting.tolerance()), point.current);
-                let _ = write!(text, "{},{error:e},{},", status.word(), *error > floor);
-                let _ = write!(text, "{},{},{},", counts.steps, counts.inner_steps, counts.rejected);
-                let _ = write!(text, "{},{},", counts.force_evaluations, counts.newton_iterations);
-                let _ = writeln!(text, "{},{ms_per_second:.4}", counts.factorisations);
+                let setting = &point.setting;
+                table.row([
+                    curve.integrator.name().to_owned(),
+                    curve.integrator.kind().order().to_string(),
+                    optional(curve.order),
+                    setting.substeps.get().to_string(),
+                    format!("{:e}", setting.substeps.step()),
+                    optional(setting.tolerance()),
+                    point.current.to_string(),
+                    status.word().to_owned(),
+                    format!("{error:e}"),
+                    (*error > floor).to_string(),
+                    counts.steps.to_string(),
+                    counts.inner_steps.to_string(),
+                    counts.rejected.to_string(),
+                    counts.force_evaluations.to_string(),
+                    counts.newton_iterations.to_string(),
+                    counts.factorisations.to_string(),
+                    format!("{ms_per_second:.4}"),
+                ]);
             }
         }
-        text
+        table.text()
     }
 }
 
@@ -126,16 +154,21 @@ impl MeshStudy {
                 .map(|of| (if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" }, ratio(of))),
         );
         more.extend(self.remark().map(|remark| ("remark", remark.to_owned())));
-        let mut text = head_of(self.trial(), self.plan().threads, &more);
-        text += "triangles,vertices,size_m,status,value,error,ms_of_computing\n";
+        let columns = ["triangles", "vertices", "size_m", "status", "value", "error", "ms_of_computing"];
+        let mut table = Table::new(head_of(self.trial(), self.plan().threads, &more), &columns);
         for point in self.points() {
             let Some(value) = point.value else { continue };
-            let error = self.error_of(point).unwrap_or(f64::NAN);
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{},{},{:e},", point.triangles, point.vertices, point.size);
-            let _ = writeln!(text, "{},{value:e},{error:e},{:.4}", point.status.word(), point.ms);
+            table.row([
+                point.triangles.to_string(),
+                point.vertices.to_string(),
+                format!("{:e}", point.size),
+                point.status.word().to_owned(),
+                format!("{value:e}"),
+                format!("{:e}", self.error_of(point).unwrap_or(f64::NAN)),
+                format!("{:.4}", point.ms),
+            ]);
         }
-        text
+        table.text()
     }
 }
 
@@ -148,20 +181,36 @@ impl Drift {
             ("energy_is_changed_by", self.changed_by(Invariant::Energy).join(", ")),
             ("momentum_is_changed_by", self.changed_by(Invariant::Momentum).join(", ")),
         ];
-        let mut text = head_of(self.trial(), self.threads(), &more);
-        text += "integrator,substeps,tolerance,status,time_s,energy_j,energy_change,momentum_x,momentum_y,angular_momentum\n";
+        let columns = [
+            "integrator",
+            "substeps",
+            "tolerance",
+            "status",
+            "time_s",
+            "energy_j",
+            "energy_change",
+            "momentum_x",
+            "momentum_y",
+            "angular_momentum",
+        ];
+        let mut table = Table::new(head_of(self.trial(), self.threads(), &more), &columns);
         for run in self.runs() {
-            let tolerance = run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}"));
-            let status = run.status().word();
-            let start =
-                format!("{},{},{tolerance},{status}", run.setting.integrator.name(), run.setting.substeps.get());
             for moment in &run.moments {
                 let ([px, py], change) = (moment.momentum, self.change(run, Invariant::Energy, moment));
-                // Writing to a string cannot fail.
-                let _ = write!(text, "{start},{:.6},{:e},{change:e},", moment.time, moment.energy);
-                let _ = writeln!(text, "{px:e},{py:e},{:e}", moment.angular);
+                table.row([
+                    run.setting.integrator.name().to_owned(),
+                    run.setting.substeps.get().to_string(),
+                    run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}")),
+                    run.status().word().to_owned(),
+                    format!("{:.6}", moment.time),
+                    format!("{:e}", moment.energy),
+                    format!("{change:e}"),
+                    format!("{px:e}"),
+                    format!("{py:e}"),
+                    format!("{:e}", moment.angular),
+                ]);
             }
         }
-        text
+        table.text()
     }
 }

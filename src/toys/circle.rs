@@ -34,6 +34,10 @@ impl Toy for Circle {
         vec![&mut self.radius]
     }
 
+    fn columns(&self) -> [&'static str; 2] {
+        ["x_m", "y_m"]
+    }
+
     fn rate(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [-y, x]
     }

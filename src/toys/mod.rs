@@ -28,6 +28,9 @@ pub trait Toy: Send + Sync {
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 
+    /// Names of the two numbers of a state, with their unit, as column names of a table.
+    fn columns(&self) -> [&'static str; 2];
+
     /// f(X, t): how fast the state changes.
     fn rate(&self, state: [f64; 2]) -> [f64; 2];
 

@@ -87,6 +87,10 @@ impl Toy for Pendulum {
         vec![&mut self.length, &mut self.gravity, &mut self.start]
     }
 
+    fn columns(&self) -> [&'static str; 2] {
+        ["angle_rad", "rate_rad_per_s"]
+    }
+
     fn rate(&self, [theta, speed]: [f64; 2]) -> [f64; 2] {
         [speed, -self.square() * libm::sin(theta)]
     }

@@ -5,8 +5,9 @@ use crate::{
     sandbox::Sandbox,
     snapshot::Snapshot,
     study::{Apart, Difference, head},
+    table::Table,
 };
-use std::{collections::VecDeque, fmt::Write as _};
+use std::collections::VecDeque;
 
 /// Least time between two kept moments [s].
 const APART: f64 = 1.0 / 120.0;
@@ -105,12 +106,14 @@ impl Record {
             ("ms", "time of computing for a second of simulated time".to_owned()),
             ("reference", "none: neither pane is better than the other by right".to_owned()),
         ];
-        let mut text = head(&self.level, 1, &about) + "time_s,positions_m,positions_relative,energy_j,ms_a,ms_b\n";
+        let columns = ["time_s", "positions_m", "positions_relative", "energy_j", "ms_a", "ms_b"];
+        let mut table = Table::new(head(&self.level, 1, &about), &columns);
         for Moment { time, positions, energy, prices } in &self.moments {
-            let positions = positions.map_or(",".to_owned(), |apart| format!("{},{}", apart.metres, apart.relative));
-            let [a, b] = prices.map_or([String::new(), String::new()], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
-            let _ = writeln!(text, "{time},{positions},{energy},{a},{b}");
+            let [metres, relative] = positions
+                .map_or([const { String::new() }; 2], |apart| [apart.metres.to_string(), apart.relative.to_string()]);
+            let [a, b] = prices.map_or([const { String::new() }; 2], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
+            table.row([time.to_string(), metres, relative, energy.to_string(), a, b]);
         }
-        text
+        table.text()
     }
 }

@@ -4,6 +4,7 @@ use crate::{
     level::Level,
     snapshot::{Energies, Snapshot},
     study::{Setting, head},
+    table::Table,
 };
 use std::collections::VecDeque;
 
@@ -48,11 +49,12 @@ impl History {
                 "none: these are the energies of the scene as it ran, with all that was done to it".to_owned(),
             ),
         ];
-        let head = head(&level.name, 1, &about) + "time_s,kinetic_j,elastic_j,potential_j,total_j\n";
-        let line = |(time, of): &(f64, Energies)| {
-            format!("{time},{},{},{},{}\n", of.kinetic, of.elastic, of.potential, of.total())
-        };
-        std::iter::once(head).chain(self.samples.iter().map(line)).collect()
+        let columns = ["time_s", "kinetic_j", "elastic_j", "potential_j", "total_j"];
+        let mut table = Table::new(head(&level.name, 1, &about), &columns);
+        for (time, of) in &self.samples {
+            table.row([*time, of.kinetic, of.elastic, of.potential, of.total()].map(|number| number.to_string()));
+        }
+        table.text()
     }
 
     /// What was kept, oldest first.

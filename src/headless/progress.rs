@@ -1,0 +1,111 @@
+//! Progress of a long command: a bar on a terminal, elsewhere a line on standard error every few seconds.
+
+use super::Interrupt;
+use crate::terminal;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+        mpsc::{self, RecvTimeoutError, Sender},
+    },
+    thread::JoinHandle,
+    time::Duration,
+};
+use web_time::Instant;
+
+/// How progress is shown.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Pace {
+    /// Seconds between two lines of progress where standard error is not a terminal; 0 for none.
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = super::seconds)]
+    pub progress: f64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { progress: 10.0 }
+    }
+}
+
+/// Progress that is shown until it is dropped.
+pub struct Progress {
+    bar: ProgressBar,
+    done: Arc<AtomicU64>,
+    ticker: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// Of a work of so many parts, called `unit` in the lines.
+    pub fn new(pace: &Pace, total: u64, unit: &'static str) -> Self {
+        let bar = ProgressBar::new(total);
+        let template =
+            if unit == PER_CENT { "{bar:40} {percent} %, {elapsed}" } else { "{bar:40} {pos}/{len} steps, {eta} left" };
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        let done = Arc::new(AtomicU64::new(0));
+        let (stop, stopped) = mpsc::channel::<()>();
+        let ticker = Ticker { done: Arc::clone(&done), total, unit, begin: Instant::now() };
+        let every = Duration::from_secs_f64(pace.progress);
+        let lines = bar.is_hidden() && !every.is_zero();
+        let tick = move || {
+            let mut next = every;
+            let wake = if lines { LOOK.min(every) } else { LOOK };
+            while stopped.recv_timeout(wake) == Err(RecvTimeoutError::Timeout) {
+                // The work may be in a long step and not have seen the signal yet.
+                Interrupt::tell();
+                if lines && ticker.begin.elapsed() >= next && Interrupt::seen().is_none() {
+                    terminal::report(&ticker.line());
+                    next += every;
+                }
+            }
+        };
+        let ticker = Some((stop, std::thread::spawn(tick)));
+        Self { bar, done, ticker }
+    }
+
+    /// So many parts are done.
+    pub fn set(&self, done: u64) {
+        self.done.store(done, Ordering::Relaxed);
+        self.bar.set_position(done);
+    }
+}
+
+/// Longest time in which nobody looks for a signal.
+const LOOK: Duration = Duration::from_millis(200);
+
+/// What a line of progress is made of.
+struct Ticker {
+    done: Arc<AtomicU64>,
+    total: u64,
+    unit: &'static str,
+    begin: Instant,
+}
+
+impl Ticker {
+    fn line(&self) -> String {
+        let (done, elapsed) = (self.done.load(Ordering::Relaxed), self.begin.elapsed().as_secs_f64());
+        let share = if self.unit == PER_CENT {
+            format!("{:.1} %", done as f64 / 10.0)
+        } else {
+            format!("{done} of {} {}", self.total, self.unit)
+        };
+        format!("gingerbread: {share} done after {elapsed:.0} s")
+    }
+}
+
+/// The unit of a work of 1000 parts, told in per cent.
+pub const PER_CENT: &str = "%";
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+        if let Some((stop, ticker)) = self.ticker.take() {
+            drop(stop);
+            // A line that is being printed is finished first.
+            let _ = ticker.join();
+        }
+        Interrupt::tell();
+    }
+}

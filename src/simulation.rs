@@ -269,7 +269,7 @@ impl Simulation {
         for part in 0..parts {
             self.integrate(h, [at(part), at(part + 1)]);
         }
-        self.scratch.counts.steps += 1;
+        self.scratch.book_steps(1);
         self.scratch.counts.guarded += u64::from(parts > 1);
         self.scratch.counts.pushed_out += u64::from(self.pushes_out());
         self.state.steps += 1;

@@ -1,6 +1,9 @@
 //! Tables to take away: CSV with a head that says where the numbers come from.
 
-use super::{Drift, Invariant, LockingNumber, MeshStudy, Outcome, Reference, Trial, WorkPrecision};
+use super::{
+    CLOCK, Drift, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy, Outcome, Status, Trial, WorkPrecision,
+    order_in_words,
+};
 use std::{fmt::Write as _, sync::OnceLock};
 
 /// Where numbers come from.
@@ -57,6 +60,24 @@ pub fn head(level: &str, threads: usize, about: &[(&str, String)]) -> String {
     lines.iter().fold(String::new(), |text, (name, value)| text + "# " + name + ": " + &clean(value) + "\n")
 }
 
+/// What prices in columns of times are.
+pub fn price_in_words() -> String {
+    format!("{CLOCK}, least of 1 to {MOST_RUNS} runs: short ones are repeated in turns")
+}
+
+/// The two columns of a measured order: a number, or nothing and the reason.
+fn order_columns(order: &MeasuredOrder) -> String {
+    match order {
+        Ok(order) => format!("{order:.4},"),
+        Err(reason) => format!(",not measurable here: {reason}"),
+    }
+}
+
+/// A number, or nothing if there is none.
+fn finite(number: f64) -> String {
+    if number.is_finite() { format!("{number:e}") } else { String::new() }
+}
+
 /// The head of what was measured in a trial.
 fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
     let mut about = vec![
@@ -73,33 +94,46 @@ impl WorkPrecision {
     /// The diagram as far as it is, as CSV: one line a point.
     pub fn csv(&self) -> String {
         let reference = self.reference().map_or("none yet".to_owned(), |reference| reference.source.to_string());
-        let own = self.reference().map_or(f64::NAN, |reference| reference.own_error);
-        let more = [
+        let told = self.reference().filter(|reference| !reference.is_still());
+        let [own, motion] = [told.map(|reference| reference.own_error), self.reference().map(|known| known.motion)]
+            .map(|number| number.map_or_else(String::new, finite));
+        let mut more = vec![
             ("reference", reference),
-            ("reference_error_at_most", format!("{own:e}")),
+            ("reference_error_at_most", own),
+            ("reference_motion_m", motion),
             (
                 "error",
-                "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned(),
+                "relative RMS position error, mean over frames and vertices: \
+                 sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)"
+                    .to_owned(),
             ),
+            ("greatest_error", "the largest over frames of the RMS over vertices, over the same motion".to_owned()),
+            ("ms_per_simulated_s", price_in_words()),
         ];
+        more.extend(self.no_errors().map(|why| ("remark", why.to_string())));
         let mut text = head_of(self.trial(), self.plan().threads, &more);
-        text += "integrator,order,measured_order,substeps,step_s,tolerance,current,status,error,above_floor,steps,\
-                 inner_steps,rejected,force_evaluations,newton_iterations,factorisations,ms_per_simulated_s\n";
-        let floor = self.reference().map_or(0.0, Reference::floor);
+        text += "integrator,order,measured_order,order_remark,substeps,step_s,tolerance,current,status,error,\
+                 greatest_error,above_floor,error_remark,steps,inner_steps,rejected,force_evaluations,newton_iterations,\
+                 factorisations,ms_per_simulated_s,ms_least_of_runs\n";
         for curve in self.curves() {
             for point in &curve.points {
-                let Some(Outcome { error, status, counts, ms_per_second }) = &point.outcome else { continue };
+                let Some(outcome) = &point.outcome else { continue };
+                let Outcome { error, greatest_error, status, counts, ms_per_second, runs } = outcome;
+                let note =
+                    self.reference().filter(|_| *status != Status::Unstable).map(|known| known.limits().note(*error));
+                let remark = note.flatten().map_or("", |note| note.words());
                 let (setting, kind) = (&point.setting, curve.integrator.kind());
                 let optional = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.4e}"));
                 let step = setting.substeps.step();
                 // Writing to a string cannot fail.
                 let _ = write!(text, "{},{},", curve.integrator.name(), kind.order());
-                let _ = write!(text, "{},{},{step:e},", optional(curve.order), setting.substeps.get());
+                let _ = write!(text, "{},{},{step:e},", order_columns(&curve.order), setting.substeps.get());
                 let _ = write!(text, "{},{},", optional(setting.tolerance()), point.current);
-                let _ = write!(text, "{},{error:e},{},", status.word(), *error > floor);
+                let _ = write!(text, "{},{},{},", status.word(), finite(*error), finite(*greatest_error));
+                let _ = write!(text, "{},{remark},", note == Some(None));
                 let _ = write!(text, "{},{},{},", counts.steps, counts.inner_steps, counts.rejected);
                 let _ = write!(text, "{},{},", counts.force_evaluations, counts.newton_iterations);
-                let _ = writeln!(text, "{},{ms_per_second:.4}", counts.factorisations);
+                let _ = writeln!(text, "{},{ms_per_second:.4},{runs}", counts.factorisations);
             }
         }
         text
@@ -109,31 +143,32 @@ impl WorkPrecision {
 impl MeshStudy {
     /// The study as far as it is, as CSV: one line a mesh; how much the level locks stands in the head.
     pub fn csv(&self, locking: &[LockingNumber]) -> String {
-        let reference =
-            self.reference().map_or(String::from("none yet"), |(value, _)| format!("{value:e}, extrapolated"));
-        let own = self.reference().map_or(f64::NAN, |(_, own)| own);
+        let reference = match self.reference() {
+            None => String::from("none yet"),
+            Some(Ok(of)) => {
+                format!("{:e}, extrapolated with order {:.3} of the three finest meshes", of.value, of.order)
+            }
+            Some(Err(why)) => why.to_string(),
+        };
+        let own = self.reference().and_then(Result::ok).map_or(f64::NAN, |reference| reference.own_error);
         let mut more = vec![
             ("quantity", format!("{} [{}]", self.plan().measure.title(), self.plan().measure.unit())),
             ("moment", self.plan().moment.to_string()),
             ("reference", reference),
-            ("reference_error_at_most", format!("{own:e}")),
-            ("measured_order", self.order().map_or(String::new(), |order| format!("{order:.3}"))),
+            ("reference_error_estimate", finite(own)),
+            ("measured_order", order_in_words(&self.order())),
+            ("ms_of_computing", price_in_words()),
         ];
-        let ratio = |of: &LockingNumber| format!("{:e} of the tip deflection of a better mesh", of.ratio());
-        more.extend(
-            locking
-                .iter()
-                .map(|of| (if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" }, ratio(of))),
-        );
-        more.extend(self.remark().map(|remark| ("remark", remark.to_owned())));
+        let name = |of: &LockingNumber| if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" };
+        more.extend(locking.iter().map(|of| (name(of), of.words())));
         let mut text = head_of(self.trial(), self.plan().threads, &more);
-        text += "triangles,vertices,size_m,status,value,error,ms_of_computing\n";
+        text += "triangles,vertices,size_m,status,value,error,ms_of_computing,ms_least_of_runs\n";
         for point in self.points() {
             let Some(value) = point.value else { continue };
-            let error = self.error_of(point).unwrap_or(f64::NAN);
+            let error = self.error_of(point).map_or_else(String::new, finite);
             // Writing to a string cannot fail.
             let _ = write!(text, "{},{},{:e},", point.triangles, point.vertices, point.size);
-            let _ = writeln!(text, "{},{value:e},{error:e},{:.4}", point.status.word(), point.ms);
+            let _ = writeln!(text, "{},{value:e},{error},{:.4},{}", point.status.word(), point.ms, point.runs);
         }
         text
     }
@@ -142,23 +177,36 @@ impl MeshStudy {
 impl Drift {
     /// The courses as far as they are, as CSV: one line a moment of each.
     pub fn csv(&self) -> String {
-        let more = [
+        let nothing = self.nothing_of(Invariant::Energy);
+        let mut more = vec![
             ("energy_change", "E(t) - E(0), over energy_scale_j".to_owned()),
             ("energy_scale_j", format!("{:e}, the greatest kinetic energy, median of the schemes", self.scale())),
             ("energy_is_changed_by", self.changed_by(Invariant::Energy).join(", ")),
             ("momentum_is_changed_by", self.changed_by(Invariant::Momentum).join(", ")),
+            (
+                "touches_walls",
+                "whether walls changed energy and momentum too; nothing where a scheme is unstable".to_owned(),
+            ),
         ];
+        for (integrator, order) in self.orders() {
+            more.push(("order_of_energy_change", format!("{}: {}", integrator.name(), order_in_words(&order))));
+        }
+        more.extend(nothing.map(|why| ("remark", why.to_owned())));
         let mut text = head_of(self.trial(), self.threads(), &more);
-        text += "integrator,substeps,tolerance,status,time_s,energy_j,energy_change,momentum_x,momentum_y,angular_momentum\n";
+        text += "integrator,substeps,tolerance,status,touches_walls,time_s,energy_j,energy_change,momentum_x,momentum_y,\
+                 angular_momentum\n";
         for run in self.runs() {
             let tolerance = run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}"));
-            let status = run.status().word();
-            let start =
-                format!("{},{},{tolerance},{status}", run.setting.integrator.name(), run.setting.substeps.get());
+            let status = self.status(run);
+            let walls = if status == Status::Unstable { String::new() } else { run.touches().to_string() };
+            let (name, substeps) = (run.setting.integrator.name(), run.setting.substeps.get());
+            let start = format!("{name},{substeps},{tolerance},{},{walls}", status.word());
             for moment in &run.moments {
-                let ([px, py], change) = (moment.momentum, self.change(run, Invariant::Energy, moment));
+                let [px, py] = moment.momentum;
+                let change = nothing.is_none().then(|| self.change(run, Invariant::Energy, moment));
+                let change = change.map_or_else(String::new, finite);
                 // Writing to a string cannot fail.
-                let _ = write!(text, "{start},{:.6},{:e},{change:e},", moment.time, moment.energy);
+                let _ = write!(text, "{start},{:.6},{:e},{change},", moment.time, moment.energy);
                 let _ = writeln!(text, "{px:e},{py:e},{:e}", moment.angular);
             }
         }

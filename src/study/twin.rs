@@ -1,10 +1,9 @@
 //! The error of a running simulation, now: against a closed form where there is one; otherwise a twin with a fine step runs
 //! beside it and is pulled along by the same mouse.
 
-use super::{ClosedForm, march::Deadline, reference::finest, setting::limit, trial::Deviation};
+use super::{ClosedForm, march::Deadline, reference::finest, setting::limit, stopwatch::Stopwatch, trial::Deviation};
 use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
-use web_time::Instant;
 
 /// A fine reference in lock step with a live simulation: for each of its steps it takes a whole number of shorter ones.
 ///
@@ -143,7 +142,7 @@ impl Twin {
             }
             return true;
         }
-        let (begin, deadline) = (Instant::now(), Deadline::after(budget));
+        let (stopwatch, deadline) = (Stopwatch::start(), Deadline::after(budget));
         while let Some(leg) = self.legs.front_mut() {
             if let Some(scene) = leg.scene.take() {
                 self.fine.replace_scene(finer_scene(&scene, self.per_step));
@@ -174,7 +173,7 @@ impl Twin {
                 self.compare(&leg, live);
             }
         }
-        self.spent += begin.elapsed();
+        self.spent += stopwatch.elapsed();
         self.legs.is_empty()
     }
 
@@ -226,12 +225,12 @@ impl Twin {
         self.live.time.map_or(0.0, |time| time - self.start.time)
     }
 
-    /// Time the twin has taken altogether.
+    /// Processor time the twin has taken altogether.
     pub const fn spent(&self) -> Duration {
         self.spent
     }
 
-    /// Time the twin takes for a second of simulated time [ms].
+    /// Processor time the twin takes for a second of simulated time [ms].
     pub fn ms_per_second(&self) -> f64 {
         if self.simulated > 0.0 { self.spent.as_secs_f64() * 1e3 / self.simulated } else { 0.0 }
     }

@@ -179,7 +179,7 @@ fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     }
     let own = if twin.is_checking() { "checking".to_owned() } else { percent(twin.own_error()) };
     row(ui, "Its own error", &own, "How far the twin is from a twin with half its step");
-    let cost = "Time the twin takes for a second of simulated time [ms]";
+    let cost = "Processor time the twin takes for a second of simulated time [ms]";
     row(ui, "Price of the twin", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
 }
 

@@ -6,9 +6,9 @@ use crate::{
     integrators::IntegratorKind,
     level::{Level, Substeps},
     study::{
-        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshStudy, Outcome, Plan,
-        Point, Price, Progress, Reference, Status, StudyError, Trial, USUAL_ERRORS, WorkPrecision, order_in_words,
-        price_in_words, threads,
+        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy, Outcome,
+        Plan, Point, Price, Progress, Reference, Status, StudyError, Trial, USUAL_ERRORS, WorkPrecision,
+        order_in_words, price_in_words, threads,
     },
 };
 use std::{fmt::Write as _, path::PathBuf, time::Duration};
@@ -122,8 +122,9 @@ fn advice(asked: Option<f64>, diagram: &WorkPrecision) -> String {
 /// The lines of one integrator.
 fn lines(curve: &Curve, reference: &Reference) -> String {
     let kind = curve.integrator.kind();
+    let measured = if curve.order.is_ok() { "measured " } else { "" };
     let order = order_in_words(&curve.order);
-    let mut text = format!("\n\n{} (order {}, measured {order})\n", kind.title(), kind.order());
+    let mut text = format!("\n\n{} (order {}, {measured}{order})\n", kind.title(), kind.order());
     text += "  steps/frame  tolerance      error    largest    ms/s  runs     forces     solves";
     for Point { setting, outcome, current } in &curve.points {
         let Some(outcome) = outcome else { continue };
@@ -175,12 +176,13 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<(String
         None => Ok(()),
     };
     let _ = write!(table, "\nms: {}", price_in_words());
-    table += "\n\n  triangles  size [mm]         value      error [%]        ms";
+    table += "\n\n  triangles  size [mm]         value      error [%]        ms  runs";
     for point in study.points() {
         let value = point.value.map_or(point.status.word().to_owned(), |value| format!("{value:.6e}"));
         let error = study.error_of(point).map_or("-".to_owned(), |error| format!("{:.4}", 100.0 * error));
-        let (triangles, size, ms) = (point.triangles, 1e3 * point.size, point.ms);
-        let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}");
+        let MeshPoint { triangles, ms, runs, .. } = *point;
+        let size = 1e3 * point.size;
+        let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}  {runs:>4}");
     }
     let _ = write!(table, "\n\nMeasured order: {}", order_in_words(&study.order()));
     let locking = if moment == MeshMoment::AtRest && study.is_telling() { locking(level)? } else { Vec::new() };

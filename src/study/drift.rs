@@ -208,7 +208,8 @@ impl Drift {
     /// than it changed in most of the courses: between walls what blows up may go on for long.
     pub fn status(&self, run: &DriftRun) -> Status {
         let far = FAR * self.scale().max(self.median(DriftRun::greatest_gain));
-        if run.fault().is_some() || self.runs.len() > 1 && run.greatest_gain() > far {
+        let moves = self.runs.len() > 1 && self.nothing_of(Invariant::Energy).is_none();
+        if run.fault().is_some() || moves && run.greatest_gain() > far {
             Status::Unstable
         } else if run.march.simulation.counts().unconverged > 0 {
             Status::Unconverged

@@ -142,8 +142,8 @@ pub enum NoMeshReference {
     #[error(
         "No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= 2.5 ({}), so the values cannot be extrapolated \
          and no errors are given. Known is the value on the finest mesh, {finest:.6e}; the last refinement changed it by {:.2} %. The true \
-         value may be much farther away: triangles that lock converge like this. Ask for finer meshes, or cross the diagonals of \
-         rectangles",
+         value may be much farther away: so it is where triangles lock, and where each mesh moves in its own way. Ask for finer meshes, \
+         cross the diagonals of rectangles, or compare at a shorter time",
         shown(.order),
         100.0 * last
     )]
@@ -338,7 +338,8 @@ const REPEATED_SHARE: f64 = 0.2;
 /// The p for which `(h2^p - h1^p) / (h1^p - h0^p)` is this much: exact for every ratio of sizes, found by halving.
 fn order_of_differences([h0, h1, h2]: [f64; 3], shrinking: f64) -> f64 {
     let grown = |p: f64| (libm::pow(h2 / h0, p) - libm::pow(h1 / h0, p)) / (libm::pow(h1 / h0, p) - 1.0);
-    let (mut low, mut high) = (-20.0, 20.0);
+    // Never at 0, where nothing over nothing is left.
+    let (mut low, mut high) = (-20.0, 21.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if grown(middle) < shrinking { low = middle } else { high = middle }

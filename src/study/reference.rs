@@ -111,7 +111,7 @@ impl Reference {
 
     /// Errors below this are too near to the reference's own to be told apart from it: they are only known to be small.
     pub fn floor(&self) -> f64 {
-        100.0 * self.own_error
+        10.0 * self.own_error
     }
 
     /// Positions at the end of a frame, counted from 1.

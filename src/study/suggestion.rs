@@ -124,22 +124,22 @@ impl Suggestion {
 impl std::fmt::Display for Suggestion {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Outcome { error, greatest_error, ms_per_second, .. } = &self.outcome;
-        write!(
-            out,
-            "{}: mean error {:.2} % (largest {:.2} %), {ms_per_second:.1} ms per simulated second",
-            self.setting.label(),
-            100.0 * error,
-            100.0 * greatest_error
-        )?;
+        let (label, error, greatest) = (self.setting.label(), per_cent(*error), per_cent(*greatest_error));
+        write!(out, "{label}: mean error {error} (largest {greatest}), {ms_per_second:.1} ms per simulated second")?;
         match (self.saves(), &self.current) {
             (_, Some(now)) if now.status == Status::Unstable => write!(out, "; the setting of now is unstable"),
             (Some(factor), Some(now)) if factor >= 1.0 => {
-                write!(out, "; {factor:.1} times cheaper than now (mean error {:.2} %)", 100.0 * now.error)
+                write!(out, "; {factor:.1} times cheaper than now (mean error {})", per_cent(now.error))
             }
             (Some(factor), Some(now)) => {
-                write!(out, "; {:.1} times dearer than now (mean error {:.2} %)", 1.0 / factor, 100.0 * now.error)
+                write!(out, "; {:.1} times dearer than now (mean error {})", 1.0 / factor, per_cent(now.error))
             }
             _ => Ok(()),
         }
     }
+}
+
+/// An error in per cent; a small one is not rounded to nothing.
+fn per_cent(error: f64) -> String {
+    if error == 0.0 || error >= 5e-4 { format!("{:.2} %", 100.0 * error) } else { format!("{:.1e} %", 100.0 * error) }
 }

@@ -159,7 +159,7 @@ fn the_mesh_study_tells_how_much_triangles_lock_and_says_in_words_where_there_is
     assert!(window.query_by_label_contains("Error falls like h^1.").is_some());
     has_head(
         &table(&mut window, "Meshes as CSV"),
-        &["# reference: ", "# reference_error_at_most: ", "# locking_at_nu_0.4999: "],
+        &["# reference: ", "# reference_error_estimate: ", "# locking_at_nu_0.4999: "],
     );
     let mut window = open("chain");
     measure(&mut window, "Mesh study");

@@ -130,13 +130,11 @@ fn lines(curve: &Curve, reference: &Reference) -> String {
         let Some(outcome) = outcome else { continue };
         let tolerance = setting.tolerance().map_or("-".to_owned(), |tolerance| format!("{tolerance:.0e}"));
         let Outcome { error, greatest_error, status, counts, ms_per_second, runs } = outcome;
-        let [error, largest, note] = match status {
-            Status::Unstable => ["unstable".to_owned(), "-".to_owned(), String::new()],
-            _ => {
-                let note =
-                    reference.limits().note(*error).map_or_else(String::new, |note| format!("  {}", note.words()));
-                [format!("{error:.2e}"), format!("{greatest_error:.2e}"), note]
-            }
+        let [error, largest, note] = if *status == Status::Unstable {
+            ["unstable".to_owned(), "-".to_owned(), String::new()]
+        } else {
+            let note = reference.limits().note(*error).map_or_else(String::new, |note| format!("  {}", note.words()));
+            [format!("{error:.2e}"), format!("{greatest_error:.2e}"), note]
         };
         let mut remarks = note;
         if *status == Status::Unconverged {

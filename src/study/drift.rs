@@ -238,7 +238,10 @@ impl Drift {
     }
 
     /// How steeply the greatest change of the energy falls with the step of a scheme, if it was run with several, by
-    /// [`measured_order`]; or why none can be told.
+    /// [`measured_order`].
+    ///
+    /// # Errors
+    /// [`NoOrder`] says why none can be told.
     pub fn order(&self, integrator: &IntegratorKind) -> MeasuredOrder {
         if self.nothing_of(Invariant::Energy).is_some() {
             return Err(NoOrder::NothingMoves);

@@ -144,7 +144,7 @@ pub enum NoMeshReference {
          and no errors are given. Known is the value on the finest mesh, {finest:.6e}; the last refinement changed it by {:.2} %. The true \
          value may be much farther away: so it is where triangles lock, and where each mesh moves in its own way. Ask for finer meshes, \
          cross the diagonals of rectangles, or compare at a shorter time",
-        shown(.order),
+        shown(*.order),
         100.0 * last
     )]
     NotShrinking {
@@ -157,7 +157,7 @@ pub enum NoMeshReference {
     },
 }
 
-fn shown(order: &Option<f64>) -> String {
+fn shown(order: Option<f64>) -> String {
     order.map_or_else(|| "they change sign".to_owned(), |order| format!("here p = {order:.2}"))
 }
 
@@ -240,7 +240,9 @@ impl MeshStudy {
                 let costs: Vec<_> = self.slots.iter().map(cost).collect();
                 let chosen = self.repetitions.next(&costs, self.slots.iter().map(|slot| slot.spent).sum());
                 self.finished = chosen.is_empty();
-                chosen.iter().for_each(|number| self.slots[*number].due = true);
+                for number in chosen {
+                    self.slots[number].due = true;
+                }
             }
             let Self { trial, plan, limit, slots, .. } = self;
             let due = slots.iter_mut().filter(|slot| slot.due).collect();
@@ -288,17 +290,13 @@ impl MeshStudy {
         let &[.., (h2, v2), (h1, v1), (h0, v0)] = values.as_slice() else { return Err(NoMeshReference::TooFewMeshes) };
         let shrinking = (v2 - v1) / (v1 - v0);
         let order = (shrinking > 0.0).then(|| order_of_differences([h0, h1, h2], shrinking));
-        match order.filter(|order| ORDERS.contains(order)) {
-            Some(order) => {
-                let beyond = (v0 - v1) / (libm::pow(h1 / h0, order) - 1.0);
-                let value = v0 + beyond;
-                Ok(MeshReference { value, own_error: (beyond / value).abs(), order })
-            }
-            None => {
-                let last = ((v0 - v1) / v0).abs();
-                Err(NoMeshReference::NotShrinking { order: order.filter(|order| order.is_finite()), finest: v0, last })
-            }
-        }
+        let Some(order) = order.filter(|order| ORDERS.contains(order)) else {
+            let last = ((v0 - v1) / v0).abs();
+            return Err(NoMeshReference::NotShrinking { order, finest: v0, last });
+        };
+        let beyond = (v0 - v1) / (libm::pow(h1 / h0, order) - 1.0);
+        let value = v0 + beyond;
+        Ok(MeshReference { value, own_error: (beyond / value).abs(), order })
     }
 
     /// Whether the values depend on the mesh. Known when all have run.
@@ -313,8 +311,11 @@ impl MeshStudy {
         Some(((point.value? - reference) / reference).abs())
     }
 
-    /// Measured order: how steeply the error falls with the size of the triangles, by [`measured_order`], or why none can be told.
-    /// The finest mesh does not count: the reference was made from it.
+    /// Measured order: how steeply the error falls with the size of the triangles, by [`measured_order`]. The finest mesh does not
+    /// count: the reference was made from it.
+    ///
+    /// # Errors
+    /// [`NoOrder`] says why none can be told.
     pub fn order(&self) -> MeasuredOrder {
         let reference = match self.reference() {
             Some(Ok(reference)) => reference,

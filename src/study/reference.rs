@@ -250,12 +250,11 @@ impl ReferenceJob {
             return;
         }
         let substeps = self.fine.substeps;
-        self.result = Some(match self.fine.march.simulation.fault() {
-            Some(fault) => Err(StudyError::NoReference { substeps: substeps.get(), fault: Box::new(fault.clone()) }),
-            None => {
-                let source = Source::Fine(Setting { integrator: self.integrator.clone(), substeps });
-                Ok(Reference::new(source, difference, std::mem::take(&mut self.fine.frames), trial))
-            }
+        self.result = Some(if let Some(fault) = self.fine.march.simulation.fault() {
+            Err(StudyError::NoReference { substeps: substeps.get(), fault: Box::new(fault.clone()) })
+        } else {
+            let source = Source::Fine(Setting { integrator: self.integrator.clone(), substeps });
+            Ok(Reference::new(source, difference, std::mem::take(&mut self.fine.frames), trial))
         });
     }
 
@@ -286,7 +285,9 @@ impl ReferenceJob {
 /// Root mean square of the motion in these frames, and the greatest coordinate at the start [m].
 fn sizes(frames: &[Vec<f64>], trial: &Trial) -> (f64, f64) {
     let (mut deviation, start) = (Deviation::default(), &trial.start.x);
-    frames.iter().for_each(|frame| deviation.add(frame, frame, start));
+    for frame in frames {
+        deviation.add(frame, frame, start);
+    }
     (deviation.motion(), start.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs())))
 }
 

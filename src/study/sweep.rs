@@ -152,7 +152,9 @@ impl WorkPrecision {
                 let first = self.reference.spent() + self.slots.iter().map(|slot| slot.spent).sum::<Duration>();
                 let chosen = self.repetitions.next(&costs, first);
                 self.finished = chosen.is_empty();
-                chosen.iter().for_each(|number| self.slots[*number].due = true);
+                for number in chosen {
+                    self.slots[number].due = true;
+                }
             }
             let trial = &self.trial;
             let due = self.slots.iter_mut().filter(|slot| slot.due).collect();

@@ -47,13 +47,13 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     let reference = diagram.reference.as_ref();
     let about = reference.map_or_else(
         || "Looking for a reference to measure errors against.".to_owned(),
-        |(source, own)| match own.is_finite() && diagram.no_errors.is_none() {
-            true => format!(
-                "{SECONDS} s, measured against {source}; its own error is {}. Prices: {}.",
-                percent(*own),
-                price_in_words()
-            ),
-            false => format!("{SECONDS} s, measured against {source}."),
+        |(source, own)| {
+            let own = if diagram.no_errors.is_none() {
+                format!("; its own error is {}. Prices: {}", percent(*own), price_in_words())
+            } else {
+                String::new()
+            };
+            format!("{SECONDS} s, measured against {source}{own}.")
         },
     );
     caption(ui, view, Figure::Accuracy, &about, &diagram.level, &diagram.csv);

@@ -61,7 +61,7 @@ impl Limits {
 }
 
 /// Motion below this share of the greatest coordinate is round-off: nothing moves.
-const STILL: f64 = 1e-12;
+pub(super) const STILL: f64 = 1e-12;
 /// What rounding does to a coordinate in many steps, as a share of the greatest one.
 const ROUNDING: f64 = 1e-13;
 

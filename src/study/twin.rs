@@ -1,7 +1,14 @@
 //! The error of a running simulation, now: against a closed form where there is one; otherwise a twin with a fine step runs
 //! beside it and is pulled along by the same mouse.
 
-use super::{ClosedForm, march::Deadline, reference::finest, setting::limit, stopwatch::Stopwatch, trial::Deviation};
+use super::{
+    ClosedForm,
+    march::Deadline,
+    reference::{STILL, finest},
+    setting::limit,
+    stopwatch::Stopwatch,
+    trial::Deviation,
+};
 use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
@@ -53,7 +60,9 @@ impl Tally {
         now.add(x, exact, origin);
         self.all.add(x, exact, origin);
         self.moments += 1.0;
-        self.error = Some(now.relative_to(self.all, self.moments));
+        let extent = origin.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
+        let moves = self.all.motion() > STILL * extent;
+        self.error = moves.then(|| now.relative_to(self.all, self.moments));
         self.time = Some(time);
     }
 }
@@ -186,7 +195,7 @@ impl Twin {
             self.own.add(exact, &finer.state().x, &self.start.x);
         }
         let (own, error) = (self.own.relative(), self.live.all.relative());
-        if own > 0.01 * error && own > 1e-12 && self.per_step < MOST {
+        if self.live.error.is_some() && own > 0.01 * error && own > 1e-12 && self.per_step < MOST {
             self.refine(live);
         } else if self.fine.state().time - self.start.time >= CHECK {
             self.finer = None;
@@ -200,7 +209,7 @@ impl Twin {
     }
 
     /// Relative RMS error of the live simulation's positions at the last comparison: `sqrt(mean |x - x_ref|²)` over the root
-    /// mean square of `x_ref - x_start` so far. `None` before the first comparison.
+    /// mean square of `x_ref - x_start` so far. `None` before the first comparison, and while nothing moves but by round-off.
     pub const fn error(&self) -> Option<f64> {
         self.live.error
     }

@@ -168,6 +168,18 @@ fn the_mesh_study_tells_how_much_triangles_lock_and_says_in_words_where_there_is
 }
 
 #[test]
+fn a_study_of_a_scene_at_rest_says_so_and_suggests_nothing() {
+    let mut window = open("gingerbread");
+    measure(&mut window, "Work-precision diagram");
+    draw(&window);
+    assert!(window.query_by_label_contains("Nothing moves here").is_some());
+    assert!(window.query_by_label("Use it").is_none() && window.query_by_label_contains("Cheapest under").is_none());
+    let table = table(&mut window, "Accuracy as CSV");
+    has_head(&table, &["# remark: Nothing moves here"]);
+    assert!(!table.contains("inf") && !table.contains("unstable"), "{table}");
+}
+
+#[test]
 fn a_study_that_is_cancelled_keeps_what_it_has_and_can_be_begun_anew() {
     let mut window = open("gingerbread_pulled");
     click(&mut window, "Drift study");

@@ -102,12 +102,14 @@ impl Record {
             ("B", b),
             ("positions", positions.to_owned()),
             ("energy", "total energy of B less that of A".to_owned()),
-            ("ms", "time of computing for a second of simulated time".to_owned()),
+            ("ms", "time of computing for a second of simulated time that was not slept through".to_owned()),
             ("reference", "none: neither pane is better than the other by right".to_owned()),
         ];
         let mut text = head(&self.level, 1, &about) + "time_s,positions_m,positions_relative,energy_j,ms_a,ms_b\n";
         for Moment { time, positions, energy, prices } in &self.moments {
-            let positions = positions.map_or(",".to_owned(), |apart| format!("{},{}", apart.metres, apart.relative));
+            let share =
+                |apart: Apart| if apart.relative.is_finite() { apart.relative.to_string() } else { String::new() };
+            let positions = positions.map_or(",".to_owned(), |apart| format!("{},{}", apart.metres, share(apart)));
             let [a, b] = prices.map_or([String::new(), String::new()], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
             let _ = writeln!(text, "{time},{positions},{energy},{a},{b}");
         }

@@ -39,6 +39,8 @@ pub struct Counts {
     pub pushed_out: u64,
     /// Steps in which everything slept.
     pub slept: u64,
+    /// Triangles of bodies that were awake, summed over the steps.
+    pub triangle_steps: u64,
     /// Attempts at a step that the guard threw away.
     pub retaken: u64,
 }
@@ -56,6 +58,11 @@ impl Counts {
         self.linear_iterations += step.newton.linear_iterations;
         self.reused_factors += step.newton.reused;
         self.abandoned_iterations += step.newton.abandoned;
+    }
+
+    /// Steps that were computed: those in which not everything slept.
+    pub const fn computed(&self) -> u64 {
+        self.steps - self.slept
     }
 
     /// Adds what steps of a part of a scene by itself did; they are no steps of the scene.
@@ -92,6 +99,8 @@ pub struct EffectCost {
     pub auto: bool,
     /// How often it was passed over.
     pub skipped: u64,
+    /// Steps of the scene in which what it acts on slept.
+    pub slept: u64,
     /// Why it was passed over when it last could have been called; nothing if it was called.
     pub idle: Option<&'static str>,
 }
@@ -99,7 +108,7 @@ pub struct EffectCost {
 impl EffectCost {
     /// An effect that has cost nothing yet.
     pub const fn none(name: &'static str, auto: bool) -> Self {
-        Self { name, time: Duration::ZERO, calls: 0, elements: 0, auto, skipped: 0, idle: None }
+        Self { name, time: Duration::ZERO, calls: 0, elements: 0, auto, skipped: 0, slept: 0, idle: None }
     }
 
     /// Books that it was passed over.

@@ -281,7 +281,7 @@ impl Simulation {
             self.integrate(h, [at(part), at(part + 1)]);
         }
         if self.state.steps >= self.first {
-            self.scratch.counts.steps += 1;
+            self.scratch.book_steps(1);
             self.scratch.counts.guarded += u64::from(parts > 1);
             self.scratch.counts.pushed_out += u64::from(self.pushes_out());
         }

@@ -85,6 +85,8 @@ pub struct Snapshot {
     pub paces: Vec<Pace>,
     /// How many bodies and nets sleep.
     pub asleep: usize,
+    /// Number of triangles of bodies that are awake: those that a step computes.
+    pub computed: usize,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
     /// What each effect cost so far, elements first.
@@ -214,6 +216,9 @@ impl Sandbox {
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.damping = self.damping();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
+        let asleep = simulation.sleeping().chain(std::iter::repeat(false));
+        let awake = scene.bodies.iter().zip(asleep).filter(|(_, asleep)| !asleep);
+        snapshot.computed = awake.map(|(body, _)| body.mesh.triangles().len()).sum();
         snapshot.rewind_reach = self.rewind_reach();
         snapshot.costs.clear();
         snapshot.costs.extend_from_slice(simulation.costs());

@@ -14,7 +14,9 @@ use gingerbread::{
     level::{Level, Substeps},
     meshes::NoFiles,
     sandbox::Sandbox,
-    study::{Plan, Price, ReferenceJob, Run, Setting, Source, Status, Trial, WorkPrecision},
+    study::{
+        MOST_RUNS, NoErrors, NoOrder, Plan, Price, ReferenceJob, Run, Setting, Source, Status, Trial, WorkPrecision,
+    },
 };
 use std::time::Duration;
 
@@ -100,6 +102,72 @@ fn a_free_fall_is_measured_against_its_closed_form() {
     }
 }
 
+/// Symplectic Euler is late by g h t/2 in a fall, so that errors grow like the time.
+#[test]
+fn an_error_is_a_mean_over_frames_and_the_largest_stands_beside_it() {
+    let text = "(name: \"fall\", bodies: [(name: \"sheet\", mass: Density(1), mesh: Rectangle(width: 0.4, height: 0.4, columns: 2, rows: 2),
+        material: (model: NeoHookean, young: 50, poisson: 0.3))], effects: [(effect: Gravity(down: 2))])";
+    let plan = Plan { integrators: vec![kind("SymplecticEuler")], substeps: substeps(&[40]), ..Plan::default() };
+    let diagram = diagram(&level(text), 0.5, plan);
+    let outcome = diagram.curves()[0].points[0].outcome.clone().unwrap();
+    let times = || (1..=30).map(|frame| f64::from(frame) / 60.0);
+    let rms = |of: fn(f64) -> f64| (times().map(|t| of(t) * of(t)).sum::<f64>() / 30.0).sqrt();
+    let (mean, motion) = (rms(|t| t / 2400.0), rms(|t| t * t));
+    assert!((outcome.error / (mean / motion) - 1.0).abs() < 1e-6, "{outcome:?}");
+    assert!((outcome.greatest_error / (0.5 / 2400.0 / motion) - 1.0).abs() < 1e-6, "{outcome:?}");
+    let csv = diagram.csv();
+    assert!(
+        csv.contains("# error: relative RMS position error, mean over frames")
+            && csv.contains(",error,greatest_error,")
+    );
+}
+
+/// A sheet on which nothing acts.
+const RESTING: &str = "(name: \"resting\", substeps: 20, bodies: [(name: \"sheet\", mass: Density(1),
+    mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
+    material: (model: NeoHookean, young: 100, poisson: 0.3))])";
+
+#[test]
+fn where_nothing_moves_there_are_no_errors_and_no_suggestion() {
+    let diagram = diagram(&level(RESTING), 0.1, Plan::default());
+    assert!(matches!(diagram.no_errors(), Some(NoErrors::NothingMoves(_))));
+    for price in [Price::Time, Price::ForceEvaluations] {
+        assert!(diagram.suggest(1.0, price).is_none() && diagram.suggest_usual(price).is_none());
+    }
+    for curve in diagram.curves() {
+        assert_eq!(curve.order, Err(NoOrder::NothingMoves));
+    }
+    let csv = diagram.csv();
+    assert!(csv.contains("# remark: Nothing moves here") && !csv.contains("unstable"), "{csv}");
+    assert!(!csv.contains("inf") && !csv.contains("NaN"), "{csv}");
+}
+
+#[test]
+fn prices_are_the_least_of_several_runs_and_the_table_says_so() {
+    let diagram = diagram(&released(""), 0.1, Plan { threads: 1, smallest_error: 1e-3, ..Plan::default() });
+    let outcomes: Vec<_> =
+        diagram.curves().into_iter().flat_map(|curve| curve.points).filter_map(|point| point.outcome).collect();
+    assert!(outcomes.iter().all(|outcome| (1..=MOST_RUNS).contains(&outcome.runs)));
+    assert!(outcomes.iter().any(|outcome| outcome.runs > 2), "short runs are repeated");
+    let unstable = outcomes.iter().filter(|outcome| outcome.status == Status::Unstable);
+    assert!(unstable.clone().count() > 0 && unstable.clone().all(|outcome| outcome.runs == 1));
+    let csv = diagram.csv();
+    assert!(
+        csv.contains("# ms_per_simulated_s: processor time of the thread that computes, least of 1 to 5 runs"),
+        "{csv}"
+    );
+}
+
+#[test]
+fn the_usual_suggestion_is_under_one_per_cent_or_the_next_decade() {
+    let circle = level("(name: \"circle\", integrator: Heun(), toy: Circle(radius: 0.3))");
+    for (seconds, expected) in [(1.0, Some(0.01)), (4.0, Some(0.1)), (40.0, None)] {
+        let plan = Plan { integrators: vec![kind("ForwardEuler")], substeps: substeps(&[1]), ..Plan::default() };
+        let diagram = diagram(&circle, seconds, plan);
+        assert_eq!(diagram.suggest_usual(Price::Time).map(|(error, _)| error), expected, "{:?}", diagram.curves());
+    }
+}
+
 #[test]
 fn toys_and_a_bouncing_spring_are_measured_against_their_closed_forms() {
     let spring = "(name: \"bounce\", nets: [(name: \"s\", net: Chain(from: (0.5, 0.9), to: (0.5, 0.4), springs: 1, stiffness: 100, rest: 0.4),
@@ -107,7 +175,7 @@ fn toys_and_a_bouncing_spring_are_measured_against_their_closed_forms() {
     let circle = "(name: \"circle\", integrator: Heun(), toy: Circle(radius: 0.3))";
     let pendulum = "(name: \"pendulum\", integrator: Heun(), toy: Pendulum(length: 0.4, gravity: 9.8, start: 90))";
     for (text, least) in [(spring, 10), (circle, 4), (pendulum, 4)] {
-        let plan = Plan { substeps: substeps(&[2, 4, 8, 16]), ..Plan::default() };
+        let plan = Plan { substeps: substeps(&[1, 2, 4, 8]), ..Plan::default() };
         let diagram = diagram(&level(text), 0.5, plan);
         assert!(matches!(diagram.reference().unwrap().source, Source::Exact(_)), "{text}");
         let curves = diagram.curves();
@@ -180,7 +248,10 @@ fn partial_results_can_be_read_and_are_not_changed_by_going_on() {
     let mut job = WorkPrecision::new(trial(&released(""), 0.1), Plan { threads: 1, ..Plan::default() });
     let mut seen = Vec::new();
     while !job.advance(Duration::from_millis(3)).unwrap().finished {
-        let now: Vec<_> = job.curves().into_iter().flat_map(|curve| curve.points).map(|point| point.outcome).collect();
+        // The price may still fall, as it is the least of several runs.
+        let unpriced = |outcome| gingerbread::study::Outcome { ms_per_second: 0.0, runs: 0, ..outcome };
+        let points = job.curves().into_iter().flat_map(|curve| curve.points);
+        let now: Vec<_> = points.map(|point| point.outcome.map(unpriced)).collect();
         if !seen.is_empty() {
             let pairs = seen.iter().zip(&now);
             assert!(pairs.into_iter().all(|(before, now): (&Option<_>, _)| before.is_none() || before == now));

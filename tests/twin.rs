@@ -34,6 +34,17 @@ fn the_twin_tells_the_error_of_a_live_simulation_and_halving_the_step_halves_it(
     assert!((errors[0] / errors[1] - 2.0).abs() < 0.2, "{errors:?}");
 }
 
+#[test]
+fn where_nothing_moves_there_is_no_error_now() {
+    let text = "(name: \"resting\", substeps: 20, sleep: Off, bodies: [(name: \"sheet\", mass: Density(1),
+        mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
+        material: (model: NeoHookean, young: 100, poisson: 0.3))])";
+    let mut live = simulation(&level(text));
+    let mut twin = Twin::new(&live);
+    frames(&mut live, &mut twin, 40);
+    assert!(twin.error().is_none() && twin.age() > 0.5 && !twin.is_checking());
+}
+
 /// A running level with its error after some frames, which must be against a closed form.
 fn error_against_closed_form(text: &str, count: u64) -> (f64, String) {
     let mut live = simulation(&level(text));

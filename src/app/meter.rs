@@ -1,17 +1,21 @@
-//! What each effect costs in a frame of 1/60 s, as it runs: differences of what was booked, steady enough to be read.
+//! What each effect costs in a frame of 1/60 s in which it is computed: differences of what was booked, steady enough to be read.
 
 use crate::{report::EffectCost, snapshot::Snapshot};
 
 /// Simulated time between two readings [s].
 const REFRESH: f64 = 0.25;
 
-/// What one effect takes in a frame of 1/60 s of simulated time.
+/// What one effect takes in a frame of 1/60 s of simulated time in which it is computed; zero if it slept all the time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Use {
     /// Name of the effect.
     pub name: &'static str,
     /// Time [s].
     pub time: f64,
+    /// Its share of the time that all effects took.
+    pub share: f64,
+    /// Share of the steps in which what it acts on slept: they do not count for the other numbers.
+    pub slept: f64,
     /// Calls.
     pub calls: f64,
     /// Elements touched by all calls together.
@@ -23,38 +27,48 @@ pub struct Use {
 /// Follows the books of a running scene.
 #[derive(Default)]
 pub struct Meter {
-    /// What was booked when the present reading began, at this time [s].
-    since: (f64, Vec<EffectCost>),
+    /// What was booked when the present reading began, at this time [s] and step.
+    since: (f64, u64, Vec<EffectCost>),
     shown: Vec<Use>,
 }
 
 impl Meter {
     /// Takes note of a frame. Another scene, or another time, begins anew.
     pub fn read(&mut self, now: &Snapshot) {
-        let (began, before) = &self.since;
+        let (began, steps, before) = &self.since;
         let same = before.len() == now.costs.len()
             && before
                 .iter()
                 .zip(&now.costs)
                 .all(|(a, b)| a.name == b.name && a.calls <= b.calls && a.skipped <= b.skipped);
         let elapsed = now.time - began;
-        if !same || elapsed < 0.0 {
+        if !same || elapsed < 0.0 || now.steps < *steps {
             self.shown.clear();
         } else if elapsed < REFRESH {
             return;
         } else {
-            let frames = 60.0 * elapsed;
-            self.shown.clear();
-            self.shown.extend(before.iter().zip(&now.costs).map(|(before, now)| Use {
-                name: now.name,
-                time: now.time.saturating_sub(before.time).as_secs_f64() / frames,
-                calls: (now.calls - before.calls) as f64 / frames,
-                elements: (now.elements - before.elements) as f64 / frames,
-                skipped: (now.skipped - before.skipped) as f64 / frames,
-            }));
+            let (frames, steps) = (60.0 * elapsed, (now.steps - steps).max(1) as f64);
+            let over = |of: f64, by: f64| if by > 0.0 { of / by } else { 0.0 };
+            let pairs = || before.iter().zip(&now.costs);
+            let time = |before: &EffectCost, now: &EffectCost| now.time.saturating_sub(before.time).as_secs_f64();
+            let all: f64 = pairs().map(|(before, now)| time(before, now)).sum();
+            let used = |(before, now): (&EffectCost, &EffectCost)| {
+                let slept = now.slept.saturating_sub(before.slept) as f64 / steps;
+                let computed = frames * (1.0 - slept).max(0.0);
+                Use {
+                    name: now.name,
+                    time: over(time(before, now), computed),
+                    share: over(time(before, now), all),
+                    slept,
+                    calls: over((now.calls - before.calls) as f64, computed),
+                    elements: over((now.elements - before.elements) as f64, computed),
+                    skipped: over((now.skipped - before.skipped) as f64, frames),
+                }
+            };
+            self.shown = pairs().map(used).collect();
         }
-        self.since.0 = now.time;
-        self.since.1.clone_from(&now.costs);
+        (self.since.0, self.since.1) = (now.time, now.steps);
+        self.since.2.clone_from(&now.costs);
     }
 
     /// Forgets everything: nobody reads.
@@ -80,7 +94,7 @@ mod tests {
             time: Duration::from_micros(calls),
             ..EffectCost::none("a", true)
         };
-        Snapshot { time, costs: vec![cost], ..Snapshot::default() }
+        Snapshot { time, steps: (100.0 * time) as u64, costs: vec![cost], ..Snapshot::default() }
     }
 
     #[test]
@@ -89,8 +103,24 @@ mod tests {
         meter.read(&at(1.0, 1000));
         assert!(meter.shown().is_empty());
         meter.read(&at(1.5, 4000));
-        assert_eq!(meter.shown(), [Use { name: "a", time: 100e-6, calls: 100.0, elements: 700.0, skipped: 0.0 }]);
+        let used = Use { name: "a", time: 100e-6, share: 1.0, slept: 0.0, calls: 100.0, elements: 700.0, skipped: 0.0 };
+        assert_eq!(meter.shown(), [used]);
         meter.read(&at(0.2, 0));
         assert!(meter.shown().is_empty());
+    }
+
+    #[test]
+    fn a_reading_is_per_frame_that_was_computed() {
+        let mut meter = Meter::default();
+        meter.read(&at(1.0, 1000));
+        let mut half_asleep = at(2.0, 4000);
+        half_asleep.costs[0].slept = 50;
+        meter.read(&half_asleep);
+        let [used] = meter.shown() else { unreachable!("one effect") };
+        assert_eq!((used.time, used.calls, used.slept), (100e-6, 100.0, 0.5));
+        let mut asleep = at(3.0, 4000);
+        asleep.costs[0].slept = 150;
+        meter.read(&asleep);
+        assert_eq!((meter.shown()[0].time, meter.shown()[0].slept), (0.0, 1.0));
     }
 }

@@ -75,13 +75,21 @@ pub struct RunReport {
     pub guarded_steps: u64,
     /// Steps that brought out what began inside a wall or beyond an edge of the world.
     pub pushed_out_steps: u64,
-    /// Steps in which everything slept.
+    /// Steps in which everything slept: they were not computed.
     pub slept_steps: u64,
+    /// Their share of all steps; null if there were none.
+    pub slept_share: Option<f64>,
+    /// Triangles of bodies that were awake, summed over the steps: those that were computed.
+    pub triangle_steps: u64,
+    /// Share of all triangles times all steps that was not computed, as the bodies slept; null if there were none.
+    pub slept_triangle_share: Option<f64>,
     /// Attempts at a step that the guard threw away.
     pub retaken_steps: u64,
     /// Time spent stepping, without clocks in the effects [s].
     pub wall_seconds: f64,
-    /// Time per triangle and step [ns]; null if there are none.
+    /// Time per computed step [s]; null if none was computed.
+    pub seconds_per_step: Option<f64>,
+    /// Time per computed triangle and step [ns]; null if none was computed.
     pub ns_per_triangle_step: Option<f64>,
     /// Steps that several threads took together.
     pub steps_together: u64,
@@ -129,10 +137,14 @@ impl RunReport {
             guarded_steps: counts.guarded,
             pushed_out_steps: counts.pushed_out,
             slept_steps: counts.slept,
+            slept_share: ratio(counts.slept as f64, steps as f64),
+            triangle_steps: counts.triangle_steps,
+            slept_triangle_share: ratio(counts.triangle_steps as f64, triangles as f64 * steps as f64)
+                .map(|computed| 1.0 - computed),
             retaken_steps: counts.retaken,
             wall_seconds,
-            ns_per_triangle_step: (triangles > 0 && steps > 0)
-                .then(|| wall_seconds * 1e9 / (triangles as f64 * steps as f64)),
+            seconds_per_step: ratio(wall_seconds, counts.computed() as f64),
+            ns_per_triangle_step: ratio(wall_seconds * 1e9, counts.triangle_steps as f64),
             steps_together: simulation.steps_together(),
             effects: Vec::new(),
             state_hash: format!("{:016x}", state.hash()),
@@ -148,12 +160,20 @@ impl RunReport {
 
 impl std::fmt::Display for RunReport {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { level, steps, time, wall_seconds, energy, .. } = self;
+        let Self { level, steps, time, wall_seconds, energy, slept_steps, .. } = self;
         let plural = if *steps == 1 { "" } else { "s" };
         let level = terminal::line(level);
         write!(out, "{level}: {steps} step{plural} to {time:.4} s in {wall_seconds:.3} s")?;
-        if let Some(each) = self.ns_per_triangle_step {
-            write!(out, " ({each:.1} ns per triangle and step)")?;
+        match (self.seconds_per_step, self.ns_per_triangle_step) {
+            (Some(_), Some(each)) => write!(out, " ({each:.1} ns per computed triangle and step)")?,
+            (Some(step), None) => write!(out, " ({:.2} µs per computed step)", 1e6 * step)?,
+            (None, _) => write!(out, " (no step computed)")?,
+        }
+        if let Some(share) = self.slept_share.filter(|_| *slept_steps > 0) {
+            write!(out, "; {slept_steps} of {steps} steps slept ({:.1} %)", 100.0 * share)?;
+        }
+        if let Some(share) = self.slept_triangle_share.filter(|share| Some(*share) != self.slept_share) {
+            write!(out, "; {:.1} % of triangles times steps slept", 100.0 * share)?;
         }
         write!(out, "; energy {:.6} J", energy.total)?;
         if let Some(min_j) = self.min_j {
@@ -185,8 +205,8 @@ pub struct EffectReport {
     pub switch: Switch,
     /// Time spent in it [s].
     pub seconds: f64,
-    /// The same in a frame of 1/60 s of simulated time [ms].
-    pub ms_per_frame: f64,
+    /// The same in a frame of 1/60 s of simulated time in which it was computed [ms]; null if all steps slept.
+    pub ms_per_frame: Option<f64>,
     /// Its share of the time spent in all effects.
     pub share: f64,
     /// Number of calls.
@@ -195,11 +215,18 @@ pub struct EffectReport {
     pub elements: u64,
     /// How often it was passed over.
     pub skipped: u64,
+    /// Steps in which what it acts on slept: they do not count for `ms_per_frame`.
+    pub slept_steps: u64,
     /// Why it was passed over, if it was when it last could have been called.
     pub reason: Option<&'static str>,
     /// What passing it over saves [ms in a frame], measured beside the run against everything forced, from the start of the
     /// run on; null if it is not there.
     pub saved_ms_per_frame: Option<f64>,
+}
+
+/// A quotient; nothing of nothing.
+fn ratio(of: f64, by: f64) -> Option<f64> {
+    (by > 0.0).then(|| of / by)
 }
 
 /// What passing effects over saves in the beginning of a run.
@@ -215,17 +242,18 @@ fn measured(level: &Level) -> Vec<Saving> {
 
 /// The effects that are there, elements first, and then what is switched off or for another mode.
 fn ledger(level: &Level, simulation: &Simulation, savings: &[Saving]) -> Vec<EffectReport> {
-    let frames = 60.0 * simulation.scene().step * simulation.counts().steps as f64;
+    let frames = |slept: u64| 60.0 * simulation.scene().step * (simulation.counts().steps - slept) as f64;
     let all: f64 = simulation.costs().iter().map(|cost| cost.time.as_secs_f64()).sum();
     let row = |(number, cost): (usize, &EffectCost)| EffectReport {
         name: cost.name,
         switch: if cost.auto { Switch::Auto } else { Switch::On },
         seconds: cost.time.as_secs_f64(),
-        ms_per_frame: if frames > 0.0 { 1e3 * cost.time.as_secs_f64() / frames } else { 0.0 },
+        ms_per_frame: ratio(1e3 * cost.time.as_secs_f64(), frames(cost.slept)),
         share: if all > 0.0 { cost.time.as_secs_f64() / all } else { 0.0 },
         calls: cost.calls,
         elements: cost.elements,
         skipped: cost.skipped,
+        slept_steps: cost.slept,
         reason: cost.idle,
         saved_ms_per_frame: savings.get(number).map(|saving| 1e3 * saving.saved()),
     };

@@ -6,8 +6,9 @@ use crate::{
     integrators::IntegratorKind,
     level::{Level, Substeps},
     study::{
-        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshStudy, Plan, Point, Price,
-        Progress, Status, StudyError, Trial, WorkPrecision, threads,
+        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy, Outcome,
+        Plan, Point, Price, Progress, Reference, Status, StudyError, Trial, USUAL_ERRORS, WorkPrecision,
+        order_in_words, price_in_words, threads,
     },
     table::remark,
     terminal,
@@ -39,9 +40,9 @@ pub struct Study {
     /// Simulated time [s].
     #[arg(long, default_value = "1", value_parser = super::seconds)]
     pub seconds: f64,
-    /// Suggests the cheapest setting under this error [%].
-    #[arg(long, default_value = "1", value_parser = per_cent)]
-    pub error: f64,
+    /// Suggests the cheapest setting under this mean error [%]; if not given, 1, or 10 if nothing reaches 1.
+    #[arg(long, value_parser = per_cent)]
+    pub error: Option<f64>,
     /// Number of threads; as many as there are if not given.
     #[arg(long, value_parser = super::thread_count)]
     pub threads: Option<usize>,
@@ -111,47 +112,72 @@ fn integrators(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     let mut table = format!("{}, {} s simulated", terminal::line(&level.name), diagram.trial().seconds());
     if let Some(reference) = diagram.reference() {
         // Writing to a string cannot fail.
-        let _ = write!(table, "; reference: {} (own error at most {:.1e})", reference.source, reference.own_error);
+        let _ = write!(table, "; reference: {}", reference.source);
+        if !reference.is_still() {
+            let _ = write!(table, " (own error at most {:.1e})", reference.own_error);
+            table += "\nerror: relative RMS position error, mean over frames and vertices; largest: the largest over frames\nms/s: ";
+            table += &price_in_words();
+            for curve in diagram.curves() {
+                table += &lines(&curve, reference);
+            }
+        }
     }
-    for curve in diagram.curves() {
-        table += &lines(&curve);
-    }
-    let (allowed, per_cent) = (0.01 * request.error, request.error);
-    let _ = match diagram.suggest(allowed, Price::Time) {
-        Some(suggestion) => write!(table, "\n\nCheapest under {per_cent} %: {suggestion}"),
-        None => write!(table, "\n\nNothing measured is under {per_cent} %."),
-    };
+    table += "\n\n";
+    table += &advice(request.error, &diagram);
     Ok(Studied { table, csv: diagram.csv(), done })
 }
 
+/// The cheapest setting under an error [%], or why there is none.
+fn advice(asked: Option<f64>, diagram: &WorkPrecision) -> String {
+    if let Some(why) = diagram.no_errors() {
+        return format!("{why}.");
+    }
+    if let Some(per_cent) = asked {
+        return match diagram.suggest(0.01 * per_cent, Price::Time) {
+            Some(suggestion) => format!("Cheapest under {per_cent} %: {suggestion}"),
+            None => format!("Nothing measured is under {per_cent} %."),
+        };
+    }
+    let [least, .., greatest] = USUAL_ERRORS.map(|error| 100.0 * error);
+    match diagram.suggest_usual(Price::Time) {
+        Some((error, suggestion)) if 100.0 * error == least => format!("Cheapest under {least} %: {suggestion}"),
+        Some((error, suggestion)) => {
+            format!("Nothing measured is under {least} %. Cheapest under {} %: {suggestion}", 100.0 * error)
+        }
+        None => format!("Nothing measured is under {greatest} %."),
+    }
+}
+
 /// The lines of one integrator.
-fn lines(curve: &Curve) -> String {
+fn lines(curve: &Curve, reference: &Reference) -> String {
     let kind = curve.integrator.kind();
-    let order = curve.order.map_or("not measurable here".to_owned(), |order| format!("{order:.2}"));
-    let mut text = format!("\n\n{} (order {}, measured {order})\n", kind.title(), kind.order());
-    text += "  steps/frame  tolerance      error    ms/s     forces     solves";
+    let measured = if curve.order.is_ok() { "measured " } else { "" };
+    let order = order_in_words(&curve.order);
+    let mut text = format!("\n\n{} (order {}, {measured}{order})\n", kind.title(), kind.order());
+    text += "  steps/frame  tolerance      error    largest    ms/s  runs     forces     solves";
     for Point { setting, outcome, current } in &curve.points {
         let Some(outcome) = outcome else { continue };
         let tolerance = setting.tolerance().map_or("-".to_owned(), |tolerance| format!("{tolerance:.0e}"));
-        let error = match outcome.status {
-            Status::Unstable => "unstable".to_owned(),
-            _ => format!("{:.2e}", outcome.error),
+        let Outcome { error, greatest_error, status, counts, ms_per_second, runs } = outcome;
+        let [error, largest, note] = if *status == Status::Unstable {
+            ["unstable".to_owned(), "-".to_owned(), String::new()]
+        } else {
+            let note = reference.limits().note(*error).map_or_else(String::new, |note| format!("  {}", note.words()));
+            [format!("{error:.2e}"), format!("{greatest_error:.2e}"), note]
         };
-        let mut remarks = String::new();
-        if outcome.status == Status::Unconverged {
+        let mut remarks = note;
+        if *status == Status::Unconverged {
             remarks += "  not all steps converged";
         }
         if *current {
             remarks += "  <- now";
         }
-        let counts = &outcome.counts;
         let (forces, solves) = (counts.force_evaluations, counts.factorisations);
         // Writing to a string cannot fail.
         let _ = write!(
             text,
-            "\n  {:>11}  {tolerance:>9}  {error:>9}  {:>6.1}  {forces:>9}  {solves:>9}{remarks}",
+            "\n  {:>11}  {tolerance:>9}  {error:>9}  {largest:>9}  {ms_per_second:>6.1}  {runs:>4}  {forces:>9}  {solves:>9}{remarks}",
             setting.substeps.get(),
-            outcome.ms_per_second,
         );
     }
     text
@@ -168,26 +194,28 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
     let mut done = with_progress(&request.pace, |budget| Ok(study.advance(budget)))?;
     let (measure, moment) = (study.plan().measure, study.plan().moment);
     let mut table = format!("{}: {} [{}] {moment}", terminal::line(&level.name), measure.title(), measure.unit());
-    if let Some((value, own)) = study.reference() {
-        // Writing to a string cannot fail.
-        let _ = write!(table, "; extrapolated {value:.6e} (to {:.2} %)", 100.0 * own);
-    }
-    table += "\n\n  triangles  size [mm]         value      error [%]        ms";
+    // Writing to a string cannot fail.
+    let _ = match study.reference() {
+        Some(Ok(reference)) => {
+            let own = 100.0 * reference.own_error;
+            write!(table, "; extrapolated {:.6e} (estimated to {own:.2} %)", reference.value)
+        }
+        Some(Err(why)) => write!(table, "\n{why}."),
+        None => Ok(()),
+    };
+    let _ = write!(table, "\nms: {}", price_in_words());
+    table += "\n\n  triangles  size [mm]         value      error [%]        ms  runs";
     for point in study.points() {
         let word = if point.status == Status::Ok { "not done" } else { point.status.word() };
         let value = point.value.map_or(word.to_owned(), |value| format!("{value:.6e}"));
         let error = study.error_of(point).map_or("-".to_owned(), |error| format!("{:.4}", 100.0 * error));
-        let (triangles, size, ms) = (point.triangles, 1e3 * point.size, point.ms);
-        let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}");
+        let MeshPoint { triangles, ms, runs, .. } = *point;
+        let size = 1e3 * point.size;
+        let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}  {runs:>4}");
     }
-    if let Some(order) = study.order() {
-        let _ = write!(table, "\n\nMeasured order: {order:.2}");
-    }
-    if let Some(remark) = study.remark() {
-        let _ = write!(table, "\n\n{remark}");
-    }
+    let _ = write!(table, "\n\nMeasured order: {}", order_in_words(&study.order()));
     let mut locking = Vec::new();
-    if moment == MeshMoment::AtRest && study.remark().is_none() && done == 1.0 {
+    if moment == MeshMoment::AtRest && study.is_telling() && done == 1.0 {
         match self::locking(request, level) {
             Ok((numbers, share)) => (locking, done) = (numbers, 0.5 + 0.5 * share),
             // The study itself is done and must not be lost.
@@ -195,8 +223,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
         }
     }
     for number in &locking {
-        let (poisson, ratio) = (number.poisson, number.ratio());
-        let _ = write!(table, "\nLocking at nu = {poisson}: {ratio:.3} of the deflection of a better mesh");
+        let _ = write!(table, "\nLocking at nu = {}: {}", number.poisson, number.words());
     }
     Ok(Studied { table, csv: study.csv(&locking), done })
 }
@@ -217,18 +244,23 @@ fn drift(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     begin(request, &trial);
     let mut drift = Drift::new(trial, settings, request.threads());
     let done = with_progress(&request.pace, |budget| Ok(drift.advance(budget)))?;
-    let mut table = format!(
-        "{}, {} s simulated; energy over {:.3e} J, the greatest kinetic energy",
-        terminal::line(&level.name),
-        drift.trial().seconds(),
-        drift.scale()
-    );
+    let mut table = format!("{}, {} s simulated", terminal::line(&level.name), drift.trial().seconds());
+    let nothing = drift.nothing_of(Invariant::Energy);
+    if nothing.is_none() {
+        // Writing to a string cannot fail.
+        let _ = write!(table, "; energy over {:.3e} J, the greatest kinetic energy", drift.scale());
+    }
     for invariant in Invariant::ALL {
         let reasons = drift.changed_by(invariant).join(", ");
         let remark = drift.nothing_of(invariant).map(str::to_owned);
         let remark = remark.or_else(|| (!reasons.is_empty()).then(|| format!("changed by {reasons} by right")));
-        // Writing to a string cannot fail.
         let _ = remark.map(|remark| write!(table, "\n{}: {remark}", invariant.title()));
+    }
+    let touching: Vec<_> = drift.touching().map(|run| run.setting.label()).collect();
+    let valid = drift.runs().iter().filter(|run| drift.status(run) != Status::Unstable).count();
+    if !touching.is_empty() {
+        let who = if touching.len() == valid { "all that stayed stable".to_owned() } else { touching.join("; ") };
+        let _ = write!(table, "\nenergy and momentum: changed by walls that are touched by right, for {who}");
     }
     let widest = drift.runs().iter().map(|run| run.setting.label().len()).max().unwrap_or(0);
     let _ =
@@ -236,9 +268,17 @@ fn drift(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     for run in drift.runs() {
         let [energy, linear, angular] = Invariant::ALL.map(|invariant| drift.greatest_change(run, invariant));
         let end = run.moments.last().map_or(0.0, |moment| drift.change(run, Invariant::Energy, moment));
-        let end = if run.fault().is_some() { "unstable".to_owned() } else { format!("{:+.4} %", 100.0 * end) };
+        let (energy, end) = match (drift.status(run), nothing) {
+            (Status::Unstable, _) => (format!("{energy:.2e}"), "unstable".to_owned()),
+            (_, Some(_)) => ("-".to_owned(), "-".to_owned()),
+            (_, None) => (format!("{energy:.2e}"), format!("{:+.4} %", 100.0 * end)),
+        };
         let label = run.setting.label();
-        let _ = write!(table, "\n  {label:<widest$}  {energy:>9.2e}  {linear:>9.2e}  {angular:>9.2e}  {end:>17}");
+        let _ = write!(table, "\n  {label:<widest$}  {energy:>9}  {linear:>9.2e}  {angular:>9.2e}  {end:>17}");
+    }
+    for (integrator, order) in drift.orders() {
+        let (title, order) = (integrator.kind().title(), order_in_words(&order));
+        let _ = write!(table, "\nOrder of the greatest energy change, {title}: {order}");
     }
     Ok(Studied { table, csv: drift.csv(), done })
 }

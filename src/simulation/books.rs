@@ -11,6 +11,15 @@ impl Scratch {
         }
     }
 
+    /// Books steps of the scene: the triangles of bodies that sleep were not computed.
+    pub fn book_steps(&mut self, steps: u64) {
+        self.counts.steps += steps;
+        self.counts.triangle_steps += steps * self.plan.triangles as u64;
+        for number in &self.plan.sleeping {
+            self.costs[*number].slept += steps;
+        }
+    }
+
     /// Takes over what one of them has booked since the last time; `effects` are the numbers of its effects here.
     pub fn take_over(&mut self, one: &mut Self, effects: &[usize]) {
         for (cost, &number) in one.costs.iter_mut().zip(effects) {

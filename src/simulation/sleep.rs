@@ -114,6 +114,7 @@ impl Simulation {
         self.scratch.counts.slept += steps;
         for cost in &mut self.scratch.costs {
             cost.skipped += steps;
+            cost.slept += steps;
             cost.idle = Some(EVERYTHING);
         }
         self.stale = true;

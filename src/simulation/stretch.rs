@@ -241,7 +241,7 @@ impl Simulation {
             scratch.counts.add(&StepCounts::ONE);
             state.time += scene.step;
         }
-        scratch.counts.steps += taken;
+        scratch.book_steps(taken);
         state.steps += taken;
         self.revision += taken;
         self.shape += 1;

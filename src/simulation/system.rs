@@ -34,6 +34,8 @@ pub(super) struct Plan {
     pub sleeping: Vec<usize>,
     /// What touching does.
     pub surface: Surface,
+    /// Number of triangles that are computed in a step: those of bodies that are awake.
+    pub triangles: usize,
 }
 
 impl Plan {
@@ -50,6 +52,9 @@ impl Plan {
                 _ => &mut plan.forces,
             };
             part.push(number);
+            if !asleep && let Some(body) = scene.bodies.get(number) {
+                plan.triangles += body.mesh.triangles().len();
+            }
             effect.coat(&mut plan.surface);
         }
         plan

@@ -1,9 +1,11 @@
 //! What schemes do to energy and momentum over time.
 
 use super::{
-    Progress, Setting, Status, Trial,
+    Limits, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, Trial,
     march::{Deadline, March},
+    measured_order,
     setting::limit,
+    trial::FAR,
     workers::spread,
 };
 use crate::{
@@ -92,15 +94,19 @@ impl DriftRun {
         self.march.simulation.fault()
     }
 
-    /// How it went so far.
-    pub fn status(&self) -> Status {
-        if self.fault().is_some() {
-            Status::Unstable
-        } else if self.march.simulation.counts().unconverged > 0 {
-            Status::Unconverged
-        } else {
-            Status::Ok
-        }
+    /// Whether a wall or the edge of the world was touched.
+    pub fn touches(&self) -> bool {
+        self.march.simulation.counts().constrained > 0
+    }
+
+    fn greatest_kinetic(&self) -> f64 {
+        self.moments.iter().map(|moment| moment.kinetic).fold(0.0, f64::max)
+    }
+
+    /// The greatest change of its energy [J].
+    fn greatest_gain(&self) -> f64 {
+        let first = self.moments.first().map_or(0.0, |first| first.energy);
+        self.moments.iter().map(|moment| (moment.energy - first).abs()).fold(0.0, f64::max)
     }
 }
 
@@ -110,6 +116,9 @@ pub struct Drift {
     runs: Vec<DriftRun>,
     threads: usize,
 }
+
+/// What rounding does to the energy in many steps, as a share of it.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Less kinetic energy than this is rounding [J], or this share of the energy at the start.
 const STILL: (f64, f64) = (1e-18, 1e-9);
@@ -184,12 +193,71 @@ impl Drift {
     /// The greatest kinetic energy of a course, the median of all courses begun [J]: what a change of energy is compared with. (The energy
     /// itself will not do: where its zero is, is a matter of taste.)
     pub fn scale(&self) -> f64 {
-        let greatest = |run: &DriftRun| run.moments.iter().map(|moment| moment.kinetic).fold(0.0, f64::max);
+        self.median(DriftRun::greatest_kinetic)
+    }
+
+    fn median(&self, of: fn(&DriftRun) -> f64) -> f64 {
         let begun = self.runs.iter().filter(|run| run.moments.len() > 1);
-        let mut peaks: Vec<f64> = begun.map(greatest).collect();
-        peaks.sort_by(f64::total_cmp);
+        let mut values: Vec<f64> = begun.map(of).collect();
+        values.sort_by(f64::total_cmp);
         // The lower one of two in the middle: what blows up is of no measure.
-        peaks.get(peaks.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+        values.get(values.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+    }
+
+    /// How a course went so far. It is unstable if it stopped, or if its energy changed ten times more than there is energy of motion and
+    /// than it changed in most of the courses: between walls what blows up may go on for long.
+    pub fn status(&self, run: &DriftRun) -> Status {
+        let far = FAR * self.scale().max(self.median(DriftRun::greatest_gain));
+        let moves = self.runs.len() > 1 && self.nothing_of(Invariant::Energy).is_none();
+        if run.fault().is_some() || moves && run.greatest_gain() > far {
+            Status::Unstable
+        } else if run.march.simulation.counts().unconverged > 0 {
+            Status::Unconverged
+        } else {
+            Status::Ok
+        }
+    }
+
+    /// The settings of all courses that stayed valid and touched a wall: their energy and momentum changed by right.
+    pub fn touching(&self) -> impl Iterator<Item = &DriftRun> {
+        self.runs.iter().filter(|run| run.touches() && self.status(run) != Status::Unstable)
+    }
+
+    /// The [orders](Self::order) of all schemes that were run with several steps.
+    pub fn orders(&self) -> Vec<(&IntegratorKind, MeasuredOrder)> {
+        let mut kinds: Vec<&IntegratorKind> = Vec::new();
+        let of = |run: &DriftRun, integrator: &IntegratorKind| run.setting.integrator == *integrator;
+        for (number, run) in self.runs.iter().enumerate() {
+            let integrator = &run.setting.integrator;
+            let again = self.runs[number + 1..].iter().any(|other| of(other, integrator));
+            if again && !kinds.contains(&integrator) {
+                kinds.push(integrator);
+            }
+        }
+        kinds.into_iter().map(|integrator| (integrator, self.order(integrator))).collect()
+    }
+
+    /// How steeply the greatest change of the energy falls with the step of a scheme, if it was run with several, by
+    /// [`measured_order`].
+    ///
+    /// # Errors
+    /// [`NoOrder`] says why none can be told.
+    pub fn order(&self, integrator: &IntegratorKind) -> MeasuredOrder {
+        if self.nothing_of(Invariant::Energy).is_some() {
+            return Err(NoOrder::NothingMoves);
+        }
+        let own = || self.runs.iter().filter(|run| run.setting.integrator == *integrator);
+        if !self.changed_by(Invariant::Energy).is_empty() || own().any(DriftRun::touches) {
+            return Err(NoOrder::ChangedByRight);
+        }
+        let sample = |run: &DriftRun| Sample {
+            h: run.setting.substeps.step(),
+            error: self.greatest_change(run, Invariant::Energy),
+        };
+        let valid = own().filter(|run| self.status(run) == Status::Ok);
+        let most = self.runs.iter().flat_map(|run| &run.moments).take(1).map(|first| first.energy.abs());
+        let round_off = ROUND_OFF * most.fold(self.scale(), f64::max) / self.scale();
+        measured_order(valid.map(sample), Limits { round_off, reference: 0.0 })
     }
 
     /// How much of an invariant a course has gained at a moment: of energy `(E(t) - E(0))` over [`Self::scale`], below zero if some
@@ -224,7 +292,8 @@ impl Drift {
         }
     }
 
-    /// What here changes an invariant by right, so that a change is no fault of a scheme.
+    /// What here changes an invariant by right in every course, so that a change is no fault of a scheme. Walls do for those that touch
+    /// them: see [`Self::touching`].
     pub fn changed_by(&self, invariant: Invariant) -> Vec<&'static str> {
         let scene = &self.trial.scene;
         let motion = scene.motion(&self.trial.start, self.trial.grab);
@@ -233,14 +302,12 @@ impl Drift {
             .iter()
             .map(|effect| effect.damping(motion))
             .fold([0.0; 2], |[a, b], [alpha, beta]| [a + alpha, b + beta]);
-        let touched = self.runs.iter().any(|run| run.march.simulation.counts().constrained > 0);
         let energy = invariant == Invariant::Energy;
         // Stiffness-proportional damping acts between vertices: it takes energy, but no momentum.
         let damped = damping[0] > 0.0 || energy && damping[1] > 0.0;
         let heavy = scene.effects.iter().any(|effect| effect.name() == "Gravity");
         let reasons = [
             (damped, "damping"),
-            (touched, "walls that are touched"),
             (!energy && heavy, "gravity"),
             (!energy && !scene.pins.is_empty(), "pins"),
             (!energy && !scene.slides.is_empty(), "sides that slide"),

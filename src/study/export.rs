@@ -1,6 +1,9 @@
 //! Tables to take away: CSV with a head that says where the numbers come from.
 
-use super::{Drift, Invariant, LockingNumber, MeshStudy, Outcome, Reference, Trial, WorkPrecision};
+use super::{
+    CLOCK, Drift, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy, Outcome, Status, Trial, WorkPrecision,
+    order_in_words,
+};
 use crate::table::{Table, remark};
 use std::sync::OnceLock;
 
@@ -57,6 +60,24 @@ pub fn head(level: &str, threads: usize, about: &[(&str, String)]) -> String {
     lines.iter().map(|(name, value)| remark(name, value)).collect()
 }
 
+/// What prices in columns of times are.
+pub fn price_in_words() -> String {
+    format!("{CLOCK}, least of 1 to {MOST_RUNS} runs: short ones are repeated in turns")
+}
+
+/// The two columns of a measured order: a number, or nothing and the reason.
+fn order_columns(order: &MeasuredOrder) -> [String; 2] {
+    match order {
+        Ok(order) => [format!("{order:.4}"), String::new()],
+        Err(reason) => [String::new(), format!("not measurable here: {reason}")],
+    }
+}
+
+/// A number, or nothing if there is none.
+fn finite(number: f64) -> String {
+    if number.is_finite() { format!("{number:e}") } else { String::new() }
+}
+
 /// The head of what was measured in a trial, with what is worth knowing about its start.
 fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
     let mut about = vec![
@@ -74,26 +95,37 @@ impl WorkPrecision {
     /// The diagram as far as it is, as CSV: one line a point.
     pub fn csv(&self) -> String {
         let reference = self.reference().map_or("none yet".to_owned(), |reference| reference.source.to_string());
-        let own = self.reference().map_or(f64::NAN, |reference| reference.own_error);
-        let more = [
+        let told = self.reference().filter(|reference| !reference.is_still());
+        let [own, motion] = [told.map(|reference| reference.own_error), self.reference().map(|known| known.motion)]
+            .map(|number| number.map_or_else(String::new, finite));
+        let mut more = vec![
             ("reference", reference),
-            ("reference_error_at_most", format!("{own:e}")),
+            ("reference_error_at_most", own),
+            ("reference_motion_m", motion),
             (
                 "error",
-                "relative RMS position error, sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)".to_owned(),
+                "relative RMS position error, mean over frames and vertices: \
+                 sqrt(mean |x - x_ref|^2) / sqrt(mean |x_ref - x_start|^2)"
+                    .to_owned(),
             ),
+            ("greatest_error", "the largest over frames of the RMS over vertices, over the same motion".to_owned()),
+            ("ms_per_simulated_s", price_in_words()),
         ];
+        more.extend(self.no_errors().map(|why| ("remark", why.to_string())));
         let columns = [
             "integrator",
             "order",
             "measured_order",
+            "order_remark",
             "substeps",
             "step_s",
             "tolerance",
             "current",
             "status",
             "error",
+            "greatest_error",
             "above_floor",
+            "error_remark",
             "steps",
             "inner_steps",
             "rejected",
@@ -101,25 +133,33 @@ impl WorkPrecision {
             "newton_iterations",
             "factorisations",
             "ms_per_simulated_s",
+            "ms_least_of_runs",
         ];
         let mut table = Table::new(head_of(self.trial(), self.plan().threads, &more), &columns);
-        let floor = self.reference().map_or(0.0, Reference::floor);
         let optional = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.4e}"));
         for curve in self.curves() {
+            let [order, order_remark] = order_columns(&curve.order);
             for point in &curve.points {
-                let Some(Outcome { error, status, counts, ms_per_second }) = &point.outcome else { continue };
+                let Some(outcome) = &point.outcome else { continue };
+                let Outcome { error, greatest_error, status, counts, ms_per_second, runs } = outcome;
+                let note =
+                    self.reference().filter(|_| *status != Status::Unstable).map(|known| known.limits().note(*error));
+                let remark = note.flatten().map_or("", |note| note.words());
                 let setting = &point.setting;
                 table.row([
                     curve.integrator.name().to_owned(),
                     curve.integrator.kind().order().to_string(),
-                    optional(curve.order),
+                    order.clone(),
+                    order_remark.clone(),
                     setting.substeps.get().to_string(),
                     format!("{:e}", setting.substeps.step()),
                     optional(setting.tolerance()),
                     point.current.to_string(),
                     status.word().to_owned(),
-                    format!("{error:e}"),
-                    (*error > floor).to_string(),
+                    finite(*error),
+                    finite(*greatest_error),
+                    (note == Some(None)).to_string(),
+                    remark.to_owned(),
                     counts.steps.to_string(),
                     counts.inner_steps.to_string(),
                     counts.rejected.to_string(),
@@ -127,6 +167,7 @@ impl WorkPrecision {
                     counts.newton_iterations.to_string(),
                     counts.factorisations.to_string(),
                     format!("{ms_per_second:.4}"),
+                    runs.to_string(),
                 ]);
             }
         }
@@ -137,24 +178,26 @@ impl WorkPrecision {
 impl MeshStudy {
     /// The study as far as it is, as CSV: one line a mesh; how much the level locks stands in the head.
     pub fn csv(&self, locking: &[LockingNumber]) -> String {
-        let reference =
-            self.reference().map_or(String::from("none yet"), |(value, _)| format!("{value:e}, extrapolated"));
-        let own = self.reference().map_or(f64::NAN, |(_, own)| own);
+        let reference = match self.reference() {
+            None => String::from("none yet"),
+            Some(Ok(of)) => {
+                format!("{:e}, extrapolated with order {:.3} of the three finest meshes", of.value, of.order)
+            }
+            Some(Err(why)) => why.to_string(),
+        };
+        let own = self.reference().and_then(Result::ok).map_or(f64::NAN, |reference| reference.own_error);
         let mut more = vec![
             ("quantity", format!("{} [{}]", self.plan().measure.title(), self.plan().measure.unit())),
             ("moment", self.plan().moment.to_string()),
             ("reference", reference),
-            ("reference_error_at_most", format!("{own:e}")),
-            ("measured_order", self.order().map_or(String::new(), |order| format!("{order:.3}"))),
+            ("reference_error_estimate", finite(own)),
+            ("measured_order", order_in_words(&self.order())),
+            ("ms_of_computing", price_in_words()),
         ];
-        let ratio = |of: &LockingNumber| format!("{:e} of the tip deflection of a better mesh", of.ratio());
-        more.extend(
-            locking
-                .iter()
-                .map(|of| (if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" }, ratio(of))),
-        );
-        more.extend(self.remark().map(|remark| ("remark", remark.to_owned())));
-        let columns = ["triangles", "vertices", "size_m", "status", "value", "error", "ms_of_computing"];
+        let name = |of: &LockingNumber| if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" };
+        more.extend(locking.iter().map(|of| (name(of), of.words())));
+        let columns =
+            ["triangles", "vertices", "size_m", "status", "value", "error", "ms_of_computing", "ms_least_of_runs"];
         let mut table = Table::new(head_of(self.trial(), self.plan().threads, &more), &columns);
         for point in self.points() {
             let Some(value) = point.value else { continue };
@@ -164,8 +207,9 @@ impl MeshStudy {
                 format!("{:e}", point.size),
                 point.status.word().to_owned(),
                 format!("{value:e}"),
-                format!("{:e}", self.error_of(point).unwrap_or(f64::NAN)),
+                self.error_of(point).map_or_else(String::new, finite),
                 format!("{:.4}", point.ms),
+                point.runs.to_string(),
             ]);
         }
         table.text()
@@ -175,17 +219,27 @@ impl MeshStudy {
 impl Drift {
     /// The courses as far as they are, as CSV: one line a moment of each.
     pub fn csv(&self) -> String {
-        let more = [
+        let nothing = self.nothing_of(Invariant::Energy);
+        let mut more = vec![
             ("energy_change", "E(t) - E(0), over energy_scale_j".to_owned()),
             ("energy_scale_j", format!("{:e}, the greatest kinetic energy, median of the schemes", self.scale())),
             ("energy_is_changed_by", self.changed_by(Invariant::Energy).join(", ")),
             ("momentum_is_changed_by", self.changed_by(Invariant::Momentum).join(", ")),
+            (
+                "touches_walls",
+                "whether walls changed energy and momentum too; nothing where a scheme is unstable".to_owned(),
+            ),
         ];
+        for (integrator, order) in self.orders() {
+            more.push(("order_of_energy_change", format!("{}: {}", integrator.name(), order_in_words(&order))));
+        }
+        more.extend(nothing.map(|why| ("remark", why.to_owned())));
         let columns = [
             "integrator",
             "substeps",
             "tolerance",
             "status",
+            "touches_walls",
             "time_s",
             "energy_j",
             "energy_change",
@@ -195,16 +249,21 @@ impl Drift {
         ];
         let mut table = Table::new(head_of(self.trial(), self.threads(), &more), &columns);
         for run in self.runs() {
+            let tolerance = run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}"));
+            let status = self.status(run);
+            let walls = if status == Status::Unstable { String::new() } else { run.touches().to_string() };
             for moment in &run.moments {
-                let ([px, py], change) = (moment.momentum, self.change(run, Invariant::Energy, moment));
+                let [px, py] = moment.momentum;
+                let change = nothing.is_none().then(|| self.change(run, Invariant::Energy, moment));
                 table.row([
                     run.setting.integrator.name().to_owned(),
                     run.setting.substeps.get().to_string(),
-                    run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}")),
-                    run.status().word().to_owned(),
+                    tolerance.clone(),
+                    status.word().to_owned(),
+                    walls.clone(),
                     format!("{:.6}", moment.time),
                     format!("{:e}", moment.energy),
-                    format!("{change:e}"),
+                    change.map_or_else(String::new, finite),
                     format!("{px:e}"),
                     format!("{py:e}"),
                     format!("{:e}", moment.angular),

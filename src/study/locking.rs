@@ -14,16 +14,60 @@ use crate::{
 pub struct LockingNumber {
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Tip deflection on the level's mesh; of rectangles, with one diagonal a cell [m].
+    /// Tip deflection on the level's own mesh [m].
     pub value: f64,
-    /// Tip deflection on a mesh of four times as many triangles; of rectangles, crossed ones, which lock least [m].
+    /// Tip deflection on a mesh of at least four times as many triangles; of rectangles, crossed ones, which lock least [m].
     pub better: f64,
+    /// The level's own mesh, and the better one.
+    pub meshes: [MeshKindOf; 2],
+}
+
+/// What mesh a number was measured on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MeshKindOf {
+    /// Number of triangles.
+    pub triangles: usize,
+    /// How the cells are cut, where all bodies are rectangles that are cut alike.
+    pub diagonals: Option<Diagonals>,
+}
+
+impl MeshKindOf {
+    fn new(level: &Level, scene: &Scene) -> Self {
+        let mut cuts = level.bodies.iter().map(|body| match &body.mesh {
+            MeshKind::Rectangle(rectangle) => Some(rectangle.diagonals),
+            _ => None,
+        });
+        let first = cuts.next().flatten();
+        Self { triangles: scene.triangles.len(), diagonals: first.filter(|_| cuts.all(|cut| cut == first)) }
+    }
+}
+
+impl std::fmt::Display for MeshKindOf {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{} triangles", self.triangles)?;
+        self.diagonals.map_or(Ok(()), |diagonals| write!(out, ", diagonals {diagonals:?}"))
+    }
 }
 
 impl LockingNumber {
     /// The number.
     pub fn ratio(self) -> f64 {
         self.value / self.better
+    }
+
+    /// Whether the better mesh may lock too: then the ratio to what is right is smaller still.
+    pub fn is_bound(self) -> bool {
+        self.meshes[1].diagonals != Some(Diagonals::Crossed)
+    }
+
+    /// In words: the number, and which meshes it is of.
+    pub fn words(self) -> String {
+        let (at_most, ratio, [own, better]) =
+            (if self.is_bound() { "at most " } else { "" }, self.ratio(), self.meshes);
+        let too = if self.is_bound() { ", which may lock too" } else { "" };
+        format!(
+            "{at_most}{ratio:.3} of the deflection of a better mesh ({better}{too}), on the level's own mesh ({own})"
+        )
     }
 
     /// Whether the area can hardly change.
@@ -36,6 +80,7 @@ impl LockingNumber {
 pub struct Locking {
     /// In pairs: the mesh in question, a better one; for each Poisson's ratio.
     scenes: Vec<Scene>,
+    meshes: Vec<MeshKindOf>,
     tips: Vec<Option<f64>>,
 }
 
@@ -48,7 +93,7 @@ impl Locking {
     /// # Errors
     /// If it cannot be built, has no mesh with a resolution, or does not hold its bodies.
     pub fn new(level: &Level, files: &dyn Files) -> Result<Self, StudyError> {
-        let mut scenes: Vec<Scene> = Vec::new();
+        let (mut scenes, mut meshes): (Vec<Scene>, Vec<MeshKindOf>) = Default::default();
         for poisson in POISSON {
             let mut level = Level { state: None, ..level.clone() };
             for body in &mut level.bodies {
@@ -60,18 +105,19 @@ impl Locking {
                     body.material = strained;
                 }
             }
-            let better = cut(with_triangles(&level, 4.0)?, Diagonals::Crossed);
-            for level in [cut(level, Diagonals::Grid), better] {
+            let better = crossed(with_triangles(&level, 4.0)?);
+            for level in [level, better] {
                 let scene = Scene::build(&level, level.mode, files, scenes.last())?;
                 if scene.pins.len() < 2 {
                     return Err(StudyError::NotHere(
                         "this level does not hold its bodies, so they do not come to rest",
                     ));
                 }
+                meshes.push(MeshKindOf::new(&level, &scene));
                 scenes.push(scene);
             }
         }
-        Ok(Self { scenes, tips: Vec::new() })
+        Ok(Self { scenes, meshes, tips: Vec::new() })
     }
 
     /// Finds the next rest.
@@ -86,19 +132,19 @@ impl Locking {
 
     /// The numbers found so far.
     pub fn numbers(&self) -> Vec<LockingNumber> {
-        let pairs = self.tips.chunks_exact(2).zip(POISSON);
-        let number = |(tips, poisson): (&[Option<f64>], f64)| {
-            Some(LockingNumber { poisson, value: (*tips.first()?)?, better: (*tips.get(1)?)? })
+        let pairs = self.tips.as_chunks().0.iter().zip(self.meshes.as_chunks().0).zip(POISSON);
+        let number = |((&[value, better], &meshes), poisson): ((&[Option<f64>; 2], &[MeshKindOf; 2]), f64)| {
+            Some(LockingNumber { poisson, value: value?, better: better?, meshes })
         };
         pairs.filter_map(number).collect()
     }
 }
 
-/// The level with the cells of all rectangles cut like this.
-fn cut(mut level: Level, diagonals: Diagonals) -> Level {
+/// The level with the cells of all rectangles cut by both diagonals.
+fn crossed(mut level: Level) -> Level {
     for body in &mut level.bodies {
         if let MeshKind::Rectangle(rectangle) = &mut body.mesh {
-            rectangle.diagonals = diagonals;
+            rectangle.diagonals = Diagonals::Crossed;
         }
     }
     level

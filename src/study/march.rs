@@ -1,6 +1,6 @@
 //! A simulation taken frame by frame, against the clock.
 
-use super::Setting;
+use super::{Setting, stopwatch::Stopwatch};
 use crate::{scene::Scene, simulation::Simulation, state::State};
 use std::{ops::ControlFlow, time::Duration};
 use web_time::Instant;
@@ -24,7 +24,7 @@ impl Deadline {
 /// Frames of 1/60 s, each a whole number of steps.
 pub(super) struct March {
     pub simulation: Simulation,
-    /// Time spent stepping.
+    /// Processor time spent stepping.
     pub spent: Duration,
     /// Frames to take.
     pub frames: u32,
@@ -56,29 +56,39 @@ impl March {
     /// Goes on until the deadline, the last frame, a fault or until `seen` breaks off; `seen` is shown the end of every frame.
     /// Returns whether the march is over.
     pub fn advance(&mut self, deadline: Deadline, seen: &mut dyn FnMut(u32, &Simulation) -> ControlFlow<()>) -> bool {
+        let mut stopwatch = Stopwatch::start();
         while self.frame < self.frames {
             let begin = Instant::now();
             let taken = self.simulation.advance(self.bunch.min(self.substeps - self.taken), &mut || true);
             let elapsed = begin.elapsed();
-            self.spent += elapsed;
             self.taken += taken;
             // How steps are bunched changes nothing but how often the clock is read.
             self.bunch = if elapsed < LOOK { (2 * self.bunch).min(256) } else { (self.bunch / 2).max(1) };
             if self.simulation.fault().is_some() {
+                self.spent += stopwatch.elapsed();
                 return true;
             }
             if self.taken == self.substeps {
                 self.taken = 0;
                 self.frame += 1;
+                self.spent += stopwatch.elapsed();
                 if seen(self.frame, &self.simulation).is_break() {
                     return true;
                 }
+                // What is done with a frame is no part of the price.
+                stopwatch = Stopwatch::start();
             }
             if deadline.passed() {
                 break;
             }
         }
+        self.spent += stopwatch.elapsed();
         self.frame == self.frames
+    }
+
+    /// Goes on until the deadline, the last frame or a fault, with nobody looking. Returns whether the march is over.
+    pub fn repeat(&mut self, deadline: Deadline) -> bool {
+        self.advance(deadline, &mut |_, _| ControlFlow::Continue(()))
     }
 
     /// Share of the frames taken.
@@ -86,7 +96,7 @@ impl March {
         (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / f64::from(self.frames.max(1))
     }
 
-    /// Time spent for a second of simulated time [ms].
+    /// Processor time spent for a second of simulated time [ms].
     pub fn ms_per_second(&self) -> f64 {
         let seconds = (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / 60.0;
         if seconds > 0.0 { self.spent.as_secs_f64() * 1e3 / seconds } else { 0.0 }

@@ -1,12 +1,15 @@
 //! The price of spatial accuracy: a quantity on coarser and finer meshes of the same level.
 
 use super::{
-    Measure, Progress, Setting, Status, StudyError, Trial,
-    fit::steady_slope,
+    Limits, Measure, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,
     march::{Deadline, March},
+    measured_order,
     refine::with_triangles,
+    repetition::Repetitions,
     setting::limit,
-    statics, threads,
+    statics,
+    stopwatch::Stopwatch,
+    threads,
     workers::spread,
 };
 use crate::{
@@ -17,10 +20,6 @@ use crate::{
     state::State,
 };
 use std::{ops::ControlFlow, time::Duration};
-use web_time::Instant;
-
-/// Time that is enough to measure what finding a rest takes.
-const ENOUGH: Duration = Duration::from_millis(20);
 
 /// When a quantity is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,8 +73,10 @@ pub struct MeshPoint {
     pub value: Option<f64>,
     /// How it ended; `Unconverged` if no position of rest was found.
     pub status: Status,
-    /// Time of computing: to find the rest, or for a second of simulated time [ms].
+    /// Processor time of computing: to find the rest, or for a second of simulated time [ms]; the least of so many runs.
     pub ms: f64,
+    /// How many runs that is the least of.
+    pub runs: u32,
 }
 
 struct Slot {
@@ -84,6 +85,13 @@ struct Slot {
     /// Greatest displacement of any vertex [m].
     moved: f64,
     work: Work,
+    /// Processor time of the first run.
+    spent: Duration,
+    /// What is run again.
+    scene: Option<Box<Scene>>,
+    /// Whether it is to be run once more in this round, and the run that does.
+    due: bool,
+    again: Option<Box<March>>,
 }
 
 enum Work {
@@ -100,6 +108,57 @@ pub struct MeshStudy {
     limit: f64,
     /// From coarse to fine.
     slots: Vec<Slot>,
+    repetitions: Repetitions,
+    finished: bool,
+}
+
+/// What the values on meshes are compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshReference {
+    /// The values on the three finest meshes, extrapolated to no size at all.
+    pub value: f64,
+    /// How far it may be off, as a share of it: how far it goes beyond the finest mesh.
+    pub own_error: f64,
+    /// The order p of the differences, which shrink as h^p.
+    pub order: f64,
+}
+
+/// Orders with which values are extrapolated: linear triangles have 2, less beside corners.
+const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
+
+/// Why there is nothing to compare the values on meshes with.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoMeshReference {
+    /// The greatest displacement is zero or round-off.
+    #[error("Nothing moves here, so there is nothing to compare: let something act, or begin with a stretch")]
+    NothingMoves,
+    /// The mesh does not matter.
+    #[error("Every mesh gives the same number: it does not depend on the mesh here, as where pins prescribe it")]
+    Same,
+    /// Three are needed.
+    #[error("No reference: fewer than three meshes have a value. Ask for more meshes")]
+    TooFewMeshes,
+    /// The differences of the three finest meshes do not shrink as they should.
+    #[error(
+        "No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= 2.5 ({}), so the values cannot be extrapolated \
+         and no errors are given. Known is the value on the finest mesh, {finest:.6e}; the last refinement changed it by {:.2} %. The true \
+         value may be much farther away: so it is where triangles lock, and where each mesh moves in its own way. Ask for finer meshes, \
+         cross the diagonals of rectangles, or compare at a shorter time",
+        shown(*.order),
+        100.0 * last
+    )]
+    NotShrinking {
+        /// The order that they show; nothing if they change sign.
+        order: Option<f64>,
+        /// The value on the finest mesh.
+        finest: f64,
+        /// What the last refinement changed, as a share of it.
+        last: f64,
+    },
+}
+
+fn shown(order: Option<f64>) -> String {
+    order.map_or_else(|| "they change sign".to_owned(), |order| format!("here p = {order:.2}"))
 }
 
 impl MeshStudy {
@@ -127,12 +186,13 @@ impl MeshStudy {
             // Two wishes for what is the same mesh are one.
             if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
                 let (triangles, status) = (triangles as usize, Status::Ok);
-                let point = MeshPoint { triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0 };
-                slots.push(Slot { level, point, moved: 0.0, work: Work::Waiting });
+                let point = MeshPoint { triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 };
+                let (work, spent) = (Work::Waiting, Duration::ZERO);
+                slots.push(Slot { level, point, moved: 0.0, work, spent, scene: None, due: false, again: None });
             }
         }
         let limit = limit(&trial.scene, &trial.start);
-        Ok(Self { trial, plan, limit, slots })
+        Ok(Self { trial, plan, limit, slots, repetitions: Repetitions::default(), finished: false })
     }
 
     /// The trial on the level's own mesh.
@@ -148,12 +208,13 @@ impl MeshStudy {
     /// Works for about `budget`; making a mesh and finding a rest are done in one go.
     pub fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
-        let Self { trial, plan, limit, slots } = self;
+        let Self { trial, plan, limit, slots, .. } = self;
         let open = slots.iter_mut().filter(|slot| !matches!(slot.work, Work::Over)).collect();
         spread(plan.threads, open, |slot: &mut Slot| {
             slot.until(trial, plan, *limit, deadline);
             matches!(slot.work, Work::Over) && !deadline.passed()
         });
+        self.repeat(deadline);
         let weight = |slot: &Slot| libm::pow(slot.point.triangles as f64, 1.5);
         let done = |slot: &Slot| match &slot.work {
             Work::Waiting => 0.0,
@@ -161,9 +222,38 @@ impl MeshStudy {
             Work::Over => 1.0,
         };
         let total: f64 = self.slots.iter().map(weight).sum();
-        let finished = self.slots.iter().all(|slot| matches!(slot.work, Work::Over));
         let done = self.slots.iter().map(|slot| weight(slot) * done(slot)).sum::<f64>() / total.max(1.0);
-        Progress { done: if finished { 1.0 } else { done }, finished }
+        let done = (1.0 - REPEATED_SHARE) * done + REPEATED_SHARE * self.repetitions.done();
+        Progress { done: if self.finished { 1.0 } else { done }, finished: self.finished }
+    }
+
+    /// Whether all meshes have run once.
+    fn is_known(&self) -> bool {
+        self.slots.iter().all(|slot| matches!(slot.work, Work::Over))
+    }
+
+    /// Runs short runs again, in turns, once all have run: prices are the least of several.
+    fn repeat(&mut self, deadline: Deadline) {
+        while self.is_known() && !self.finished && !deadline.passed() {
+            if self.slots.iter().all(|slot| !slot.due) {
+                let cost = |slot: &Slot| slot.point.value.map(|_| slot.spent);
+                let costs: Vec<_> = self.slots.iter().map(cost).collect();
+                let chosen = self.repetitions.next(&costs, self.slots.iter().map(|slot| slot.spent).sum());
+                self.finished = chosen.is_empty();
+                for number in chosen {
+                    self.slots[number].due = true;
+                }
+            }
+            let Self { trial, plan, limit, slots, .. } = self;
+            let due = slots.iter_mut().filter(|slot| slot.due).collect();
+            spread(plan.threads, due, |slot: &mut Slot| {
+                slot.again(trial, plan, *limit, deadline);
+                !slot.due && !deadline.passed()
+            });
+        }
+        if self.finished {
+            self.slots.iter_mut().for_each(|slot| slot.scene = None);
+        }
     }
 
     /// The meshes, from coarse to fine.
@@ -176,55 +266,86 @@ impl MeshStudy {
         point.vertices == self.trial.start.x.len() / 2 && point.triangles == self.trial.scene.triangles.len()
     }
 
-    /// Why the values tell nothing about meshes, in words; known when all is done.
-    pub fn remark(&self) -> Option<&'static str> {
-        if !self.slots.iter().all(|slot| matches!(slot.work, Work::Over)) {
-            return None;
-        }
-        let mut known = self.slots.iter().filter_map(|slot| Some((slot.moved, slot.point.value?)));
-        let (_, first) = known.clone().next()?;
-        if known.clone().all(|(moved, _)| moved < 1e-12) {
-            Some("Nothing moves here, so there is nothing to compare: let something act, or begin with a stretch.")
-        } else if known.all(|(_, value)| (value - first).abs() <= 1e-9 * first.abs()) {
-            Some("Every mesh gives the same number: it does not depend on the mesh here, as where pins prescribe it.")
-        } else {
-            None
-        }
+    /// What values are compared with: the values on the three finest meshes, extrapolated to no size at all with the order that their
+    /// differences show; or why there is none. Known when all have run.
+    pub fn reference(&self) -> Option<Result<MeshReference, NoMeshReference>> {
+        self.is_known().then(|| self.extrapolate())
     }
 
-    /// What values are compared with, and how far it may be off: the values on the three finest meshes, extrapolated to no
-    /// size at all with the order that they show (between 0.5 and 3, else 2), and how far that goes beyond the finest. Known when all is done.
-    pub fn reference(&self) -> Option<(f64, f64)> {
-        if !self.slots.iter().all(|slot| matches!(slot.work, Work::Over)) || self.remark().is_some() {
-            return None;
+    fn extrapolate(&self) -> Result<MeshReference, NoMeshReference> {
+        let values: Vec<_> = self.slots.iter().filter_map(|slot| Some((slot.point.size, slot.point.value?))).collect();
+        let extent = self.trial.scene.rest.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
+        let moved = self.slots.iter().map(|slot| slot.moved).fold(0.0, f64::max);
+        if moved <= 1e-12 * extent {
+            return if values.is_empty() {
+                Err(NoMeshReference::TooFewMeshes)
+            } else {
+                Err(NoMeshReference::NothingMoves)
+            };
         }
-        let known: Vec<_> = self.points().filter_map(|point| Some((point.size, point.value?))).collect();
-        let &[.., (h1, v1), (h0, v0)] = known.as_slice() else { return None };
-        let shown = match known.as_slice() {
-            &[.., (h2, v2), _, _] => libm::log((v2 - v1) / (v1 - v0)) / libm::log(((h2 * h1) / (h1 * h0)).sqrt()),
-            _ => f64::NAN,
+        let same = |(_, value): &(f64, f64)| (value - values[0].1).abs() <= ROUND_OFF * values[0].1.abs();
+        if values.len() > 1 && values.iter().all(same) {
+            return Err(NoMeshReference::Same);
+        }
+        let &[.., (h2, v2), (h1, v1), (h0, v0)] = values.as_slice() else { return Err(NoMeshReference::TooFewMeshes) };
+        let shrinking = (v2 - v1) / (v1 - v0);
+        let order = (shrinking > 0.0).then(|| order_of_differences([h0, h1, h2], shrinking));
+        let Some(order) = order.filter(|order| ORDERS.contains(order)) else {
+            let last = ((v0 - v1) / v0).abs();
+            return Err(NoMeshReference::NotShrinking { order, finest: v0, last });
         };
-        let order = if (0.5..=3.0).contains(&shown) { shown } else { 2.0 };
         let beyond = (v0 - v1) / (libm::pow(h1 / h0, order) - 1.0);
-        Some((v0 + beyond, (beyond / (v0 + beyond)).abs()))
+        let value = v0 + beyond;
+        Ok(MeshReference { value, own_error: (beyond / value).abs(), order })
     }
 
-    /// Relative error of the value on a mesh.
+    /// Whether the values depend on the mesh. Known when all have run.
+    pub fn is_telling(&self) -> bool {
+        let nothing = |why: &NoMeshReference| matches!(why, NoMeshReference::NothingMoves | NoMeshReference::Same);
+        self.reference().is_some_and(|reference| !reference.err().as_ref().is_some_and(nothing))
+    }
+
+    /// Relative error of the value on a mesh, if there is a reference.
     pub fn error_of(&self, point: &MeshPoint) -> Option<f64> {
-        let (reference, _) = self.reference()?;
+        let reference = self.reference()?.ok()?.value;
         Some(((point.value? - reference) / reference).abs())
     }
 
-    /// Measured order: how steeply the error falls with the size of the triangles, from the finest but one on, as far as it is
-    /// steady to 0.15.
-    pub fn order(&self) -> Option<f64> {
-        let measured = |point: &MeshPoint| Some([libm::log(point.size), libm::log(self.error_of(point)?)]);
-        let mut points: Vec<_> = self.points().filter_map(measured).collect();
-        // The finest is what the others are compared with.
-        points.pop()?;
-        points.reverse();
-        steady_slope(&points)
+    /// Measured order: how steeply the error falls with the size of the triangles, by [`measured_order`]. The finest mesh does not
+    /// count: the reference was made from it.
+    ///
+    /// # Errors
+    /// [`NoOrder`] says why none can be told.
+    pub fn order(&self) -> MeasuredOrder {
+        let reference = match self.reference() {
+            Some(Ok(reference)) => reference,
+            Some(Err(NoMeshReference::NothingMoves)) => return Err(NoOrder::NothingMoves),
+            Some(Err(NoMeshReference::Same)) => return Err(NoOrder::RoundOff),
+            Some(Err(NoMeshReference::TooFewMeshes)) => return Err(NoOrder::TooFewPoints),
+            Some(Err(NoMeshReference::NotShrinking { .. })) | None => return Err(NoOrder::NoReference),
+        };
+        let sample = |point: &MeshPoint| Some(Sample { h: point.size, error: self.error_of(point)? });
+        let mut samples: Vec<_> = self.points().filter_map(sample).collect();
+        samples.pop();
+        measured_order(samples, Limits { round_off: ROUND_OFF, reference: reference.own_error })
     }
+}
+
+/// Relative differences up to this come from solving equations and from rounding.
+const ROUND_OFF: f64 = 1e-9;
+/// About how large a share of the work repetitions are.
+const REPEATED_SHARE: f64 = 0.2;
+
+/// The p for which `(h2^p - h1^p) / (h1^p - h0^p)` is this much: exact for every ratio of sizes, found by halving.
+fn order_of_differences([h0, h1, h2]: [f64; 3], shrinking: f64) -> f64 {
+    let grown = |p: f64| (libm::pow(h2 / h0, p) - libm::pow(h1 / h0, p)) / (libm::pow(h1 / h0, p) - 1.0);
+    // Never at 0, where nothing over nothing is left.
+    let (mut low, mut high) = (-20.0, 21.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if grown(middle) < shrinking { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 impl Slot {
@@ -235,13 +356,14 @@ impl Slot {
         let Work::Marching(march) = &mut self.work else { return };
         if march.advance(deadline, &mut |_, _| ControlFlow::Continue(())) {
             let simulation = &march.simulation;
-            self.point.ms = march.ms_per_second();
+            (self.point.ms, self.point.runs, self.spent) = (march.ms_per_second(), 1, march.spent);
             if simulation.fault().is_some() {
                 self.point.status = Status::Unstable;
             } else {
                 let (scene, x) = (simulation.scene(), &simulation.state().x);
                 self.point.value = Some(plan.measure.of(scene, x));
                 self.moved = Measure::TipDeflection.of(scene, x);
+                self.scene = Some(Box::new(scene.clone()));
             }
             self.work = Work::Over;
         }
@@ -260,36 +382,51 @@ impl Slot {
         (self.point.triangles, self.point.vertices) = (count, scene.rest.len() / 2);
         self.point.size = (2.0 * area / count as f64).sqrt();
         if plan.moment == MeshMoment::AtTheEnd {
-            let state: &State = &scene.start;
-            let setting = scaled(&trial.current, limit(&scene, state) / own_limit);
-            return Work::Marching(Box::new(March::new(&scene, state, &setting, trial.frames)));
+            return Work::Marching(march(&scene, trial, own_limit));
         }
-        let (rest, ms) = timed(|| statics::rest(&scene));
-        self.point.ms = ms;
+        let stopwatch = Stopwatch::start();
+        let rest = statics::rest(&scene);
+        self.spent = stopwatch.elapsed();
+        (self.point.ms, self.point.runs) = (self.spent.as_secs_f64() * 1e3, 1);
         match rest {
             Some((x, counts)) if counts.unconverged == 0 => {
                 self.point.value = Some(plan.measure.of(&scene, &x));
                 self.moved = Measure::TipDeflection.of(&scene, &x);
+                self.scene = Some(Box::new(scene));
             }
             _ => self.point.status = Status::Unconverged,
         }
         Work::Over
     }
+
+    /// Runs what has run before, for its price.
+    fn again(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64, deadline: Deadline) {
+        let Some(scene) = self.scene.as_deref() else {
+            self.due = false;
+            return;
+        };
+        let ms = if plan.moment == MeshMoment::AtTheEnd {
+            let march = self.again.get_or_insert_with(|| march(scene, trial, own_limit));
+            if !march.repeat(deadline) {
+                return;
+            }
+            march.ms_per_second()
+        } else {
+            let stopwatch = Stopwatch::start();
+            statics::rest(scene);
+            stopwatch.elapsed().as_secs_f64() * 1e3
+        };
+        self.point.ms = self.point.ms.min(ms);
+        self.point.runs += 1;
+        (self.due, self.again) = (false, None);
+    }
 }
 
-/// What some work comes to, and the least time that it took [ms]: what is soon done is done again, as the first time pays for cold
-/// memory.
-fn timed<T>(work: impl Fn() -> T) -> (T, f64) {
-    let (mut spent, mut least) = (Duration::ZERO, Duration::MAX);
-    loop {
-        let begin = Instant::now();
-        let result = work();
-        let taken = begin.elapsed();
-        (spent, least) = (spent + taken, least.min(taken));
-        if spent >= ENOUGH {
-            return (result, least.as_secs_f64() * 1e3);
-        }
-    }
+/// A run of the trial on a mesh with another stability limit.
+fn march(scene: &Scene, trial: &Trial, own_limit: f64) -> Box<March> {
+    let state: &State = &scene.start;
+    let setting = scaled(&trial.current, limit(scene, state) / own_limit);
+    Box::new(March::new(scene, state, &setting, trial.frames))
 }
 
 /// The setting for a mesh that is stiffer by a factor: an explicit scheme keeps its distance from the stability limit.

@@ -1,7 +1,7 @@
 //! What errors are measured against: an exact solution, or a run so fine that its own error does not matter.
 
 use super::{
-    ClosedForm, Progress, Setting, StudyError,
+    ClosedForm, Limits, Progress, Setting, StudyError,
     march::{Deadline, March},
     setting::limit,
     trial::{Deviation, Trial},
@@ -21,8 +21,49 @@ pub struct Reference {
     /// How large its own relative RMS error is at most; zero if it is exact. A fine run is compared with one of twice its
     /// step, and their difference is more than the error of the finer one for every scheme that converges at all.
     pub own_error: f64,
+    /// How far the scene moves in it: root mean square over frames and vertices [m].
+    pub motion: f64,
+    /// The greatest coordinate at the start [m].
+    extent: f64,
     frames: Vec<Vec<f64>>,
 }
+
+/// What a small error is rather than that of a setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorNote {
+    /// That of rounding.
+    RoundOff,
+    /// Not told from that of the reference.
+    NearReference,
+}
+
+impl ErrorNote {
+    /// In words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::RoundOff => "round-off",
+            Self::NearReference => "near the error of the reference",
+        }
+    }
+}
+
+impl Limits {
+    /// What an error is rather than that of a setting, if it is small.
+    pub fn note(self, error: f64) -> Option<ErrorNote> {
+        if error <= self.round_off {
+            Some(ErrorNote::RoundOff)
+        } else if error <= self.reference {
+            Some(ErrorNote::NearReference)
+        } else {
+            None
+        }
+    }
+}
+
+/// Motion below this share of the greatest coordinate is round-off: nothing moves.
+pub(super) const STILL: f64 = 1e-12;
+/// What rounding does to a coordinate in many steps, as a share of the greatest one.
+const ROUNDING: f64 = 1e-13;
 
 /// Where a reference comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,9 +84,34 @@ impl std::fmt::Display for Source {
 }
 
 impl Reference {
+    fn new(source: Source, own_error: f64, frames: Vec<Vec<f64>>, trial: &Trial) -> Self {
+        let (motion, extent) = sizes(&frames, trial);
+        Self { source, own_error, motion, extent, frames }
+    }
+
+    /// The greatest coordinate at the start [m].
+    pub(super) const fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// Whether nothing moves, so that there are no relative errors.
+    pub fn is_still(&self) -> bool {
+        self.motion <= STILL * self.extent
+    }
+
+    /// Relative errors up to this are those of rounding.
+    pub fn round_off(&self) -> f64 {
+        ROUNDING * self.extent.max(self.motion) / self.motion
+    }
+
+    /// What an error must exceed to be told from that of the reference and from rounding.
+    pub fn limits(&self) -> Limits {
+        Limits { round_off: self.round_off(), reference: self.floor() }
+    }
+
     /// Errors below this are too near to the reference's own to be told apart from it: they are only known to be small.
     pub fn floor(&self) -> f64 {
-        100.0 * self.own_error
+        10.0 * self.own_error
     }
 
     /// Positions at the end of a frame, counted from 1.
@@ -97,6 +163,7 @@ pub struct ReferenceJob {
     before: f64,
     wanted: f64,
     touching: bool,
+    spent: Duration,
     result: Option<Result<Reference, StudyError>>,
 }
 
@@ -109,13 +176,23 @@ impl ReferenceJob {
         let exact = ClosedForm::of_trial(trial).map(|form| {
             let at = |frame: u32| form.positions(trial.start.time + f64::from(frame) / 60.0);
             let frames = (1..=trial.frames).map(at).collect();
-            Ok(Reference { source: Source::Exact(form.words), own_error: 0.0, frames })
+            Ok(Reference::new(Source::Exact(form.words), 0.0, frames, trial))
         });
         let integrator = finest();
         let first = Substeps::nearest(2.0 * limit(&trial.scene, &trial.start));
         let [coarse, fine] = [first, first.doubled()].map(|substeps| Recorded::new(trial, &integrator, substeps));
         let (before, wanted) = (f64::INFINITY, 0.01 * smallest_error);
-        Self { integrator, coarse, fine, rounds: 0, before, wanted, touching: false, result: exact }
+        Self {
+            integrator,
+            coarse,
+            fine,
+            rounds: 0,
+            before,
+            wanted,
+            touching: false,
+            spent: Duration::ZERO,
+            result: exact,
+        }
     }
 
     /// Works for about `budget`.
@@ -136,6 +213,7 @@ impl ReferenceJob {
                 return Progress { done: 1.0 - libm::pow(0.5, f64::from(self.rounds)) * (1.0 - pair), finished: false };
             }
             self.rounds += 1;
+            self.spent += self.fine.march.spent + self.coarse.march.spent;
             self.judge(trial);
         }
         Progress::FINISHED
@@ -165,21 +243,30 @@ impl ReferenceJob {
         let affordable = steps * per_step * (trial.start.x.len() / 2) as f64 <= MOST_WORK
             && self.fine.substeps.get() < Substeps::MAX;
         let helps = difference < 0.7 * self.before || difference > 1e-2;
-        if difference > self.wanted && affordable && helps {
+        if difference > self.wanted && affordable && helps && !self.is_still(trial) {
             let next = Recorded::new(trial, &self.integrator, self.fine.substeps.doubled());
             self.coarse = std::mem::replace(&mut self.fine, next);
             self.before = difference;
             return;
         }
         let substeps = self.fine.substeps;
-        self.result = Some(match self.fine.march.simulation.fault() {
-            Some(fault) => Err(StudyError::NoReference { substeps: substeps.get(), fault: Box::new(fault.clone()) }),
-            None => Ok(Reference {
-                source: Source::Fine(Setting { integrator: self.integrator.clone(), substeps }),
-                own_error: difference,
-                frames: std::mem::take(&mut self.fine.frames),
-            }),
+        self.result = Some(if let Some(fault) = self.fine.march.simulation.fault() {
+            Err(StudyError::NoReference { substeps: substeps.get(), fault: Box::new(fault.clone()) })
+        } else {
+            let source = Source::Fine(Setting { integrator: self.integrator.clone(), substeps });
+            Ok(Reference::new(source, difference, std::mem::take(&mut self.fine.frames), trial))
         });
+    }
+
+    /// Whether nothing moves in the fine run: no finer one tells more.
+    fn is_still(&self, trial: &Trial) -> bool {
+        let (motion, extent) = sizes(&self.fine.frames, trial);
+        !self.fine.failed() && motion <= STILL * extent
+    }
+
+    /// Processor time of all runs so far.
+    pub(super) const fn spent(&self) -> Duration {
+        self.spent
     }
 
     /// How much the two runs differ, as a relative RMS error.
@@ -193,6 +280,15 @@ impl ReferenceJob {
         }
         deviation.relative()
     }
+}
+
+/// Root mean square of the motion in these frames, and the greatest coordinate at the start [m].
+fn sizes(frames: &[Vec<f64>], trial: &Trial) -> (f64, f64) {
+    let (mut deviation, start) = (Deviation::default(), &trial.start.x);
+    for frame in frames {
+        deviation.add(frame, frame, start);
+    }
+    (deviation.motion(), start.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs())))
 }
 
 /// The explicit scheme of the highest order.

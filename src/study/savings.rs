@@ -1,6 +1,6 @@
 //! What it saves to pass effects over: the scene as it is beside the same scene with everything asked for in every step.
 
-use super::{Progress, StudyError, march::Deadline};
+use super::{Progress, StudyError, march::Deadline, stopwatch::Stopwatch};
 use crate::{
     level::{Level, Switch},
     meshes::Files,
@@ -8,7 +8,6 @@ use crate::{
     simulation::Simulation,
 };
 use std::time::Duration;
-use web_time::Instant;
 
 /// Frames of 1/60 s that both take.
 const FRAMES: u32 = 60;
@@ -20,7 +19,7 @@ const LONGEST: f64 = 2.0;
 /// forced and nobody asleep. Both come to the same bits but for sleep; what differs is the time they take.
 pub struct Savings {
     runs: [Simulation; 2],
-    /// Time spent on all of a run [s].
+    /// Processor time spent on all of a run [s].
     spent: [f64; 2],
     frames: u32,
     substeps: u64,
@@ -76,9 +75,9 @@ impl Savings {
             // Who goes first finds cold caches.
             let first = self.frames as usize % 2;
             for number in [first, 1 - first] {
-                let begin = Instant::now();
+                let stopwatch = Stopwatch::start();
                 self.runs[number].advance(self.substeps, &mut || true);
-                self.spent[number] += begin.elapsed().as_secs_f64();
+                self.spent[number] += stopwatch.elapsed().as_secs_f64();
             }
             self.frames += 1;
             if deadline.passed() {

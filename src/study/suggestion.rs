@@ -1,12 +1,12 @@
 //! The cheapest measured setting that is accurate enough.
 
-use super::{Outcome, Setting, Status, WorkPrecision};
+use super::{Outcome, Reference, Setting, Status, WorkPrecision};
 use crate::command::Command;
 
 /// What a setting is priced by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Price {
-    /// Measured time for a second of simulated time.
+    /// Measured processor time for a second of simulated time.
     #[default]
     Time,
     /// Evaluations of all forces: the same on every machine, but blind to the price of solving equations.
@@ -35,10 +35,67 @@ pub struct Suggestion {
     price: Price,
 }
 
+/// Errors that a setting is suggested for where none is asked for, the first that some setting reaches.
+pub const USUAL_ERRORS: [f64; 2] = [0.01, 0.1];
+
+/// Greatest error of the reference, and greatest round-off, with which errors still tell something.
+const GREATEST: f64 = 0.1;
+
+/// Why errors tell nothing, so that nothing is suggested.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoErrors {
+    /// Motion of this size [m] is zero or round-off.
+    #[error(
+        "Nothing moves here: the reference moves by {0:.1e} m, which is round-off. There is no error to measure, and nothing is \
+         recommended. Let a force act, stretch a body or begin from a state that moves"
+    )]
+    NothingMoves(f64),
+    /// Round-off is this large beside the motion.
+    #[error(
+        "Errors are round-off here: rounding alone makes {} of the motion. Nothing is recommended. Study a larger motion or a \
+         longer time",
+        share(.0)
+    )]
+    RoundOff(f64),
+    /// The error of the reference is this large beside the motion.
+    #[error(
+        "The reference is not fine enough here: its own error may be {} of the motion. Errors tell nothing, and nothing is \
+         recommended. Study a shorter time or a larger motion",
+        share(.0)
+    )]
+    CoarseReference(f64),
+}
+
+fn share(of: &f64) -> String {
+    if of.is_finite() { format!("{:.0} %", 100.0 * of) } else { "all".to_owned() }
+}
+
+impl NoErrors {
+    /// Why errors against a reference tell nothing, if they do not.
+    pub(super) fn of(reference: &Reference) -> Option<Self> {
+        if reference.is_still() {
+            Some(Self::NothingMoves(reference.motion))
+        } else if reference.round_off() >= GREATEST {
+            Some(Self::RoundOff(reference.round_off()))
+        } else if reference.own_error >= GREATEST {
+            Some(Self::CoarseReference(reference.own_error))
+        } else {
+            None
+        }
+    }
+}
+
 impl WorkPrecision {
-    /// The cheapest of the settings measured so far whose error is at most `error`, counting the reference's own; `None` if none is.
+    /// The least of the [`USUAL_ERRORS`] that some setting reaches, and the cheapest setting for it; `None` if there is none.
+    pub fn suggest_usual(&self, price: Price) -> Option<(f64, Suggestion)> {
+        USUAL_ERRORS.into_iter().find_map(|error| Some((error, self.suggest(error, price)?)))
+    }
+
+    /// The cheapest of the settings measured so far whose mean error is at most `error`, counting the reference's own and round-off;
+    /// `None` if none is, or if errors tell nothing.
     pub fn suggest(&self, error: f64, price: Price) -> Option<Suggestion> {
-        let own_error = self.reference()?.own_error;
+        let reference = self.reference().filter(|reference| NoErrors::of(reference).is_none())?;
+        let own_error = reference.own_error + reference.round_off();
         let curves = self.curves();
         let measured = || {
             let points = curves.iter().flat_map(|curve| &curve.points);
@@ -52,9 +109,9 @@ impl WorkPrecision {
 }
 
 impl Suggestion {
-    /// How many times cheaper it is than the current setting, if that was measured; below 1 it is dearer, but accurate enough.
+    /// How many times cheaper it is than the current setting, if that was measured to the end; below 1 it is dearer, but accurate enough.
     pub fn saves(&self) -> Option<f64> {
-        let current = self.price.of(self.current.as_ref()?);
+        let current = self.price.of(self.current.as_ref().filter(|current| current.status != Status::Unstable)?);
         Some(current / self.price.of(&self.outcome).max(f64::MIN_POSITIVE))
     }
 
@@ -66,21 +123,23 @@ impl Suggestion {
 
 impl std::fmt::Display for Suggestion {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Outcome { error, ms_per_second, .. } = &self.outcome;
-        write!(
-            out,
-            "{}: error {:.2} %, {ms_per_second:.1} ms per simulated second",
-            self.setting.label(),
-            100.0 * error
-        )?;
+        let Outcome { error, greatest_error, ms_per_second, .. } = &self.outcome;
+        let (label, error, greatest) = (self.setting.label(), per_cent(*error), per_cent(*greatest_error));
+        write!(out, "{label}: mean error {error} (largest {greatest}), {ms_per_second:.1} ms per simulated second")?;
         match (self.saves(), &self.current) {
+            (_, Some(now)) if now.status == Status::Unstable => write!(out, "; the setting of now is unstable"),
             (Some(factor), Some(now)) if factor >= 1.0 => {
-                write!(out, "; {factor:.1} times cheaper than now (error {:.2} %)", 100.0 * now.error)
+                write!(out, "; {factor:.1} times cheaper than now (mean error {})", per_cent(now.error))
             }
             (Some(factor), Some(now)) => {
-                write!(out, "; {:.1} times dearer than now (error {:.2} %)", 1.0 / factor, 100.0 * now.error)
+                write!(out, "; {:.1} times dearer than now (mean error {})", 1.0 / factor, per_cent(now.error))
             }
             _ => Ok(()),
         }
     }
+}
+
+/// An error in per cent; a small one is not rounded to nothing.
+fn per_cent(error: f64) -> String {
+    if error == 0.0 || error >= 5e-4 { format!("{:.2} %", 100.0 * error) } else { format!("{:.1e} %", 100.0 * error) }
 }

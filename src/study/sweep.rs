@@ -1,8 +1,14 @@
 //! The work-precision diagram: one trial with many settings.
 
 use super::{
-    Outcome, Progress, Reference, ReferenceJob, Run, Setting, Status, StudyError, Trial, fit::steady_slope, ladder,
-    march::Deadline, setting::limit, threads, workers::spread,
+    MeasuredOrder, NoErrors, NoOrder, Outcome, Progress, Reference, ReferenceJob, Run, Sample, Setting, Status,
+    StudyError, Trial, ladder,
+    march::{Deadline, March},
+    measured_order,
+    repetition::Repetitions,
+    setting::limit,
+    threads,
+    workers::spread,
 };
 use crate::{
     integrators::{Class, IntegratorKind},
@@ -47,12 +53,9 @@ pub struct Curve {
     pub integrator: IntegratorKind,
     /// The points.
     pub points: Vec<Point>,
-    /// Measured order: how steeply the error falls with the number of steps; `None` if there are too few points to tell.
-    ///
-    /// Least squares of log error over log steps (of an error-controlled scheme: taken and rejected inner steps), in the
-    /// asymptotic regime: points with an error of at most 10 % and above the floor of the reference, beginning
-    /// with the two finest and going on to coarser ones while the local slope stays within 0.15 of theirs.
-    pub order: Option<f64>,
+    /// Measured order: how steeply the error falls with the number of steps (of an error-controlled scheme: taken and rejected
+    /// inner steps), by [`measured_order`]; or why none can be told.
+    pub order: MeasuredOrder,
 }
 
 /// A point with the run that works on it.
@@ -60,6 +63,11 @@ struct Slot {
     curve: usize,
     point: Point,
     run: Option<Box<Run>>,
+    /// Processor time of the first run.
+    spent: Duration,
+    /// Whether it is to be run once more in this round, and the run that does.
+    due: bool,
+    again: Option<Box<March>>,
     /// About how much work it is, in force evaluations a frame.
     weight: f64,
 }
@@ -71,6 +79,8 @@ pub struct WorkPrecision {
     reference: ReferenceJob,
     /// In the order they are run: the cheapest first.
     slots: Vec<Slot>,
+    repetitions: Repetitions,
+    finished: bool,
 }
 
 impl WorkPrecision {
@@ -83,11 +93,12 @@ impl WorkPrecision {
         for (curve, integrator) in plan.integrators.iter().enumerate() {
             for (setting, current) in settings(integrator, &trial, &plan.substeps) {
                 let weight = weight(&setting, limit);
-                slots.push(Slot { curve, point: Point { setting, outcome: None, current }, run: None, weight });
+                let point = Point { setting, outcome: None, current };
+                slots.push(Slot { curve, point, run: None, spent: Duration::ZERO, due: false, again: None, weight });
             }
         }
         slots.sort_by(|a, b| a.weight.total_cmp(&b.weight));
-        Self { trial, plan, reference, slots }
+        Self { trial, plan, reference, slots, repetitions: Repetitions::default(), finished: false }
     }
 
     /// What is run.
@@ -112,6 +123,10 @@ impl WorkPrecision {
             Some(Err(error)) => return Err(error.clone()),
             None => return Ok(Progress { done: REFERENCE_SHARE * finding.done, finished: false }),
         };
+        if reference.is_still() {
+            self.finished = true;
+            return Ok(Progress::FINISHED);
+        }
         let trial = &self.trial;
         let open = self.slots.iter_mut().filter(|slot| slot.point.outcome.is_none()).collect();
         spread(self.plan.threads, open, |slot: &mut Slot| {
@@ -119,11 +134,43 @@ impl WorkPrecision {
             slot.point.outcome = run.until(trial, reference, deadline);
             let over = slot.point.outcome.is_some();
             if over {
+                slot.spent = run.spent();
                 slot.run = None;
             }
             over && !deadline.passed()
         });
+        self.repeat(deadline);
         Ok(self.progress())
+    }
+
+    /// Runs short runs again, in turns, once all have run: prices are the least of several.
+    fn repeat(&mut self, deadline: Deadline) {
+        while self.slots.iter().all(|slot| slot.point.outcome.is_some()) && !self.finished && !deadline.passed() {
+            if self.slots.iter().all(|slot| !slot.due) {
+                let whole = |slot: &Slot| slot.point.outcome.as_ref().is_some_and(|o| o.status != Status::Unstable);
+                let costs: Vec<_> = self.slots.iter().map(|slot| whole(slot).then_some(slot.spent)).collect();
+                let first = self.reference.spent() + self.slots.iter().map(|slot| slot.spent).sum::<Duration>();
+                let chosen = self.repetitions.next(&costs, first);
+                self.finished = chosen.is_empty();
+                for number in chosen {
+                    self.slots[number].due = true;
+                }
+            }
+            let trial = &self.trial;
+            let due = self.slots.iter_mut().filter(|slot| slot.due).collect();
+            spread(self.plan.threads, due, |slot: &mut Slot| {
+                let march = slot.again.get_or_insert_with(|| Box::new(trial.march(&slot.point.setting)));
+                if !march.repeat(deadline) {
+                    return false;
+                }
+                if let Some(outcome) = &mut slot.point.outcome {
+                    outcome.ms_per_second = outcome.ms_per_second.min(march.ms_per_second());
+                    outcome.runs += 1;
+                }
+                (slot.due, slot.again) = (false, None);
+                !deadline.passed()
+            });
+        }
     }
 
     fn progress(&self) -> Progress {
@@ -134,8 +181,14 @@ impl WorkPrecision {
             (None, None) => 0.0,
         };
         let done = self.slots.iter().map(|slot| slot.weight * share(slot)).sum::<f64>() / total.max(1.0);
-        let finished = self.slots.iter().all(|slot| slot.point.outcome.is_some());
-        Progress { done: if finished { 1.0 } else { REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done }, finished }
+        let first = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE - REPEATED_SHARE) * done;
+        let done = first + REPEATED_SHARE * self.repetitions.done();
+        Progress { done: if self.finished { 1.0 } else { done }, finished: self.finished }
+    }
+
+    /// Why errors tell nothing here, once the reference is known.
+    pub fn no_errors(&self) -> Option<NoErrors> {
+        self.reference().and_then(NoErrors::of)
     }
 
     /// What errors are measured against, once it is known.
@@ -145,12 +198,12 @@ impl WorkPrecision {
 
     /// The diagram as far as it is: a line for every scheme, in the order of the plan.
     pub fn curves(&self) -> Vec<Curve> {
-        let floor = self.reference().map_or(0.0, Reference::floor);
+        let reference = self.reference();
         let curve = |(number, integrator): (usize, &IntegratorKind)| {
             let own = self.slots.iter().filter(|slot| slot.curve == number);
             let mut points: Vec<_> = own.map(|slot| slot.point.clone()).collect();
             points.sort_by(|a, b| place(&a.setting).total_cmp(&place(&b.setting)));
-            let order = order(&points, floor);
+            let order = order(&points, reference);
             Curve { integrator: integrator.clone(), points, order }
         };
         self.plan.integrators.iter().enumerate().map(curve).collect()
@@ -159,6 +212,8 @@ impl WorkPrecision {
 
 /// About how large a share of the work the reference is.
 const REFERENCE_SHARE: f64 = 0.1;
+/// And the repetitions of short runs.
+const REPEATED_SHARE: f64 = 0.2;
 
 /// Where a setting stands on its curve: the more accurate, the greater.
 fn place(setting: &Setting) -> f64 {
@@ -194,13 +249,15 @@ fn weight(setting: &Setting, limit: f64) -> f64 {
 }
 
 /// See [`Curve::order`].
-fn order(points: &[Point], floor: f64) -> Option<f64> {
-    let asymptotic = |point: &Point| {
+fn order(points: &[Point], reference: Option<&Reference>) -> MeasuredOrder {
+    let reference = reference.ok_or(NoOrder::NoReference)?;
+    if reference.is_still() {
+        return Err(NoOrder::NothingMoves);
+    }
+    let sample = |point: &Point| {
         let outcome = point.outcome.as_ref().filter(|outcome| outcome.status == Status::Ok)?;
         let steps = (outcome.counts.inner_steps + outcome.counts.rejected) as f64;
-        (outcome.error > floor.max(1e-13) && outcome.error <= 0.1).then(|| [libm::log(steps), libm::log(outcome.error)])
+        Some(Sample { h: 1.0 / steps, error: outcome.error })
     };
-    let mut finest_first: Vec<_> = points.iter().rev().filter_map(asymptotic).collect();
-    finest_first.dedup_by(|a, b| a[0] == b[0]);
-    steady_slope(&finest_first).map(|slope| -slope)
+    measured_order(points.iter().filter_map(sample), reference.limits())
 }

@@ -13,7 +13,7 @@ use crate::{
     scene::{Scene, SceneError, check_toy_integrator},
     state::State,
 };
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, time::Duration};
 
 /// What is run: a scene from a start for a time. Positions are compared at the end of every frame of 1/60 s.
 #[derive(Clone)]
@@ -94,37 +94,67 @@ impl Status {
 /// What came out of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Relative RMS error of positions, over all frames and vertices:
+    /// Relative RMS error of positions, mean over all frames and vertices:
     /// `sqrt(mean |x - x_ref|²) / sqrt(mean |x_ref - x_start|²)`. Infinite if it was stopped by a fault.
     pub error: f64,
+    /// The largest over the frames: RMS over the vertices at a frame, over the same RMS motion.
+    pub greatest_error: f64,
     /// How it ended.
     pub status: Status,
     /// What it took, in numbers that are the same on every machine.
     pub counts: Counts,
-    /// What it took in time, for one second of simulated time [ms].
+    /// Processor time for one second of simulated time [ms]: the least of so many runs.
     pub ms_per_second: f64,
+    /// How many runs that is the least of.
+    pub runs: u32,
 }
 
-/// An error above this is no inaccuracy any more: the run is stopped and called unstable.
-const FAR: f64 = 10.0;
+/// An error above this many times the motion is no inaccuracy any more: the run is stopped and called unstable.
+pub(super) const FAR: f64 = 10.0;
+/// Motion smaller than this share of the greatest coordinate does not count for that: what hardly moves is soon far off.
+const SMALL: f64 = 1e-3;
 
 /// Sums of squares, for a relative RMS error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Deviation {
     error: f64,
     size: f64,
+    /// The greatest error of one moment.
+    greatest: f64,
+    moments: f64,
+    /// Coordinates of a moment.
+    coordinates: f64,
 }
 
 impl Deviation {
     /// Adds one moment: positions, what they should be, and where they started.
     pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) {
-        self.error += x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
+        let error = x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
+        self.error += error;
+        self.greatest = self.greatest.max(error);
+        self.moments += 1.0;
+        self.coordinates = x.len().max(1) as f64;
         self.size += exact.iter().zip(start).map(|(exact, start)| (exact - start) * (exact - start)).sum::<f64>();
     }
 
     /// The error of this one moment over the RMS size of all moments so far.
     pub fn relative_to(self, all: Self, moments: f64) -> f64 {
         if self.error == 0.0 { 0.0 } else { (self.error * moments / all.size).sqrt() }
+    }
+
+    /// Root mean square of the motion over all moments and vertices [m].
+    pub fn motion(self) -> f64 {
+        (2.0 * self.size / (self.coordinates * self.moments).max(1.0)).sqrt()
+    }
+
+    /// Root mean square of the error over all moments and vertices [m].
+    fn metres(self) -> f64 {
+        (2.0 * self.error / (self.coordinates * self.moments).max(1.0)).sqrt()
+    }
+
+    /// The largest error of a moment, over the same motion as the [relative](Self::relative) one.
+    pub fn greatest(self) -> f64 {
+        if self.greatest == 0.0 { 0.0 } else { (self.greatest * self.moments / self.size).sqrt() }
     }
 
     /// The relative RMS error; absolute [m²] would be `error` alone. Zero over zero is zero.
@@ -147,7 +177,7 @@ impl Run {
     }
 
     /// Goes on for about `budget`; gives the outcome when the run is over.
-    pub fn advance(&mut self, trial: &Trial, reference: &Reference, budget: std::time::Duration) -> Option<Outcome> {
+    pub fn advance(&mut self, trial: &Trial, reference: &Reference, budget: Duration) -> Option<Outcome> {
         self.until(trial, reference, Deadline::after(budget))
     }
 
@@ -155,7 +185,7 @@ impl Run {
         let Self { march, deviation, far } = self;
         let over = march.advance(deadline, &mut |frame, simulation| {
             deviation.add(&simulation.state().x, reference.at(frame), &trial.start.x);
-            *far = deviation.relative() > FAR;
+            *far = deviation.metres() > FAR * deviation.motion().max(SMALL * reference.extent());
             if *far { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         over.then(|| self.outcome())
@@ -164,6 +194,11 @@ impl Run {
     /// Share of the run done.
     pub fn done(&self) -> f64 {
         self.march.done()
+    }
+
+    /// Processor time of stepping.
+    pub(super) const fn spent(&self) -> Duration {
+        self.march.spent
     }
 
     fn outcome(&self) -> Outcome {
@@ -176,7 +211,8 @@ impl Run {
         } else {
             Status::Ok
         };
-        let error = if stopped { f64::INFINITY } else { self.deviation.relative() };
-        Outcome { error, status, counts, ms_per_second: self.march.ms_per_second() }
+        let of = |error: f64| if stopped { f64::INFINITY } else { error };
+        let (error, greatest_error) = (of(self.deviation.relative()), of(self.deviation.greatest()));
+        Outcome { error, greatest_error, status, counts, ms_per_second: self.march.ms_per_second(), runs: 1 }
     }
 }

@@ -1,10 +1,16 @@
 //! The error of a running simulation, now: against a closed form where there is one; otherwise a twin with a fine step runs
 //! beside it and is pulled along by the same mouse.
 
-use super::{ClosedForm, march::Deadline, reference::finest, setting::limit, trial::Deviation};
+use super::{
+    ClosedForm,
+    march::Deadline,
+    reference::{STILL, finest},
+    setting::limit,
+    stopwatch::Stopwatch,
+    trial::Deviation,
+};
 use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
-use web_time::Instant;
 
 /// A fine reference in lock step with a live simulation: for each of its steps it takes a whole number of shorter ones.
 ///
@@ -54,7 +60,9 @@ impl Tally {
         now.add(x, exact, origin);
         self.all.add(x, exact, origin);
         self.moments += 1.0;
-        self.error = Some(now.relative_to(self.all, self.moments));
+        let extent = origin.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
+        let moves = self.all.motion() > STILL * extent;
+        self.error = moves.then(|| now.relative_to(self.all, self.moments));
         self.time = Some(time);
     }
 }
@@ -143,7 +151,7 @@ impl Twin {
             }
             return true;
         }
-        let (begin, deadline) = (Instant::now(), Deadline::after(budget));
+        let (stopwatch, deadline) = (Stopwatch::start(), Deadline::after(budget));
         while let Some(leg) = self.legs.front_mut() {
             if let Some(scene) = leg.scene.take() {
                 self.fine.replace_scene(finer_scene(&scene, self.per_step));
@@ -174,7 +182,7 @@ impl Twin {
                 self.compare(&leg, live);
             }
         }
-        self.spent += begin.elapsed();
+        self.spent += stopwatch.elapsed();
         self.legs.is_empty()
     }
 
@@ -187,7 +195,7 @@ impl Twin {
             self.own.add(exact, &finer.state().x, &self.start.x);
         }
         let (own, error) = (self.own.relative(), self.live.all.relative());
-        if own > 0.01 * error && own > 1e-12 && self.per_step < MOST {
+        if self.live.error.is_some() && own > 0.01 * error && own > 1e-12 && self.per_step < MOST {
             self.refine(live);
         } else if self.fine.state().time - self.start.time >= CHECK {
             self.finer = None;
@@ -201,7 +209,7 @@ impl Twin {
     }
 
     /// Relative RMS error of the live simulation's positions at the last comparison: `sqrt(mean |x - x_ref|²)` over the root
-    /// mean square of `x_ref - x_start` so far. `None` before the first comparison.
+    /// mean square of `x_ref - x_start` so far. `None` before the first comparison, and while nothing moves but by round-off.
     pub const fn error(&self) -> Option<f64> {
         self.live.error
     }
@@ -226,12 +234,12 @@ impl Twin {
         self.live.time.map_or(0.0, |time| time - self.start.time)
     }
 
-    /// Time the twin has taken altogether.
+    /// Processor time the twin has taken altogether.
     pub const fn spent(&self) -> Duration {
         self.spent
     }
 
-    /// Time the twin takes for a second of simulated time [ms].
+    /// Processor time the twin takes for a second of simulated time [ms].
     pub fn ms_per_second(&self) -> f64 {
         if self.simulated > 0.0 { self.spent.as_secs_f64() * 1e3 / self.simulated } else { 0.0 }
     }

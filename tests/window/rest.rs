@@ -39,6 +39,17 @@ fn when_everything_sleeps_nothing_is_stepped_and_no_frame_is_asked_for_until_a_p
 }
 
 #[test]
+fn the_cost_panel_says_how_many_triangles_are_computed_while_some_sleep() {
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    let all = window.state().snapshot().triangles.len();
+    assert_eq!(window.state().snapshot().computed, all);
+    assert!(window.query_by_label("Computed").is_none());
+    window.run_steps(60);
+    assert_eq!((window.state().snapshot().asleep, window.state().snapshot().computed), (1, 0));
+    assert!(window.query_by_label("Computed").is_some());
+}
+
+#[test]
 fn sleep_can_be_switched_off_in_the_panel() {
     let mut window = in_mode("gingerbread", Mode::Simulate);
     click(&mut window, "Sleep");

@@ -159,12 +159,24 @@ fn the_mesh_study_tells_how_much_triangles_lock_and_says_in_words_where_there_is
     assert!(window.query_by_label_contains("Error falls like h^1.").is_some());
     has_head(
         &table(&mut window, "Meshes as CSV"),
-        &["# reference: ", "# reference_error_at_most: ", "# locking_at_nu_0.4999: "],
+        &["# reference: ", "# reference_error_estimate: ", "# locking_at_nu_0.4999: "],
     );
     let mut window = open("chain");
     measure(&mut window, "Mesh study");
     assert!(window.query_by_label_contains("No mesh of this level has a resolution to vary.").is_some());
     assert!(window.query_by_label("Meshes as CSV").is_none(), "there is nothing to save");
+}
+
+#[test]
+fn a_study_of_a_scene_at_rest_says_so_and_suggests_nothing() {
+    let mut window = open("gingerbread");
+    measure(&mut window, "Work-precision diagram");
+    draw(&window);
+    assert!(window.query_by_label_contains("Nothing moves here").is_some());
+    assert!(window.query_by_label("Use it").is_none() && window.query_by_label_contains("Cheapest under").is_none());
+    let table = table(&mut window, "Accuracy as CSV");
+    has_head(&table, &["# remark: Nothing moves here"]);
+    assert!(!table.contains("inf") && !table.contains("unstable"), "{table}");
 }
 
 #[test]

@@ -103,14 +103,16 @@ impl Record {
             ("B", b),
             ("positions", positions.to_owned()),
             ("energy", "total energy of B less that of A".to_owned()),
-            ("ms", "time of computing for a second of simulated time".to_owned()),
+            ("ms", "time of computing for a second of simulated time that was not slept through".to_owned()),
             ("reference", "none: neither pane is better than the other by right".to_owned()),
         ];
         let columns = ["time_s", "positions_m", "positions_relative", "energy_j", "ms_a", "ms_b"];
         let mut table = Table::new(head(&self.level, 1, &about), &columns);
         for Moment { time, positions, energy, prices } in &self.moments {
-            let [metres, relative] = positions
-                .map_or([const { String::new() }; 2], |apart| [apart.metres.to_string(), apart.relative.to_string()]);
+            let share =
+                |apart: Apart| if apart.relative.is_finite() { apart.relative.to_string() } else { String::new() };
+            let [metres, relative] =
+                positions.map_or([const { String::new() }; 2], |apart| [apart.metres.to_string(), share(apart)]);
             let [a, b] = prices.map_or([const { String::new() }; 2], |ms| ms.map(|s| format!("{:.4}", 1e3 * s)));
             table.row([time.to_string(), metres, relative, energy.to_string(), a, b]);
         }

@@ -19,9 +19,9 @@ pub struct Rounds {
     b_first: bool,
     /// Where both were when they last met.
     met: [Restart; 2],
-    /// Time of computing [s], and the simulated time it was for [s], both fading.
+    /// Time of computing [s], and the simulated time it was for [s], both fading: steps that were slept through do not count.
     spent: [f64; 2],
-    simulated: f64,
+    simulated: [f64; 2],
 }
 
 impl Rounds {
@@ -59,9 +59,12 @@ impl Rounds {
             }
             for number in if self.b_first { [1, 0] } else { [0, 1] } {
                 let (begin, pane) = (Instant::now(), &mut panes[number]);
+                let computed = pane.simulation().counts().computed();
                 if self.left[number] > 0 {
                     self.left[number] -= pane.advance(self.left[number], more);
                 }
+                let steps = pane.simulation().counts().computed().saturating_sub(computed);
+                self.simulated[number] += steps as f64 * pane.step_length();
                 self.spent[number] += begin.elapsed().as_secs_f64();
                 if !pane.is_live() {
                     let stopped = pane.simulation().state().time;
@@ -88,9 +91,8 @@ impl Rounds {
 
     fn book(&mut self, simulated: f64) {
         let fade = libm::exp(-simulated / MEMORY);
-        self.simulated = self.simulated * fade + simulated;
         // What was just spent is in already.
-        self.spent.iter_mut().for_each(|spent| *spent *= fade);
+        self.spent.iter_mut().chain(&mut self.simulated).for_each(|known| *known *= fade);
     }
 
     /// Goes back to where both last met.
@@ -103,9 +105,10 @@ impl Rounds {
         }
     }
 
-    /// Time of computing for a second of simulated time [s]; `None` before there was any.
+    /// Time of computing for a second of simulated time that was computed [s]; `None` before there was any of both.
     pub fn prices(&self) -> Option<[f64; 2]> {
-        (self.simulated > 0.0).then(|| self.spent.map(|spent| spent / self.simulated))
+        let [a, b] = [0, 1].map(|pane| (self.simulated[pane] > 0.0).then(|| self.spent[pane] / self.simulated[pane]));
+        Some([a?, b?])
     }
 }
 

@@ -6,8 +6,9 @@ use crate::{
     integrators::IntegratorKind,
     level::Level,
     study::{
-        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy, Plan,
-        Price, Progress, Saving, Savings, Setting, Status, StudyError, Suggestion, Trial, WorkPrecision,
+        Curve, Drift, Invariant, Limits, Locking, LockingNumber, Measure, MeasuredOrder, MeshMoment, MeshPlan,
+        MeshPoint, MeshReference, MeshStudy, NoErrors, NoMeshReference, Plan, Price, Progress, Reference, Saving,
+        Savings, Setting, Status, StudyError, Suggestion, Trial, USUAL_ERRORS, WorkPrecision,
     },
 };
 use std::time::Duration;
@@ -32,10 +33,26 @@ pub struct Diagram {
     pub curves: Vec<Curve>,
     /// What errors are measured against, with its own error.
     pub reference: Option<(String, f64)>,
+    /// What errors must exceed to tell something.
+    pub limits: Limits,
+    /// Why errors tell nothing.
+    pub no_errors: Option<NoErrors>,
     /// The cheapest setting for each of [`TARGETS`], by time and by force evaluations.
     pub suggestions: Vec<[Option<Suggestion>; 2]>,
     /// The table as comma-separated values.
     pub csv: String,
+}
+
+impl Diagram {
+    /// Which of [`TARGETS`] is asked about where none is chosen: the first usual error that some setting reaches by this price.
+    pub fn usual_target(&self, price: usize) -> usize {
+        let number = |error: &f64| TARGETS.iter().position(|target| target == error);
+        let reached = |number: &usize| {
+            self.suggestions.get(*number).and_then(|by_price| by_price.get(price)).is_some_and(Option::is_some)
+        };
+        let mut usual = USUAL_ERRORS.iter().filter_map(number);
+        usual.clone().find(reached).or_else(|| usual.next()).unwrap_or_default()
+    }
 }
 
 /// Prepares the work-precision diagram of a level from its state.
@@ -57,6 +74,8 @@ impl Work for WorkPrecision {
             level: self.trial().name.clone(),
             curves: self.curves(),
             reference: self.reference().map(|reference| (reference.source.to_string(), reference.own_error)),
+            limits: self.reference().map(Reference::limits).unwrap_or_default(),
+            no_errors: self.no_errors(),
             suggestions: TARGETS.map(|target| prices.map(|price| self.suggest(target, price))).to_vec(),
             csv: self.csv(),
         }
@@ -92,12 +111,10 @@ pub struct MeshFindings {
     pub moment: MeshMoment,
     /// From coarse to fine.
     pub meshes: Vec<Mesh>,
-    /// What values are compared with, and its own relative error.
-    pub reference: Option<(f64, f64)>,
-    /// How steeply the error falls with the size of the triangles.
-    pub order: Option<f64>,
-    /// Why the values tell nothing.
-    pub remark: Option<&'static str>,
+    /// What values are compared with, or why there is nothing.
+    pub reference: Option<Result<MeshReference, NoMeshReference>>,
+    /// How steeply the error falls with the size of the triangles, or why that cannot be told.
+    pub order: Option<MeasuredOrder>,
     /// How much the level's mesh locks.
     pub locking: Vec<LockingNumber>,
     /// The table as comma-separated values.
@@ -120,7 +137,7 @@ impl Work for Meshes {
         /// About how large a share of the work the meshes are.
         const MESHES: f64 = 0.7;
         let compared = self.study.advance(budget);
-        let alone = self.study.plan().moment == MeshMoment::AtTheEnd || self.study.remark().is_some();
+        let alone = self.study.plan().moment == MeshMoment::AtTheEnd || !self.study.is_telling();
         if !compared.finished || alone {
             return Ok(compared);
         }
@@ -145,8 +162,7 @@ impl Work for Meshes {
             moment: study.plan().moment,
             meshes: study.points().map(mesh).collect(),
             reference: study.reference(),
-            order: study.order(),
-            remark: study.remark(),
+            order: study.reference().map(|_| study.order()),
             csv: study.csv(&locking),
             locking,
         }
@@ -177,6 +193,8 @@ pub struct Courses {
     pub seconds: f64,
     /// One for each scheme.
     pub each: Vec<Course>,
+    /// The schemes that stayed stable and touched a wall, so that energy and momentum were changed by right.
+    pub touching: Vec<&'static str>,
     /// For each of [`Invariant::ALL`]: what changes it by right, and why there is nothing of it.
     pub words: [(String, Option<&'static str>); 3],
     /// The table as comma-separated values.
@@ -209,12 +227,13 @@ impl Work for Drift {
             });
             let gain = run.moments.last().map_or(0.0, |last| self.change(run, Invariant::Energy, last));
             let current = run.setting == self.trial().current;
-            Course { setting: run.setting.clone(), current, status: run.status(), changes, gain }
+            Course { setting: run.setting.clone(), current, status: self.status(run), changes, gain }
         };
         Courses {
             level: self.trial().name.clone(),
             seconds: self.trial().seconds(),
             each: self.runs().iter().map(course).collect(),
+            touching: self.touching().map(|run| run.setting.integrator.kind().title()).collect(),
             words: Invariant::ALL.map(|invariant| (self.changed_by(invariant).join(", "), self.nothing_of(invariant))),
             csv: self.csv(),
         }

@@ -80,7 +80,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
                 other meshes, B is looked at where A's vertices are in the rest shape.";
     let top = ui.cursor().min;
     row(ui, "Positions", &last.positions.map_or("–".to_owned(), words), help);
-    let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative);
+    let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative).filter(|share| share.is_finite());
     plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
     let energy = if last.energy.is_finite() { fixed(visible(last.energy), "J") } else { "–".to_owned() };
@@ -123,7 +123,7 @@ pub fn apart(panes: &Comparison) -> String {
 /// Time of computing for a second of simulated time, and how many times as dear B is.
 fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
     let theme = Theme::of(ui.ctx());
-    let help = "Time of computing for a second of simulated time [s]; above 1 s a pane alone is slower than real time.";
+    let help = "Time of computing for a second of simulated time that was not slept through [s]; above 1 s a pane alone is slower than real time.";
     for pane in Pane::BOTH {
         let name = RichText::new(format!("Computing 1 s of {}", pane.letter())).color(color(theme, pane));
         row(ui, name, &prices.map_or("–".to_owned(), |prices| fixed(prices[pane as usize], "s")), help);

@@ -155,6 +155,11 @@ fn size(ui: &mut Ui, now: &Snapshot) {
     }
     if !now.triangles.is_empty() {
         row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
+        if now.asleep > 0 {
+            let help =
+                "Triangles of bodies that are awake. The times above are for these: what sleeps is not computed.";
+            row(ui, "Computed", &count(now.computed), help);
+        }
         row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
         let continued: usize = now.bodies.iter().map(|body| body.continued).sum();
         if continued > 0 {

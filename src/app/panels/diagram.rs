@@ -15,7 +15,7 @@ use crate::{
         theme::Theme,
     },
     command::Command,
-    study::{Curve, Outcome, Point, Price, Status},
+    study::{Curve, Outcome, Point, Price, Status, price_in_words},
 };
 use eframe::egui::{Align2, Color32, ComboBox, RichText, TextStyle, Ui, pos2};
 use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, PlotPoints, Points};
@@ -25,8 +25,8 @@ use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, PlotPoints, Points}
 pub struct Look {
     /// What the horizontal axis shows.
     pub price: Price,
-    /// Which of the targets is asked about.
-    pub target: usize,
+    /// Which of the targets is asked about; if none was chosen, a usual one that is reached.
+    pub target: Option<usize>,
 }
 
 /// What measuring it does.
@@ -39,13 +39,27 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     let invitation = "Every scheme runs the next second from the present state, without the mouse, with many steps; each run \
                       is a point.";
     let Some(diagram) = results(ui, desk.lab.accuracy.findings(), invitation) else { return };
-    suggest(ui, diagram, view, commands);
+    if let Some(why) = &diagram.no_errors {
+        ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).caution));
+    } else {
+        suggest(ui, diagram, view, commands);
+    }
     let reference = diagram.reference.as_ref();
     let about = reference.map_or_else(
         || "Looking for a reference to measure errors against.".to_owned(),
-        |(source, own)| format!("{SECONDS} s, measured against {source}; its own error is {}.", percent(*own)),
+        |(source, own)| {
+            let own = if diagram.no_errors.is_none() {
+                format!("; its own error is {}. Prices: {}", percent(*own), price_in_words())
+            } else {
+                String::new()
+            };
+            format!("{SECONDS} s, measured against {source}{own}.")
+        },
     );
     caption(ui, view, Figure::Accuracy, &about, &diagram.level, &diagram.csv);
+    if diagram.no_errors.is_some() {
+        return;
+    }
     let rect = ui.scope(|ui| plot(ui, diagram, view.studies.diagram.price)).response.rect;
     export::pose(ui, view, Figure::Accuracy, rect);
 }
@@ -54,7 +68,7 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
     let look = &mut view.studies.diagram;
     ui.horizontal_wrapped(|ui| {
         let parts = [
-            (Price::Time, "Time", "Measured [ms] for a simulated second"),
+            (Price::Time, "Time", "Measured processor time [ms] for a simulated second"),
             (
                 Price::ForceEvaluations,
                 "Force evaluations",
@@ -66,17 +80,21 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
             look.price = *price;
         }
         ui.label("Cheapest under");
-        let target = &mut look.target;
-        let shown = percent(TARGETS[*target % TARGETS.len()]);
+        let price = usize::from(look.price == Price::ForceEvaluations);
+        let mut target = look.target.unwrap_or_else(|| diagram.usual_target(price));
+        let before = target;
+        let shown = percent(TARGETS[target % TARGETS.len()]);
         let combo = ComboBox::from_id_salt("target").width(72.0).selected_text(shown).show_ui(ui, |ui| {
             for (number, error) in TARGETS.iter().enumerate() {
-                ui.selectable_value(target, number, percent(*error));
+                ui.selectable_value(&mut target, number, percent(*error));
             }
         });
         combo.response.accessible_name("Error to stay under");
-        ui.label("error:");
-        let price = usize::from(look.price == Price::ForceEvaluations);
-        match diagram.suggestions.get(*target).and_then(|by_price| by_price[price].as_ref()) {
+        ui.label("mean error:");
+        if target != before {
+            look.target = Some(target);
+        }
+        match diagram.suggestions.get(target).and_then(|by_price| by_price[price].as_ref()) {
             Some(suggestion) => {
                 ui.label(RichText::new(suggestion.to_string()).strong());
                 if ui.button("Use it").on_hover_text("Steps like this from now on; Ctrl+Z takes it back.").clicked() {
@@ -90,7 +108,7 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
 
 fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
     let theme = Theme::of(ui.ctx());
-    let unit = if price == Price::Time { "ms per simulated second" } else { "force evaluations" };
+    let unit = if price == Price::Time { "processor ms per simulated second" } else { "force evaluations" };
     let measured = |curve: &Curve| -> Vec<(Point, Outcome)> {
         curve.points.iter().filter_map(|point| Some((point.clone(), point.outcome.clone()?))).collect()
     };
@@ -100,7 +118,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
     let left = places().map(|[x, _]| x).fold(f64::INFINITY, f64::min);
     let mut plot = axes::log_log("work and precision", theme)
         .x_axis_label(unit)
-        .y_axis_label("relative RMS position error")
+        .y_axis_label("relative RMS position error, mean over frames")
         .label_formatter(|hovered| match hovered {
             HoverPosition::NearDataPoint { plot_name, .. } => Some((*plot_name).to_owned()),
             HoverPosition::Elsewhere { .. } => None,
@@ -117,7 +135,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
                 points.iter().filter(|(_, outcome)| sound(outcome)).map(|(_, outcome)| at(outcome, price)).collect();
             plot.line(Line::new(curve.integrator.name(), stable).color(color).width(1.6).allow_hover(false));
             for (point, outcome) in &points {
-                plot.points(marker(point, outcome, price, color));
+                plot.points(marker(diagram, point, outcome, price, color));
             }
         }
     });
@@ -153,7 +171,7 @@ fn at(outcome: &Outcome, price: Price) -> [f64; 2] {
 
 /// The current setting is a large filled dot, other runs small ones; runs that blew up are crosses, those with unsolved equations
 /// empty squares.
-fn marker<'a>(point: &Point, outcome: &Outcome, price: Price, color: Color32) -> Points<'a> {
+fn marker<'a>(diagram: &Diagram, point: &Point, outcome: &Outcome, price: Price, color: Color32) -> Points<'a> {
     let (shape, radius) = match (outcome.status, point.current) {
         (Status::Ok, true) => (MarkerShape::Circle, 7.0),
         (Status::Ok, false) => (MarkerShape::Circle, 2.5),
@@ -162,23 +180,30 @@ fn marker<'a>(point: &Point, outcome: &Outcome, price: Price, color: Color32) ->
         (Status::Unstable, false) => (MarkerShape::Cross, 4.0),
     };
     let filled = outcome.status != Status::Unconverged;
-    Points::new(story(point, outcome), vec![at(outcome, price)]).shape(shape).filled(filled).radius(radius).color(color)
+    let points = Points::new(story(diagram, point, outcome), vec![at(outcome, price)]);
+    points.shape(shape).filled(filled).radius(radius).color(color)
 }
 
 /// What is said of a run that is pointed at.
-fn story(point: &Point, outcome: &Outcome) -> String {
+fn story(diagram: &Diagram, point: &Point, outcome: &Outcome) -> String {
+    let note = diagram.limits.note(outcome.error).map_or_else(String::new, |note| format!(" ({})", note.words()));
+    let errors = || format!("mean error {}{note}, largest {}", percent(outcome.error), percent(outcome.greatest_error));
     let came = match outcome.status {
         Status::Unstable => "it blew up".to_owned(),
-        Status::Ok => format!("error {}", percent(outcome.error)),
-        Status::Unconverged => format!("error {}, some equations left unsolved", percent(outcome.error)),
+        Status::Ok => errors(),
+        Status::Unconverged => format!("{}, some equations left unsolved", errors()),
     };
     let time = numbers::si(1e-3 * outcome.ms_per_second, "s");
     let now = if point.current { " (now)" } else { "" };
-    format!("{}{now}\n{came}\n{time} for a simulated second", point.setting.label())
+    let runs = outcome.runs;
+    format!("{}{now}\n{came}\n{time} for a simulated second, least of {runs}", point.setting.label())
 }
 
 /// The scheme with the order that was measured.
 fn label(curve: &Curve) -> String {
     let title = curve.integrator.kind().title();
-    curve.order.map_or_else(|| title.to_owned(), |order| format!("{title}, order {order:.2}"))
+    match curve.order {
+        Ok(order) => format!("{title}, order {order:.2}"),
+        Err(reason) => format!("{title}, no order: {reason}"),
+    }
 }

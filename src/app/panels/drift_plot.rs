@@ -62,6 +62,16 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         let text = format!("Here the {} is changed by {reasons} too: that is no fault of a scheme.", invariant.title());
         ui.label(RichText::new(text).color(theme.caution));
     }
+    if !courses.touching.is_empty() {
+        let valid = courses.each.iter().filter(|course| course.status != Status::Unstable).count();
+        let who = if courses.touching.len() == valid {
+            "all that stay stable".to_owned()
+        } else {
+            courses.touching.join(", ")
+        };
+        let text = format!("Walls that are touched change the {} too, for {who}.", invariant.title());
+        ui.label(RichText::new(text).color(theme.caution));
+    }
     if courses.each.is_empty() {
         return;
     }

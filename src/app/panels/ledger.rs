@@ -14,9 +14,8 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         return;
     }
     let header = CollapsingHeader::new("What each effect costs").id_salt("ledger").show(ui, |ui| {
-        let all = desk.meter.shown().iter().map(|used| used.time).sum::<f64>();
         for (number, cost) in desk.now.costs.iter().enumerate() {
-            entry(ui, desk, number, cost, all);
+            entry(ui, desk, number, cost);
         }
         off(ui, desk);
         savings(ui, desk, view);
@@ -25,20 +24,20 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
 }
 
 /// One effect: its time and share; below, what it did or why it did nothing, and what that saves.
-fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost, all: f64) {
+fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost) {
     let used = desk.meter.shown().get(number).filter(|used| used.name == cost.name);
-    let time = used.map_or_else(|| "–".to_owned(), |used| numbers::si_fixed(used.time, "s"));
-    let share =
-        used.filter(|_| all > 0.0).map_or_else(String::new, |used| format!("{:3.0} %", 100.0 * used.time / all));
+    let computed = used.filter(|used| used.slept < 1.0);
+    let time = computed.map_or_else(|| "–".to_owned(), |used| numbers::si_fixed(used.time, "s"));
+    let share = computed.map_or_else(String::new, |used| format!("{:3.0} %", 100.0 * used.share));
     let response = ui.horizontal(|ui| {
         ui.label(RichText::new(name(desk, number, cost)).strong());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.monospace(format!("{time} {share:>5}"));
         });
     });
-    response
-        .response
-        .on_hover_text("Time in a frame of 1/60 s of simulated time, and its share of what all effects take");
+    response.response.on_hover_text(
+        "Time in a frame of 1/60 s of simulated time in which it is computed, and its share of what all effects take",
+    );
     let words = match (state(cost, used), saving(desk, number, cost)) {
         (state, Some(saving)) => format!("{state}; skipping saves {} a frame", numbers::si(saving.saved(), "s")),
         (state, None) => state,
@@ -71,7 +70,9 @@ fn state(cost: &EffectCost, used: Option<&Use>) -> String {
     let skipped = used.filter(|used| cost.idle.is_none() && used.skipped >= 0.5);
     let skipped =
         skipped.map_or_else(String::new, |used| format!(", {} skipped", count(used.skipped.round() as usize)));
-    format!("{switch} – {acting}{skipped}")
+    let slept = used.filter(|used| used.slept > 0.0);
+    let slept = slept.map_or_else(String::new, |used| format!("; slept in {:.0} % of the steps", 100.0 * used.slept));
+    format!("{switch} – {acting}{skipped}{slept}")
 }
 
 fn saving(desk: &Desk<'_>, number: usize, cost: &EffectCost) -> Option<Saving> {

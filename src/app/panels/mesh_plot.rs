@@ -15,7 +15,7 @@ use crate::{
         numbers,
         theme::Theme,
     },
-    study::{LockingNumber, Measure, MeshMoment, Status},
+    study::{LockingNumber, Measure, MeshMoment, MeshReference, Status, price_in_words},
 };
 use eframe::egui::{Grid, RichText, Ui};
 use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, Points};
@@ -45,8 +45,8 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
          {SECONDS} s. Each mesh is a point."
     );
     let Some(study) = results(ui, desk.lab.meshes.findings(), &invitation) else { return };
-    if let Some(remark) = study.remark {
-        ui.label(RichText::new(remark).color(Theme::of(ui.ctx()).caution));
+    if let Some(Err(why)) = study.reference {
+        ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).caution));
     }
     if study.meshes.is_empty() {
         return;
@@ -65,36 +65,47 @@ fn about(study: &MeshFindings) -> String {
         MeshMoment::AtTheEnd => format!("after {SECONDS} s, as pins do not hold the level"),
     };
     let what = study.measure.title();
-    let error = study.reference.map(|(value, own)| {
-        let value = numbers::si(value, study.measure.unit());
-        format!(", measured against {value}, extrapolated; its own error is about {}", percent(own))
-    });
-    let error = error.unwrap_or_else(|| "; errors are known when the finest mesh is done".to_owned());
-    if study.remark.is_some() { format!("The {what} {when}.") } else { format!("The {what} {when}{error}.") }
+    match study.reference {
+        Some(Ok(MeshReference { value, own_error, .. })) => {
+            let (value, own) = (numbers::si(value, study.measure.unit()), percent(own_error));
+            let price = price_in_words();
+            format!(
+                "The {what} {when}, measured against {value}, extrapolated; its own error is about {own}. Prices: {price}."
+            )
+        }
+        Some(Err(_)) => format!("The {what} {when}."),
+        None => format!("The {what} {when}; errors are known when the finest mesh is done."),
+    }
 }
 
 /// How the error falls, and how much the triangles lock.
 fn words(ui: &mut Ui, study: &MeshFindings) {
     match study.order {
-        Some(order) if order > 0.3 => {
+        Some(Ok(order)) => {
             let finer = 2_f64.powf(order);
             ui.label(format!("Error falls like h^{order:.2}: triangles of half the size are {finer:.1} times better."))
                 .on_hover_text("h: the size of the triangles; the slope of log error over log h where it is steady.");
         }
-        Some(_) => drop(ui.label("Errors do not fall steadily here: each mesh bumps and folds in its own way.")),
+        Some(Err(reason)) => drop(ui.label(format!("Order of the error: not measurable here: {reason}."))),
         None => {}
     }
     let locks = |number: &LockingNumber| {
-        format!("at ν = {} the tip moves {} of what it should", number.poisson, percent(number.ratio()))
+        let at_most = if number.is_bound() { "at most " } else { "" };
+        format!("at ν = {} the tip moves {at_most}{} of what it should", number.poisson, percent(number.ratio()))
     };
     let numbers: Vec<_> = study.locking.iter().map(locks).collect();
     if !numbers.is_empty() {
-        let help = "Tip deflection at rest in plane strain, over that of 4 times as many triangles, crossed where they are \
-                    rectangles: linear triangles cannot bend without changing area, and so lock where area is kept.";
+        let help = "Tip deflection at rest in plane strain on the level's own mesh, over that of a finer mesh, crossed where bodies are \
+                    rectangles: linear triangles cannot bend without changing area, and so lock where area is kept. Where the finer \
+                    mesh may lock too, the true share is smaller.";
         let tight = study.locking.iter().any(|number| number.is_tight() && number.ratio() < 0.5);
         let theme = Theme::of(ui.ctx());
         let color = if tight { theme.caution } else { theme.text };
-        let text = format!("Locking: {}.", numbers.join("; "));
+        let meshes = study.locking.first().map_or_else(String::new, |number| {
+            let [own, better] = number.meshes;
+            format!(" Own mesh: {own}; compared with: {better}.")
+        });
+        let text = format!("Locking: {}.{meshes}", numbers.join("; "));
         ui.label(RichText::new(text).color(color)).on_hover_text(help);
     }
 }
@@ -125,7 +136,11 @@ fn table(ui: &mut Ui, study: &MeshFindings) {
 fn plot(ui: &mut Ui, study: &MeshFindings) {
     let theme = Theme::of(ui.ctx());
     let known: Vec<_> = study.meshes.iter().filter_map(|mesh| Some((mesh, at(mesh)?))).collect();
-    let unit = if study.moment == MeshMoment::AtRest { "ms to find the rest" } else { "ms per simulated second" };
+    let unit = if study.moment == MeshMoment::AtRest {
+        "processor ms to find the rest"
+    } else {
+        "processor ms per simulated second"
+    };
     let (left, right) =
         known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), (_, [x, _])| (l.min(*x), r.max(*x)));
     let color = theme.series[0];
@@ -144,7 +159,8 @@ fn plot(ui: &mut Ui, study: &MeshFindings) {
                 let radius = if mesh.current { 7.0 } else { 3.5 };
                 let points = Points::new(story(study, mesh), vec![*at]).shape(MarkerShape::Circle).radius(radius);
                 // The reference was extrapolated beyond the finest mesh: its error is no more than an estimate.
-                let estimate = mesh.error.zip(study.reference).is_some_and(|(error, (_, own))| error <= own);
+                let own = study.reference.and_then(Result::ok).map(|reference| reference.own_error);
+                let estimate = mesh.error.zip(own).is_some_and(|(error, own)| error <= own);
                 plot.points(points.color(color).filled(!estimate));
             }
         });
@@ -169,5 +185,9 @@ fn story(study: &MeshFindings, mesh: &Mesh) -> String {
     let error = mesh.error.map_or_else(String::new, percent);
     let (triangles, vertices) = (count(point.triangles), count(point.vertices));
     let size = numbers::si(point.size, "m");
-    format!("{triangles} triangles of {size}, {vertices} vertices\n{} {value}, error {error}", study.measure.title())
+    let (title, time) = (study.measure.title(), numbers::si(1e-3 * point.ms, "s"));
+    let runs = point.runs;
+    format!(
+        "{triangles} triangles of {size}, {vertices} vertices\n{title} {value}, error {error}\n{time}, least of {runs}"
+    )
 }

@@ -171,15 +171,20 @@ fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         view.wishes.push(Wish::Twin(on));
     }
     let Some(twin) = desk.lab.twin() else { return };
-    let error = twin.error().map_or_else(|| "–".to_owned(), percent);
+    let still = if twin.age() > 0.0 { "nothing moves" } else { "–" };
+    let error = twin.error().map_or_else(|| still.to_owned(), percent);
     row(ui, "Error now", &error, help);
     if let Some(exact) = twin.exact() {
         ui.label(RichText::new(format!("Against the closed form: {}.", exact.words)).small());
         return;
     }
-    let own = if twin.is_checking() { "checking".to_owned() } else { percent(twin.own_error()) };
+    let own = match (twin.is_checking(), twin.error()) {
+        (true, _) => "checking".to_owned(),
+        (false, Some(_)) => percent(twin.own_error()),
+        (false, None) => "–".to_owned(),
+    };
     row(ui, "Its own error", &own, "How far the twin is from a twin with half its step");
-    let cost = "Time the twin takes for a second of simulated time [ms]";
+    let cost = "Processor time the twin takes for a second of simulated time [ms]";
     row(ui, "Price of the twin", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
 }
 

@@ -107,7 +107,12 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
         return Err(HeadlessError::Level { file: request.level.display().to_string(), why });
     }
     if let Some(model) = request.model {
-        level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+        for body in &mut level.bodies {
+            body.material = body.material.try_with_model(model).map_err(|why| HeadlessError::Level {
+                file: request.level.display().to_string(),
+                why: Refused::Material(why),
+            })?;
+        }
     }
     let mut simulation = prepared(request, &level)?;
     simulation.set_threads(request.threads.unwrap_or_else(threads));

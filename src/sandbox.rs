@@ -7,6 +7,7 @@ use crate::{
     document::{Document, Gesture, History, saved},
     effects::Grab,
     level::{Level, RunMode},
+    materials::BadMaterial,
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
@@ -38,6 +39,9 @@ pub enum Refused {
     /// The level that would come out cannot be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A body cannot be of this material.
+    #[error(transparent)]
+    Material(#[from] BadMaterial),
     /// The command does not fit what is there.
     #[error("{0}")]
     NotHere(&'static str),

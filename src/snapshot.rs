@@ -6,7 +6,7 @@ use crate::{
     elements::{Springs, Survey},
     fault::Fault,
     level::Level,
-    materials::Model,
+    materials::{Caution, Model},
     meshes::Mesh,
     obstacles::Inside,
     report::EffectCost,
@@ -279,7 +279,7 @@ impl Sandbox {
             mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
             top_force: if test { body.holding_force(x) } else { 0.0 },
             height_ratio,
-            caution: test.then(|| body.elements.model().caution(body.elements.lame(), height_ratio)).flatten(),
+            caution: test.then(|| body.elements.visit(Caution(height_ratio))).flatten(),
         }
     }
 

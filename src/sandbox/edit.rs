@@ -18,7 +18,9 @@ impl Sandbox {
             Command::SetModel(model) => {
                 document.side_by_side = None;
                 document.level.state = None;
-                document.level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+                for body in &mut document.level.bodies {
+                    body.material = body.material.try_with_model(model)?;
+                }
                 then = Then::Restart;
             }
             Command::SetMaterial(body, material) => {

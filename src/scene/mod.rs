@@ -270,7 +270,7 @@ impl Scene {
             return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
         let material = &level.material;
-        let stuff = (material.model(), material.lame(), material.plane() == Plane::Stress);
+        let stuff = (material.model(), material.lame(), material.plane());
         let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), &mesh, stuff));
         if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
             let flat = numbering.element_name(flat);

@@ -50,13 +50,26 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     let (mut young, mut poisson, mut plane) = (material.young(), material.poisson(), material.plane());
     let outcomes = [slider::quantity(ui, &mut young), slider::quantity(ui, &mut poisson)];
     let mut changed = outcomes.iter().any(|outcome| outcome.changed);
-    let part = |which, text, about| Segment { text, name: text, about, on: plane == which };
+    let part = |which, text, name, about| Segment { text, name, about, on: plane == which };
+    let stress = if material.model().is_exact_in_stress() {
+        "The faces are free of stress: λ = E ν / ((1 + ν)(1 − ν)) [Pa]. For this model that is exact at every strain."
+    } else {
+        "The faces are free of stress at small strain: λ = E ν / ((1 + ν)(1 − ν)) [Pa] in the formula of plane strain. At large \
+         strain this model keeps some stress through the thickness."
+    };
+    let exact = if material.model().is_exact_in_stress() {
+        "The faces are free of stress at every strain. For this model that is the same as plane stress."
+    } else {
+        "The faces are free of stress at every strain: the thickness of each triangle solves P₃₃ = 0. Costs more time."
+    };
+    let planes = [Plane::Strain, Plane::Stress, Plane::StressExact];
     let parts = [
-        part(Plane::Strain, "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
-        part(Plane::Stress, "Plane stress", "The faces are free: λ = E ν / ((1 + ν)(1 − ν)) [Pa]."),
+        part(planes[0], "Plane strain", "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
+        part(planes[1], "Plane stress", "Plane stress", stress),
+        part(planes[2], "… exact", "Plane stress, exact", exact),
     ];
     if let Some(clicked) = segmented(ui, "plane", &parts, true) {
-        plane = if clicked == 0 { Plane::Strain } else { Plane::Stress };
+        plane = planes[clicked];
         changed = plane != material.plane();
     }
     ui.add_space(5.0);

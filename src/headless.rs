@@ -159,9 +159,11 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
     );
     let inside = simulation.count_inside();
     let pushed_out = (inside > 0).then(|| match inside {
-        1 => "1 vertex begins inside a wall or beyond the world: it is pushed out slowly, if there is a way".to_owned(),
+        1 => {
+            "1 vertex begins inside a wall or outside the domain: it is pushed out slowly, if there is a way".to_owned()
+        }
         many => format!(
-            "{many} vertices begin inside walls or beyond the world: they are pushed out slowly, if there is a way"
+            "{many} vertices begin inside walls or outside the domain: they are pushed out slowly, if there is a way"
         ),
     });
     for message in scene.messages.iter().chain(&pushed_out) {
@@ -244,7 +246,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     if value.is_finite() && (0.0..=1e9).contains(&value) {
         Ok(value)
     } else {
-        Err("expected seconds in [0, 1e9]".to_owned())
+        Err("expected at least 0 and at most 1e9 seconds".to_owned())
     }
 }
 

@@ -173,7 +173,7 @@ impl Guard {
 }
 
 /// An energy that is round-off to a scene [J]: 1e-12 of what its elements store at a stretch of one.
-fn negligible(scene: &Scene) -> f64 {
+pub(crate) fn negligible(scene: &Scene) -> f64 {
     let bodies = scene.bodies.iter().map(|body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>());
     let links = scene.nets.iter().flat_map(|net| net.springs.links());
     1e-12 * (bodies.sum::<f64>() + links.map(|link| link.stiffness * link.rest * link.rest).sum::<f64>())

@@ -5,6 +5,7 @@ use crate::{
     effects::{Effect as _, EffectKind, Grab},
     elements::{Springs, Survey},
     fault::Fault,
+    guard::negligible,
     level::Level,
     materials::{Caution, Model},
     meshes::Mesh,
@@ -53,6 +54,8 @@ pub struct Snapshot {
     pub values: Vec<f64>,
     /// Energies now.
     pub energies: Energies,
+    /// An energy that is no more than round-off of what this scene can store [J].
+    pub negligible: f64,
     /// Least det F of all triangles; infinite if there are none.
     pub min_j: f64,
     /// Number of triangles that are inside out (det F <= 0).
@@ -208,6 +211,7 @@ impl Sandbox {
             self.survey(field, snapshot);
         }
         snapshot.energies = simulation.energies();
+        snapshot.negligible = negligible(scene);
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());

@@ -130,7 +130,7 @@ impl Sandbox {
             Command::Untangle => {
                 let free = untangled(self.simulation.scene(), self.simulation.state());
                 self.rewind.keep(self.simulation.state());
-                self.resume(free.ok_or(Refused::NotHere("nothing lies over itself: there is nothing to untangle"))?);
+                self.resume(free.ok_or(Refused::NotHere("no body overlaps itself: there is nothing to untangle"))?);
             }
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
             Command::Pull(target) => {

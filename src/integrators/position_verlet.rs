@@ -54,7 +54,7 @@ impl Integrator for PositionVerlet {
     }
 
     fn about(&self) -> &'static str {
-        "x' = x + (1 − D)(x − x_old) + h² a. Second order for D = 0; stable for h < 2/ω of the stiffest vibration."
+        "x' = x + (1 − D)(x − x_old) + h² a, v' = (x' − x)/h + h a'/2. Second order for D = 0; stable for h < 2/ω of the stiffest vibration."
     }
 
     fn order(&self) -> u32 {

@@ -108,14 +108,14 @@ pub trait Material: Copy + Send + Sync {
     fn caution(&self, stretch: f64) -> Option<String> {
         let Some(width) = self.free_width(stretch) else {
             return Some(format!(
-                "{} has no answer here: with free sides, no positive width balances at {stretch:.2} x.",
+                "{} has no solution here: with free sides, no positive width is in equilibrium at {stretch:.2} x.",
                 Self::TITLE
             ));
         };
         let stiffness = self.stiffness(&Matrix2::new(stretch, 0.0, 0.0, width));
         let along = stiffness.m11 - stiffness.m14 * stiffness.m41 / stiffness.m44;
         (along < 0.0).then(|| {
-            format!("{} gives way here: with free sides, going on from {stretch:.2} x needs less force.", Self::TITLE)
+            format!("{} gives way here (softening): with free sides, stretching or pressing further from {stretch:.2} x needs less force.", Self::TITLE)
         })
     }
 }

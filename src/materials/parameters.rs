@@ -50,7 +50,9 @@ pub enum BadMaterial {
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// In plane strain the area cannot stay the same: lambda would be infinite.
-    #[error("Poisson's ratio must be greater than -1 and less than 0.5 for plane strain (at most 0.5 for plane stress), got {0}")]
+    #[error(
+        "Poisson's ratio must be greater than -1 and less than 0.5 for plane strain (at most 0.5 for plane stress), got {0}"
+    )]
     Poisson(f64),
     /// The thickness that leaves no stress in it is not unique, or there is none.
     #[error(

@@ -28,11 +28,7 @@ fn continued<R: Real>(j: R, exact: [R; 3], [value, slope, bend]: [f64; 3]) -> [R
     let line = (bent * (0.5 * bend) + slope) * bent + tangent * (below - bent) + value;
     let curve = below.if_less(least, zero, j.of(bend));
     let [exact_value, exact_slope, exact_bend] = exact;
-    [
-        j.if_less(flat, line, exact_value),
-        j.if_less(flat, tangent, exact_slope),
-        j.if_less(flat, curve, exact_bend),
-    ]
+    [j.if_less(flat, line, exact_value), j.if_less(flat, tangent, exact_slope), j.if_less(flat, curve, exact_bend)]
 }
 
 /// A strip's free width, by Newton's method on P22(diag(s, w)) = 0 from w = 1.

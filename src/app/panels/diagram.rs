@@ -43,7 +43,9 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     let reference = diagram.reference.as_ref();
     let about = reference.map_or_else(
         || "Looking for a reference to measure errors against.".to_owned(),
-        |(source, own)| format!("{SECONDS} s, measured against {source}; its own error is {}.", percent(*own)),
+        |(source, own)| {
+            format!("{SECONDS} s, compared with {source}; the error of that reference is {}.", percent(*own))
+        },
     );
     caption(ui, view, Figure::Accuracy, &about, &diagram.level, &diagram.csv);
     let rect = ui.scope(|ui| plot(ui, diagram, view.studies.diagram.price)).response.rect;
@@ -58,7 +60,7 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
             (
                 Price::ForceEvaluations,
                 "Force evaluations",
-                "The same on every machine, but blind to the price of solving equations",
+                "The same on every computer, but the time for solving equations is not counted",
             ),
         ];
         let segments = parts.map(|(price, text, about)| Segment { text, name: text, about, on: look.price == price });
@@ -126,7 +128,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
     if blown {
         let at = pos2(frame.left() + 8.0, screen([0.0, TOP]).y - 9.0);
         let font = TextStyle::Small.resolve(ui.style());
-        ui.painter_at(frame).text(at, Align2::LEFT_BOTTOM, "× blew up", font, theme.bad);
+        ui.painter_at(frame).text(at, Align2::LEFT_BOTTOM, "× unstable", font, theme.bad);
     }
     let labels: Vec<_> = diagram
         .curves
@@ -168,9 +170,9 @@ fn marker<'a>(point: &Point, outcome: &Outcome, price: Price, color: Color32) ->
 /// What is said of a run that is pointed at.
 fn story(point: &Point, outcome: &Outcome) -> String {
     let came = match outcome.status {
-        Status::Unstable => "it blew up".to_owned(),
+        Status::Unstable => "unstable".to_owned(),
         Status::Ok => format!("error {}", percent(outcome.error)),
-        Status::Unconverged => format!("error {}, some equations left unsolved", percent(outcome.error)),
+        Status::Unconverged => format!("error {}, some equations not solved", percent(outcome.error)),
     };
     let time = numbers::si(1e-3 * outcome.ms_per_second, "s");
     let now = if point.current { " (now)" } else { "" };

@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let look = &mut view.studies.meshes;
     let parts = [
         (Measure::TipDeflection, "Tip deflection", "The greatest displacement of any vertex along x or y [m]"),
-        (Measure::ElasticEnergy, "Elastic energy", "What all triangles store [J]"),
+        (Measure::ElasticEnergy, "Elastic energy", "The sum over all triangles [J]"),
     ];
     let segments = parts.map(|(measure, text, about)| Segment { text, name: text, about, on: look.measure == measure });
     if let Some((measure, ..)) = segmented(ui, "measure", &segments, false).and_then(|clicked| parts.get(clicked)) {
@@ -67,7 +67,7 @@ fn about(study: &MeshFindings) -> String {
     let what = study.measure.title();
     let error = study.reference.map(|(value, own)| {
         let value = numbers::si(value, study.measure.unit());
-        format!(", measured against {value}, extrapolated; its own error is about {}", percent(own))
+        format!(", compared with the extrapolated value {value}, whose error is about {}", percent(own))
     });
     let error = error.unwrap_or_else(|| "; errors are known when the finest mesh is done".to_owned());
     if study.remark.is_some() { format!("The {what} {when}.") } else { format!("The {what} {when}{error}.") }
@@ -81,7 +81,7 @@ fn words(ui: &mut Ui, study: &MeshFindings) {
             ui.label(format!("Error falls like h^{order:.2}: triangles of half the size are {finer:.1} times better."))
                 .on_hover_text("h: the size of the triangles; the slope of log error over log h where it is steady.");
         }
-        Some(_) => drop(ui.label("Errors do not fall steadily here: each mesh bumps and folds in its own way.")),
+        Some(_) => drop(ui.label("Errors do not fall steadily here: each mesh buckles or touches differently.")),
         None => {}
     }
     let locks = |number: &LockingNumber| {
@@ -113,7 +113,7 @@ fn table(ui: &mut Ui, study: &MeshFindings) {
             match (point.value, point.status) {
                 (Some(value), _) => ui.monospace(numbers::si_fixed(value, study.measure.unit())),
                 (None, Status::Ok) => ui.label("…"),
-                (None, Status::Unstable) => ui.label("blew up"),
+                (None, Status::Unstable) => ui.label("unstable"),
                 (None, Status::Unconverged) => ui.label("no rest found"),
             };
             ui.monospace(if point.ms > 0.0 { numbers::si_fixed(1e-3 * point.ms, "s") } else { String::new() });

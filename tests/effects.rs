@@ -247,7 +247,7 @@ fn a_level_that_lists_an_effect_twice_where_it_makes_no_sense_says_so() {
     let springs = told("(effect: MouseSpring(stiffness: 1)), (effect: MouseSpring(stiffness: 2))");
     assert!(springs.contains("Mouse spring is listed twice, as effects 1 and 2"), "{springs}");
     assert_eq!(told(&format!("{edges} {edges} (effect: Gravity(down: 1)), (effect: Gravity(down: 1))")), "");
-    assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or edges"));
+    assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or a domain boundary"));
     assert!(told("(effect: Walls(obstacles: []))").contains("no obstacles"));
 }
 

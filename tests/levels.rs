@@ -134,8 +134,13 @@ fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
         ("rings: 5", "rings: 0", (5, 36), "rings"),
         ("mesh: Disk(radius: 0.2, rings: 5)", "mesh: Disk(radius: 0.2", (6, 5), ""),
         ("name: \"b\"", "name: 5", (4, 10), "string"),
-        ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "[1, 100000]"),
-        ("bodies: [(", "substeps: -1, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got -1"),
+        ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "substeps must be at least 1 and at most 100000, got 0"),
+        (
+            "bodies: [(",
+            "substeps: -1, bodies: [(",
+            (3, 13),
+            "substeps must be a whole number, at least 1 and at most 100000, got -1",
+        ),
         (
             "name: \"b\"",
             "pins: [Vertex(-1)], name: \"b\"",
@@ -148,7 +153,12 @@ fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
             (4, 24),
             "expected a whole number, at least 0 and at most 4294967295, got 5000000000",
         ),
-        ("bodies: [(", "substeps: 1.5, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got 1.5"),
+        (
+            "bodies: [(",
+            "substeps: 1.5, bodies: [(",
+            (3, 13),
+            "substeps must be a whole number, at least 1 and at most 100000, got 1.5",
+        ),
     ];
     for (part, mistake, place, expected) in cases {
         let (line, column, what) = told(part, mistake);
@@ -181,9 +191,12 @@ fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
     let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));
     assert!(pinned.contains("sheet") && pinned.contains("from 0 to 24"), "{pinned}");
     let edges = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)))]";
-    assert!(refused(&sheet("Corotated", "", edges)).contains("least corner"));
+    assert!(refused(&sheet("Corotated", "", edges)).contains("lower left corner"));
     let off = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)), switch: Off)]";
-    assert!(refused(&sheet("Corotated", "", off)).contains("least corner"), "a mistake counts also when switched off");
+    assert!(
+        refused(&sheet("Corotated", "", off)).contains("lower left corner"),
+        "a mistake counts also when switched off"
+    );
     let far = refused(&sheet("Corotated", "place: (offset: (1e15, 0), scale: 1e9)", ""));
     assert!(far.contains("beyond 1e15 m"), "{far}");
     let lost = level(

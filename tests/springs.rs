@@ -349,7 +349,7 @@ fn a_toy_stands_alone() {
     let with = "(name: \"\", toy: Circle(radius: 0.2), nets: [(name: \"\", net: Chain(from: (0, 0), to: (1, 0), springs: 1, stiffness: 1), mass: 1)])";
     let level = level(with);
     let built = Scene::build(&level, level.mode, &NoFiles, None);
-    assert!(built.err().unwrap().to_string().contains("stands alone"));
+    assert!(built.err().unwrap().to_string().contains("toy problem has nothing else"));
 }
 
 /// In a net after another; with ends that 16 bits do not reach; and with so many particles that no copy is made of them.

@@ -9,7 +9,7 @@ use gingerbread::effects::EffectKind;
 use gingerbread::hard::Case;
 use gingerbread::integrators::IntegratorKind;
 use gingerbread::level::Paces;
-use gingerbread::materials::Model;
+use gingerbread::materials::{Model, Plane};
 use gingerbread::{files, levels};
 
 #[test]
@@ -237,4 +237,22 @@ fn the_panel_says_how_many_steps_each_body_takes_and_whether_it_may() {
         let window = open_level(level, 1280.0, 800.0);
         assert!(window.query_by_label("Multirate stepping").is_none(), "{name}: no stiffness limits it");
     }
+}
+
+#[test]
+fn exact_plane_stress_is_a_choice_and_refused_in_words() {
+    let mut window = open("uniaxial_strip");
+    let plane = |window: &Window| window.state().snapshot().level.bodies[0].material.plane();
+    assert_eq!(plane(&window), Plane::Stress);
+    click(&mut window, "Exact at large strain");
+    assert_eq!(plane(&window), Plane::StressExact);
+    press(&mut window, Key::S);
+    assert!(window.query_by_label_contains("Stable neo-Hookean has no exact plane stress").is_some());
+    assert_eq!(window.state().snapshot().level.bodies[0].material.model(), Model::NeoHookean, "nothing has changed");
+    click(&mut window, "Close");
+    press(&mut window, Key::C);
+    assert!(window.query_by_label("Exact at large strain").is_none(), "plane stress is exact for this model");
+    assert_eq!(plane(&window), Plane::StressExact);
+    click(&mut window, "Plane strain");
+    assert_eq!(plane(&window), Plane::Strain);
 }

@@ -50,28 +50,26 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     let (mut young, mut poisson, mut plane) = (material.young(), material.poisson(), material.plane());
     let outcomes = [slider::quantity(ui, &mut young), slider::quantity(ui, &mut poisson)];
     let mut changed = outcomes.iter().any(|outcome| outcome.changed);
-    let part = |which, text, name, about| Segment { text, name, about, on: plane == which };
-    let stress = if material.model().is_exact_in_stress() {
-        "The faces are free of stress: λ = E ν / ((1 + ν)(1 − ν)) [Pa]. For this model that is exact at every strain."
-    } else {
-        "The faces are free of stress at small strain: λ = E ν / ((1 + ν)(1 − ν)) [Pa] in the formula of plane strain. At large \
-         strain this model keeps some stress through the thickness."
-    };
-    let exact = if material.model().is_exact_in_stress() {
-        "The faces are free of stress at every strain. For this model that is the same as plane stress."
-    } else {
-        "The faces are free of stress at every strain: the thickness of each triangle solves P₃₃ = 0. Costs more time."
-    };
-    let planes = [Plane::Strain, Plane::Stress, Plane::StressExact];
+    let part = |on, text, about| Segment { text, name: text, about, on };
+    let stress = plane.is_stress();
     let parts = [
-        part(planes[0], "Plane strain", "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
-        part(planes[1], "Plane stress", "Plane stress", stress),
-        part(planes[2], "… exact", "Plane stress, exact", exact),
+        part(!stress, "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
+        part(stress, "Plane stress", "The faces are free of stress: λ = E ν / ((1 + ν)(1 − ν)) [Pa]."),
     ];
-    if let Some(clicked) = segmented(ui, "plane", &parts, true) {
-        plane = planes[clicked];
-        changed = plane != material.plane();
+    if let Some(clicked) = segmented(ui, "plane", &parts, true).filter(|clicked| (*clicked == 1) != stress) {
+        plane = if clicked == 0 { Plane::Strain } else { Plane::Stress };
     }
+    if stress && !material.model().is_exact_in_stress() {
+        let mut exact = plane == Plane::StressExact;
+        let help = "Off: λ of Hooke's law is put into the formula of plane strain. The faces are free of stress at small strain; at \
+                    large strain this model keeps some stress through the thickness.\n\
+                    On: the thickness of each triangle solves P₃₃ = 0, so the faces are free of stress at every strain. Takes \
+                    more computing time.";
+        if ui.checkbox(&mut exact, "Exact at large strain").on_hover_text(help).changed() {
+            plane = if exact { Plane::StressExact } else { Plane::Stress };
+        }
+    }
+    changed |= plane != material.plane();
     ui.add_space(5.0);
     let switched = plane != material.plane();
     let command = match MaterialParameters::new(material.model(), young, poisson, plane) {

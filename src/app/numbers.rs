@@ -72,8 +72,8 @@ fn takes_prefix(unit: &str) -> bool {
     matches!(first, "s" | "m" | "N" | "J" | "Pa" | "W" | "Hz")
 }
 
-/// The power of ten and the prefix whose number is from 1 to 999; times, lengths and spring stiffness begin at 0.1, as in
-/// `0.21 ms`. Velocities and accelerations have none from 0.001 to 999 999.
+/// The power of ten and the prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`, and
+/// spring stiffness has no prefix from 0.1 to 999. Velocities and accelerations have none from 0.001 to 999 999.
 fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
     if !takes_prefix(unit) {
         return (0, "");
@@ -81,7 +81,10 @@ fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
     if matches!(unit, "m/s" | "m/s²") && (-3..=5).contains(&exponent) {
         return (0, "");
     }
-    let early = i32::from(matches!(unit, "s" | "m" | "N/m"));
+    if unit == "N/m" && exponent == -1 {
+        return (0, "");
+    }
+    let early = i32::from(matches!(unit, "s" | "m"));
     let power = (exponent + early).div_euclid(3) * 3;
     let power = if unit == "s" { power.min(0) } else { power }.clamp(-12, 12);
     PREFIXES.into_iter().find(|&(of, _)| of == power).unwrap_or((0, ""))
@@ -114,6 +117,8 @@ mod tests {
             (5e-6, "m/s²", "5 µm/s²"),
             (0.25, "m/s", "0.25 m/s"),
             (0.5, "N/m", "0.5 N/m"),
+            (100.0, "N/m", "100 N/m"),
+            (3000.0, "N/m", "3 kN/m"),
             (1.0, "1/s", "1 /s"),
             (f64::INFINITY, "J", "∞ J"),
             (f64::NAN, "J", "no number"),

@@ -121,10 +121,10 @@ impl std::fmt::Display for Culprit {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Triangle { body, number, volume_ratio } => {
-                write!(out, "Triangle {number} of {body} went first (J = {volume_ratio:.2e}). ")
+                write!(out, "Triangle {number} of {body} failed first (J = det F = {volume_ratio:.2e}). ")
             }
             Self::Spring { net, number, length } => {
-                write!(out, "Spring {number} of {net} went first ({length:.2e} m long). ")
+                write!(out, "Spring {number} of {net} failed first ({length:.2e} m long). ")
             }
             Self::Toy => Ok(()),
         }
@@ -134,11 +134,17 @@ impl std::fmt::Display for Culprit {
 impl std::fmt::Display for Fault {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { step, time, culprit, cause } = self;
-        write!(out, "Paused before step {step} (at {time:.3} s): the step would throw vertices out of all bounds. ")?;
+        write!(
+            out,
+            "Paused before step {step} (at {time:.3} s): that step would give positions or velocities that are not finite or far too large. "
+        )?;
         write!(out, "{culprit}")?;
         match cause {
             Cause::StepTooLong { limit: 0.0, .. } => {
-                write!(out, "This scheme is stable at no step: it lets every vibration grow that nothing damps.")
+                write!(
+                    out,
+                    "This scheme is unstable for every step length: undamped vibrations grow. Choose another integrator."
+                )
             }
             Cause::StepTooLong { step, limit } => {
                 write!(
@@ -149,18 +155,26 @@ impl std::fmt::Display for Fault {
                 )
             }
             Cause::Crushed(model) => {
-                write!(out, "It was crushed inside out, where {} has no energy.", model.title())
+                write!(
+                    out,
+                    "It was inverted (inside out), where the energy of {} is not defined. Take shorter steps, or choose a model that is defined there, such as stable neo-Hookean.",
+                    model.title()
+                )
             }
             Cause::Unsolved => {
                 write!(
                     out,
-                    "No solution was found for a step of this length; a shorter one, or a smaller tolerance, may have one."
+                    "The equations of a step of this length were not solved. Take shorter steps or a smaller tolerance."
                 )
             }
             Cause::Energy => {
-                write!(out, "Energy came from nowhere, even in steps {} times as short.", 1 << Guard::MOST)
+                write!(
+                    out,
+                    "The total energy grew although no work was done, even in steps {} times as short. Take shorter steps, or another integrator.",
+                    1 << Guard::MOST
+                )
             }
-            Cause::Overflow => write!(out, "Positions or speeds grew beyond {:e}.", State::LIMIT),
+            Cause::Overflow => write!(out, "Positions [m] or velocities [m/s] grew beyond {:e}.", State::LIMIT),
         }
     }
 }

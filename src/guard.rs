@@ -210,7 +210,7 @@ impl From<&SavedGuard> for Guard {
 }
 
 /// An energy that is round-off to a scene [J].
-fn negligible(scene: &Scene) -> f64 {
+pub(crate) fn negligible(scene: &Scene) -> f64 {
     1e-12 * scale(scene)
 }
 

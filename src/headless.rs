@@ -127,7 +127,12 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
         return Err(HeadlessError::Level { file: request.level.display().to_string(), why });
     }
     if let Some(model) = request.model {
-        level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+        for body in &mut level.bodies {
+            body.material = body.material.try_with_model(model).map_err(|why| HeadlessError::Level {
+                file: request.level.display().to_string(),
+                why: Refused::Material(why),
+            })?;
+        }
     }
     let mut simulation = prepared(request, &level)?;
     let warnings = simulation.scene().warnings(simulation.state());
@@ -321,7 +326,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     if value.is_finite() && (0.0..=1e9).contains(&value) {
         Ok(value)
     } else {
-        Err("expected seconds in [0, 1e9]".to_owned())
+        Err("expected at least 0 and at most 1e9 seconds".to_owned())
     }
 }
 

@@ -198,7 +198,9 @@ impl StartShape {
 /// A number that tells things of a kind apart, such as vertices.
 fn natural<'de, D: Deserializer<'de>>(file: D) -> Result<u32, D::Error> {
     let number = i64::deserialize(file)?;
-    number.try_into().map_err(|_| D::Error::custom(format!("expected a number in [0, {}], got {number}", u32::MAX)))
+    number.try_into().map_err(|_| {
+        D::Error::custom(format!("expected a whole number, at least 0 and at most {}, got {number}", u32::MAX))
+    })
 }
 
 const fn slight() -> Noise {

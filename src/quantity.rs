@@ -38,20 +38,28 @@ impl Spec {
         above && below
     }
 
-    /// The bounds as an interval with its unit, such as `(0, 1e15] Pa`.
+    /// The bounds in words with their unit, such as `greater than 0 and at most 1e15 Pa`.
     pub fn range(&self) -> String {
         let lower = match self.lower {
-            Bound::Included(limit) => format!("[{}", Short(limit)),
-            Bound::Excluded(limit) => format!("({}", Short(limit)),
-            Bound::Unbounded => "(-inf".to_owned(),
+            Bound::Included(limit) => Some(format!("at least {}", Short(limit))),
+            Bound::Excluded(limit) => Some(format!("greater than {}", Short(limit))),
+            Bound::Unbounded => None,
         };
         let upper = match self.upper {
-            Bound::Included(limit) => format!("{}]", Short(limit)),
-            Bound::Excluded(limit) => format!("{})", Short(limit)),
-            Bound::Unbounded => "inf)".to_owned(),
+            Bound::Included(limit) => Some(format!("at most {}", Short(limit))),
+            Bound::Excluded(limit) => Some(format!("less than {}", Short(limit))),
+            Bound::Unbounded => None,
         };
-        format!("{lower}, {upper} {}", self.unit).trim_end().to_owned()
+        let bounds: Vec<_> = lower.into_iter().chain(upper).collect();
+        with_unit(&bounds.join(" and "), "", self.unit)
     }
+}
+
+/// A number in words or digits with the prefix and symbol of its unit: `30 kPa`, `45°`, and `5 /s` for `1/s`.
+pub fn with_unit(number: &str, prefix: &str, unit: &str) -> String {
+    let gap = if unit.is_empty() || unit == "%" || unit == "°" { "" } else { " " };
+    let unit = unit.strip_prefix('1').filter(|rest| rest.starts_with('/')).unwrap_or(unit);
+    format!("{number}{gap}{prefix}{unit}")
 }
 
 /// A number without a tail of zeros: `1e15`, `0.5`.
@@ -70,7 +78,7 @@ impl std::fmt::Display for Short {
 
 /// A value was outside the range of its quantity, or not a number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} must be in {range}, got {}", Short(*.value))]
+#[error("{name} must be {range}, got {}", Short(*.value))]
 pub struct OutOfRange {
     name: &'static str,
     range: String,
@@ -170,7 +178,7 @@ use Bound::{Excluded, Included};
 quantities! {
     /// E: axial stress over axial strain of a thin bar, at small strain.
     Young: "Young's modulus" ["Pa"] in Excluded(0.0), Included(1e15); slider 1.0 to 1e6, logarithmic;
-    /// nu: how much a bar narrows when it is pulled, as a share of how much it lengthens. Plane strain allows (-1, 0.5), plane stress (-1, 0.5].
+    /// nu: how much a bar narrows when it is pulled, as a share of how much it lengthens. Plane strain needs less than 0.5; plane stress allows 0.5.
     Poisson: "Poisson's ratio" [""] in Excluded(-1.0), Included(0.5); slider 0.0 to 0.49, linear;
     /// rho: mass per area of the sheet, whose thickness is 1 m.
     Density: "density" ["kg/m³"] in Excluded(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
@@ -182,8 +190,12 @@ quantities! {
     Time: "time" ["s"] in Included(0.0), Included(1e12); slider 0.0 to 10.0, linear;
     /// Time for one swing to and fro.
     Period: "period" ["s"] in Excluded(0.0), Included(1e9); slider 0.1 to 10.0, logarithmic;
-    /// A length, such as a side or a radius.
+    /// L: distance from the pivot to the mass.
     Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
+    /// Extent along x, before any turn.
+    Width: "width" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
+    /// Extent along y, before any turn.
+    Height: "height" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// A factor that multiplies lengths.
     Factor: "factor" [""] in Excluded(0.0), Included(1e9); slider 0.5 to 2.0, logarithmic;
     /// How far vertices are moved irregularly at most, as a share of the size of their body.
@@ -192,6 +204,10 @@ quantities! {
     Angle: "angle" ["°"] in Included(-3600.0), Included(3600.0); slider -180.0 to 180.0, linear;
     /// Rate of change of a coordinate.
     Velocity: "velocity" ["m/s"] in Included(-1e9), Included(1e9); slider -10.0 to 10.0, linear;
+    /// Velocity along x.
+    VelocityX: "velocity along x" ["m/s"] in Included(-1e9), Included(1e9); slider -10.0 to 10.0, linear;
+    /// Velocity along y.
+    VelocityY: "velocity along y" ["m/s"] in Included(-1e9), Included(1e9); slider -10.0 to 10.0, linear;
     /// Rate of turning, counter-clockwise.
     Spin: "spin" ["rad/s"] in Included(-1e9), Included(1e9); slider -20.0 to 20.0, linear;
     /// g: every free particle is accelerated by this much, whatever its mass.

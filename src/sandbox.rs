@@ -7,6 +7,7 @@ use crate::{
     document::{Document, Gesture, History},
     effects::Grab,
     level::{Level, RunMode},
+    materials::BadMaterial,
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
@@ -37,6 +38,9 @@ pub enum Refused {
     /// The level that would come out cannot be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A body cannot be of this material.
+    #[error(transparent)]
+    Material(#[from] BadMaterial),
     /// The command does not fit what is there.
     #[error("{0}")]
     NotHere(&'static str),
@@ -124,7 +128,7 @@ impl Sandbox {
             Command::Untangle => {
                 let free = untangled(self.simulation.scene(), self.simulation.state());
                 self.rewind.keep(&self.simulation);
-                let free = free.ok_or(Refused::NotHere("nothing lies over itself: there is nothing to untangle"))?;
+                let free = free.ok_or(Refused::NotHere("no body overlaps itself: there is nothing to untangle"))?;
                 self.resume(&Restart::from(free));
             }
             Command::Grab(vertex, target) => self.grab(vertex, target)?,

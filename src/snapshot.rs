@@ -5,8 +5,9 @@ use crate::{
     effects::{Effect as _, EffectKind, Grab},
     elements::{Springs, Survey},
     fault::Fault,
+    guard::negligible,
     level::Level,
-    materials::Model,
+    materials::{Caution, Model},
     meshes::Mesh,
     obstacles::Inside,
     report::EffectCost,
@@ -53,6 +54,8 @@ pub struct Snapshot {
     pub values: Vec<f64>,
     /// Energies now.
     pub energies: Energies,
+    /// An energy that is no more than round-off of what this scene can store [J].
+    pub negligible: f64,
     /// Least det F of all triangles; infinite if there are none.
     pub min_j: f64,
     /// Number of triangles that are inside out (det F <= 0).
@@ -210,6 +213,7 @@ impl Sandbox {
             self.survey(field, snapshot);
         }
         snapshot.energies = simulation.energies();
+        snapshot.negligible = negligible(scene);
         snapshot.pull = simulation.grab().map(|grab| self.pull(grab));
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
@@ -284,7 +288,7 @@ impl Sandbox {
             mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
             top_force: if test { body.holding_force(x) } else { 0.0 },
             height_ratio,
-            caution: test.then(|| body.elements.model().caution(body.elements.lame(), height_ratio)).flatten(),
+            caution: test.then(|| body.elements.visit(Caution(height_ratio))).flatten(),
         }
     }
 

@@ -11,7 +11,7 @@ use gingerbread::{
     level::{EffectLevel, Level, RunMode, Switch, When},
     levels::BUILT_IN,
     meshes::NoFiles,
-    obstacles::{Ball, Cuboid, Moving, ObstacleKind, Plane},
+    obstacles::{Ball, Cuboid, MotionKind, Moving, ObstacleKind, Plane},
     quantity::Quantity,
     report::EffectCost,
     scene::Scene,
@@ -20,6 +20,25 @@ use gingerbread::{
     study::Savings,
 };
 use std::time::Duration;
+
+/// Two sliders of one thing with the same name could not be told apart, and `Length` says not which one.
+#[test]
+fn sliders_of_one_thing_say_what_they_are() {
+    let names = |numbers: Vec<&mut dyn Quantity>| numbers.iter().map(|number| number.spec().name).collect::<Vec<_>>();
+    let mut each = Vec::new();
+    for mut kind in EffectKind::all() {
+        each.extend(kind.kind_mut().groups().into_iter().map(|group| names(group.numbers)));
+    }
+    each.extend(ObstacleKind::all().iter_mut().map(|kind| names(kind.kind_mut().parameters())));
+    each.extend(MotionKind::all().iter_mut().map(|kind| names(kind.kind_mut().parameters())));
+    for names in each {
+        let twice = names.iter().enumerate().find(|(number, name)| names[..*number].contains(name));
+        assert_eq!(twice, None, "{names:?}");
+        assert!(!names.contains(&"length") && !names.contains(&"coordinate"), "{names:?}");
+    }
+    assert_eq!(names(ObstacleKind::Ball(Ball::default()).kind_mut().parameters())[0], "radius");
+    assert_eq!(names(ObstacleKind::Cuboid(Cuboid::default()).kind_mut().parameters())[..2], ["width", "height"]);
+}
 
 /// A level that ships, of fewer triangles, so that it runs quickly.
 fn coarse(text: &str, file: &str) -> Level {
@@ -228,7 +247,7 @@ fn a_level_that_lists_an_effect_twice_where_it_makes_no_sense_says_so() {
     let springs = told("(effect: MouseSpring(stiffness: 1)), (effect: MouseSpring(stiffness: 2))");
     assert!(springs.contains("Mouse spring is listed twice, as effects 1 and 2"), "{springs}");
     assert_eq!(told(&format!("{edges} {edges} (effect: Gravity(down: 1)), (effect: Gravity(down: 1))")), "");
-    assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or edges"));
+    assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or a domain boundary"));
     assert!(told("(effect: Walls(obstacles: []))").contains("no obstacles"));
 }
 

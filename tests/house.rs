@@ -100,6 +100,48 @@ fn names_after(text: &str) -> Vec<String> {
     names
 }
 
+/// Words that users had to guess at, which the field has plain words for.
+const RIDDLES: &[&str] = &[
+    "Own paces",
+    "Least J",
+    "Whole frame",
+    "rice of the twin",
+    "Its own error",
+    "its own error",
+    "blurred",
+    "A toy has",
+    "Not there:",
+    "dges of the world",
+    "beyond the world",
+    "no small motion",
+    "too seldom",
+    "annot be held",
+    "not held, as",
+    "NOT HELD",
+    "did not work",
+    "Got it",
+    "went first",
+    "blew up",
+    "blow up",
+    "blind to",
+    "cannot afford",
+    "came from nowhere",
+    "comes from nowhere",
+    "must be in [",
+    "must be in (",
+    "Allowed: [",
+];
+
+#[test]
+fn messages_say_plainly_what_they_mean() {
+    for (file, text) in sources() {
+        let shown = code(&text).split("#[cfg(test)]").next().unwrap().to_owned();
+        for riddle in RIDDLES {
+            assert!(!shown.contains(riddle), "{file} says \"{riddle}\"");
+        }
+    }
+}
+
 #[test]
 fn only_the_app_knows_the_window_and_only_obstacles_know_parry() {
     for (file, text) in sources() {

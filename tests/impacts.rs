@@ -296,8 +296,8 @@ fn friction_and_restitution_with_nothing_to_touch_say_so() {
         let level = block("SymplecticEuler", 100, 1, [0.0, 0.0], [0.0, 0.0], effects);
         simulation(&level).scene().messages.join("\n")
     };
-    assert!(with("(effect: Friction(coefficient: 0.4))").contains("Friction needs walls or edges of the world"));
-    assert!(with("(effect: Restitution(coefficient: 0.4))").contains("Restitution needs walls or edges of the world"));
+    assert!(with("(effect: Friction(coefficient: 0.4))").contains("Friction needs walls or a domain boundary"));
+    assert!(with("(effect: Restitution(coefficient: 0.4))").contains("Restitution needs walls or a domain boundary"));
     assert!(
         !with("(effect: Friction(coefficient: 0.4)), (effect: Boundary(least: (0, 0), greatest: (1, 1)))")
             .contains("needs")

@@ -114,31 +114,51 @@ fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
         ("mass: Total(25)", "mass: Total(25), colour: 3", (6, 22), "colour"),
         ("mass: Total(25)", "mass: Total(\"heavy\")", (6, 17), "float"),
         ("mass: Total(25)", "mass: Heavy(25)", (6, 11), "Density"),
-        ("mass: Total(25)", "mass: Total(-25)", (6, 17), "total mass must be in (0, 1e12] kg, got -25"),
+        (
+            "mass: Total(25)",
+            "mass: Total(-25)",
+            (6, 17),
+            "total mass must be greater than 0 and at most 1e12 kg, got -25",
+        ),
         ("mass: Total(25)", "mass: Total(NaN)", (6, 17), "got NaN"),
         ("mass: Total(25)", "mass: Total(1e999)", (6, 17), "got inf"),
-        ("young: 10", "young: 0", (7, 41), "Young's modulus must be in (0, 1e15] Pa, got 0"),
+        ("young: 10", "young: 0", (7, 41), "Young's modulus must be greater than 0 and at most 1e15 Pa, got 0"),
         (
             "poisson: 0.3",
             "poisson: 0.7",
             (7, 72),
-            "(-1, 0.5) for plane strain and in (-1, 0.5] for plane stress, got 0.7",
+            "less than 0.5 for plane strain (at most 0.5 for plane stress), got 0.7",
         ),
-        ("poisson: 0.3", "poisson: 0.5", (7, 72), "(-1, 0.5) for plane strain"),
+        ("poisson: 0.3", "poisson: 0.5", (7, 72), "greater than -1 and less than 0.5 for plane strain"),
         ("model: Corotated", "model: Jelly", (7, 23), "Corotated"),
         ("rings: 5", "rings: 0", (5, 36), "rings"),
         ("mesh: Disk(radius: 0.2, rings: 5)", "mesh: Disk(radius: 0.2", (6, 5), ""),
         ("name: \"b\"", "name: 5", (4, 10), "string"),
-        ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "[1, 100000]"),
-        ("bodies: [(", "substeps: -1, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got -1"),
-        ("name: \"b\"", "pins: [Vertex(-1)], name: \"b\"", (4, 20), "expected a number in [0, 4294967295], got -1"),
+        ("bodies: [(", "substeps: 0, bodies: [(", (3, 13), "substeps must be at least 1 and at most 100000, got 0"),
+        (
+            "bodies: [(",
+            "substeps: -1, bodies: [(",
+            (3, 13),
+            "substeps must be a whole number, at least 1 and at most 100000, got -1",
+        ),
+        (
+            "name: \"b\"",
+            "pins: [Vertex(-1)], name: \"b\"",
+            (4, 20),
+            "expected a whole number, at least 0 and at most 4294967295, got -1",
+        ),
         (
             "name: \"b\"",
             "start: Point(seed: 5000000000), name: \"b\"",
             (4, 24),
-            "expected a number in [0, 4294967295], got 5000000000",
+            "expected a whole number, at least 0 and at most 4294967295, got 5000000000",
         ),
-        ("bodies: [(", "substeps: 1.5, bodies: [(", (3, 13), "substeps must be a whole number in [1, 100000], got 1.5"),
+        (
+            "bodies: [(",
+            "substeps: 1.5, bodies: [(",
+            (3, 13),
+            "substeps must be a whole number, at least 1 and at most 100000, got 1.5",
+        ),
     ];
     for (part, mistake, place, expected) in cases {
         let (line, column, what) = told(part, mistake);
@@ -171,9 +191,12 @@ fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
     let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));
     assert!(pinned.contains("sheet") && pinned.contains("from 0 to 24"), "{pinned}");
     let edges = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)))]";
-    assert!(refused(&sheet("Corotated", "", edges)).contains("least corner"));
+    assert!(refused(&sheet("Corotated", "", edges)).contains("lower left corner"));
     let off = "effects: [(effect: Boundary(least: (1, 0), greatest: (0, 1)), switch: Off)]";
-    assert!(refused(&sheet("Corotated", "", off)).contains("least corner"), "a mistake counts also when switched off");
+    assert!(
+        refused(&sheet("Corotated", "", off)).contains("lower left corner"),
+        "a mistake counts also when switched off"
+    );
     let far = refused(&sheet("Corotated", "place: (offset: (1e15, 0), scale: 1e9)", ""));
     assert!(far.contains("beyond 1e15 m"), "{far}");
     let lost = level(
@@ -195,7 +218,7 @@ fn a_saved_state_of_another_mesh_is_refused() {
 fn what_would_never_end_is_refused_at_once() {
     let state = "state: (steps: 18446744073709551615, time: 0, positions: [], velocities: [])";
     let text = format!("(name: \"\", bodies: [], {state})");
-    assert!(files::parse(&text, "steps.ron").unwrap_err().to_string().contains("steps must be in"));
+    assert!(files::parse(&text, "steps.ron").unwrap_err().to_string().contains("steps must be at least 0 and at most"));
     let body = "(name: \"big\", mesh: Disk(radius: 1, rings: 500), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))";
     let many = level(&format!("(name: \"\", bodies: [{}])", [body; 3].join(",")));
     assert!(refused(&many).contains("more than 2000000"), "{}", refused(&many));

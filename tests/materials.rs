@@ -53,7 +53,14 @@ fn for_every_model(check: fn(&dyn Probe)) {
     for &model in Model::ALL {
         model.visit(LAME, Check(check));
     }
+    // The same LAME is that of plane stress here.
+    for model in SHEETS {
+        model.visit_in(Plane::StressExact, LAME, Check(check));
+    }
 }
+
+/// The models whose thickness has to be solved for in plane stress.
+const SHEETS: [Model; 2] = [Model::NeoHookean, Model::FixedCorotated];
 
 /// The least error of central differences over a sweep of steps: truncation falls and round-off grows with smaller ones.
 fn best_difference<const N: usize>(exact: [f64; N], along: impl Fn(f64) -> [f64; N], scale: f64) -> f64 {
@@ -156,6 +163,10 @@ fn model_stiffness_at_rest(check: impl Fn(&'static str, Matrix4<f64>)) {
         let (title, stiffness) = model.visit(LAME, AtRest);
         check(title, stiffness);
     }
+    for model in SHEETS {
+        let (title, stiffness) = model.visit_in(Plane::StressExact, LAME, AtRest);
+        check(title, stiffness);
+    }
 }
 
 /// P11 of a strip stretched by s whose sides are held at width 1, written out by hand for each model.
@@ -243,6 +254,116 @@ fn check_strip(stretch: f64, width: f64, expected: &[(&str, f64)]) {
     }
 }
 
+/// The energy in three dimensions, least over the thickness stretch t: found by trying, with lambda of three dimensions.
+#[test]
+fn exact_plane_stress_is_the_least_energy_over_the_thickness() {
+    let Lame { mu, lambda } = LAME;
+    let lambda = 2.0 * mu * lambda / (2.0 * mu - lambda);
+    let least = |energy: &dyn Fn(f64) -> f64| {
+        let (mut low, mut high) = (1e-3_f64, 30.0_f64);
+        for _ in 0..200 {
+            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            if energy(a) < energy(b) { high = b } else { low = a }
+        }
+        energy(0.5 * (low + high))
+    };
+    let mut random = Random(8);
+    for _ in 0..300 {
+        let f = random.gradient(0.12, 9.0);
+        let (square, j) = (f.norm_squared(), f.determinant());
+        let rubber = least(&|t| {
+            let log = (j * t).ln();
+            0.5 * mu * (square + t * t - 3.0) - mu * log + 0.5 * lambda * log * log
+        });
+        let trace = (f.m11 + f.m22).hypot(f.m21 - f.m12);
+        let fixed = least(&|t| {
+            mu * (square - 2.0 * trace + 2.0 + (t - 1.0) * (t - 1.0)) + 0.5 * lambda * (j * t - 1.0) * (j * t - 1.0)
+        });
+        for (model, expected) in [(Model::NeoHookean, rubber), (Model::FixedCorotated, fixed)] {
+            let found = model.visit_in(Plane::StressExact, LAME, EnergyOf(f));
+            assert!((found - expected).abs() < 1e-11 * expected.max(1.0), "{model:?} at {f}: {found} not {expected}");
+        }
+    }
+}
+
+/// Where the volume cannot change, a strip pulled to twice its length is 1/sqrt(2) times as wide and as thick; the lambda of Hooke's
+/// law alone leaves it 0.6621 times as wide.
+#[test]
+fn an_incompressible_strip_in_exact_plane_stress_keeps_its_volume() {
+    struct Width(f64);
+    impl Visitor for Width {
+        type Output = f64;
+        fn visit<M: Material>(self, material: &M) -> f64 {
+            material.free_width(self.0).unwrap()
+        }
+    }
+    for (nu, tolerance) in [(0.4999, 1e-3), (0.5, 1e-12)] {
+        for model in SHEETS {
+            for stretch in [0.5_f64, 0.8, 1.0, 2.0, 3.0] {
+                let lame = of(model, 1e3, nu, Plane::StressExact).unwrap().lame();
+                let width = model.visit_in(Plane::StressExact, lame, Width(stretch));
+                assert!((width - stretch.sqrt().recip()).abs() < tolerance, "{model:?} {nu} {stretch}: {width}");
+            }
+        }
+    }
+    let lame = of(Model::NeoHookean, 1e3, 0.5, Plane::Stress).unwrap().lame();
+    assert!((Model::NeoHookean.visit_in(Plane::Stress, lame, Width(2.0)) - 0.6621).abs() < 1e-4);
+}
+
+/// Over all of nu and a wide range of stretches the thickness is found: the force on a strip is smooth and finite.
+#[test]
+fn the_thickness_is_found_for_every_ratio_and_stretch() {
+    for nu in [0.0, 1e-6, 0.05, 0.2, 0.35, 0.45, 0.499, 0.5] {
+        let lame = of(Model::NeoHookean, 1.0, nu, Plane::StressExact).unwrap().lame();
+        for step in 0..107 {
+            let s = 0.1 * 1.06_f64.powi(step);
+            let stress = Model::NeoHookean.visit_in(Plane::StressExact, lame, StressOf(Matrix2::new(s, 0.0, 0.0, 1.0)));
+            // P11 = mu (s - T/s) with T from a ln T + b (T - 1) + 2 a ln s = 0.
+            let (a, square) = ((nu / (1.0 - nu)).min(1.0), (s - stress.m11 / lame.mu) * s);
+            let residual = a * square.ln() + (1.0 - a) * (square - 1.0) + 2.0 * a * s.ln();
+            let slope = a / square + 1.0 - a;
+            // T is a difference here, of which s² is lost.
+            assert!(residual.abs() < 1e-13 * (1.0 + slope * (square + s * s)), "{nu} {s}: {residual:e}");
+        }
+    }
+}
+
+#[test]
+fn exact_plane_stress_is_plane_stress_where_that_is_exact() {
+    for model in [Model::Corotated, Model::StVenantKirchhoff, Model::Hencky] {
+        let mut random = Random(9);
+        for nu in [-0.5, 0.0, 0.3, 0.5] {
+            let [exact, linear] = [Plane::StressExact, Plane::Stress].map(|plane| of(model, 1e3, nu, plane).unwrap());
+            assert_eq!(exact.lame(), linear.lame());
+            let f = random.gradient(0.2, 5.0);
+            let stress = |plane| model.visit_in(plane, linear.lame(), StressOf(f));
+            assert_eq!(stress(Plane::StressExact), stress(Plane::Stress), "{model:?}");
+        }
+    }
+}
+
+#[test]
+fn exact_plane_stress_is_refused_in_words_where_there_is_none() {
+    let why = of(Model::StableNeoHookean, 1e3, 0.3, Plane::StressExact).unwrap_err();
+    assert!(
+        why.contains("Stable neo-Hookean has no exact plane stress") && why.contains("Choose plane stress"),
+        "{why}"
+    );
+    for model in SHEETS {
+        let why = of(model, 1e3, -0.1, Plane::StressExact).unwrap_err();
+        assert!(why.contains("at least 0 and at most 0.5, got -0.1"), "{why}");
+    }
+    let rubber = of(Model::NeoHookean, 1e3, 0.3, Plane::StressExact).unwrap();
+    assert!(rubber.try_with_model(Model::StableNeoHookean).is_err());
+    assert_eq!(rubber.with_model(Model::StableNeoHookean).plane(), Plane::Stress);
+    assert_eq!(rubber.with_model(Model::FixedCorotated).plane(), Plane::StressExact);
+}
+
+fn of(model: Model, young: f64, nu: f64, plane: Plane) -> Result<MaterialParameters, String> {
+    let (young, poisson) = (Young::new(young).unwrap(), Poisson::new(nu).unwrap());
+    MaterialParameters::new(model, young, poisson, plane).map_err(|error| error.to_string())
+}
+
 /// Pressed, flat and turned over, for the models that are defined there: the height is pushed to grow.
 #[test]
 fn a_model_defined_for_inverted_triangles_pushes_them_back() {
@@ -252,6 +373,8 @@ fn a_model_defined_for_inverted_triangles_pushes_them_back() {
                 let f = Matrix2::new(width, 0.0, 0.0, height);
                 let stress = model.visit(LAME, StressOf(f));
                 assert!(stress.m22 < -0.1, "{model:?} at {width} x {height}: {stress}");
+                let stress = model.visit_in(Plane::StressExact, LAME, StressOf(f));
+                assert!(stress.m22 < -0.1, "{model:?} in exact plane stress at {width} x {height}: {stress}");
             }
         }
         let folded = model.visit(LAME, StressOf(Matrix2::new(1e-9, 0.0, 0.0, 1e-9)));
@@ -381,12 +504,12 @@ fn lames_parameters_give_back_youngs_modulus_and_poissons_ratio() {
 #[test]
 fn impossible_elasticity_is_refused_with_its_range() {
     for (young, nu, plane, range) in [
-        (0.0, 0.3, Plane::Strain, "(0, 1e15]"),
-        (-5.0, 0.3, Plane::Stress, "(0, 1e15]"),
-        (f64::NAN, 0.3, Plane::Stress, "(0, 1e15]"),
-        (1.0, 0.5, Plane::Strain, "(-1, 0.5)"),
-        (1.0, 0.51, Plane::Stress, "(-1, 0.5]"),
-        (1.0, -1.0, Plane::Strain, "(-1, 0.5]"),
+        (0.0, 0.3, Plane::Strain, "greater than 0 and at most 1e15 Pa"),
+        (-5.0, 0.3, Plane::Stress, "greater than 0 and at most 1e15 Pa"),
+        (f64::NAN, 0.3, Plane::Stress, "greater than 0 and at most 1e15 Pa"),
+        (1.0, 0.5, Plane::Strain, "greater than -1 and less than 0.5"),
+        (1.0, 0.51, Plane::Stress, "greater than -1 and at most 0.5"),
+        (1.0, -1.0, Plane::Strain, "greater than -1 and at most 0.5"),
     ] {
         let error = parameters(young, nu, plane).unwrap_err();
         assert!(error.contains(range), "{error}");

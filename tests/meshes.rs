@@ -241,11 +241,14 @@ fn a_hole_makes_a_second_loop_that_runs_clockwise() {
 #[test]
 fn counts_outside_their_range_are_refused_with_the_range() {
     for (text, expected) in [
-        ("Gingerbread(resolution: 99)", "number of triangles must be in [100, 2e5], got 99"),
+        ("Gingerbread(resolution: 99)", "number of triangles must be at least 100 and at most 2e5, got 99"),
         ("Gingerbread(resolution: 300.5)", "number of triangles must be a whole number, got 300.5"),
         ("Gingerbread(resolution: 300, colour: 3)", "colour"),
-        ("Disk(radius: -1, rings: 3)", "length must be in (0, 1e9] m, got -1"),
-        ("Rectangle(width: 1, height: 1, columns: 0, rows: 1)", "number of cells must be in [1, 1e6], got 0"),
+        ("Disk(radius: -1, rings: 3)", "radius must be greater than 0 and at most 1e9 m, got -1"),
+        (
+            "Rectangle(width: 1, height: 1, columns: 0, rows: 1)",
+            "number of cells must be at least 1 and at most 1e6, got 0",
+        ),
     ] {
         let message = parse(text).unwrap_err().to_string();
         assert!(message.contains(expected), "{text}: {message}");

@@ -95,9 +95,14 @@ impl Visitor for Alone {
     }
 }
 
+fn planes() -> impl Iterator<Item = (Model, &'static str)> {
+    let planes = Model::ALL.iter().flat_map(|model| ["Strain", "Stress", "StressExact"].map(|plane| (*model, plane)));
+    planes.filter(|planes| *planes != (Model::StableNeoHookean, "StressExact"))
+}
+
 #[test]
 fn colours_and_counts_of_many_triangles_are_those_of_each_alone_for_every_model() {
-    for (model, plane) in Model::ALL.iter().flat_map(|model| [(*model, "Strain"), (*model, "Stress")]) {
+    for (model, plane) in planes() {
         let text = format!(
             "(name: \"sheet\", bodies: [(name: \"sheet\", mesh: Rectangle(width: 1, height: 1, columns: 5, rows: 5, diagonals: Grid),
               mass: Density(1), material: (model: {}, young: 1000, poisson: 0.3, plane: {plane}))])",
@@ -108,10 +113,8 @@ fn colours_and_counts_of_many_triangles_are_those_of_each_alone_for_every_model(
         let elements = &scene.bodies[0].elements;
         // All sizes of J from -1 to 2, none of them special.
         let x: Vec<f64> = scene.rest.iter().enumerate().map(|(i, x)| x + 0.17 * (7.3 * i as f64).sin()).collect();
-        let each: Vec<_> = elements
-            .gradients(&x)
-            .map(|(f, area)| (model.visit(elements.lame(), Alone(f, plane == "Stress")), area))
-            .collect();
+        let each: Vec<_> =
+            elements.gradients(&x).map(|(f, area)| (elements.visit(Alone(f, plane != "Strain")), area)).collect();
         for (place, field) in [Field::EnergyDensity, Field::VonMises, Field::Volume].into_iter().enumerate() {
             let mut values = Vec::new();
             let found = elements.survey(field, &x, &mut values);

@@ -187,7 +187,7 @@ fn a_net_that_cannot_be_is_refused_with_a_sentence() {
         assert!(told.contains(expected) && told.contains("\"web\""), "{net}: {told}");
     }
     for (mistake, expected) in [
-        ("mass: 0", "particle mass must be in (0, 1e12] kg, got 0"),
+        ("mass: 0", "particle mass must be greater than 0 and at most 1e12 kg, got 0"),
         ("mass: 1, pins: [Vertex(x)]", "integer"),
         ("mass: 1, colour: 2", "colour"),
     ] {
@@ -245,7 +245,7 @@ fn a_spring_that_is_too_stiff_for_the_step_is_named() {
     let mut simulation = simulation(&level(text));
     simulation.advance(100_000, &mut || true);
     let fault = simulation.fault().unwrap().to_string();
-    assert!(fault.contains("of wire went first") && fault.contains("above the stability limit"), "{fault}");
+    assert!(fault.contains("of wire failed first") && fault.contains("above the stability limit"), "{fault}");
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn a_toy_stands_alone() {
     let with = "(name: \"\", toy: Circle(radius: 0.2), nets: [(name: \"\", net: Chain(from: (0, 0), to: (1, 0), springs: 1, stiffness: 1), mass: 1)])";
     let level = level(with);
     let built = Scene::build(&level, level.mode, &NoFiles, None);
-    assert!(built.err().unwrap().to_string().contains("stands alone"));
+    assert!(built.err().unwrap().to_string().contains("toy problem has nothing else"));
 }
 
 /// In a net after another; with ends that 16 bits do not reach; and with so many particles that no copy is made of them.

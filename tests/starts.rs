@@ -96,11 +96,11 @@ fn a_start_is_saved_with_its_level_and_a_bad_one_is_told() {
         files::parse(&text, "bad.ron").unwrap_err().to_string()
     };
     assert!(
-        bad("Line(seed: 1, noise: 2)").contains("noise must be in [0, 1], got 2"),
+        bad("Line(seed: 1, noise: 2)").contains("noise must be at least 0 and at most 1, got 2"),
         "{}",
         bad("Line(seed: 1, noise: 2)")
     );
-    assert!(bad("Line(seed: -1)").contains("[0, 4294967295], got -1"));
+    assert!(bad("Line(seed: -1)").contains("at least 0 and at most 4294967295, got -1"));
     assert!(bad("Line(seed: 1, sed: 2)").contains("sed"));
     assert!(bad("Melted(seed: 1)").contains("Scrambled"));
 }

@@ -202,7 +202,7 @@ fn a_crushed_triangle_is_named_where_its_model_has_no_energy() {
     simulation.set_state(state);
     simulation.advance(1000, &mut || true);
     let fault = simulation.fault().unwrap().to_string();
-    assert!(fault.contains("crushed inside out, where Hencky has no energy"), "{fault}");
+    assert!(fault.contains("inverted (inside out), where the energy of Hencky is not defined"), "{fault}");
 }
 
 #[test]

@@ -343,7 +343,7 @@ fn the_program_prints_a_table_writes_csv_and_names_what_it_knows() {
     for (arguments, expected) in [
         (vec!["study", "no_such_level"], "no_such_level"),
         (vec!["study", "gingerbread", "--integrators", "Magic"], "SymplecticEuler"),
-        (vec!["study", "gingerbread", "--steps", "0"], "[1, 100000]"),
+        (vec!["study", "gingerbread", "--steps", "0"], "substeps must be at least 1 and at most 100000, got 0"),
         (vec!["study", "gingerbread", "--measure", "mood"], "deflection or energy"),
     ] {
         let output = gingerbread(&arguments);

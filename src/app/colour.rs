@@ -1,6 +1,9 @@
 //! Colours for values: maps that colour-blind eyes can read, and a range that holds still.
 
-use crate::snapshot::{Field, Snapshot};
+use crate::{
+    app::numbers::or_zero,
+    snapshot::{Field, Snapshot},
+};
 use eframe::egui::Color32;
 use std::sync::LazyLock;
 
@@ -148,6 +151,15 @@ fn floor(snapshot: &Snapshot) -> f64 {
     }
 }
 
+/// A value of the field for a label: zero if it is no more than round-off of stresses at a strain of one.
+pub fn reading(snapshot: &Snapshot, value: f64) -> f64 {
+    let young = snapshot.level.bodies.iter().map(|body| body.material.young().get()).fold(0.0, f64::max);
+    match snapshot.field {
+        Field::EnergyDensity | Field::VonMises => or_zero(value, 1e-12 * young),
+        Field::None | Field::Volume => value,
+    }
+}
+
 /// The next of 1, 2, 5, 10, 20, 50, ...
 fn round_up(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
@@ -164,8 +176,17 @@ pub fn ticks([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Scale, round_up, ticks};
+    use super::{Scale, reading, round_up, ticks};
     use crate::snapshot::{Field, Snapshot};
+
+    #[test]
+    fn round_off_of_stress_reads_as_zero() {
+        let text = crate::levels::built_in("gingerbread").unwrap_or_default();
+        let level = crate::files::parse(text, "gingerbread.ron").unwrap_or_default();
+        let snapshot = Snapshot { level: level.into(), field: Field::VonMises, ..Snapshot::default() };
+        let young = snapshot.level.bodies[0].material.young().get();
+        assert_eq!([1e-16 * young, 1e-9 * young].map(|value| reading(&snapshot, value)), [0.0, 1e-9 * young]);
+    }
 
     #[test]
     fn rounds_up() {

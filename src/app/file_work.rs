@@ -98,14 +98,14 @@ impl App {
         if cfg!(target_arch = "wasm32") && purpose != Purpose::Open {
             let text = match purpose {
                 Purpose::Export(Export { bytes, .. }) => {
-                    String::from_utf8(bytes).map_err(|_| "A browser saves no pictures from here.".to_owned())
+                    String::from_utf8(bytes).map_err(|_| "Pictures cannot be saved in a browser.".to_owned())
                 }
                 _ => files::write(&self.settled().saved()).map_err(|error| error.to_string()),
             };
             self.view.notice = Some(match text {
                 Ok(text) => {
                     ctx.copy_text(text);
-                    Notice::Done("It is in the clipboard: paste it into a file.".to_owned())
+                    Notice::Done("The text was copied to the clipboard: paste it into a file.".to_owned())
                 }
                 Err(why) => Notice::Trouble(why),
             });

@@ -108,7 +108,7 @@ pub static TABLE: &[Binding] = &[
     binding("R", "start over: positions and velocities", When::Moving, &[key(Key::R)], |_| Act::Do(Command::Reset)),
     Binding {
         repeats: true,
-        ..binding("Backspace", "turn time back; hold for more", When::Moving, &[key(Key::Backspace)], |_| {
+        ..binding("Backspace", "go back in time; hold to go back further", When::Moving, &[key(Key::Backspace)], |_| {
             Act::Do(Command::Rewind(BACK))
         })
     },
@@ -130,7 +130,7 @@ pub static TABLE: &[Binding] = &[
         model(Model::FixedCorotated)
     }),
     binding("H", "Hencky model, and start over", When::Bodies, &[key(Key::H)], |_| model(Model::Hencky)),
-    binding("U", "untangle bodies that lie over themselves", When::Bodies, &[key(Key::U)], |_| {
+    binding("U", "untangle bodies that overlap themselves", When::Bodies, &[key(Key::U)], |_| {
         Act::Do(Command::Untangle)
     }),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),

@@ -1,5 +1,7 @@
 //! Numbers as people read them: three significant digits, an SI prefix, a unit, and no jitter in width.
 
+use crate::quantity::with_unit;
+
 /// Prefixes from the smallest power of a thousand to the largest.
 const PREFIXES: [(i32, &str); 9] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
@@ -30,7 +32,7 @@ fn write(value: f64, unit: &str, trim: bool) -> String {
         return "no number".to_owned();
     }
     if value.is_infinite() {
-        return join(if value > 0.0 { "∞" } else { "−∞" }, "", unit);
+        return with_unit(if value > 0.0 { "∞" } else { "−∞" }, "", unit);
     }
     let (digits, exponent) = three_digits(value.abs());
     let sign = if value < 0.0 && digits > 0 { "−" } else { "" };
@@ -41,12 +43,12 @@ fn write(value: f64, unit: &str, trim: bool) -> String {
     } else {
         format!("{}e{place}", decimal(digits, 0, trim))
     };
-    join(&format!("{sign}{number}"), prefix, unit)
+    with_unit(&format!("{sign}{number}"), prefix, unit)
 }
 
-fn join(number: &str, prefix: &str, unit: &str) -> String {
-    let gap = if unit.is_empty() || unit == "%" || unit == "°" { "" } else { " " };
-    format!("{number}{gap}{prefix}{unit}")
+/// Zero for a value that is no more than round-off of what it is a sum or difference of.
+pub fn or_zero(value: f64, round_off: f64) -> f64 {
+    if value.abs() <= round_off { 0.0 } else { value }
 }
 
 /// The value as `d.dd * 10^exponent`, rounded once; the digits as a number from 100 to 999, or 0.
@@ -70,9 +72,16 @@ fn takes_prefix(unit: &str) -> bool {
     matches!(first, "s" | "m" | "N" | "J" | "Pa" | "W" | "Hz")
 }
 
-/// The power of ten and the prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`.
+/// The power of ten and the prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`, and
+/// spring stiffness has no prefix from 0.1 to 999. Velocities and accelerations have none from 0.001 to 999 999.
 fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
     if !takes_prefix(unit) {
+        return (0, "");
+    }
+    if matches!(unit, "m/s" | "m/s²") && (-3..=5).contains(&exponent) {
+        return (0, "");
+    }
+    if unit == "N/m" && exponent == -1 {
         return (0, "");
     }
     let early = i32::from(matches!(unit, "s" | "m"));
@@ -83,7 +92,7 @@ fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{si, si_fixed, unit_for};
+    use super::{or_zero, si, si_fixed, unit_for};
 
     #[test]
     fn reads_like_prose() {
@@ -102,11 +111,26 @@ mod tests {
             (1.0e-7, "", "1e-7"),
             (45.0, "°", "45°"),
             (100_000.0, "s", "100000 s"),
+            (0.4, "m/s²", "0.4 m/s²"),
+            (0.02, "m/s²", "0.02 m/s²"),
+            (-1500.0, "m/s²", "−1500 m/s²"),
+            (5e-6, "m/s²", "5 µm/s²"),
+            (0.25, "m/s", "0.25 m/s"),
+            (0.5, "N/m", "0.5 N/m"),
+            (100.0, "N/m", "100 N/m"),
+            (3000.0, "N/m", "3 kN/m"),
+            (1.0, "1/s", "1 /s"),
             (f64::INFINITY, "J", "∞ J"),
             (f64::NAN, "J", "no number"),
         ] {
             assert_eq!(si(value, unit), text, "{value:e} {unit}");
         }
+    }
+
+    #[test]
+    fn round_off_reads_as_zero() {
+        assert_eq!(si(or_zero(7.4e-14, 1e-9), "Pa"), "0 Pa");
+        assert_eq!(si(or_zero(-7.4e-8, 1e-9), "Pa"), "−74 nPa");
     }
 
     #[test]

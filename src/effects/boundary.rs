@@ -25,11 +25,11 @@ impl Default for Boundary {
 
 impl EffectParameters for Boundary {
     fn title(&self) -> &'static str {
-        "Edges of the world"
+        "Domain boundary"
     }
 
     fn about(&self) -> &'static str {
-        "A vertex that gets beyond an edge is put back on it; its velocity outwards is removed. What begins beyond one comes in slowly."
+        "A rectangle that vertices cannot leave: a vertex outside is put back on the nearest side, and its outward velocity is removed. What begins outside comes in slowly."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -50,7 +50,9 @@ impl EffectParameters for Boundary {
             };
             Ok(Box::new(Edges { least, greatest, all: [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)] }))
         } else {
-            Err(format!("the world's least corner {least:?} must lie below and left of its greatest {greatest:?}"))
+            Err(format!(
+                "the lower left corner {least:?} of the domain must lie below and left of its upper right corner {greatest:?}"
+            ))
         }
     }
 }
@@ -114,7 +116,7 @@ struct Edges {
 
 impl Effect for Edges {
     fn name(&self) -> &'static str {
-        "Edges of the world"
+        "Domain boundary"
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {

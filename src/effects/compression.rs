@@ -37,7 +37,7 @@ impl EffectParameters for Compression {
     }
 
     fn about(&self) -> &'static str {
-        "ψ = s (2μ + λ)/3 (1 − J)³ where J < 1: squeezed triangles push back, and mirrored ones turn again."
+        "ψ = s (2μ + λ)/3 (1 − J)³ where J < 1: compressed triangles push back, and inverted ones are turned back."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

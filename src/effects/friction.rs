@@ -30,7 +30,7 @@ impl EffectParameters for Friction {
     }
 
     fn about(&self) -> &'static str {
-        "|f_t| ≤ μ f_n where a vertex touches a wall or an edge of the world: below that it sticks, above it slides."
+        "|f_t| ≤ μ f_n where a vertex touches a wall or the domain boundary: below that it sticks, above it slides."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

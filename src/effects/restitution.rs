@@ -29,7 +29,7 @@ impl EffectParameters for Restitution {
     }
 
     fn about(&self) -> &'static str {
-        "v'·n = −e v·n where a vertex hits a wall or an edge of the world; a body bounces by its own elasticity as well."
+        "v'·n = −e v·n where a vertex hits a wall or the domain boundary; a body bounces by its own elasticity as well."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

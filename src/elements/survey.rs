@@ -44,7 +44,7 @@ impl Triangles {
                 Arch::new().dispatch(Sweep { of, material, energy, field, x, out })
             }
         }
-        self.model().visit(self.lame(), Visit(self, energy, field, x, values))
+        self.visit(Visit(self, energy, field, x, values))
     }
 }
 

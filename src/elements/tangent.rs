@@ -67,7 +67,7 @@ impl Triangles {
                 self.0.add_energy_change(self.1, self.2, self.3, Stored(material));
             }
         }
-        self.model().visit(self.lame(), Visit(self, moving, scratch, product));
+        self.visit(Visit(self, moving, scratch, product));
     }
 
     /// Adds d²E/dx² at x times a displacement d [m] to `product` [N], for the energy E of an isotropic density.
@@ -83,7 +83,7 @@ impl Triangles {
 
     /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.
     pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
-        self.model().visit(self.lame(), Elastic { of: self, x, weights, matrix });
+        self.visit(Elastic { of: self, x, weights, matrix });
     }
 
     /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, or what is asked for of it.

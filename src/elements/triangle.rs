@@ -11,7 +11,7 @@ use super::{
 use crate::{
     effects::{Effect, Motion, Viscous},
     lanes::Order,
-    materials::{Lame, Material, Model, Visitor},
+    materials::{Lame, Material, Model, Plane, Visitor},
     meshes::{Fan, Mesh},
     solvers::{BlockMatrix, Weights},
 };
@@ -39,7 +39,7 @@ pub struct Triangles {
     blocks: Blocks,
     model: Model,
     lame: Lame,
-    plane_stress: bool,
+    plane: Plane,
     gather: Gather,
     /// For those who share the work; found when it is first wanted.
     parts: OnceLock<Option<Parts>>,
@@ -67,7 +67,7 @@ impl Triangles {
     /// The elements of a body, whose vertices are these of the scene, with the triangles of a mesh.
     ///
     /// `rest` is flat, two numbers for each vertex of the whole scene [m].
-    pub fn new(rest: &[f64], vertices: Range<usize>, mesh: &Mesh, material: (Model, Lame, bool)) -> Self {
+    pub fn new(rest: &[f64], vertices: Range<usize>, mesh: &Mesh, material: (Model, Lame, Plane)) -> Self {
         let first = vertices.start as u32;
         let mut corners: Vec<_> = mesh.triangles().iter().map(|corners| corners.map(|corner| corner + first)).collect();
         let mut slots = vec![0; corners.len()];
@@ -96,12 +96,12 @@ impl Triangles {
         (fans, shapes): (Vec<[u32; 4]>, Vec<[Rest; 2]>),
         vertices: Range<usize>,
         (corners, slots): (Vec<[u32; 3]>, Vec<u32>),
-        (model, lame, plane_stress): (Model, Lame, bool),
+        (model, lame, plane): (Model, Lame, Plane),
         set: Arch,
     ) -> Self {
         let gather = Gather::new(&fans, &vertices, (&parts::cuts(&fans), false), &Order::of_pairs(set));
         let (blocks, fans) = (Blocks::new(&shapes, set), Corners::new(&fans, vertices.start));
-        Self { vertices, corners, slots, fans, blocks, model, lame, plane_stress, gather, parts: OnceLock::new() }
+        Self { vertices, corners, slots, fans, blocks, model, lame, plane, gather, parts: OnceLock::new() }
     }
 
     /// The vertices of each fan, as [`Fan::corners`] has them.
@@ -122,7 +122,7 @@ impl Triangles {
     pub fn in_set(&self, set: Arch) -> Self {
         let fans = self.fans();
         let shapes = (0..fans.len()).map(|fan| self.blocks.fan(fan)).collect();
-        let (material, of) = ((self.model, self.lame, self.plane_stress), (self.corners.clone(), self.slots.clone()));
+        let (material, of) = ((self.model, self.lame, self.plane), (self.corners.clone(), self.slots.clone()));
         Self::of_fans((fans, shapes), self.vertices.clone(), of, material, set)
     }
 
@@ -151,6 +151,11 @@ impl Triangles {
         self.lame
     }
 
+    /// Runs a visitor on the material of the triangles.
+    pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+        self.model.visit_in(self.plane, self.lame, visitor)
+    }
+
     /// Where a triangle is among those of all fans, two each.
     #[inline]
     pub(super) fn slot(&self, triangle: usize) -> usize {
@@ -171,7 +176,7 @@ impl Triangles {
 
     /// Whether the faces of the sheet are free of stress.
     pub(super) const fn plane_stress(&self) -> bool {
-        self.plane_stress
+        self.plane.is_stress()
     }
 
     /// Area of each triangle at rest [m²].
@@ -201,7 +206,7 @@ impl Triangles {
                 self.0.sweep(Elastic(*material), self.1, self.2);
             }
         }
-        self.model.visit(self.lame, Visit(self, target, scratch));
+        self.visit(Visit(self, target, scratch));
     }
 
     /// Moves this body's vertices by its elastic and its viscous forces, both of which need scratch.
@@ -214,7 +219,7 @@ impl Triangles {
                 self.0.sweep(Both(Elastic(*material), viscous), self.1, self.2);
             }
         }
-        self.model.visit(self.lame, Visit(self, vertices, scratch));
+        self.visit(Visit(self, vertices, scratch));
     }
 
     /// Stored energy at these positions [J].
@@ -227,7 +232,7 @@ impl Triangles {
                 blocks.set().dispatch(blocks::Energy { material, corners, blocks, x: &x[2 * vertices.start..] })
             }
         }
-        self.model.visit(self.lame, Visit(self, x))
+        self.visit(Visit(self, x))
     }
 
     /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them out. Each needs scratch.
@@ -265,7 +270,7 @@ impl Triangles {
                 }
             }
         }
-        self.model.visit(self.lame, Visit(self, walker, parts, (way, more)));
+        self.visit(Visit(self, walker, parts, (way, more)));
     }
 
     /// The viscous stress, if there is one.
@@ -351,7 +356,7 @@ impl Effect for Triangles {
                 M::BARRIER
             }
         }
-        if !self.model.visit(self.lame, Barrier) {
+        if !self.visit(Barrier) {
             return f64::INFINITY;
         }
         let mut longest = f64::INFINITY;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 /// How time passes in a hard case: a scheme and the length of its step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Method {
-    /// Symplectic Euler at [`Self::SHARE`] of its longest stable step, which is measured anew at every frame.
+    /// Symplectic Euler at [`Self::SHARE`] of its longest stable step, which is found again at every frame.
     SymplecticEuler,
     /// Implicit Euler with steps of 1/60 s.
     ImplicitEuler,
@@ -43,7 +43,7 @@ impl Method {
     /// How it steps, for a tooltip.
     pub const fn about(self) -> &'static str {
         match self {
-            Self::SymplecticEuler => "A quarter of its longest stable step, measured anew at every frame.",
+            Self::SymplecticEuler => "A quarter of its longest stable step, found again at every frame.",
             Self::ImplicitEuler | Self::Bdf2 => "Steps of 1/60 s, however stiff the scene is.",
         }
     }

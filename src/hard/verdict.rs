@@ -92,7 +92,7 @@ impl Verdict {
             (Some(Failure::Stopped), _) => format!("stopped at {time:.2} s"),
             (Some(Failure::Outside), _) => format!("{} through a wall", Share(outside)),
             (Some(Failure::Inverted), _) => format!("{} inverted{opened}", Count(inverted, "triangle", "triangles")),
-            (Some(Failure::Wound), _) => format!("{} wound twice{opened}", Count(wound, "vertex", "vertices")),
+            (Some(Failure::Wound), _) => format!("folded at {}{opened}", Count(wound, "vertex", "vertices")),
             (Some(Failure::Area) | None, Some(area)) => format!("area off by {}", Share(area)),
             (Some(Failure::Energy | Failure::Area) | None, _) => format!("energy up by {}", Share(gain)),
         }

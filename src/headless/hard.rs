@@ -154,9 +154,9 @@ fn lines(sweep: &Sweep) -> String {
         let Some(Ok(verdict)) = &entry.verdict else { continue };
         let why = trial.case.cannot(trial.model, trial.method);
         let mark = match (verdict.held(), why) {
-            (true, _) => "held".to_owned(),
-            (false, None) => "NOT HELD".to_owned(),
-            (false, Some(why)) => format!("not held, as expected: {}", terminal::line(why)),
+            (true, _) => "passed".to_owned(),
+            (false, None) => "FAILED".to_owned(),
+            (false, Some(why)) => format!("not passed, as expected: {}", terminal::line(why)),
         };
         let (name, model, method) = (terminal::line(&trial.name), trial.model.name(), trial.method.name());
         let (ms, decided) = (1e3 * entry.seconds, verdict.decided_by());
@@ -170,7 +170,7 @@ fn lines(sweep: &Sweep) -> String {
 /// when they are untangled, and the least and the greatest energy left in those [J].
 fn counts(sweep: &Sweep, starts: usize) -> String {
     let mut text =
-        format!("{:<12} {:<17} {:<16} held          by Untangle  energy left [J]", "case", "model", "integrator");
+        format!("{:<12} {:<17} {:<16} passed        by Untangle  energy left [J]", "case", "model", "integrator");
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
         let Trial { name, model, method, .. } = group[0].0;

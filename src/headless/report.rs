@@ -177,7 +177,7 @@ impl std::fmt::Display for RunReport {
         }
         write!(out, "; energy {:.6} J", energy.total)?;
         if let Some(min_j) = self.min_j {
-            write!(out, ", least J {min_j:.4}")?;
+            write!(out, ", smallest J {min_j:.4}")?;
         }
         write!(out, ", state {}", self.state_hash)
     }

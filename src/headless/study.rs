@@ -335,5 +335,9 @@ fn measure(text: &str) -> Result<Measure, String> {
 
 fn per_cent(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number of per cent".to_owned())?;
-    if value > 0.0 && value <= 100.0 { Ok(value) } else { Err("expected per cent in (0, 100]".to_owned()) }
+    if value > 0.0 && value <= 100.0 {
+        Ok(value)
+    } else {
+        Err("expected per cent, greater than 0 and at most 100".to_owned())
+    }
 }

@@ -92,6 +92,6 @@ fn step_count<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u64, D::Error
     if count <= MOST {
         Ok(count)
     } else {
-        Err(serde::de::Error::custom(format!("steps must be in [0, {MOST}], got {count}")))
+        Err(serde::de::Error::custom(format!("steps must be at least 0 and at most {MOST}, got {count}")))
     }
 }

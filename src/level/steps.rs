@@ -19,7 +19,7 @@ impl Substeps {
         if (1..=Self::MAX).contains(&count) {
             Ok(Self(count))
         } else {
-            Err(format!("substeps must be in [1, {}], got {count}", Self::MAX))
+            Err(format!("substeps must be at least 1 and at most {}, got {count}", Self::MAX))
         }
     }
 
@@ -58,7 +58,7 @@ impl TryFrom<f64> for Substeps {
         if count.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&count) {
             return Self::new(count as u32);
         }
-        Err(format!("substeps must be a whole number in [1, {}], got {count}", Self::MAX))
+        Err(format!("substeps must be a whole number, at least 1 and at most {}, got {count}", Self::MAX))
     }
 }
 

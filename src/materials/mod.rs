@@ -16,6 +16,7 @@ mod moduli;
 mod neo_hookean;
 mod parameters;
 mod projection;
+mod sheet;
 mod st_venant_kirchhoff;
 mod stable_neo_hookean;
 
@@ -26,6 +27,7 @@ pub use moduli::{Moduli, Parts};
 pub use neo_hookean::NeoHookean;
 pub use parameters::{BadMaterial, Lame, MaterialParameters, Plane};
 pub use projection::with_eigenvalues;
+pub use sheet::{FixedCorotatedSheet, NeoHookeanSheet};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
@@ -106,14 +108,14 @@ pub trait Material: Copy + Send + Sync {
     fn caution(&self, stretch: f64) -> Option<String> {
         let Some(width) = self.free_width(stretch) else {
             return Some(format!(
-                "{} has no answer here: with free sides, no positive width balances at {stretch:.2} x.",
+                "{} has no solution here: with free sides, no positive width is in equilibrium at {stretch:.2} x.",
                 Self::TITLE
             ));
         };
         let stiffness = self.stiffness(&Matrix2::new(stretch, 0.0, 0.0, width));
         let along = stiffness.m11 - stiffness.m14 * stiffness.m41 / stiffness.m44;
         (along < 0.0).then(|| {
-            format!("{} gives way here: with free sides, going on from {stretch:.2} x needs less force.", Self::TITLE)
+            format!("{} gives way here (softening): with free sides, stretching or pressing further from {stretch:.2} x needs less force.", Self::TITLE)
         })
     }
 }
@@ -158,16 +160,35 @@ impl Model {
         self.visit(Lame { mu: 1.0, lambda: 0.0 }, Words)
     }
 
+    /// Runs the visitor on the model as it is in this plane, with Lame's parameters of that plane.
+    pub fn visit_in<V: Visitor>(self, plane: Plane, lame: Lame, visitor: V) -> V::Output {
+        match (self, plane) {
+            (Self::NeoHookean, Plane::StressExact) => visitor.visit(&NeoHookeanSheet::new(lame)),
+            (Self::FixedCorotated, Plane::StressExact) => visitor.visit(&FixedCorotatedSheet::new(lame)),
+            _ => self.visit(lame, visitor),
+        }
+    }
+
+    /// Whether `lambda` of plane stress, put into the plane strain formula, leaves exactly no stress through the thickness:
+    /// where the thickness strain that Hooke's law has is also that of the model, in its own measure of strain.
+    pub const fn is_exact_in_stress(self) -> bool {
+        matches!(self, Self::Corotated | Self::StVenantKirchhoff | Self::Hencky)
+    }
+
     /// See [`Material::caution`].
     pub fn caution(self, lame: Lame, stretch: f64) -> Option<String> {
-        struct Caution(f64);
-        impl Visitor for Caution {
-            type Output = Option<String>;
-            fn visit<M: Material>(self, material: &M) -> Option<String> {
-                material.caution(self.0)
-            }
-        }
         self.visit(lame, Caution(stretch))
+    }
+}
+
+/// Asks for [`Material::caution`] at a stretch.
+#[derive(Clone, Copy, Debug)]
+pub struct Caution(pub f64);
+
+impl Visitor for Caution {
+    type Output = Option<String>;
+    fn visit<M: Material>(self, material: &M) -> Option<String> {
+        material.caution(self.0)
     }
 }
 

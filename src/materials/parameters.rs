@@ -8,8 +8,20 @@ pub enum Plane {
     /// The sheet is held at its thickness: F33 = 1. `lambda = E nu / ((1 + nu)(1 - 2 nu))`.
     #[default]
     Strain,
-    /// The faces of the sheet are free: no stress through the thickness. `lambda = E nu / ((1 + nu)(1 - nu))`.
+    /// The faces of the sheet are free as in Hooke's law: `lambda = E nu / ((1 + nu)(1 - nu))` in the formula of plane strain. At
+    /// small strains there is no stress through the thickness; at large ones neo-Hookean, stable neo-Hookean and fixed corotated
+    /// models leave some.
     Stress,
+    /// The faces of the sheet are free at every strain: the thickness of each triangle solves P33 = 0. The same as
+    /// [`Self::Stress`] for models that have no stress through the thickness there ([`Model::is_exact_in_stress`]).
+    StressExact,
+}
+
+impl Plane {
+    /// Whether the faces of the sheet are free.
+    pub const fn is_stress(self) -> bool {
+        matches!(self, Self::Stress | Self::StressExact)
+    }
 }
 
 /// Lame's parameters [Pa].
@@ -38,26 +50,63 @@ pub enum BadMaterial {
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// In plane strain the area cannot stay the same: lambda would be infinite.
-    #[error("Poisson's ratio must be in (-1, 0.5) for plane strain and in (-1, 0.5] for plane stress, got {0}")]
+    #[error(
+        "Poisson's ratio must be greater than -1 and less than 0.5 for plane strain (at most 0.5 for plane stress), got {0}"
+    )]
     Poisson(f64),
+    /// The thickness that leaves no stress in it is not unique, or there is none.
+    #[error(
+        "with exact plane stress (StressExact), Poisson's ratio of {} must be at least 0 and at most 0.5, got {poisson}; choose plane stress (Stress)",
+        .model.title()
+    )]
+    Thickness {
+        /// The model.
+        model: Model,
+        /// Poisson's ratio.
+        poisson: f64,
+    },
+    /// The model has no usable answer in this plane.
+    #[error(
+        "{} has no exact plane stress (StressExact): a triangle that is squeezed flat would lose its thickness and not be pushed \
+         back. Choose plane stress (Stress) or another model",
+        .0.title()
+    )]
+    NotExact(Model),
 }
 
 impl MaterialParameters {
     /// Checked parameters.
     ///
     /// # Errors
-    /// [`BadMaterial::Poisson`] for nu = 0.5 in plane strain.
+    /// [`BadMaterial::Poisson`] for nu = 0.5 in plane strain; for exact plane stress [`BadMaterial::NotExact`] if the model has
+    /// none, [`BadMaterial::Thickness`] if it has none with a negative nu.
     pub fn new(model: Model, young: Young, poisson: Poisson, plane: Plane) -> Result<Self, BadMaterial> {
         if plane == Plane::Strain && poisson.get() >= 0.5 {
             return Err(BadMaterial::Poisson(poisson.get()));
         }
+        if plane == Plane::StressExact && !model.is_exact_in_stress() {
+            if model == Model::StableNeoHookean {
+                return Err(BadMaterial::NotExact(model));
+            }
+            if poisson.get() < 0.0 {
+                return Err(BadMaterial::Thickness { model, poisson: poisson.get() });
+            }
+        }
         Ok(Self { model, young, poisson, plane })
     }
 
-    /// The same stuff under another model.
+    /// The same stuff under another model; in plane stress where that model has no exact plane stress.
     #[must_use]
-    pub const fn with_model(self, model: Model) -> Self {
-        Self { model, ..self }
+    pub fn with_model(self, model: Model) -> Self {
+        self.try_with_model(model).unwrap_or(Self { model, plane: Plane::Stress, ..self })
+    }
+
+    /// The same stuff under another model.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn try_with_model(self, model: Model) -> Result<Self, BadMaterial> {
+        Self::new(model, self.young, self.poisson, self.plane)
     }
 
     /// Constitutive model.
@@ -75,7 +124,7 @@ impl MaterialParameters {
         self.poisson
     }
 
-    /// Plane strain or plane stress.
+    /// What the third dimension does.
     pub const fn plane(&self) -> Plane {
         self.plane
     }
@@ -85,7 +134,7 @@ impl MaterialParameters {
         let (young, nu) = (self.young.get(), self.poisson.get());
         let lambda = match self.plane {
             Plane::Strain => young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
-            Plane::Stress => young * nu / ((1.0 + nu) * (1.0 - nu)),
+            Plane::Stress | Plane::StressExact => young * nu / ((1.0 + nu) * (1.0 - nu)),
         };
         Lame { mu: young / (2.0 * (1.0 + nu)), lambda }
     }

@@ -99,7 +99,7 @@ impl Material for StVenantKirchhoff {
         }
         self.free_width(stretch).is_none().then(|| {
             format!(
-                "{} has no answer here: with free sides at {stretch:.2} x, Poisson's ratio must stay below 1/s² (plane \
+                "{} has no solution here: with free sides at {stretch:.2} x, Poisson's ratio must stay below 1/s² (plane \
                  strain) or 1/(s² − 1) (plane stress) for any positive width.",
                 Self::TITLE
             )

@@ -1,14 +1,14 @@
 //! A disk of concentric rings.
 
 use super::{Files, Mesh, MeshError, MeshSource, Whole};
-use crate::quantity::{Coordinate, Length, Point, Quantity, Rings};
+use crate::quantity::{Coordinate, Point, Quantity, Radius, Rings};
 
 /// A disk: ring `k` has `6 k` vertices, so that triangles stay nearly equilateral; `6 rings²` triangles in all.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Disk {
     /// Distance of the edge from the centre [m].
-    pub radius: Length,
+    pub radius: Radius,
     /// Number of rings.
     pub rings: Whole<Rings>,
     /// The centre [m].
@@ -23,7 +23,7 @@ fn middle() -> Point {
 
 impl Default for Disk {
     fn default() -> Self {
-        Self { radius: Length::literal(0.25), rings: Whole::literal(Rings::literal(10.0)), centre: middle() }
+        Self { radius: Radius::literal(0.25), rings: Whole::literal(Rings::literal(10.0)), centre: middle() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A rectangle cut into equal cells.
 
 use super::{Files, Mesh, MeshError, MeshSource, Whole, error::MOST_TRIANGLES};
-use crate::quantity::{Cells, Coordinate, Length, Point, Quantity};
+use crate::quantity::{Cells, Coordinate, Height, Point, Quantity, Width};
 
 /// How each cell of a [`Rectangle`] is cut into triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -20,9 +20,9 @@ pub enum Diagonals {
 #[serde(deny_unknown_fields)]
 pub struct Rectangle {
     /// Size along x [m].
-    pub width: Length,
+    pub width: Width,
     /// Size along y [m].
-    pub height: Length,
+    pub height: Height,
     /// Cells along x; there is one vertex more.
     pub columns: Whole<Cells>,
     /// Cells along y; there is one vertex more.
@@ -43,8 +43,8 @@ fn origin() -> Point {
 impl Default for Rectangle {
     fn default() -> Self {
         Self {
-            width: Length::literal(0.6),
-            height: Length::literal(0.3),
+            width: Width::literal(0.6),
+            height: Height::literal(0.3),
             columns: Whole::literal(Cells::literal(20.0)),
             rows: Whole::literal(Cells::literal(10.0)),
             diagonals: Diagonals::default(),

@@ -1,7 +1,7 @@
 use super::{Link, Net, NetError, NetSource, Role, net::MOST_SPRINGS};
 use crate::{
     meshes::Whole,
-    quantity::{Cells, Coordinate, FlexionSpring, Length, Point, Quantity, ShearSpring, StructuralSpring},
+    quantity::{Cells, Coordinate, FlexionSpring, Height, Point, Quantity, ShearSpring, StructuralSpring, Width},
 };
 
 /// A sheet of `columns` x `rows` cells with a particle at every corner, numbered row by row from the lower left.
@@ -13,9 +13,9 @@ use crate::{
 #[serde(deny_unknown_fields)]
 pub struct Sheet {
     /// Size along x [m].
-    pub width: Length,
+    pub width: Width,
     /// Size along y [m].
-    pub height: Length,
+    pub height: Height,
     /// Cells along x; there is one particle more.
     pub columns: Whole<Cells>,
     /// Cells along y; there is one particle more.
@@ -34,8 +34,8 @@ impl Default for Sheet {
     fn default() -> Self {
         let cells = Whole::literal(Cells::literal(4.0));
         Self {
-            width: Length::literal(0.4),
-            height: Length::literal(0.4),
+            width: Width::literal(0.4),
+            height: Height::literal(0.4),
             columns: cells,
             rows: cells,
             structural: StructuralSpring::literal(100.0),

@@ -1,5 +1,5 @@
 use super::{Obstacle, ObstacleParameters, solid::Solid};
-use crate::quantity::{Coordinate, Length, Point, Quantity, Reach};
+use crate::quantity::{Coordinate, Point, Quantity, Radius, Reach};
 use serde::{Deserialize, Serialize};
 
 /// A round obstacle.
@@ -9,7 +9,7 @@ pub struct Ball {
     /// Middle [m].
     pub centre: Point,
     /// Radius [m].
-    pub radius: Length,
+    pub radius: Radius,
     /// How near a vertex feels it [m].
     pub eps: Reach,
 }
@@ -17,7 +17,7 @@ pub struct Ball {
 impl Default for Ball {
     fn default() -> Self {
         let half = Coordinate::literal(0.5);
-        Self { centre: Point(half, Coordinate::literal(0.2)), radius: Length::literal(0.1), eps: Reach::literal(0.01) }
+        Self { centre: Point(half, Coordinate::literal(0.2)), radius: Radius::literal(0.1), eps: Reach::literal(0.01) }
     }
 }
 

@@ -1,5 +1,5 @@
 use super::{Obstacle, ObstacleParameters, Polygon};
-use crate::quantity::{Angle, Coordinate, Length, Point, Quantity, Reach};
+use crate::quantity::{Angle, Coordinate, Height, Point, Quantity, Reach, Width};
 use serde::{Deserialize, Serialize};
 
 /// A box, turned about its middle.
@@ -9,9 +9,9 @@ pub struct Cuboid {
     /// Middle [m].
     pub centre: Point,
     /// Width [m].
-    pub width: Length,
+    pub width: Width,
     /// Height [m].
-    pub height: Length,
+    pub height: Height,
     /// Turn [degrees], counter-clockwise.
     #[serde(default = "level")]
     pub turn: Angle,
@@ -27,8 +27,8 @@ impl Default for Cuboid {
     fn default() -> Self {
         Self {
             centre: Point(Coordinate::literal(0.5), Coordinate::literal(0.2)),
-            width: Length::literal(0.2),
-            height: Length::literal(0.1),
+            width: Width::literal(0.2),
+            height: Height::literal(0.1),
             turn: level(),
             eps: Reach::literal(0.01),
         }

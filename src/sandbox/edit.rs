@@ -18,7 +18,9 @@ impl Sandbox {
             Command::SetModel(model) => {
                 document.side_by_side = None;
                 document.level.state = None;
-                document.level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
+                for body in &mut document.level.bodies {
+                    body.material = body.material.try_with_model(model)?;
+                }
                 then = Then::Restart;
             }
             Command::SetMaterial(body, material) => {
@@ -50,7 +52,7 @@ impl Sandbox {
                 gesture = Some(Gesture::Net(number));
             }
             Command::SetToy(toy) => {
-                document.level.toy.as_ref().ok_or(Refused::NotHere("this level is not about a toy"))?;
+                document.level.toy.as_ref().ok_or(Refused::NotHere("this level has no toy problem"))?;
                 document.level.state = None;
                 document.level.toy = Some(toy);
                 gesture = Some(Gesture::Toy);
@@ -73,7 +75,7 @@ impl Sandbox {
             }
             Command::AddEffect(effect) => {
                 if document.level.toy.is_some() {
-                    return Err(Refused::NotHere("nothing acts on a toy but its own law"));
+                    return Err(Refused::NotHere("no effect can be added to a toy problem"));
                 }
                 let listed = EffectLevel { effect, switch: Switch::default(), when: When::Always };
                 document.level.effects.push(listed);

@@ -104,6 +104,6 @@ impl Touching {
     /// What a person should know.
     fn messages(self) -> impl Iterator<Item = String> {
         let idle = if self.constraints { Vec::new() } else { self.coatings };
-        idle.into_iter().map(|name| format!("{name} needs walls or edges of the world: without them nothing touches"))
+        idle.into_iter().map(|name| format!("{name} needs walls or a domain boundary: without them nothing touches"))
     }
 }

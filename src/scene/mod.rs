@@ -20,7 +20,6 @@ use crate::{
     elements::Triangles,
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Toggle},
-    materials::Plane,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     obstacles::Exit,
     quantity::Point,
@@ -111,11 +110,11 @@ pub enum SceneError {
     #[error("a level needs at least one body or net, or a toy")]
     Nothing,
     /// A toy beside other things.
-    #[error("a toy stands alone: take the bodies, nets and effects out of the level, or the toy")]
+    #[error("a level with a toy problem has nothing else: remove its bodies, nets and effects, or the toy")]
     ToyWithOthers,
     /// A toy has no positions and velocities that could be treated differently.
     #[error(
-        "{integrator} tells positions from velocities, which a toy has not; choose another integrator, such as {instead}"
+        "{integrator} needs positions and velocities, but a toy problem is a system of first order; choose another integrator, such as {instead}"
     )]
     ToyIntegrator {
         /// The integrator of the level.
@@ -271,7 +270,7 @@ impl Scene {
             return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
         let material = &level.material;
-        let stuff = (material.model(), material.lame(), material.plane() == Plane::Stress);
+        let stuff = (material.model(), material.lame(), material.plane());
         let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), &mesh, stuff));
         if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
             let flat = numbering.element_name(flat);

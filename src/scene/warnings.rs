@@ -12,11 +12,11 @@ impl Scene {
         let inside = match self.count_inside(start) {
             0 => None,
             1 => Some(
-                "1 vertex begins inside a wall or beyond the world: it is pushed out slowly, if there is a way"
+                "1 vertex begins inside a wall or outside the domain: it is pushed out slowly, if there is a way"
                     .to_owned(),
             ),
             many => Some(format!(
-                "{many} vertices begin inside walls or beyond the world: they are pushed out slowly, if there is a way"
+                "{many} vertices begin inside walls or outside the domain: they are pushed out slowly, if there is a way"
             )),
         };
         self.messages.iter().cloned().chain(inside).collect()

@@ -284,9 +284,9 @@ impl Drift {
     pub fn nothing_of(&self, invariant: Invariant) -> Option<&'static str> {
         let start = self.runs.iter().find_map(|run| run.moments.first()).map_or(0.0, |first| first.energy.abs());
         if self.trial.scene.toy.is_some() && invariant != Invariant::Energy {
-            Some("A toy has no momentum: its two numbers are not the places of masses.")
+            Some("A toy problem has no momentum: its two numbers are not positions of masses.")
         } else if self.scale() < STILL.0.max(STILL.1 * start) && self.runs.iter().all(|run| run.moments.len() > 1) {
-            Some("Hardly anything moves here, so there is nothing to gain or to lose.")
+            Some("Almost nothing moves here, so there is no energy or momentum to gain or lose.")
         } else {
             None
         }
@@ -310,7 +310,7 @@ impl Drift {
             (damped, "damping"),
             (!energy && heavy, "gravity"),
             (!energy && !scene.pins.is_empty(), "pins"),
-            (!energy && !scene.slides.is_empty(), "sides that slide"),
+            (!energy && !scene.slides.is_empty(), "rollers"),
         ];
         reasons.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect()
     }

@@ -41,7 +41,7 @@ pub(super) fn at_rest(scene: &Scene, state: &State) -> Option<(String, Vec<f64>)
         _ => return None,
     };
     let stretch = (high - low) / (top - bottom);
-    let width = body.elements.model().visit(body.elements.lame(), FreeWidth(stretch))?;
+    let width = body.elements.visit(FreeWidth(stretch))?;
     let moved = |point: &[f64]| [anchor + width * (point[0] - fixed), low + stretch * (point[1] - bottom)];
     let words = format!("strip at rest, {stretch:.4} times as high and {width:.4} times as wide");
     Some((words, scene.rest.chunks_exact(2).flat_map(moved).collect()))

@@ -112,7 +112,7 @@ pub const MODES: [RunMode; 2] = [RunMode::Simulate, RunMode::Collide];
 /// Energy of the first body, and the forces `[f1 f2] = -A P D0⁻ᵀ` of one triangle after another.
 pub fn one_by_one(simulation: &Simulation, x: &[f64]) -> (f64, Vec<f64>) {
     let elements = &simulation.scene().bodies[0].elements;
-    elements.model().visit(elements.lame(), OneByOne(simulation, x))
+    elements.visit(OneByOne(simulation, x))
 }
 
 struct OneByOne<'a>(&'a Simulation, &'a [f64]);

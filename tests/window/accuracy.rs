@@ -14,14 +14,14 @@ fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
     let mut long = level("gingerbread");
     assert!(open_level(long.clone(), 1280.0, 800.0).query_by_label_contains("Stable up to").is_some());
     long.substeps = Substeps::new(1).unwrap();
-    for (guard, words) in [(Toggle::On, "the guard has to help"), (Toggle::Off, "at this step it will blow up")] {
+    for (guard, words) in [(Toggle::On, "the guard divides it"), (Toggle::Off, "so the run will be unstable")] {
         long.guard = guard;
         let window = open_level(long.clone(), 1280.0, 800.0);
         assert!(window.query_by_label_contains(words).is_some());
     }
     long.integrator = IntegratorKind::all().into_iter().find(|kind| kind.name() == "ImplicitEuler").unwrap();
     let window = open_level(long, 1280.0, 800.0);
-    assert!(window.query_by_label_contains("Stable at every step").is_some());
+    assert!(window.query_by_label_contains("Stable for every step length").is_some());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use gingerbread::effects::EffectKind;
 use gingerbread::hard::Case;
 use gingerbread::integrators::IntegratorKind;
 use gingerbread::level::Paces;
-use gingerbread::materials::Model;
+use gingerbread::materials::{Model, Plane};
 use gingerbread::{files, levels};
 
 #[test]
@@ -48,10 +48,10 @@ fn leaving_a_number_field_unchanged_does_not_round_the_number() {
 #[test]
 fn a_refused_number_shows_why_and_changes_nothing() {
     for (name, text, why) in [
-        ("Young's modulus", "-5", "Young's modulus must be in (0, 1e15] Pa, got -5"),
-        ("Poisson's ratio", "0.7", "Poisson's ratio must be in (-1, 0.5], got 0.7"),
+        ("Young's modulus", "-5", "Young's modulus must be greater than 0 and at most 1e15 Pa, got -5"),
+        ("Poisson's ratio", "0.7", "Poisson's ratio must be greater than -1 and at most 0.5, got 0.7"),
         ("Young's modulus", "soft", "'soft' is not a number"),
-        ("Substeps", "0", "substeps must be in [1, 100000], got 0"),
+        ("Substeps", "0", "substeps must be at least 1 and at most 100000, got 0"),
     ] {
         let mut window = open("gingerbread");
         let before = window.state().snapshot().level.clone();
@@ -59,7 +59,7 @@ fn a_refused_number_shows_why_and_changes_nothing() {
         assert!(window.state().notice().is_some_and(|notice| notice.contains(why)), "{:?}", window.state().notice());
         assert!(window.query_by_label_contains(why).is_some(), "the message is on the screen");
         assert_eq!(window.state().snapshot().level, before);
-        click(&mut window, "Got it");
+        click(&mut window, "Close");
         assert_eq!(window.state().notice(), None);
     }
 }
@@ -225,16 +225,34 @@ fn the_panel_says_how_many_steps_each_body_takes_and_whether_it_may() {
     let parts = |window: &Window| window.state().snapshot().paces.iter().map(|pace| pace.steps).collect::<Vec<_>>();
     let words = format!("cake 1, pea {}", parts(&window)[1]);
     assert!(window.query_by_label(&words).is_some());
-    assert!(window.query_by_label_contains("the stiffest takes").is_some());
-    click(&mut window, "Own paces");
+    assert!(window.query_by_label_contains("the stiffest body takes steps of").is_some());
+    click(&mut window, "Multirate stepping");
     assert_eq!((window.state().snapshot().level.paces, parts(&window)), (Paces::Same, Vec::new()));
     assert!(window.query_by_label_contains("cake 1,").is_none());
-    click(&mut window, "Own paces");
+    click(&mut window, "Multirate stepping");
     assert!(window.query_by_label(&words).is_some());
     for name in ["Implicit Euler", "BDF2"] {
         let mut level = level("pea_and_cake");
         level.integrator = IntegratorKind::all().into_iter().find(|kind| kind.kind().title() == name).unwrap();
         let window = open_level(level, 1280.0, 800.0);
-        assert!(window.query_by_label("Own paces").is_none(), "{name}: no stiffness limits it");
+        assert!(window.query_by_label("Multirate stepping").is_none(), "{name}: no stiffness limits it");
     }
+}
+
+#[test]
+fn exact_plane_stress_is_a_choice_and_refused_in_words() {
+    let mut window = open("uniaxial_strip");
+    let plane = |window: &Window| window.state().snapshot().level.bodies[0].material.plane();
+    assert_eq!(plane(&window), Plane::Stress);
+    click(&mut window, "Exact at large strain");
+    assert_eq!(plane(&window), Plane::StressExact);
+    press(&mut window, Key::S);
+    assert!(window.query_by_label_contains("Stable neo-Hookean has no exact plane stress").is_some());
+    assert_eq!(window.state().snapshot().level.bodies[0].material.model(), Model::NeoHookean, "nothing has changed");
+    click(&mut window, "Close");
+    press(&mut window, Key::C);
+    assert!(window.query_by_label("Exact at large strain").is_none(), "plane stress is exact for this model");
+    assert_eq!(plane(&window), Plane::StressExact);
+    click(&mut window, "Plane strain");
+    assert_eq!(plane(&window), Plane::Strain);
 }

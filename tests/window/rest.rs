@@ -70,7 +70,7 @@ fn the_ledger_says_what_is_skipped_and_why_and_clocks_run_only_while_it_is_open(
     window.run_steps(20);
     assert!(timed(&window));
     assert!(window.query_by_label("Auto – skipped: nothing is dragged").is_some());
-    assert!(window.query_by_label_contains("Not there: Damping").is_some());
+    assert!(window.query_by_label_contains("Not active: Damping").is_some());
     assert!(
         window.query_all_by_label_contains("100 calls a frame").count() > 0,
         "elasticity acts in each of 100 steps"
@@ -83,7 +83,7 @@ fn the_ledger_says_what_is_skipped_and_why_and_clocks_run_only_while_it_is_open(
             break;
         }
     }
-    assert!(window.query_by_label_contains("forced:").is_some(), "measured, not guessed");
+    assert!(window.query_by_label_contains(" without: ").is_some(), "measured, not guessed");
     draw(&window);
 }
 

@@ -138,7 +138,7 @@ fn accuracy_and_drift_of_nets_and_toys_are_measured_while_the_scene_goes_on_and_
         measure(&mut window, "Work-precision diagram");
         draw(&window);
         has_head(&table(&mut window, "Accuracy as CSV"), &[entry, "# reference_error_at_most: "]);
-        click(&mut window, "Got it");
+        click(&mut window, "Close");
         press(&mut window, Key::M);
         let time = window.state().snapshot().time;
         measure(&mut window, "Drift study");

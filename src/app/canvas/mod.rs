@@ -7,7 +7,7 @@ mod tests;
 
 use super::{
     camera::Camera,
-    colour::Scale,
+    colour::{self, Scale},
     draw::{
         View, arrow,
         body::Bodies,
@@ -165,7 +165,7 @@ impl Canvas {
             colour_bar::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
             let under = free.and_then(|at| Some((at, self.bodies.value_at(snapshot, at)?)));
             if let Some((at, value)) = under {
-                colour_bar::reading(painter, view, canvas, at, snapshot.field, value);
+                colour_bar::reading(painter, view, canvas, at, snapshot.field, colour::reading(snapshot, value));
             }
         }
         painter.add(self.front.finish());

@@ -104,7 +104,7 @@ impl Record {
             ("positions", positions.to_owned()),
             ("energy", "total energy of B less that of A".to_owned()),
             ("ms", "time of computing for a second of simulated time that was not slept through".to_owned()),
-            ("reference", "none: neither pane is better than the other by right".to_owned()),
+            ("reference", "none: neither pane is a reference for the other".to_owned()),
         ];
         let columns = ["time_s", "positions_m", "positions_relative", "energy_j", "ms_a", "ms_b"];
         let mut table = Table::new(head(&self.level, 1, &about), &columns);

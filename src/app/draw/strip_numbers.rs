@@ -2,7 +2,7 @@
 
 use super::View;
 use crate::{
-    app::numbers::si_fixed,
+    app::numbers::{or_zero, si_fixed},
     snapshot::{BodySnapshot, Snapshot},
 };
 use eframe::egui::{Align, Color32, FontId, Painter, Pos2, Rect, epaint::text::LayoutJob, pos2};
@@ -35,7 +35,7 @@ pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Sna
     let head = names.iter().map(|name| fitting(painter, name, 1.15 * size, width)).fold(f32::INFINITY, f32::min);
     for ((body, name), &middle) in snapshot.bodies.iter().zip(&names).zip(&middles) {
         let column = Column { top: pos2(middle, top), width, size, head };
-        bottom = bottom.max(column.write(painter, view, name, body));
+        bottom = bottom.max(column.write(painter, view, name, (body, snapshot.negligible)));
     }
     for caution in snapshot.bodies.iter().filter_map(|body| body.caution.as_deref()) {
         bottom = sentence(
@@ -79,12 +79,13 @@ struct Column {
 
 impl Column {
     /// Writes name and numbers; returns where they end.
-    fn write(&self, painter: &Painter, view: View, name: &str, body: &BodySnapshot) -> f32 {
+    fn write(&self, painter: &Painter, view: View, name: &str, (body, negligible): (&BodySnapshot, f64)) -> f32 {
         let color = view.theme.ink;
+        let force = or_zero(body.top_force, negligible / body.mesh.area().sqrt());
         let numbers = [
             format!("width  {}", si_fixed(body.mid_width, "m")),
-            format!("force  {}", si_fixed(body.top_force, "N")),
-            format!("energy {}", si_fixed(body.energy, "J")),
+            format!("force  {}", si_fixed(force, "N")),
+            format!("energy {}", si_fixed(or_zero(body.energy, negligible), "J")),
             format!("min J  {}", si_fixed(body.min_j, "")),
         ];
         self.fitted(painter, self.top, name, FontId::proportional(self.head), color);

@@ -40,7 +40,7 @@ pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, comman
         if let Some((pane, fault)) = other {
             let title = format!("Time stopped in {}", pane.letter());
             card(ui, width, Theme::of(ctx).bad, &title, &fault.to_string(), |ui| {
-                let help = "The panels turn to this pane, and what mends it is offered here.";
+                let help = "The panels show this pane, and the remedies are offered here.";
                 if ui.button(format!("Edit {}", pane.letter())).on_hover_text(help).clicked() {
                     view.panes.push(Wish::Choose(pane));
                 }
@@ -49,11 +49,11 @@ pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, comman
         let mut read = false;
         if let Some(notice) = &view.notice {
             let (title, color) = match notice {
-                Notice::Trouble(_) => ("This did not work", Theme::of(ctx).caution),
+                Notice::Trouble(_) => ("Error", Theme::of(ctx).caution),
                 Notice::Done(_) => ("Done", Theme::of(ctx).good),
             };
             card(ui, width, color, title, notice.text(), |ui| {
-                read = ui.button("Got it").on_hover_text("[Esc]").clicked();
+                read = ui.button("Close").on_hover_text("[Esc]").clicked();
             });
         }
         if read || (view.notice.is_some() && ui.input(|input| input.key_pressed(Key::Escape))) {
@@ -77,7 +77,7 @@ fn card(ui: &mut Ui, width: f32, color: Color32, title: &str, text: &str, button
 fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let reach = now.rewind_reach.min(1.0);
     if reach > 0.0 {
-        let help = "Turns time back to before it went wrong, and pauses: change something, then go on. [Backspace]";
+        let help = "Goes back in time to before the failure, and pauses: change something, then run again. [Backspace]";
         if ui.button(format!("Back {}", numbers::si(reach, "s"))).on_hover_text(help).clicked() {
             commands.push(Command::Rewind(reach));
         }
@@ -85,12 +85,12 @@ fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if ui.button("Reset").on_hover_text("Positions and velocities go back to the start. [R]").clicked() {
         commands.push(Command::Reset);
     }
-    let help = "Switches damping on and starts over: what shakes calms down. [D, R]";
+    let help = "Switches damping on and starts over: vibrations die out. [D, R]";
     if ui.add_enabled(!now.damping, egui::Button::new("Damp")).on_hover_text(help).clicked() {
         commands.extend([Command::SetDamping(true), Command::Reset]);
     }
     if let Ok(finer) = Substeps::new(now.level.substeps.get().saturating_mul(2)) {
-        let help = "Twice as many steps, half as long, and starts over: dearer, and stable for stiffer bodies.";
+        let help = "Starts over with twice as many steps of half the length: more computing time, and stable for stiffer bodies.";
         if ui.button("Halve the step").on_hover_text(help).clicked() {
             commands.extend([Command::SetSubsteps(finer), Command::EndGesture, Command::Reset]);
         }

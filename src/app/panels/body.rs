@@ -50,15 +50,26 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     let (mut young, mut poisson, mut plane) = (material.young(), material.poisson(), material.plane());
     let outcomes = [slider::quantity(ui, &mut young), slider::quantity(ui, &mut poisson)];
     let mut changed = outcomes.iter().any(|outcome| outcome.changed);
-    let part = |which, text, about| Segment { text, name: text, about, on: plane == which };
+    let part = |on, text, about| Segment { text, name: text, about, on };
+    let stress = plane.is_stress();
     let parts = [
-        part(Plane::Strain, "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
-        part(Plane::Stress, "Plane stress", "The faces are free: λ = E ν / ((1 + ν)(1 − ν)) [Pa]."),
+        part(!stress, "Plane strain", "The thickness is held: λ = E ν / ((1 + ν)(1 − 2ν)) [Pa]."),
+        part(stress, "Plane stress", "The faces are free of stress: λ = E ν / ((1 + ν)(1 − ν)) [Pa]."),
     ];
-    if let Some(clicked) = segmented(ui, "plane", &parts, true) {
+    if let Some(clicked) = segmented(ui, "plane", &parts, true).filter(|clicked| (*clicked == 1) != stress) {
         plane = if clicked == 0 { Plane::Strain } else { Plane::Stress };
-        changed = plane != material.plane();
     }
+    if stress && !material.model().is_exact_in_stress() {
+        let mut exact = plane == Plane::StressExact;
+        let help = "Off: λ of Hooke's law is put into the formula of plane strain. The faces are free of stress at small strain; at \
+                    large strain this model keeps some stress through the thickness.\n\
+                    On: the thickness of each triangle solves P₃₃ = 0, so the faces are free of stress at every strain. Takes \
+                    more computing time.";
+        if ui.checkbox(&mut exact, "Exact at large strain").on_hover_text(help).changed() {
+            plane = if exact { Plane::StressExact } else { Plane::Stress };
+        }
+    }
+    changed |= plane != material.plane();
     ui.add_space(5.0);
     let switched = plane != material.plane();
     let command = match MaterialParameters::new(material.model(), young, poisson, plane) {

@@ -2,7 +2,7 @@
 
 use super::{
     Desk, Side, View, axes,
-    energy::{NOTHING, marks, nice_range},
+    energy::{marks, nice_range},
     export::{self, Figure},
     fixed, heading_here,
     history::WINDOW,
@@ -32,7 +32,7 @@ pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let help = if on {
         "One pane again: A stays. [B]"
     } else {
-        "Two panes of this scene, pulled by one hand, with another scheme, step, model or mesh in each. [B]"
+        "Two panes of this scene with the same pull of the mouse, and a different scheme, step, model or mesh in each. [B]"
     };
     if ui.add(button).on_hover_text(help).accessible_name("Compare").clicked() {
         view.panes.push(Wish::Toggle);
@@ -56,8 +56,8 @@ pub fn caption(ui: &mut Ui, desk: &Desk<'_>, side: Side) {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new(format!("Pane {}", pane.letter())).strong().color(color(theme, pane)));
         let words = match side {
-            Side::Left if desk.now.bodies.is_empty() => "all here is for both",
-            Side::Left => "its mesh; all else here is for both",
+            Side::Left if desk.now.bodies.is_empty() => "everything here applies to both panes",
+            Side::Left => "its mesh; everything else here applies to both panes",
             Side::Right => "its step, scheme, cost and energies",
         };
         ui.label(RichText::new(words).small().weak());
@@ -80,21 +80,31 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
                 other meshes, B is looked at where A's vertices are in the rest shape.";
     let top = ui.cursor().min;
     row(ui, "Positions", &last.positions.map_or("–".to_owned(), words), help);
-    let share = |of: &Moment| of.positions.map(|apart| 100.0 * apart.relative).filter(|share| share.is_finite());
-    plot(ui, record, &Curve { name: "difference of positions", unit: "", value: share });
+    let share = |of: &Moment| of.positions.map(share).filter(|share| share.is_finite());
+    plot(ui, record, &Curve { name: "difference of positions", unit: "", value: &share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
-    let energy = if last.energy.is_finite() { fixed(visible(last.energy), "J") } else { "–".to_owned() };
+    let negligible = desk.now.negligible;
+    let energy =
+        if last.energy.is_finite() { fixed(numbers::or_zero(last.energy, negligible), "J") } else { "–".to_owned() };
     row(ui, "Total energy", &energy, help);
-    plot(ui, record, &Curve { name: "difference of energies", unit: "J", value: |of| Some(visible(of.energy)) });
+    plot(
+        ui,
+        record,
+        &Curve {
+            name: "difference of energies",
+            unit: "J",
+            value: &|of| Some(numbers::or_zero(of.energy, negligible)),
+        },
+    );
     export::pose(ui, view, Figure::Difference, Rect::from_min_max(top, ui.min_rect().max));
     costs(ui, record.prices());
     ui.add_space(4.0);
     ui.separator();
 }
 
-/// A difference of energies [J]; what is only rounding is nothing, as it is where the energies themselves are shown.
-fn visible(energy: f64) -> f64 {
-    if energy.abs() <= NOTHING { 0.0 } else { energy }
+/// A difference of positions in per cent of the farthest that A has been; zero where it is only rounding.
+fn share(apart: Apart) -> f64 {
+    if apart.metres < ROUNDING { 0.0 } else { 100.0 * apart.relative }
 }
 
 /// How far positions are apart, in words.
@@ -113,7 +123,7 @@ fn words(apart: Apart) -> String {
 pub fn apart(panes: &Comparison) -> String {
     let record = panes.record();
     let apart = record.last().and_then(|last| last.positions).map_or(String::new(), |apart| match apart.metres {
-        0.0 => "not apart".to_owned(),
+        0.0 => "no difference".to_owned(),
         metres => format!("{} apart", fixed(metres.max(ROUNDING), "m").trim_end()),
     });
     let ratio = record.prices().filter(|[a, b]| *a > 0.0 && *b > 0.0).map(|[a, b]| b / a);
@@ -151,14 +161,14 @@ fn verdict(ratio: f64) -> String {
 }
 
 /// A line of a plot.
-struct Curve {
+struct Curve<'a> {
     name: &'static str,
     unit: &'static str,
-    value: fn(&Moment) -> Option<f64>,
+    value: &'a dyn Fn(&Moment) -> Option<f64>,
 }
 
 /// A small plot over the last seconds.
-fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
+fn plot(ui: &mut Ui, record: &Record, curve: &Curve<'_>) {
     let theme = Theme::of(ui.ctx());
     let end = record.last().map_or(0.0, |moment| moment.time);
     let begin = record.moments().next().map_or(0.0, |moment| moment.time).max(end - WINDOW);
@@ -191,7 +201,18 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve) {
 
 #[cfg(test)]
 mod tests {
-    use super::verdict;
+    use super::{share, verdict};
+    use crate::{app::panels::energy::nice_range, study::Apart};
+
+    #[test]
+    fn differences_under_a_picometre_are_zero_on_an_axis_that_begins_there() {
+        let shares = [2e-16, 9e-13].map(|metres| share(Apart { metres, relative: 3.0 * metres }));
+        assert_eq!(shares, [0.0; 2]);
+        for greatest in [share(Apart { metres: 2e-12, relative: 6e-12 }), 1e-13, 0.0] {
+            let (low, high) = nice_range([0.0, greatest].into_iter());
+            assert!(low >= -0.1 * high && high > greatest, "{low} to {high} for {greatest}");
+        }
+    }
 
     #[test]
     fn the_dearer_pane_is_named() {

@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
     if !desk.now.triangles.is_empty() {
         looks(ui, view);
     } else if has_hidden_springs(desk.now) {
-        let help = "Flexion springs too, which lie over the others";
+        let help = "Draws the flexion springs too, which lie over the others";
         ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
     }
     heading(ui, "What it costs");
@@ -65,8 +65,8 @@ const fn about(field: Field) -> &'static str {
     match field {
         Field::None => "Gingerbread with icing.",
         Field::EnergyDensity => "ψ(F): elastic energy per rest area [J/m²].",
-        Field::VonMises => "The shear part of the Cauchy stress σ = P Fᵗ / J as one number [Pa].",
-        Field::Volume => "J = det F: area over rest area; below 0 a triangle is inside out.",
+        Field::VonMises => "Von Mises equivalent of the Cauchy stress σ = P Fᵗ / J [Pa]: the size of its shear part.",
+        Field::Volume => "J = det F: area over rest area; below 0 a triangle is inverted (inside out).",
     }
 }
 
@@ -79,13 +79,13 @@ fn speed(ui: &mut Ui, desk: &Desk<'_>) {
         ui,
         "Speed",
         &factor,
-        "Simulated time over real time. Steps are never skipped: if they cannot be afforded, time slows down.",
+        "Simulated time over real time. Steps are never skipped: if the computer is too slow for them, simulated time runs slower.",
     );
     row(ui, "Simulated time", &fixed(desk.now.time, "s"), "Time since the start [s]");
     let physics = or_dash(rates.map(|rates| fixed(rates.physics, "s")));
     row(ui, "Physics per frame", &physics, "Time spent on stepping in a frame [s]");
     let frame = or_dash(rates.map(|rates| fixed(rates.frame, "s")));
-    row(ui, "Whole frame", &frame, "Stepping and drawing; 60 frames a second leave 16.7 ms");
+    row(ui, "Frame time", &frame, "Time for a frame: stepping and drawing [s]; 60 frames per second leave 16.7 ms");
     let share = rates.map_or(0.0, |rates| rates.physics / FRAME);
     let whole = rates.map_or(0.0, |rates| rates.frame / FRAME);
     gauge(ui, share as f32, whole as f32);
@@ -94,7 +94,7 @@ fn speed(ui: &mut Ui, desk: &Desk<'_>) {
 /// How much of a frame of 60 Hz is used: physics strong, the rest weak.
 fn gauge(ui: &mut Ui, physics: f32, whole: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
-    response.on_hover_text("How much of 1/60 s a frame takes: physics strong, drawing weak");
+    response.on_hover_text("Frame time as a share of 1/60 s: stepping in the strong colour, drawing in the pale one");
     let visuals = ui.visuals();
     ui.painter().rect_filled(rect, 4.0, visuals.extreme_bg_color);
     let part = |share: f32| Rect::from_min_size(rect.min, vec2(rect.width() * share.clamp(0.0, 1.0), rect.height()));
@@ -110,7 +110,7 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         unit: "",
         range: (1.0, 2000.0),
         logarithmic: true,
-        help: "Steps in 1/60 s of simulated time: h = 1/(60 n). More are dearer and more stable.\nAllowed: [1, 100000].",
+        help: "Steps in 1/60 s of simulated time: h = 1/(60 n). More steps take more computing time and are more stable.\nAllowed: at least 1 and at most 100000.",
     };
     let mut chosen = now.level.substeps;
     let outcome = slider::number(ui, &look, f64::from(chosen.get()), &mut |new| {
@@ -128,11 +128,11 @@ fn paces(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if now.toy.is_some() || now.level.integrator.kind().class() != Class::Explicit {
         return;
     }
-    let help = "Bodies do not touch each other: each body and net takes every step in as many equal parts as keep it at or \
-                below half of its longest stable step at rest. So a stiff one does not slow a soft one; all meet again after \
-                every step.";
+    let help = "Each body and net divides every step into as many equal parts as its own stability needs: no part is longer than \
+                half of its longest stable step at rest. So a stiff body does not make a soft one take short steps too. This is \
+                exact, as bodies do not touch each other.";
     let mut own = now.level.paces == Paces::Own;
-    if ui.checkbox(&mut own, "Own paces").on_hover_text(help).changed() {
+    if ui.checkbox(&mut own, "Multirate stepping").on_hover_text(help).changed() {
         let paces = if own { Paces::Own } else { Paces::Same };
         commands.extend([Command::SetPaces(paces), Command::EndGesture]);
     }
@@ -140,7 +140,7 @@ fn paces(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let each: Vec<_> =
         names.zip(&now.paces).map(|(name, pace)| format!("{name} {}", count(pace.steps as usize))).collect();
     if !each.is_empty() {
-        let help = "Parts of a step";
+        let help = "Into how many equal parts each body or net divides a step";
         ui.add(Label::new(RichText::new(each.join(", ")).small()).wrap()).on_hover_text(help);
     }
 }
@@ -160,15 +160,20 @@ fn size(ui: &mut Ui, now: &Snapshot) {
                 "Triangles of bodies that are awake. The times above are for these: what sleeps is not computed.";
             row(ui, "Computed", &count(now.computed), help);
         }
-        row(ui, "Inside out", &count(now.inverted), "Triangles with J = det F <= 0");
+        row(ui, "Inverted", &count(now.inverted), "Triangles that are inside out: J = det F ≤ 0");
         let continued: usize = now.bodies.iter().map(|body| body.continued).sum();
         if continued > 0 {
             let rules = now.bodies.iter().filter(|body| body.continued > 0);
             let rules: BTreeSet<_> =
                 rules.map(|body| format!("\n{}: {}.", body.model.title(), body.model.continuation())).collect();
-            let help = "Triangles beyond where their model is used to the letter.".to_owned();
-            row(ui, "Continued", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
+            let help = "Triangles so compressed, or inverted, that the formula of their model is replaced by its continuation.".to_owned();
+            row(ui, "Outside model range", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
         }
-        row(ui, "Least J", &fixed(now.min_j, ""), "The most squeezed triangle: its area over its rest area");
+        row(
+            ui,
+            "Smallest J = det F",
+            &fixed(now.min_j, ""),
+            "Area over rest area of the most compressed triangle; 1 at rest, ≤ 0 if it is inverted",
+        );
     }
 }

@@ -49,11 +49,11 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
         || "Looking for a reference to measure errors against.".to_owned(),
         |(source, own)| {
             let own = if diagram.no_errors.is_none() {
-                format!("; its own error is {}. Prices: {}", percent(*own), price_in_words())
+                format!("; the error of that reference is {}. Times: {}", percent(*own), price_in_words())
             } else {
                 String::new()
             };
-            format!("{SECONDS} s, measured against {source}{own}.")
+            format!("{SECONDS} s, compared with {source}{own}.")
         },
     );
     caption(ui, view, Figure::Accuracy, &about, &diagram.level, &diagram.csv);
@@ -72,7 +72,7 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
             (
                 Price::ForceEvaluations,
                 "Force evaluations",
-                "The same on every machine, but blind to the price of solving equations",
+                "The same on every computer, but the time for solving equations is not counted",
             ),
         ];
         let segments = parts.map(|(price, text, about)| Segment { text, name: text, about, on: look.price == price });
@@ -144,7 +144,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
     if blown {
         let at = pos2(frame.left() + 8.0, screen([0.0, TOP]).y - 9.0);
         let font = TextStyle::Small.resolve(ui.style());
-        ui.painter_at(frame).text(at, Align2::LEFT_BOTTOM, "× blew up", font, theme.bad);
+        ui.painter_at(frame).text(at, Align2::LEFT_BOTTOM, "× unstable", font, theme.bad);
     }
     let labels: Vec<_> = diagram
         .curves
@@ -189,9 +189,9 @@ fn story(diagram: &Diagram, point: &Point, outcome: &Outcome) -> String {
     let note = diagram.limits.note(outcome.error).map_or_else(String::new, |note| format!(" ({})", note.words()));
     let errors = || format!("mean error {}{note}, largest {}", percent(outcome.error), percent(outcome.greatest_error));
     let came = match outcome.status {
-        Status::Unstable => "it blew up".to_owned(),
+        Status::Unstable => "unstable".to_owned(),
         Status::Ok => errors(),
-        Status::Unconverged => format!("{}, some equations left unsolved", errors()),
+        Status::Unconverged => format!("{}, some equations not solved", errors()),
     };
     let time = numbers::si(1e-3 * outcome.ms_per_second, "s");
     let now = if point.current { " (now)" } else { "" };

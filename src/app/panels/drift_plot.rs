@@ -34,8 +34,8 @@ const TIMES: [f64; 4] = [2.0, 5.0, 20.0, 60.0];
 const EDGES: [f64; 2] = [-17.0, 3.0];
 
 /// What measuring it does.
-pub const HELP: &str = "Every scheme runs from the present state, without the mouse; explicit ones with the steps of now, \
-                        implicit ones with steps ten times as long, as each is dearer.";
+pub const HELP: &str = "Every scheme runs from the present state, without the mouse; explicit ones with the present step length, \
+                        implicit ones with steps ten times as long, as each takes more computing time.";
 
 impl Look {
     /// Simulated time [s].
@@ -46,8 +46,8 @@ impl Look {
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     choose(ui, &mut view.studies.drift);
-    let invitation = "Every scheme runs from the present state, without the mouse: who keeps energy and momentum, and who gains or \
-                      loses some?";
+    let invitation = "Every scheme runs from the present state, without the mouse: which schemes conserve energy and momentum, \
+                      and which gain or lose some?";
     let Some(courses) = results(ui, desk.lab.drift.findings(), invitation) else { return };
     let number = view.studies.drift.invariant;
     let (Some(invariant), Some((reasons, nothing))) = (Invariant::ALL.get(number), courses.words.get(number)) else {
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         return;
     }
     if !reasons.is_empty() {
-        let text = format!("Here the {} is changed by {reasons} too: that is no fault of a scheme.", invariant.title());
+        let text = format!("Here {reasons} also change the {}: that is not an error of a scheme.", invariant.title());
         ui.label(RichText::new(text).color(theme.caution));
     }
     if !courses.touching.is_empty() {
@@ -166,7 +166,7 @@ fn line(changes: &[[f64; 2]]) -> Vec<[f64; 2]> {
 fn label(course: &Course, invariant: Invariant) -> String {
     let title = course.setting.integrator.kind().title();
     match (course.status, invariant) {
-        (Status::Unstable, _) => format!("{title} blew up"),
+        (Status::Unstable, _) => format!("{title} unstable"),
         (_, Invariant::Energy) if course.gain.abs() >= 1e-4 => {
             let sign = if course.gain > 0.0 { "+" } else { "−" };
             format!("{title} {sign}{} %", numbers::si(100.0 * course.gain.abs(), ""))
@@ -180,7 +180,7 @@ fn story(course: &Course) -> String {
     let now = if course.current { " (now)" } else { "" };
     let ended = match course.status {
         Status::Ok => "",
-        Status::Unstable => "\nit blew up",
+        Status::Unstable => "\nunstable",
         Status::Unconverged => "\nsome equations were left unsolved",
     };
     format!("{}{now}{ended}", course.setting.label())

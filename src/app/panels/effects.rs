@@ -41,10 +41,10 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
 fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Command>) {
     let now = effect.switch == Switch::Auto;
     let help = if now {
-        "Auto: passed over at every moment at which it could change nothing; what comes out is the same in every bit. Click \
-         to have it asked in every step."
+        "Auto: skipped whenever it cannot change anything; the results are the same bit for bit. Click to evaluate it in \
+         every step."
     } else {
-        "On: asked in every step. Click to have it passed over where it could change nothing."
+        "On: evaluated in every step. Click to skip it whenever it cannot change anything."
     };
     let words = RichText::new(if now { "Auto" } else { "On" }).small();
     if ui.add(Button::new(words).small().frame(!now)).on_hover_text(help).clicked() {
@@ -67,7 +67,7 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
         }
         if effect.when == When::Collide {
             let note = RichText::new("only in collide mode").small().weak();
-            ui.label(note).on_hover_text("It acts in collide mode only; the key T goes there.");
+            ui.label(note).on_hover_text("Acts in collide mode only. [T] switches to that mode.");
         }
     });
     let mut changed = effect.clone();

@@ -17,9 +17,6 @@ use egui_plot::{GridMark, Line, PlotPoint, PlotPoints, Text};
 /// Largest energy that is plotted [J].
 const FARTHEST: f64 = 1e60;
 
-/// What is as good as no energy [J].
-pub(super) const NOTHING: f64 = 1e-15;
-
 /// Least and greatest height of the plot [points].
 const HEIGHTS: (f32, f32) = (150.0, 300.0);
 
@@ -52,17 +49,16 @@ const CURVES: [Curve; 4] = [
     },
     Curve {
         name: "Total",
-        help: "The sum: constant without damping, contacts and a pulling hand [J]",
+        help: "The sum: constant without damping, contacts and a pull of the mouse [J]",
         value: |of| of.total(),
         color: |theme| theme.text,
     },
 ];
 
-/// The value of a curve; what is only rounding beside the largest energy is zero.
-fn visible(curve: &Curve, of: &Energies) -> f64 {
-    let value = (curve.value)(of);
+/// The value of a curve; zero for what is only rounding: beside the largest energy, or `negligible` to the scene [J].
+fn visible(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
-    if value.abs() <= NOTHING.max(1e-12 * largest) { 0.0 } else { value }
+    numbers::or_zero((curve.value)(of), negligible.max(1e-12 * largest))
 }
 
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
@@ -81,22 +77,22 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         ui.columns(pair.len(), |columns| {
             for (ui, curve) in columns.iter_mut().zip(pair) {
                 let name = RichText::new(curve.name).color((curve.color)(theme));
-                row(ui, name, &fixed(visible(curve, &now), "J"), curve.help);
+                row(ui, name, &fixed(visible(curve, &now, desk.now.negligible), "J"), curve.help);
             }
         });
     }
-    let rect = ui.scope(|ui| plot(ui, history, end, theme)).response.rect;
+    let rect = ui.scope(|ui| plot(ui, history, (end, desk.now.negligible), theme)).response.rect;
     export::pose(ui, view, Figure::Energies, rect);
 }
 
 /// A height in the plot: an explosion ends at numbers that a screen cannot place.
-fn plotted(curve: &Curve, of: &Energies) -> f64 {
-    let value = (curve.value)(of);
+fn plotted(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
+    let value = visible(curve, of, negligible);
     if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
 }
 
-fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
-    let values = history.samples().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of)));
+fn plot(ui: &mut Ui, history: &History, (end, negligible): (f64, f64), theme: &Theme) {
+    let values = history.samples().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of, negligible)));
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
     let span = (end - begin).max(1.0);
@@ -113,12 +109,13 @@ fn plot(ui: &mut Ui, history: &History, end: f64, theme: &Theme) {
             plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
             plot.set_plot_bounds_y(low..=high);
             for curve in &CURVES {
-                let points: PlotPoints<'_> = history.samples().map(|(time, of)| [*time, plotted(curve, of)]).collect();
+                let points: PlotPoints<'_> =
+                    history.samples().map(|(time, of)| [*time, plotted(curve, of, negligible)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
             let now = history.last().map(|(_, now)| *now).unwrap_or_default();
-            for (curve, y) in CURVES.iter().zip(label_heights(&now, apart, high - apart)) {
+            for (curve, y) in CURVES.iter().zip(label_heights(&now, negligible, [apart, high - apart])) {
                 let at = PlotPoint::new(end + 0.02 * span, y);
                 let text = RichText::new(curve.name).small().color((curve.color)(theme));
                 plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
@@ -136,8 +133,8 @@ pub(super) fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
 }
 
 /// Where to write the names of the curves: at their last values, but at least `apart` from each other, and up to `top`.
-fn label_heights(now: &Energies, apart: f64, top: f64) -> [f64; 4] {
-    let mut heights = CURVES.each_ref().map(|curve| plotted(curve, now));
+fn label_heights(now: &Energies, negligible: f64, [apart, top]: [f64; 2]) -> [f64; 4] {
+    let mut heights = CURVES.each_ref().map(|curve| plotted(curve, now, negligible));
     let mut order = [0, 1, 2, 3];
     order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
     let mut floor = f64::NEG_INFINITY;
@@ -167,7 +164,7 @@ pub(super) fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     // Nothing at all is shown as nothing of a joule.
     let high = if high > 0.0 || low < 0.0 { round(high) } else { 1.0 };
     let low = if low < -0.02 * high { round(low) } else { 0.0 };
-    let margin = (high - low).max(1e-9) * 0.06;
+    let margin = (high - low) * 0.06;
     (low - margin, high + margin)
 }
 
@@ -176,8 +173,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn round_off_of_energies_is_drawn_as_zero() {
+        let rest = Energies { kinetic: 3e-12, elastic: -6e-11, potential: 0.0 };
+        let values = || CURVES.iter().map(|curve| plotted(curve, &rest, 1e-10));
+        assert!(values().all(|value| value == 0.0));
+        let (low, high) = nice_range(values());
+        assert!(low > -0.1 && (0.5..2.0).contains(&high), "an axis of a joule: {low} to {high}");
+        assert!(CURVES.iter().any(|curve| plotted(curve, &rest, 1e-13) != 0.0));
+    }
+
+    #[test]
     fn labels_of_equal_energies_do_not_cover_each_other() {
-        let heights = label_heights(&Energies::default(), 1.0, 2.0);
+        let heights = label_heights(&Energies::default(), 0.0, [1.0, 2.0]);
         assert!(heights.iter().all(|height| *height <= 2.0));
         for (index, a) in heights.iter().enumerate() {
             assert!(heights[index + 1..].iter().all(|b| (a - b).abs() >= 1.0));

@@ -72,7 +72,7 @@ pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table:
         view.sitting = Some(Sitting { figure, name: name("png"), about, rect: None, frames: 0, pixels });
     }
     let help =
-        "Saves the numbers behind the plot as comma-separated values, with a head that says where they come from.";
+        "Saves the numbers behind the plot as comma-separated values, with a header that says how they were computed.";
     if button(ui, "CSV", help).clicked() {
         view.file = Some(FileWish::Export(Export { name: name("csv"), bytes: table().into_bytes() }));
     }
@@ -112,7 +112,7 @@ impl View {
         let image = sitting.pixels.lock().unwrap_or_else(PoisonError::into_inner).take();
         let file = match (image, sitting.rect) {
             (Some(image), Some(rect)) => png(&image, rect, ctx.pixels_per_point(), &sitting.about),
-            _ if sitting.frames > PATIENCE => Err("this window gives no picture of itself".to_owned()),
+            _ if sitting.frames > PATIENCE => Err("the window delivered no picture".to_owned()),
             _ => return,
         };
         match file {
@@ -130,7 +130,7 @@ fn png(image: &ColorImage, rect: Rect, pixels_per_point: f32, about: &str) -> Re
     let (left, right) = (pixel(rect.left(), width), pixel(rect.right(), width));
     let (top, bottom) = (pixel(rect.top(), height), pixel(rect.bottom(), height));
     if left >= right || top >= bottom {
-        return Err("it is out of sight".to_owned());
+        return Err("the plot is not visible".to_owned());
     }
     let rows = image.pixels.chunks_exact(width).take(bottom).skip(top);
     let rgb: Vec<u8> =

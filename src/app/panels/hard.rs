@@ -141,11 +141,11 @@ fn summary(known: &Known, choice: &Choice, desk: &Desk<'_>) -> String {
     let methods = if choice.method.is_some() { 1 } else { Method::ALL.len() };
     let all = desk.gallery.hard().len() * models * methods;
     if held + cannot + failed == 0 {
-        return format!("{all} runs: each is held, or says why it cannot be.");
+        return format!("{all} runs. Each must pass, or its case file states why it cannot.");
     }
-    let cannot = if cannot > 0 { format!(", {cannot} cannot be") } else { String::new() };
-    let failed = if failed > 0 { format!(", {failed} should have been") } else { String::new() };
-    format!("{held} of {all} held{cannot}{failed}.")
+    let cannot = if cannot > 0 { format!(", {cannot} known not to pass") } else { String::new() };
+    let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
+    format!("{held} of {all} passed{cannot}{failed}.")
 }
 
 /// What is known of the chosen runs.
@@ -216,7 +216,7 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
     let model = choice.model.unwrap_or(Model::Corotated);
     let method = choice.method.unwrap_or(Method::ImplicitEuler);
     let help = format!(
-        "Shows it on the stage, running, with {} and {}. What the case does to it with mouse and gravity is left to you.",
+        "Shows it on the stage, running, with {} and {}. The mouse and gravity actions of the case are not repeated.",
         model.title(),
         method.title()
     );
@@ -237,7 +237,7 @@ fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
         (_, 0) => String::new(),
         ([(_, Entry { verdict: Some(Ok(verdict)), .. })], _) => verdict.decided_by(),
         ([(_, Entry { verdict: Some(Err(why)), .. })], _) => why.to_string(),
-        _ => format!("{} of {} held", marks.iter().filter(|mark| **mark == Mark::Held).count(), runs.len()),
+        _ => format!("{} of {} passed", marks.iter().filter(|mark| **mark == Mark::Held).count(), runs.len()),
     };
     (text, seconds)
 }
@@ -255,7 +255,7 @@ fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
             found[at].1.push(trial.model.title());
         }
     }
-    found.into_iter().map(|(why, models)| format!("Cannot be held by {}. {why}", models.join(", "))).collect()
+    found.into_iter().map(|(why, models)| format!("Known not to pass with {}. {why}", models.join(", "))).collect()
 }
 
 /// A small mark for every run, after the letter of its material.
@@ -305,9 +305,9 @@ const fn words(mark: Mark) -> &'static str {
     match mark {
         Mark::Waiting => "not run yet",
         Mark::Going(_) => "running",
-        Mark::Held => "held",
-        Mark::Cannot => "cannot be held, for a known reason",
-        Mark::Failed => "not held",
+        Mark::Held => "passed",
+        Mark::Cannot => "known not to pass, for a stated reason",
+        Mark::Failed => "failed",
     }
 }
 

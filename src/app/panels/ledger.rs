@@ -14,8 +14,10 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         return;
     }
     let header = CollapsingHeader::new("What each effect costs").id_salt("ledger").show(ui, |ui| {
+        let active = desk.meter.shown().iter().zip(&desk.now.costs).filter(|(_, cost)| cost.idle.is_none());
+        let all = active.map(|(used, _)| used.time).sum::<f64>();
         for (number, cost) in desk.now.costs.iter().enumerate() {
-            entry(ui, desk, number, cost);
+            entry(ui, desk, number, cost, all);
         }
         off(ui, desk);
         savings(ui, desk, view);
@@ -24,11 +26,12 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
 }
 
 /// One effect: its time and share; below, what it did or why it did nothing, and what that saves.
-fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost) {
+fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost, all: f64) {
     let used = desk.meter.shown().get(number).filter(|used| used.name == cost.name);
-    let computed = used.filter(|used| used.slept < 1.0);
-    let time = computed.map_or_else(|| "–".to_owned(), |used| numbers::si_fixed(used.time, "s"));
-    let share = computed.map_or_else(String::new, |used| format!("{:3.0} %", 100.0 * used.share));
+    let timed = timed(cost, used);
+    let time = timed.map_or_else(|| "–".to_owned(), |used| numbers::si_fixed(used.time, "s"));
+    let share =
+        timed.filter(|_| all > 0.0).map_or_else(String::new, |used| format!("{:3.0} %", 100.0 * used.time / all));
     let response = ui.horizontal(|ui| {
         ui.label(RichText::new(name(desk, number, cost)).strong());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -43,6 +46,11 @@ fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost) {
         (state, None) => state,
     };
     ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+}
+
+/// What was measured, unless the effect is skipped now: then it is from before, and says nothing about now.
+fn timed<'a>(cost: &EffectCost, used: Option<&'a Use>) -> Option<&'a Use> {
+    used.filter(|used| cost.idle.is_none() && used.slept < 1.0)
 }
 
 /// The name; with several bodies or nets, of whom.
@@ -65,7 +73,7 @@ fn state(cost: &EffectCost, used: Option<&Use>) -> String {
             count(used.calls.round() as usize),
             count((used.elements / used.calls).round() as usize)
         ),
-        (None, _) => "acts".to_owned(),
+        (None, _) => "active".to_owned(),
     };
     let skipped = used.filter(|used| cost.idle.is_none() && used.skipped >= 0.5);
     let skipped =
@@ -87,15 +95,15 @@ fn off(ui: &mut Ui, desk: &Desk<'_>) {
     let titles = desk.now.level.effects.iter().map(|listed| listed.effect.kind().title());
     let off: Vec<_> = titles.filter(|title| !there(title)).collect();
     if !off.is_empty() {
-        ui.label(RichText::new(format!("Not there: {}", off.join(", "))).small().weak())
-            .on_hover_text("Switched off, or for the other mode: no memory and no time goes into these.");
+        ui.label(RichText::new(format!("Not active: {}", off.join(", "))).small().weak())
+            .on_hover_text("Switched off, or not used in this mode: these take no memory and no time.");
     }
 }
 
 /// The button that measures, and what came out for a whole frame.
 fn savings(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let help = "Runs a second of this scene twice from the present moment, beside it: as it is, and with every effect asked \
-                in every step and nobody asleep.";
+    let help = "Runs one second of a copy of this scene twice from the present state: as it is, and with every effect evaluated \
+                in every step and no body asleep.";
     let running = desk.lab.savings.is_running();
     let text = if running { "Measuring …" } else { "Measure what skipping saves" };
     if ui.add_enabled(!running, egui::Button::new(text)).on_hover_text(help).clicked() {
@@ -107,7 +115,24 @@ fn savings(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     }
     if let Some([own, forced]) = findings.results.whole {
         let (own, forced, share) = (numbers::si(own, "s"), numbers::si(forced, "s"), 100.0 * (1.0 - own / forced));
-        let words = format!("A frame takes {own} as it is and {forced} forced: {share:.0} % saved.");
+        let words = format!("A frame takes {own} with skipping and {forced} without: {share:.0} % saved.");
         ui.add(egui::Label::new(RichText::new(words).small()).wrap());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{state, timed};
+    use crate::{app::meter::Use, report::EffectCost};
+
+    #[test]
+    fn an_effect_that_is_skipped_now_shows_no_time_from_before() {
+        let used =
+            Use { name: "Walls", time: 3e-4, share: 1.0, slept: 0.0, calls: 20.0, elements: 600.0, skipped: 0.0 };
+        let acts = EffectCost::none("Walls", true);
+        let skipped = EffectCost { idle: Some("nothing within reach"), ..acts.clone() };
+        assert_eq!(timed(&acts, Some(&used)), Some(&used));
+        assert_eq!(timed(&skipped, Some(&used)), None);
+        assert!(state(&skipped, Some(&used)).contains("skipped: nothing within reach"));
     }
 }

@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let look = &mut view.studies.meshes;
     let parts = [
         (Measure::TipDeflection, "Tip deflection", "The greatest displacement of any vertex along x or y [m]"),
-        (Measure::ElasticEnergy, "Elastic energy", "What all triangles store [J]"),
+        (Measure::ElasticEnergy, "Elastic energy", "The sum over all triangles [J]"),
     ];
     let segments = parts.map(|(measure, text, about)| Segment { text, name: text, about, on: look.measure == measure });
     if let Some((measure, ..)) = segmented(ui, "measure", &segments, false).and_then(|clicked| parts.get(clicked)) {
@@ -68,9 +68,9 @@ fn about(study: &MeshFindings) -> String {
     match study.reference {
         Some(Ok(MeshReference { value, own_error, .. })) => {
             let (value, own) = (numbers::si(value, study.measure.unit()), percent(own_error));
-            let price = price_in_words();
+            let times = price_in_words();
             format!(
-                "The {what} {when}, measured against {value}, extrapolated; its own error is about {own}. Prices: {price}."
+                "The {what} {when}, compared with the extrapolated value {value}, whose error is about {own}. Times: {times}."
             )
         }
         Some(Err(_)) => format!("The {what} {when}."),
@@ -124,7 +124,7 @@ fn table(ui: &mut Ui, study: &MeshFindings) {
             match (point.value, point.status) {
                 (Some(value), _) => ui.monospace(numbers::si_fixed(value, study.measure.unit())),
                 (None, Status::Ok) => ui.label("…"),
-                (None, Status::Unstable) => ui.label("blew up"),
+                (None, Status::Unstable) => ui.label("unstable"),
                 (None, Status::Unconverged) => ui.label("no rest found"),
             };
             ui.monospace(if point.ms > 0.0 { numbers::si_fixed(1e-3 * point.ms, "s") } else { String::new() });

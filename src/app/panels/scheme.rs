@@ -62,14 +62,17 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
     let (words, share) = match (integrator.class(), desk.lab.limit()) {
         (Class::Implicit, _) => {
             // A vibration of h w = 0.5 loses a tenth of its swing in every step of implicit Euler.
-            let blurred = numbers::si(0.5 / (std::f64::consts::TAU * step), "Hz");
-            (format!("Stable at every step; what vibrates faster than {blurred} is blurred."), None)
+            let unresolved = numbers::si(0.5 / (std::f64::consts::TAU * step), "Hz");
+            (format!("Stable for every step length; vibrations faster than {unresolved} are not resolved."), None)
         }
         (Class::ErrorControlled, _) => ("Chooses its own steps; the tolerance limits its error.".to_owned(), None),
-        (Class::Explicit, None) if desk.now.level.toy.is_some() => {
-            ("A toy has nothing stiff; the step limits its accuracy alone.".to_owned(), None)
+        (Class::Explicit, None) if desk.now.level.toy.is_some() => (
+            "No stability limit is known for this toy problem; the step length determines the accuracy.".to_owned(),
+            None,
+        ),
+        (Class::Explicit, None) => {
+            ("No stiffness here limits the step length; it determines the accuracy.".to_owned(), None)
         }
-        (Class::Explicit, None) => ("Nothing here is stiff enough to limit the step.".to_owned(), None),
         (Class::Explicit, Some(limit)) => {
             let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;
             (verdict(step, limit, step < scene, desk.now.level.guard), Some(step / limit))
@@ -85,7 +88,7 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
         };
         bar(ui, share, color);
     }
-    let help = "h over 2/ω, ω the fastest vibration of M⁻¹K at the present state; the limit moves as the body deforms.";
+    let help = "Step length h over the stability limit 2/ω, where ω² is the largest eigenvalue of M⁻¹K in the present state; the limit changes as the body deforms.";
     ui.label(RichText::new(words).small()).on_hover_text(help);
 }
 
@@ -96,8 +99,8 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     if now.toy.is_some() || now.level.integrator.kind().class() == Class::ErrorControlled {
         return;
     }
-    let help = "Takes a step again in up to 64 shorter ones when it would blow up: when energy comes from nowhere, or \
-                something is no number any more. Switch it off to see the explosion.";
+    let help = "Repeats a step as up to 64 shorter ones when it is unstable: when the total energy grows although no work is done, \
+                or a value is not finite. Switch it off to see the instability.";
     let mut on = now.level.guard == Toggle::On;
     ui.horizontal(|ui| {
         if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
@@ -105,9 +108,9 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
         }
         let words = match (on && now.guarded > 0, now.parts) {
             (false, _) => return,
-            (true, 1) if now.guarded == 1 => "1 step was taken in shorter ones".to_owned(),
-            (true, 1) => format!("{} steps were taken in shorter ones", count(now.guarded as usize)),
-            (true, parts) => format!("takes {parts} steps for one; {} so far", count(now.guarded as usize)),
+            (true, 1) if now.guarded == 1 => "1 step was divided into shorter ones".to_owned(),
+            (true, 1) => format!("{} steps were divided into shorter ones", count(now.guarded as usize)),
+            (true, parts) => format!("divides each step into {parts}; {} steps so far", count(now.guarded as usize)),
         };
         let color = if now.parts > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
         ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
@@ -120,8 +123,8 @@ fn sleep(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     if now.toy.is_some() {
         return;
     }
-    let help = "What has been at rest for half a second is not computed any more until something happens to it: a pull, \
-                another effect or number. Once everything sleeps, time stands still here and nothing is drawn anew.";
+    let help = "Bodies and nets that have been at rest for half a second are not computed until something acts on them: a pull, or a \
+                changed effect or number. While all of them sleep, nothing is redrawn.";
     let mut on = now.level.sleep == Toggle::On;
     ui.horizontal(|ui| {
         if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
@@ -139,13 +142,17 @@ fn sleep(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
 /// `own` says whether the step is that of the stiffest body alone.
 fn verdict(step: f64, limit: f64, own: bool, guard: Toggle) -> String {
     if limit <= 0.0 {
-        "Vibrations grow at every step, however short; damping or a short run hides it.".to_owned()
+        "Unstable for every step length: undamped vibrations grow. Damping or a short run can hide it.".to_owned()
     } else if step > limit && guard == Toggle::On {
-        format!("Stable up to {}; at this step the guard has to help.", numbers::si(limit, "s"))
+        format!("Stable up to {}; this step is longer, and the guard divides it.", numbers::si(limit, "s"))
     } else if step > limit {
-        format!("Stable up to {}; at this step it will blow up.", numbers::si(limit, "s"))
+        format!("Stable up to {}; this step is longer, so the run will be unstable.", numbers::si(limit, "s"))
     } else if own {
-        format!("Stable up to {}; the stiffest takes {}.", numbers::si(limit, "s"), numbers::si(step, "s"))
+        format!(
+            "Stable up to {}; the stiffest body takes steps of {}.",
+            numbers::si(limit, "s"),
+            numbers::si(step, "s")
+        )
     } else {
         format!("Stable up to {}.", numbers::si(limit, "s"))
     }
@@ -165,8 +172,9 @@ fn bar(ui: &mut Ui, share: f64, color: Color32) {
 /// A twin with a fine step, and how far the scene is from it.
 fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let mut on = desk.lab.twin().is_some();
-    let help = "Compares positions with the closed form where there is one; otherwise runs the same scene once more with a \
-                far finer step, pulled by the same mouse: sqrt(mean |x − x_ref|²) over the root mean square of what moved.";
+    let help = "Compares positions with the exact solution where one is known; otherwise with a reference: a second run of the same \
+                scene with far shorter steps and the same pull of the mouse. The error is sqrt(mean |x − x_ref|²) over the root mean \
+                square of the displacements.";
     if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
         view.wishes.push(Wish::Twin(on));
     }
@@ -175,7 +183,7 @@ fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let error = twin.error().map_or_else(|| still.to_owned(), percent);
     row(ui, "Error now", &error, help);
     if let Some(exact) = twin.exact() {
-        ui.label(RichText::new(format!("Against the closed form: {}.", exact.words)).small());
+        ui.label(RichText::new(format!("Compared with the exact solution: {}.", exact.words)).small());
         return;
     }
     let own = match (twin.is_checking(), twin.error()) {
@@ -183,9 +191,9 @@ fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         (false, Some(_)) => percent(twin.own_error()),
         (false, None) => "–".to_owned(),
     };
-    row(ui, "Its own error", &own, "How far the twin is from a twin with half its step");
-    let cost = "Processor time the twin takes for a second of simulated time [ms]";
-    row(ui, "Price of the twin", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
+    row(ui, "Error of the reference", &own, "Difference between the reference run and one with half its step length");
+    let cost = "Processor time of the reference run for 1 s of simulated time [s]";
+    row(ui, "Cost of the reference", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
 }
 
 /// A share in per cent, three digits.

@@ -141,7 +141,11 @@ pub fn capitalised(words: &str) -> String {
 /// Reads a number as a person writes it: `30k`, `30 kPa`, `2.5e4`, with or without unit.
 fn parse(text: &str, unit: &str) -> Option<f64> {
     let plain = |text: &str| text.replace('³', "3").replace('²', "2").replace('−', "-").replace(' ', "");
-    let (text, unit) = (plain(text), plain(unit));
+    // `5 1/s` and `5 /s` are the same; without a space `51/s` is 51 of them.
+    let text = text.trim();
+    let text = if unit.starts_with("1/") { text.strip_suffix(&format!(" {unit}")).unwrap_or(text) } else { text };
+    let (text, unit) =
+        (plain(text), plain(unit.strip_prefix('1').filter(|rest| rest.starts_with('/')).unwrap_or(unit)));
     if let Some(number) = text.strip_suffix(&unit).and_then(scaled) {
         return Some(number);
     }
@@ -189,6 +193,10 @@ mod tests {
             ("100 kg/m3", "kg/m³", 100.0),
             ("2 Mg", "kg", 2000.0),
             ("−9.81", "m/s²", -9.81),
+            ("5 /s", "1/s", 5.0),
+            ("5 1/s", "1/s", 5.0),
+            ("51/s", "1/s", 51.0),
+            ("5", "1/s", 5.0),
         ];
         for (text, unit, value) in cases {
             let read = parse(text, unit);

@@ -87,7 +87,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
         ("R", When::Edit) => "remove pins",
         ("R", _) => "start over",
         ("Drag", _) => "pull",
-        ("Backspace", _) => "turn back",
+        ("Backspace", _) => "go back in time",
         ("Up", _) => "stretched",
         ("Down", _) => "compressed",
         ("Space", _) if now.running && now.mode != Mode::Edit => "pause",
@@ -106,7 +106,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
 
 /// Writes the warning; what does not fit can be read in its tooltip.
 fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<Command>) {
-    if ui.button("Hide").on_hover_text("Puts this warning away.").clicked() {
+    if ui.button("Hide").on_hover_text("Hides this warning.").clicked() {
         view.dismissed.push(warning.kind);
     }
     for (words, mend, help) in warning.mends.iter().rev() {
@@ -152,7 +152,10 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
         1 => "1 triangle is inside out".to_owned(),
         many => format!("{many} triangles are inside out"),
     };
-    let details = format!("Least J = det F is {}: below 0 a triangle is turned over.", numbers::si(now.min_j, ""));
+    let details = format!(
+        "The smallest J = det F is {}: below 0 a triangle is inverted (inside out).",
+        numbers::si(now.min_j, "")
+    );
     let finer = Substeps::new(now.level.substeps.get().saturating_mul(2)).ok();
     let explicit = now.level.integrator.kind().class() == Class::Explicit;
     let mend: Mend = match finer.filter(|_| explicit && now.inverted > now.triangles.len() / 20) {
@@ -160,7 +163,7 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
         Some(finer) => (
             "Halve the step",
             vec![Command::SetSubsteps(finer), Command::EndGesture, Command::Reset],
-            "Twice as many steps, half as long, and starts over: dearer, and stable for stiffer bodies.",
+            "Starts over with twice as many steps of half the length: more computing time, and stable for stiffer bodies.",
         ),
         None => ("Start over", vec![Command::Reset], "Positions and velocities go back to the start."),
     };
@@ -171,18 +174,18 @@ fn inside_out(now: &Snapshot) -> Option<Warning> {
 fn folded(now: &Snapshot) -> Option<Warning> {
     let text = match now.wound {
         0 => return None,
-        1 => "1 fold that no small motion opens".to_owned(),
-        many => format!("{many} folds that no small motion opens"),
+        1 => "Folded at 1 vertex: elastic forces do not unfold it".to_owned(),
+        many => format!("Folded at {many} vertices: elastic forces do not unfold it"),
     };
     let details =
-        "The triangles around a vertex go round it twice. No small motion undoes that: a body at rest like this \
-                   is in a true local minimum of its energy, and stays there."
+        "The triangles around such a vertex go around it twice (winding number 2), although none of them is inverted. A body \
+                   at rest like this is in a local minimum of its elastic energy and stays there."
             .to_owned();
     Some(Warning { kind: "folded", text, details, mends: vec![untangle()] })
 }
 
 fn untangle() -> Mend {
-    let help = "Puts bodies that lie over themselves into a shape without folds, as near as can be; they keep their momentum. [U]";
+    let help = "Moves bodies that overlap themselves into a nearby shape without inverted triangles and folds. Momentum is kept. [U]";
     ("Untangle", vec![Command::Untangle], help)
 }
 
@@ -191,13 +194,13 @@ fn inside(inside: Inside) -> Option<Warning> {
     let (text, details) = match inside {
         Inside::Nothing => return None,
         Inside::ComesOut => (
-            "Inside a wall or beyond the world: pushed out slowly",
-            "What begins inside a wall, or beyond an edge of the world, comes out at a tenth of the speed of waves in it, \
-             so that it keeps its shape. What the wall's push adds to the energy counts as put in.",
+            "Inside a wall or outside the domain: pushed out slowly",
+            "Vertices that begin inside a wall or outside the domain are pushed out at a tenth of the wave speed in the body, \
+             so that it keeps its shape. The work of that push counts as energy supplied from outside.",
         ),
         Inside::Stays => (
-            "Inside a wall or beyond the world, and kept there",
-            "A pin keeps it inside, or there is no room beyond: pushed out all the same it would be torn or crushed.",
+            "Inside a wall or outside the domain, and kept there",
+            "A pin keeps it inside, or there is no room outside: pushing it out would tear or crush the body.",
         ),
     };
     Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), mends: Vec::new() })
@@ -208,7 +211,7 @@ fn caution(now: &Snapshot) -> Option<Warning> {
     let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.caution.clone()?)))?;
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
     let text = if text.len() < 12 { details.clone() } else { text };
-    let help = "Its energy grows ever faster as a triangle is squeezed flat; all bodies start over.";
+    let help = "Its energy grows ever faster as a triangle is pressed flat. All bodies start over.";
     let mend: Mend = ("Use neo-Hookean", vec![Command::SetModel(Model::NeoHookean)], help);
     let possible = body.model != Model::NeoHookean && !now.side_by_side;
     Some(Warning { kind: "caution", text, details, mends: possible.then_some(mend).into_iter().collect() })
@@ -217,12 +220,17 @@ fn caution(now: &Snapshot) -> Option<Warning> {
 fn slow(now: &Snapshot, physics: f64) -> Option<Warning> {
     let details = "Simulated time runs slower than real time: no step is skipped or lengthened.".to_owned();
     if physics < MUCH {
-        return Some(Warning { kind: "slow", text: "Frames come too seldom".to_owned(), details, mends: Vec::new() });
+        return Some(Warning {
+            kind: "slow",
+            text: "The frame rate is too low for real time".to_owned(),
+            details,
+            mends: Vec::new(),
+        });
     }
     let steps = now.level.substeps.get();
-    let text = format!("This machine cannot afford {steps} steps a frame");
+    let text = format!("{steps} substeps per frame are too many for this computer to run in real time");
     let fewer = Substeps::new(steps / 2).ok()?;
     let fewer = vec![Command::SetSubsteps(fewer), Command::EndGesture];
-    let mend: Mend = ("Halve the steps", fewer, "Longer steps: cheaper, and less stable.");
+    let mend: Mend = ("Halve the steps", fewer, "Longer steps: less computing time, and less stable.");
     Some(Warning { kind: "slow", text, details, mends: vec![mend] })
 }

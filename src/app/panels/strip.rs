@@ -73,7 +73,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let arrow = Rect::from_center_size(response.inner.rect.right_center() - vec2(16.0, 0.0), vec2(9.0, 5.0));
     let corners = vec![arrow.left_top(), arrow.right_top(), arrow.center_bottom()];
     ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
-    let about = if desk.now.level.about.is_empty() { "Which level to play" } else { &desk.now.level.about };
+    let about = if desk.now.level.about.is_empty() { "Choose a level" } else { &desk.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
         ui.set_width(240.0);
@@ -91,7 +91,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         });
         ui.separator();
         let about =
-            "What breaks careless simulations: collapsed, inside out, stretched, crushed, and what is held of it.";
+            "Difficult test cases: collapsed, inverted, overstretched and crushed bodies, and which models and methods pass them.";
         if ui.button("Hard cases…").on_hover_text(about).clicked() {
             view.hard.open = true;
             view.drawer = None;
@@ -113,7 +113,7 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
         part(
             Mode::Collide,
             "Collide",
-            "Time runs, with gravity, walls and whatever the level keeps for this mode. [T]",
+            "Time runs, also with the effects that the level has for this mode, such as gravity and walls. [T]",
         ),
     ];
     let clicked = segmented(ui, "mode", &parts, false)?;
@@ -123,8 +123,8 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
 /// Turn back, play, step and start over.
 fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(now.rewind_reach > 0.0, |ui| {
-        let about = "Turns time back by 0.5 s, and pauses. [Backspace, held, for less or more]";
-        if icon_button(ui, Icon::Back, "Turn time back", about, false).clicked() {
+        let about = "Goes back 0.5 s in time, and pauses. [Backspace; hold it to go back further]";
+        if icon_button(ui, Icon::Back, "Go back in time", about, false).clicked() {
             commands.push(Command::Rewind(0.5));
         }
     });
@@ -145,7 +145,7 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
 
 fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
     let about =
-        |model: &Model| format!("{}\nAll bodies follow it and start over. [{}]", model.formula(), model.letter());
+        |model: &Model| format!("{}\nAll bodies use this model and start over. [{}]", model.formula(), model.letter());
     let abouts: Vec<_> = Model::ALL.iter().map(about).collect();
     let parts: Vec<_> = Model::ALL
         .iter()
@@ -194,7 +194,7 @@ fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
     if icon_button(ui, icon, name, "", false).clicked() {
         ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
     }
-    if icon_button(ui, Icon::Help, "Keys", "Everything that keys and mouse do. [?]", view.help).clicked() {
+    if icon_button(ui, Icon::Help, "Keys", "List of keys and mouse actions. [?]", view.help).clicked() {
         view.help = !view.help;
     }
 }

@@ -1,5 +1,5 @@
 use super::{Motion, Rigid};
-use crate::quantity::{Quantity, Time, Velocity};
+use crate::quantity::{Quantity, Time, VelocityX, VelocityY};
 use serde::{Deserialize, Serialize};
 
 /// Straight on at a constant velocity: `d = velocity t`, for a while if it is told.
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Slide {
     /// How fast it goes [m/s].
-    pub velocity: (Velocity, Velocity),
+    pub velocity: (VelocityX, VelocityY),
     /// When it starts [s].
     #[serde(default = "begin", skip_serializing_if = "is_begin")]
     pub from: Time,
@@ -26,7 +26,7 @@ fn is_begin(time: &Time) -> bool {
 
 impl Default for Slide {
     fn default() -> Self {
-        Self { velocity: (Velocity::literal(0.1), Velocity::literal(0.0)), from: begin(), until: None }
+        Self { velocity: (VelocityX::literal(0.1), VelocityY::literal(0.0)), from: begin(), until: None }
     }
 }
 

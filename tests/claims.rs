@@ -98,5 +98,5 @@ fn a_study_of_a_scene_at_rest_says_so_and_recommends_nothing() {
         }
     }
     let table = said(&["study", "gingerbread", "--seconds", "0.1", "--drift"]);
-    assert!(table.contains("Hardly anything moves here") && !table.contains('%') && !table.contains("inf"), "{table}");
+    assert!(table.contains("Almost nothing moves here") && !table.contains('%') && !table.contains("inf"), "{table}");
 }

@@ -59,7 +59,7 @@ pub enum NoErrors {
     RoundOff(f64),
     /// The error of the reference is this large beside the motion.
     #[error(
-        "The reference is not fine enough here: its own error may be {} of the motion. Errors tell nothing, and nothing is \
+        "The reference is not fine enough here: its error may be {} of the motion. Errors tell nothing, and nothing is \
          recommended. Study a shorter time or a larger motion",
         share(.0)
     )]

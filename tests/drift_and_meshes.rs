@@ -127,7 +127,7 @@ fn drift_with_several_steps_has_an_order_where_energy_is_kept() {
     let still = drift(&level(RESTING), 0.1, settings("VelocityVerlet"), 1, WHOLE);
     assert_eq!(still.orders()[0].1, Err(NoOrder::NothingMoves));
     let csv = still.csv();
-    assert!(csv.contains("# remark: Hardly anything moves") && !csv.contains("NaN") && !csv.contains("inf"), "{csv}");
+    assert!(csv.contains("# remark: Almost nothing moves") && !csv.contains("NaN") && !csv.contains("inf"), "{csv}");
 }
 
 #[test]

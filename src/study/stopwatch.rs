@@ -3,7 +3,7 @@
 use std::time::Duration;
 use web_time::Instant;
 
-/// What a [`Stopwatch`] measures, in words.
+/// What the times of studies are, in words.
 pub const CLOCK: &str =
     if cfg!(target_arch = "wasm32") { "wall time" } else { "processor time of the thread that computes" };
 

@@ -12,8 +12,6 @@ pub struct Use {
     pub name: &'static str,
     /// Time [s].
     pub time: f64,
-    /// Its share of the time that all effects took.
-    pub share: f64,
     /// Share of the steps in which what it acts on slept: they do not count for the other numbers.
     pub slept: f64,
     /// Calls.
@@ -51,14 +49,12 @@ impl Meter {
             let over = |of: f64, by: f64| if by > 0.0 { of / by } else { 0.0 };
             let pairs = || before.iter().zip(&now.costs);
             let time = |before: &EffectCost, now: &EffectCost| now.time.saturating_sub(before.time).as_secs_f64();
-            let all: f64 = pairs().map(|(before, now)| time(before, now)).sum();
             let used = |(before, now): (&EffectCost, &EffectCost)| {
                 let slept = now.slept.saturating_sub(before.slept) as f64 / steps;
                 let computed = frames * (1.0 - slept).max(0.0);
                 Use {
                     name: now.name,
                     time: over(time(before, now), computed),
-                    share: over(time(before, now), all),
                     slept,
                     calls: over((now.calls - before.calls) as f64, computed),
                     elements: over((now.elements - before.elements) as f64, computed),
@@ -103,7 +99,7 @@ mod tests {
         meter.read(&at(1.0, 1000));
         assert!(meter.shown().is_empty());
         meter.read(&at(1.5, 4000));
-        let used = Use { name: "a", time: 100e-6, share: 1.0, slept: 0.0, calls: 100.0, elements: 700.0, skipped: 0.0 };
+        let used = Use { name: "a", time: 100e-6, slept: 0.0, calls: 100.0, elements: 700.0, skipped: 0.0 };
         assert_eq!(meter.shown(), [used]);
         meter.read(&at(0.2, 0));
         assert!(meter.shown().is_empty());

@@ -127,8 +127,7 @@ mod tests {
 
     #[test]
     fn an_effect_that_is_skipped_now_shows_no_time_from_before() {
-        let used =
-            Use { name: "Walls", time: 3e-4, share: 1.0, slept: 0.0, calls: 20.0, elements: 600.0, skipped: 0.0 };
+        let used = Use { name: "Walls", time: 3e-4, slept: 0.0, calls: 20.0, elements: 600.0, skipped: 0.0 };
         let acts = EffectCost::none("Walls", true);
         let skipped = EffectCost { idle: Some("nothing within reach"), ..acts.clone() };
         assert_eq!(timed(&acts, Some(&used)), Some(&used));

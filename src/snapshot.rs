@@ -11,7 +11,7 @@ use crate::{
     obstacles::Inside,
     report::EffectCost,
     sandbox::Sandbox,
-    scene::{Body, extent},
+    scene::{Body, EXPLODED, Scene, extent},
     untangle::Tangle,
 };
 use std::{ops::Range, sync::Arc};
@@ -85,6 +85,8 @@ pub struct Snapshot {
     pub paces: Vec<Pace>,
     /// How many bodies and nets sleep.
     pub asleep: usize,
+    /// Name and size, over that at rest, of the body or net that has exploded farthest, if one has.
+    pub exploded: Option<(String, f64)>,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
     /// What each effect cost so far, elements first.
@@ -178,6 +180,11 @@ impl Snapshot {
     pub const fn is_asleep(&self) -> bool {
         self.asleep > 0 && self.asleep == self.bodies.len() + self.nets.len()
     }
+
+    /// Whether time waits although it is running: everything sleeps.
+    pub fn rests(&self) -> bool {
+        self.running && self.mode != Mode::Edit && self.is_asleep()
+    }
 }
 
 impl Sandbox {
@@ -257,6 +264,7 @@ impl Sandbox {
             let bodies = snapshot.bodies.iter().map(|body| body.energy);
             simulation.learn(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
         }
+        snapshot.exploded = exploded(scene, x);
         snapshot.wound = Tangle::of_all(scene, x).wound;
         snapshot.sweeps += 1;
     }
@@ -305,6 +313,15 @@ impl Sandbox {
         });
         Pull { vertex, target, force: stiffness.sum::<f64>() * (dx * dx + dy * dy).sqrt() }
     }
+}
+
+/// The body or net that has exploded farthest, with its size over that at rest.
+fn exploded(scene: &Scene, x: &[f64]) -> Option<(String, f64)> {
+    let bodies = scene.bodies.iter().map(|body| (&body.name, &body.vertices));
+    let parts = bodies.chain(scene.nets.iter().map(|net| (&net.name, &net.vertices)));
+    let sizes = parts.map(|(name, vertices)| (name, scene.extension(vertices, x)));
+    let farthest = sizes.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, size)| *size > EXPLODED);
+    farthest.map(|(name, size)| (name.clone(), size))
 }
 
 impl Body {

@@ -28,6 +28,10 @@ use crate::{
 };
 use std::{ops::Range, sync::Arc};
 
+/// A body or net that is more than so many times as large as at rest ([`Scene::extension`]) has exploded: no shape that forces
+/// hold in balance is so large.
+pub const EXPLODED: f64 = 100.0;
+
 /// The constant side of a simulation.
 #[derive(Clone)]
 pub struct Scene {
@@ -158,6 +162,13 @@ pub enum SceneError {
         /// Number of vertices.
         vertices: usize,
     },
+}
+
+impl Body {
+    /// The recipe of its mesh.
+    pub const fn recipe(&self) -> &MeshKind {
+        &self.recipe
+    }
 }
 
 impl Scene {

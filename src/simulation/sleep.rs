@@ -9,13 +9,15 @@
 //! 3. the forces on all its vertices together are no more than [`BALANCE`] of those that act on it from outside: what is only
 //!    beginning to fall, however slowly, is not at rest.
 //!
+//! What has exploded ([`EXPLODED`]) never sleeps: at its positions round-off is larger than any force in balance.
+//!
 //! Neither limit is below round-off: a position of size X is known to X 2^-52, which is a speed of that over h, and with the
 //! fastest vibration that h can follow, w = 2/h, an acceleration of that times w².
 //!
 //! Its velocities are zero then; its positions keep every bit, asleep and on waking.
 
 use super::{BATCH, Simulation};
-use crate::scene::Scene;
+use crate::scene::{EXPLODED, Scene};
 use std::ops::Range;
 
 /// tau: how long it has to be calm [s].
@@ -125,6 +127,11 @@ impl Simulation {
         if !self.islands.possible || calm.len() != self.islands.all.len() {
             calm.clear();
         }
+        for (calm, island) in calm.iter_mut().zip(&self.islands.all).filter(|(calm, _)| **calm == ASLEEP) {
+            if self.scene.extension(&island.vertices, &self.state.x) > EXPLODED {
+                *calm = 0;
+            }
+        }
         self.islands.asleep = calm.iter().filter(|calm| **calm == ASLEEP).count();
         self.scratch.rest(&self.scene, calm.iter().map(|calm| *calm == ASLEEP));
         for (island, _) in self.islands.all.iter().zip(&*calm).filter(|(_, calm)| **calm == ASLEEP) {
@@ -171,7 +178,8 @@ impl Simulation {
             let h = self.paces.step(number, self.scene.step);
             let slow = fastest <= island.calm_speed(greatest(&self.state.x[own]), h);
             let free = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
-            *calm = if slow && free { *calm + 1 } else { 0 };
+            let rests = slow && free && self.scene.extension(&island.vertices, &self.state.x) <= EXPLODED;
+            *calm = if rests { *calm + 1 } else { 0 };
         }
     }
 

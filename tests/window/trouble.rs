@@ -108,6 +108,9 @@ fn a_body_that_lies_over_itself_is_told_and_untangled_by_key_or_button() {
             velocities,
             memory: Vec::new(),
             calm: Vec::new(),
+            guard: None,
+            checkpoints: Vec::new(),
+            batched: false,
         });
         let mut window = open_level(tangled, 1280.0, 800.0);
         let triangles = window.state().snapshot().triangles.len();

@@ -11,7 +11,7 @@ use crate::{
     obstacles::Inside,
     report::EffectCost,
     sandbox::Sandbox,
-    scene::{Body, EXPLODED, Scene, extent},
+    scene::{Body, extent},
     untangle::Tangle,
 };
 use std::{ops::Range, sync::Arc};
@@ -85,7 +85,7 @@ pub struct Snapshot {
     pub paces: Vec<Pace>,
     /// How many bodies and nets sleep.
     pub asleep: usize,
-    /// Name and size, over that at rest, of the body or net that has exploded farthest, if one has.
+    /// Name and elastic energy [J] of the first body or net that has exploded, if one has.
     pub exploded: Option<(String, f64)>,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
@@ -241,12 +241,16 @@ impl Sandbox {
         snapshot.values.clear();
         snapshot.bodies.clear();
         (snapshot.min_j, snapshot.inverted) = (f64::INFINITY, 0);
+        snapshot.exploded = None;
         let mut first = 0;
         for (number, body) in scene.bodies.iter().enumerate() {
             let energy = simulation.known_energy(number);
             let shape = body.elements.survey_knowing(energy, field, x, &mut snapshot.values);
             snapshot.min_j = snapshot.min_j.min(shape.least);
             snapshot.inverted += shape.inverted;
+            if snapshot.exploded.is_none() && scene.has_exploded(number, shape.energy, shape.inverted) {
+                snapshot.exploded = Some((body.name.clone(), shape.energy));
+            }
             let triangles = first..first + body.elements.corners().len();
             first = triangles.end;
             snapshot.bodies.push(self.body(body, triangles, shape));
@@ -259,12 +263,16 @@ impl Sandbox {
             springs: Arc::clone(&net.springs),
             energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
+        for (number, net) in snapshot.nets.iter().enumerate() {
+            if snapshot.exploded.is_none() && scene.has_exploded(scene.bodies.len() + number, net.energy, 0) {
+                snapshot.exploded = Some((net.name.clone(), net.energy));
+            }
+        }
         if simulation.known_energy(0).is_none() {
             snapshot.energy_sweeps += 1;
             let bodies = snapshot.bodies.iter().map(|body| body.energy);
             simulation.learn(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
         }
-        snapshot.exploded = exploded(scene, x);
         snapshot.wound = Tangle::of_all(scene, x).wound;
         snapshot.sweeps += 1;
     }
@@ -313,15 +321,6 @@ impl Sandbox {
         });
         Pull { vertex, target, force: stiffness.sum::<f64>() * (dx * dx + dy * dy).sqrt() }
     }
-}
-
-/// The body or net that has exploded farthest, with its size over that at rest.
-fn exploded(scene: &Scene, x: &[f64]) -> Option<(String, f64)> {
-    let bodies = scene.bodies.iter().map(|body| (&body.name, &body.vertices));
-    let parts = bodies.chain(scene.nets.iter().map(|net| (&net.name, &net.vertices)));
-    let sizes = parts.map(|(name, vertices)| (name, scene.extension(vertices, x)));
-    let farthest = sizes.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, size)| *size > EXPLODED);
-    farthest.map(|(name, size)| (name.clone(), size))
 }
 
 impl Body {

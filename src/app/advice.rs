@@ -216,9 +216,9 @@ impl Facts {
 
     /// Finds the cause of a trouble.
     pub fn cause(&self, trouble: Trouble) -> Cause {
-        let unstable = self.excess().map(|(step, limit)| {
-            if limit > 0.0 { Cause::StepTooLong { step, limit } } else { Cause::NeverStable }
-        });
+        let unstable = self
+            .excess()
+            .map(|(step, limit)| if limit > 0.0 { Cause::StepTooLong { step, limit } } else { Cause::NeverStable });
         let weak = self.weak.then_some(Cause::NoResistance);
         match trouble {
             Trouble::Inverted | Trouble::Exploded => unstable.or(weak).unwrap_or(Cause::Forces),
@@ -228,9 +228,7 @@ impl Facts {
             Trouble::Fault(fault::Cause::StepTooLong { .. }) => Cause::NeverStable,
             Trouble::Fault(fault::Cause::Crushed(_)) => Cause::Crushed,
             Trouble::Fault(fault::Cause::Unsolved) => Cause::Unsolved,
-            Trouble::Fault(fault::Cause::Overflow | fault::Cause::Energy) => {
-                unstable.or(weak).unwrap_or(Cause::Forces)
-            }
+            Trouble::Fault(fault::Cause::Overflow | fault::Cause::Energy) => unstable.or(weak).unwrap_or(Cause::Forces),
             Trouble::Slow(load) if load.physics < MUCH => Cause::Painting,
             Trouble::Slow(load) if load.effort > DIVIDED && load.physics / load.effort < MUCH => {
                 unstable.unwrap_or(Cause::Guard)
@@ -354,7 +352,9 @@ impl Remedy {
             }
             Self::LongerSteps(_) => "Half as many substeps in 1/60 s: less computing time. The steps stay stable.",
             Self::Model(_) => "Its energy grows ever faster as a triangle is pressed flat. All bodies start over.",
-            Self::Compression => "Adds an effect: triangles that are pressed flat push back, and inverted ones turn back.",
+            Self::Compression => {
+                "Adds an effect: triangles that are pressed flat push back, and inverted ones turn back."
+            }
             Self::Guard => "The guard divides a step into up to 64 shorter ones when it is unstable.",
             Self::Scheme(_) => "A time-stepping scheme that is stable below a limit.",
             Self::CoarserMesh(..) => "Half as many triangles: less computing time. The scene starts over.",
@@ -414,4 +414,233 @@ fn lower(title: &str) -> String {
     let first = letters.next().map(|first| first.to_lowercase().collect::<String>()).unwrap_or_default();
     let name = ["Heun", "Hencky", "Dormand", "Runge", "St. "].iter().any(|name| title.starts_with(name));
     if name { title.to_owned() } else { first + letters.as_str() }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
+
+    use super::*;
+    use crate::{files, levels, meshes::NoFiles, sandbox::Sandbox, simulation::Simulation, stability::critical_step};
+
+    const TOO_LONG: fault::Cause = fault::Cause::StepTooLong { step: 1e-3, limit: 1e-4 };
+
+    fn troubles() -> Vec<Trouble> {
+        let faults = [
+            TOO_LONG,
+            fault::Cause::StepTooLong { step: 1e-3, limit: 0.0 },
+            fault::Cause::Crushed(Model::Hencky),
+            fault::Cause::Overflow,
+            fault::Cause::Energy,
+            fault::Cause::Unsolved,
+        ];
+        let loads = [(0.001, 1.0), (0.1, 1.0), (0.1, 64.0), (10.0, 64.0)];
+        let slow = loads.map(|(physics, effort)| Trouble::Slow(Load { physics, effort }));
+        [Trouble::Inverted, Trouble::Exploded].into_iter().chain(faults.map(Trouble::Fault)).chain(slow).collect()
+    }
+
+    /// All combinations of what can be known of a scene.
+    fn all_facts() -> Vec<Facts> {
+        let mut all = Vec::new();
+        let flags = |bits: u32| move |bit: u32| bits >> bit & 1 == 1;
+        for (substeps, class) in [1, 2, 100, 90_000]
+            .into_iter()
+            .flat_map(|n| [Class::Explicit, Class::Implicit, Class::ErrorControlled].map(|class| (n, class)))
+        {
+            let step = 1.0 / (60.0 * f64::from(substeps));
+            let limits = [0.0, 0.1 * step, 0.99 * step, 1.01 * step, 2.0 * step, 15.0 * step].map(Limit::Step);
+            for limit in limits.into_iter().chain([Limit::Unknown, Limit::Nothing]) {
+                for bits in 0..64 {
+                    let is = flags(bits);
+                    all.push(Facts {
+                        substeps: Substeps::new(substeps).unwrap(),
+                        limit,
+                        class,
+                        multirate: is(0),
+                        guard: is(1),
+                        weak: is(2),
+                        side_by_side: is(3),
+                        better_start: is(4),
+                        coarser: is(5).then(|| (0, MeshKind::all()[0].clone(), 10)),
+                        decorated: is(0),
+                    });
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn over_all_causes_no_remedy_works_against_its_cause() {
+        for facts in all_facts() {
+            for trouble in troubles() {
+                let advice = facts.advise(trouble);
+                let context = format!("{trouble:?}, {facts:?}: {advice:?}");
+                let (step, slow) = (facts.substeps.step(), matches!(trouble, Trouble::Slow(_)));
+                let above = matches!(facts.limit, Limit::Step(limit) if step > limit)
+                    && facts.class == Class::Explicit
+                    && !facts.multirate;
+                let ways = advice.remedies.iter().filter(|remedy| {
+                    matches!(remedy, Remedy::ShorterSteps(..) | Remedy::LongerSteps(_) | Remedy::CoarserMesh(..))
+                });
+                assert!(ways.count() <= 1, "{context}");
+                for remedy in &advice.remedies {
+                    let fits = match remedy {
+                        Remedy::ShorterSteps(_, factor) => {
+                            let shorter = step / f64::from(*factor);
+                            let stable = |limit: f64| shorter * MARGIN <= limit * 1.001;
+                            match trouble {
+                                Trouble::Fault(fault::Cause::Unsolved) => true,
+                                Trouble::Fault(fault::Cause::StepTooLong { limit, .. }) => stable(limit),
+                                _ => above && matches!(facts.limit, Limit::Step(limit) if stable(limit)),
+                            }
+                        }
+                        Remedy::LongerSteps(_) => {
+                            let Trouble::Slow(load) = trouble else { panic!("{context}") };
+                            let stable = match (facts.class, facts.limit) {
+                                (Class::Explicit, Limit::Step(limit)) => 2.0 * step <= limit,
+                                (Class::Explicit, Limit::Unknown) => false,
+                                _ => true,
+                            };
+                            stable && load.physics / load.effort >= MUCH
+                        }
+                        Remedy::CoarserMesh(..) => slow && advice.cause == Cause::Cost,
+                        Remedy::Model(_) => !facts.side_by_side && (facts.weak || advice.cause == Cause::Crushed),
+                        Remedy::Compression => facts.weak && !above,
+                        Remedy::Guard => !facts.guard && !slow,
+                        Remedy::Scheme(_) => advice.cause == Cause::NeverStable,
+                        Remedy::Untangle => trouble == Trouble::Inverted,
+                        Remedy::StartOver => trouble != Trouble::Inverted || facts.better_start,
+                        Remedy::PlainDrawing => facts.decorated && advice.cause == Cause::Painting,
+                    };
+                    assert!(fits, "{remedy:?} for {context}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_cause_is_the_step_the_model_the_guard_or_the_cost() {
+        let facts = |share: f64, weak| Facts {
+            substeps: Substeps::new(100).unwrap(),
+            limit: Limit::Step(share / 6000.0),
+            class: Class::Explicit,
+            multirate: false,
+            guard: true,
+            weak,
+            side_by_side: false,
+            better_start: true,
+            coarser: None,
+            decorated: false,
+        };
+        let is = |facts: &Facts, trouble| facts.cause(trouble);
+        let slow = |physics, effort| Trouble::Slow(Load { physics, effort });
+        assert!(matches!(is(&facts(0.5, true), Trouble::Inverted), Cause::StepTooLong { .. }));
+        assert_eq!(is(&facts(15.0, true), Trouble::Inverted), Cause::NoResistance);
+        assert_eq!(is(&facts(15.0, false), Trouble::Inverted), Cause::Forces);
+        assert_eq!(is(&facts(15.0, false), slow(0.05, 1.0)), Cause::Cost);
+        assert_eq!(is(&facts(15.0, false), slow(0.05, 16.0)), Cause::Guard);
+        assert!(matches!(is(&facts(0.5, false), slow(0.05, 16.0)), Cause::StepTooLong { .. }));
+        assert_eq!(is(&facts(15.0, false), slow(0.001, 1.0)), Cause::Painting);
+    }
+
+    /// A built-in level with so many substeps, in simulate mode.
+    fn running(substeps: u32) -> Sandbox {
+        let mut level = files::parse(levels::built_in("gingerbread").unwrap(), "gingerbread").unwrap();
+        level.substeps = Substeps::new(substeps).unwrap();
+        let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+        sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+        sandbox
+    }
+
+    fn limit(simulation: &Simulation) -> f64 {
+        critical_step(simulation.scene(), &simulation.scene().start).unwrap()
+    }
+
+    fn facts(sandbox: &Sandbox) -> (Facts, Snapshot) {
+        let mut now = Snapshot::default();
+        sandbox.snapshot(Field::None, &mut now);
+        let facts = Facts::of(&now, Limit::Step(limit(sandbox.simulation())), &View::default());
+        (facts, now)
+    }
+
+    /// Pulls for half a second; returns force evaluations, and how many times what undivided steps take.
+    fn cost(sandbox: &mut Sandbox) -> (u64, f64) {
+        sandbox.apply(Command::Reset).unwrap();
+        sandbox.apply(Command::Grab(100, [0.9, 0.9])).unwrap();
+        let before = sandbox.simulation().counts();
+        let steps = 30 * u64::from(sandbox.document().level.substeps.get());
+        assert_eq!(sandbox.advance(steps, &mut || true), steps);
+        let now = sandbox.simulation().counts();
+        let work = now.inner_steps - before.inner_steps + now.retaken - before.retaken;
+        (now.force_evaluations - before.force_evaluations, work as f64 / steps as f64)
+    }
+
+    fn take(sandbox: &mut Sandbox, advice: &Advice, number: usize, now: &Snapshot) {
+        for command in advice.apply(number, now, &mut View::default()) {
+            sandbox.apply(command).unwrap();
+        }
+    }
+
+    #[test]
+    fn steps_that_the_guard_divides_get_shorter_and_cost_less() {
+        let mut sandbox = running(10);
+        let (before, effort) = cost(&mut sandbox);
+        assert!(effort > 4.0, "the guard divides steps: {effort}");
+        let (facts, now) = facts(&sandbox);
+        let advice = facts.advise(Trouble::Slow(Load { physics: 0.02, effort }));
+        assert!(matches!(advice.remedies[..], [Remedy::ShorterSteps(..)]), "{advice:?}");
+        take(&mut sandbox, &advice, 0, &now);
+        let (after, effort) = cost(&mut sandbox);
+        assert!(effort < DIVIDED && after < before, "{after} force evaluations in place of {before}, effort {effort}");
+    }
+
+    #[test]
+    fn steps_that_cost_too_much_get_longer_and_stay_stable() {
+        let mut sandbox = running(400);
+        let (before, effort) = cost(&mut sandbox);
+        let (facts, now) = facts(&sandbox);
+        let advice = facts.advise(Trouble::Slow(Load { physics: 0.02, effort }));
+        assert_eq!(advice.remedies[0].label(), "Longer steps (400 / 2 = 200)");
+        take(&mut sandbox, &advice, 0, &now);
+        let (after, effort) = cost(&mut sandbox);
+        assert!(2 * after <= before + 2 && effort < DIVIDED, "{after} force evaluations in place of {before}");
+        assert!(sandbox.step_length() <= limit(sandbox.simulation()));
+    }
+
+    #[test]
+    fn where_longer_steps_would_be_unstable_the_mesh_gets_coarser() {
+        let mut sandbox = running(100);
+        let stable = (MARGIN / (60.0 * limit(sandbox.simulation()))).ceil() as u32;
+        sandbox.apply(Command::SetSubsteps(Substeps::new(stable).unwrap())).unwrap();
+        let (facts, now) = facts(&sandbox);
+        let advice = facts.advise(Trouble::Slow(Load { physics: 0.02, effort: 1.0 }));
+        assert!(matches!(advice.remedies[..], [Remedy::CoarserMesh(..)]), "{advice:?}");
+        let triangles = |sandbox: &Sandbox| sandbox.simulation().scene().triangles.len();
+        let (before, longest) = (triangles(&sandbox), limit(sandbox.simulation()));
+        take(&mut sandbox, &advice, 0, &now);
+        assert!(3 * triangles(&sandbox) < 2 * before && limit(sandbox.simulation()) > longest);
+    }
+
+    #[test]
+    fn plain_drawing_takes_away_what_is_drawn_besides_bodies() {
+        let mut view = View::default();
+        (view.stage.wireframe, view.stage.field) = (true, Field::Volume);
+        let sandbox = running(100);
+        let (_, now) = facts(&sandbox);
+        let facts = Facts::of(&now, Limit::Unknown, &view);
+        let advice = facts.advise(Trouble::Slow(Load { physics: 0.001, effort: 1.0 }));
+        assert_eq!(advice.remedies, [Remedy::PlainDrawing]);
+        advice.apply(0, &now, &mut view);
+        assert_eq!((view.stage.wireframe, view.stage.field), (false, Field::None));
+    }
+
+    #[test]
+    fn every_remedy_says_what_it_does_with_its_numbers() {
+        let substeps = Substeps::new(100).unwrap();
+        assert_eq!(Remedy::ShorterSteps(substeps, 2).label(), "Shorter steps (100 × 2 = 200)");
+        assert_eq!(Remedy::LongerSteps(substeps).label(), "Longer steps (100 / 2 = 50)");
+        assert_eq!(Remedy::Model(Model::StableNeoHookean).label(), "Use stable neo-Hookean");
+        assert_eq!(Remedy::Model(Model::Hencky).label(), "Use Hencky");
+    }
 }

@@ -57,7 +57,9 @@ struct Job {
 impl Meshing {
     /// Takes a wish for another mesh of a body, if making it takes long. A small one makes an earlier wish void.
     pub fn takes(&mut self, pane: Pane, body: usize, mesh: &MeshKind, before: &BodyLevel) -> bool {
-        let large = cfg!(not(target_arch = "wasm32")) && triangles(mesh) > LARGE && mesh.clone().kind_mut().path_mut().is_none();
+        let large = cfg!(not(target_arch = "wasm32"))
+            && triangles(mesh) > LARGE
+            && mesh.clone().kind_mut().path_mut().is_none();
         if !large || before.mesh == *mesh {
             self.wanted = None;
             return false;
@@ -108,12 +110,8 @@ impl Meshing {
 impl Job {
     fn start(wanted: &Wanted) -> Self {
         let (sender, result) = channel();
-        let body = BodyLevel {
-            mesh: wanted.mesh.clone(),
-            pins: Vec::new(),
-            slides: Vec::new(),
-            ..wanted.before.clone()
-        };
+        let body =
+            BodyLevel { mesh: wanted.mesh.clone(), pins: Vec::new(), slides: Vec::new(), ..wanted.before.clone() };
         let work = move || {
             let level = Level { bodies: vec![body], ..Level::default() };
             let scene = Scene::build(&level, level.mode, &NoFiles, None).map_err(|error| error.to_string());

@@ -345,7 +345,8 @@ impl App {
     /// Measures beside the scene that the panels are about, and goes on with what was begun beside the other.
     fn study(&mut self, ctx: &Context) {
         let gauge = !self.view.hidden[1] || self.view.drawer == Some(panels::Side::Right);
-        let doubtful = |seen: &Snapshot| seen.inverted > 0 || seen.exploded.is_some() || seen.fault.is_some() || self.view.slow;
+        let doubtful =
+            |seen: &Snapshot| seen.inverted > 0 || seen.exploded.is_some() || seen.fault.is_some() || self.view.slow;
         let other = self.comparison.as_ref().is_some_and(|panes| doubtful(panes.snapshot()));
         let doubts = [doubtful(&self.snapshot), other];
         let mut labs = vec![(&mut self.lab, &self.sandbox)];

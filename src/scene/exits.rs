@@ -48,13 +48,6 @@ impl Scene {
         let (width, height) = (right - left, top - bottom);
         (width * width + height * height).sqrt()
     }
-
-    /// Diagonal of the box around some vertices at positions `x`, over that at rest; 0 if they have no size at rest.
-    pub fn extension(&self, vertices: &Range<usize>, x: &[f64]) -> f64 {
-        let (own, size) = (&x[numbers(vertices)], self.size(vertices));
-        let [width, height] = [0, 1].map(|axis| extent(own, axis)).map(|(least, greatest)| greatest - least);
-        if size > 0.0 { libm::hypot(width, height) / size } else { 0.0 }
-    }
 }
 
 /// Their places in flat vectors.

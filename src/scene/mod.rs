@@ -4,6 +4,7 @@
 mod alone;
 mod effects;
 mod exits;
+mod exploded;
 mod held;
 mod names;
 mod net;
@@ -27,10 +28,6 @@ use crate::{
     toys::ToyKind,
 };
 use std::{ops::Range, sync::Arc};
-
-/// A body or net that is more than so many times as large as at rest ([`Scene::extension`]) has exploded: no shape that forces
-/// hold in balance is so large.
-pub const EXPLODED: f64 = 100.0;
 
 /// The constant side of a simulation.
 #[derive(Clone)]

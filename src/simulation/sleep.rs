@@ -9,7 +9,7 @@
 //! 3. the forces on all its vertices together are no more than [`BALANCE`] of those that act on it from outside: what is only
 //!    beginning to fall, however slowly, is not at rest.
 //!
-//! What has exploded ([`EXPLODED`]) never sleeps: at its positions round-off is larger than any force in balance.
+//! What has exploded ([`Scene::has_exploded`]) does not sleep, although walls may hold all that is left of it.
 //!
 //! Neither limit is below round-off: a position of size X is known to X 2^-52, which is a speed of that over h, and with the
 //! fastest vibration that h can follow, w = 2/h, an acceleration of that times w².
@@ -17,7 +17,7 @@
 //! Its velocities are zero then; its positions keep every bit, asleep and on waking.
 
 use super::{BATCH, Simulation};
-use crate::scene::{EXPLODED, Scene};
+use crate::scene::Scene;
 use std::ops::Range;
 
 /// tau: how long it has to be calm [s].
@@ -127,8 +127,8 @@ impl Simulation {
         if !self.islands.possible || calm.len() != self.islands.all.len() {
             calm.clear();
         }
-        for (calm, island) in calm.iter_mut().zip(&self.islands.all).filter(|(calm, _)| **calm == ASLEEP) {
-            if self.scene.extension(&island.vertices, &self.state.x) > EXPLODED {
+        for (number, calm) in calm.iter_mut().enumerate().filter(|(_, calm)| **calm == ASLEEP) {
+            if self.scene.has_exploded_at(number, &self.state.x) {
                 *calm = 0;
             }
         }
@@ -178,8 +178,7 @@ impl Simulation {
             let h = self.paces.step(number, self.scene.step);
             let slow = fastest <= island.calm_speed(greatest(&self.state.x[own]), h);
             let free = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
-            let rests = slow && free && self.scene.extension(&island.vertices, &self.state.x) <= EXPLODED;
-            *calm = if rests { *calm + 1 } else { 0 };
+            *calm = if slow && free { *calm + 1 } else { 0 };
         }
     }
 
@@ -214,7 +213,8 @@ impl Simulation {
         for (number, island) in islands.iter().enumerate() {
             let calm = self.checkpoint.state.calm[number];
             if calm >= looks && calm != ASLEEP {
-                let rests = self.rests(number, island);
+                let exploded = self.scene.has_exploded_at(number, &self.checkpoint.state.x);
+                let rests = !exploded && self.rests(number, island);
                 self.checkpoint.state.calm[number] = if rests { ASLEEP } else { 0 };
                 if rests {
                     self.checkpoint.state.v[2 * island.vertices.start..2 * island.vertices.end].fill(0.0);

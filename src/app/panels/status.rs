@@ -150,8 +150,7 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     if view.slow {
         all.extend(desk.rates.map(|rates| slow(now, &rates, &facts)));
     }
-    let message =
-        |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), advice: None };
+    let message = |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), advice: None };
     all.extend(now.messages.first().map(message));
     view.dismissed.retain(|kind| all.iter().any(|warning| warning.kind == *kind));
     all.into_iter().find(|warning| !view.dismissed.contains(&warning.kind))
@@ -163,11 +162,13 @@ fn because(text: String, advice: &Advice) -> String {
 }
 
 fn exploded(now: &Snapshot, facts: &Facts) -> Option<Warning> {
-    let (name, size) = now.exploded.as_ref()?;
+    let (name, energy) = now.exploded.as_ref()?;
     let advice = facts.advise(Trouble::Exploded);
     let text = because(format!("{name} has exploded"), &advice);
     let details = format!(
-        "{text}. It is {size:.0e} times as large as at rest. It is drawn as an outline or as points, and it does not sleep."
+        "{text}. It stores {} of elastic energy, far more than any shape at rest. Where it would fill the stage many times over, it \
+         is drawn as an outline or as points.",
+        numbers::si(*energy, "J")
     );
     Some(Warning { kind: "exploded", text, details, advice: Some(advice) })
 }
@@ -234,7 +235,10 @@ fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
     let text = match advice.cause {
         Cause::Painting => format!("Painting slows the window down: {:.1} frames per second", rates.frames),
         Cause::Cost => {
-            format!("{} substeps per frame are too many for this computer to run in real time", now.level.substeps.get())
+            format!(
+                "{} substeps per frame are too many for this computer to run in real time",
+                now.level.substeps.get()
+            )
         }
         Cause::Guard => "The guard divides the steps, which slows time down".to_owned(),
         _ => because("The guard divides the steps, which slows time down".to_owned(), &advice),

@@ -74,6 +74,12 @@ pub fn write(level: &Level) -> Result<String, FileError> {
     text.map(|text| text + "\n").map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
 }
 
+/// A path with all its folders, as messages show it; the name of a built-in level stays as it is.
+pub fn whole_path(path: &Path) -> PathBuf {
+    let built_in = path.extension().is_none() && levels::built_in(&path.display().to_string()).is_some();
+    if built_in { path.to_path_buf() } else { std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()) }
+}
+
 /// Reads a level from a file; a bare name such as `gingerbread` is that built-in level. Paths of meshes in it are
 /// taken relative to its folder.
 ///

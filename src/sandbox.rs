@@ -11,11 +11,11 @@ use crate::{
     meshes::Files,
     quantity::Point,
     rewind::Rewind,
-    scene::{Owner, Scene, SceneError, extent},
+    scene::{Body, Owner, Scene, SceneError, extent},
     simulation::{Restart, Simulation},
     untangle::untangled,
 };
-use std::{rc::Rc, sync::Arc};
+use std::{collections::VecDeque, rc::Rc, sync::Arc};
 
 /// A level that is edited and run.
 pub struct Sandbox {
@@ -30,7 +30,15 @@ pub struct Sandbox {
     pub(crate) shown: Arc<Level>,
     files: Rc<dyn Files>,
     rewind: Rewind,
+    /// Bodies with large meshes that are not shown, the latest last.
+    shelf: VecDeque<Body>,
 }
+
+/// A mesh with more triangles takes so long to make that it is kept for a while.
+const LARGE: usize = 5000;
+
+/// How many of those are kept.
+const SHELVED: usize = 3;
 
 /// Why a command was refused; nothing has changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,6 +86,7 @@ impl Sandbox {
             shown,
             files,
             rewind: Rewind::default(),
+            shelf: VecDeque::new(),
         })
     }
 
@@ -93,6 +102,7 @@ impl Sandbox {
             shown: Arc::clone(&self.shown),
             files: Rc::clone(&self.files),
             rewind: Rewind::default(),
+            shelf: VecDeque::new(),
             ..*self
         }
     }
@@ -102,6 +112,41 @@ impl Sandbox {
         let grab = self.simulation.grab();
         self.simulation.resume(moment);
         self.simulation.set_grab(grab);
+    }
+
+    /// Puts positions and velocities back to the start, without a way back.
+    pub(crate) fn start_over(&mut self) {
+        let start = self.simulation.scene().start.clone();
+        self.resume(&Restart::from(start));
+        self.begin_anew();
+    }
+
+    /// Takes a mesh that was made elsewhere for when a command asks for its recipe.
+    pub(crate) fn prepare(&mut self, body: Body) {
+        self.shelve([body]);
+    }
+
+    /// Keeps bodies with large meshes for a while: going back and forth between them need not make them again.
+    fn shelve(&mut self, bodies: impl IntoIterator<Item = Body>) {
+        for body in bodies.into_iter().filter(|body| body.mesh.triangles().len() > LARGE) {
+            self.shelf.retain(|known| known.recipe() != body.recipe());
+            self.shelf.push_back(body);
+        }
+        while self.shelf.len() > SHELVED {
+            self.shelf.pop_front();
+        }
+    }
+
+    /// The scene that is shown, with all meshes that are known beside it, if a level needs one of them.
+    fn with_shelved(&self, level: &Level) -> Option<Scene> {
+        let scene = self.simulation.scene();
+        let wanted = |body: &&Body| level.bodies.iter().any(|listed| listed.mesh == *body.recipe());
+        let found: Vec<_> = self.shelf.iter().filter(wanted).cloned().collect();
+        (!found.is_empty()).then(|| {
+            let mut scene = scene.clone();
+            scene.bodies.extend(found);
+            scene
+        })
     }
 
     /// Nothing that was before counts any more.
@@ -120,9 +165,11 @@ impl Sandbox {
             Command::SetRunning(running) => self.set_running(running)?,
             Command::StepOnce => self.step_once()?,
             Command::Reset => {
-                let start = self.simulation.scene().start.clone();
-                self.resume(&Restart::from(start));
-                self.begin_anew();
+                if *self.simulation.state() != self.simulation.scene().start {
+                    // What ran is not lost: undo brings it back.
+                    self.history.remember(self.document.clone(), Some(self.simulation.restart()), None);
+                }
+                self.start_over();
             }
             Command::Rewind(seconds) => self.turn_back(seconds)?,
             Command::Untangle => {
@@ -170,8 +217,9 @@ impl Sandbox {
 
     /// Makes a document the one that is shown. If it cannot be built nothing changes.
     fn show(&mut self, document: Document, then: Then, moment: Option<Restart>) -> Result<(), Refused> {
-        let known = (then != Then::Reload).then(|| self.simulation.scene());
         let shown = without_state(&document.shown());
+        let shelved = self.with_shelved(&shown);
+        let known = (then != Then::Reload).then(|| shelved.as_ref().unwrap_or(self.simulation.scene()));
         let scene = Scene::build(&shown, self.effect_mode(&document), self.files.as_ref(), known)?;
         let same =
             self.shown.bodies.len() == shown.bodies.len()
@@ -185,6 +233,7 @@ impl Sandbox {
                 Some(moment) if moment.state.x.len() == scene.start.x.len() => moment,
                 _ => Restart::read(&scene, document.level.state.as_ref())?,
             };
+            self.shelve(self.simulation.scene().bodies.clone());
             self.simulation.replace_scene(scene);
             self.simulation.resume(&moment);
             self.simulation.set_grab(None);
@@ -294,6 +343,11 @@ impl Sandbox {
         let rest = scene.listed(&scene.rest);
         let rest = rest[2 * shown.vertices.start..2 * shown.vertices.end].chunks_exact(2);
         rest.map_while(|point| Point::new([point[0] + x - from_x, point[1] + y - from_y]).ok()).collect()
+    }
+
+    /// What is edited: the level, and how a test level is shown.
+    pub const fn document(&self) -> &Document {
+        &self.document
     }
 
     /// Length of a step [s].

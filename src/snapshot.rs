@@ -90,6 +90,8 @@ pub struct Snapshot {
     pub asleep: usize,
     /// Number of triangles of bodies that are awake: those that a step computes.
     pub computed: usize,
+    /// Name and elastic energy [J] of the first body or net that has exploded, if one has.
+    pub exploded: Option<(String, f64)>,
     /// How far back time can be turned [s].
     pub rewind_reach: f64,
     /// What each effect cost so far, elements first.
@@ -183,6 +185,11 @@ impl Snapshot {
     pub const fn is_asleep(&self) -> bool {
         self.asleep > 0 && self.asleep == self.bodies.len() + self.nets.len()
     }
+
+    /// Whether the clock is paused although it is running: everything sleeps.
+    pub fn rests(&self) -> bool {
+        self.running && self.mode != Mode::Edit && self.is_asleep()
+    }
 }
 
 impl Sandbox {
@@ -243,12 +250,16 @@ impl Sandbox {
         snapshot.values.clear();
         snapshot.bodies.clear();
         (snapshot.min_j, snapshot.inverted) = (f64::INFINITY, 0);
+        snapshot.exploded = None;
         let mut first = 0;
         for (number, body) in scene.bodies.iter().enumerate() {
             let energy = simulation.known_energy(number);
             let shape = body.elements.survey_knowing(energy, field, x, &mut snapshot.values);
             snapshot.min_j = snapshot.min_j.min(shape.least);
             snapshot.inverted += shape.inverted;
+            if snapshot.exploded.is_none() && scene.has_exploded(number, shape.energy, shape.inverted) {
+                snapshot.exploded = Some((body.name.clone(), shape.energy));
+            }
             let triangles = first..first + body.elements.corners().len();
             first = triangles.end;
             snapshot.bodies.push(self.body(body, triangles, shape));
@@ -261,6 +272,11 @@ impl Sandbox {
             springs: Arc::clone(&net.springs),
             energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
+        for (number, net) in snapshot.nets.iter().enumerate() {
+            if snapshot.exploded.is_none() && scene.has_exploded(scene.bodies.len() + number, net.energy, 0) {
+                snapshot.exploded = Some((net.name.clone(), net.energy));
+            }
+        }
         if simulation.known_energy(0).is_none() {
             snapshot.energy_sweeps += 1;
             let bodies = snapshot.bodies.iter().map(|body| body.energy);

@@ -19,6 +19,10 @@ pub struct Clock {
     real: f64,
     physics: f64,
     frame: f64,
+    /// Frames presented and the steps of the work in them, each fading like `real`.
+    frames: f64,
+    work: f64,
+    undivided: f64,
     interval: f64,
     since_shown: f64,
     shown: Option<Rates>,
@@ -31,8 +35,12 @@ pub struct Rates {
     pub factor: f64,
     /// Time spent on stepping in a frame [s].
     pub physics: f64,
-    /// Time spent on a whole frame [s].
+    /// Time the program spent on a whole frame [s], without what the graphics card spends on painting it.
     pub frame: f64,
+    /// Frames presented in a second, from the time between them: painting is included [1/s].
+    pub frames: f64,
+    /// Work over that of undivided steps: above 1 the guard divides steps or takes them again.
+    pub effort: f64,
 }
 
 /// What happened in a frame in which time ran.
@@ -50,6 +58,8 @@ pub struct Spent {
     pub physics: f64,
     /// Time spent on the whole frame before [s].
     pub frame: f64,
+    /// Steps that the integrator took, and how many these would be if the guard divided none.
+    pub work: [u64; 2],
 }
 
 impl Clock {
@@ -74,11 +84,16 @@ impl Clock {
         self.real = self.real * fade + spent.elapsed;
         self.physics = blend(self.physics, spent.physics, fade);
         self.frame = blend(self.frame, spent.frame, fade);
+        self.frames = self.frames * fade + 1.0;
+        self.work = self.work * fade + spent.work[0] as f64;
+        self.undivided = self.undivided * fade + spent.work[1] as f64;
         self.since_shown += spent.elapsed;
         if self.shown.is_none() || self.since_shown >= REFRESH {
             self.since_shown = 0.0;
             let factor = if self.real > 0.0 { self.paid / self.real } else { 1.0 };
-            self.shown = Some(Rates { factor, physics: self.physics, frame: self.frame });
+            let frames = if self.real > 0.0 { self.frames / self.real } else { 0.0 };
+            let effort = if self.undivided > 0.0 { (self.work / self.undivided).max(1.0) } else { 1.0 };
+            self.shown = Some(Rates { factor, physics: self.physics, frame: self.frame, frames, effort });
         }
     }
 
@@ -115,7 +130,7 @@ mod tests {
         for _ in 0..frames {
             let owed = clock.owe(elapsed, H);
             let taken = owed.min(affordable);
-            clock.pay(Spent { elapsed, step: H, owed, taken, physics: 0.004, frame: 0.006 });
+            clock.pay(Spent { elapsed, step: H, owed, taken, physics: 0.004, frame: 0.006, work: [taken; 2] });
             total += taken;
         }
         total
@@ -176,6 +191,29 @@ mod tests {
     fn nonsense_from_a_clock_owes_nothing() {
         let mut clock = Clock::default();
         assert_eq!(clock.owe(-5.0, H) + clock.owe(f64::NAN, H) + clock.owe(1.0, 0.0), 0);
+    }
+
+    #[test]
+    fn the_frame_rate_counts_the_time_between_frames() {
+        for rate in [0.19, 12.0, 60.0] {
+            let mut clock = Clock::default();
+            run(&mut clock, 200, 1.0 / rate, u64::MAX);
+            let shown = clock.rates().map_or(0.0, |rates| rates.frames);
+            assert!((shown - rate).abs() < 1e-6 * rate, "{shown} in place of {rate} frames per second");
+        }
+    }
+
+    #[test]
+    fn the_effort_counts_what_the_guard_adds() {
+        for divided in [1, 8] {
+            let mut clock = Clock::default();
+            for _ in 0..60 {
+                let owed = clock.owe(1.0 / 60.0, H);
+                let work = [divided * owed, owed];
+                clock.pay(Spent { elapsed: 1.0 / 60.0, step: H, owed, taken: owed, work, ..Spent::default() });
+            }
+            assert_eq!(clock.rates().map(|rates| rates.effort), Some(divided as f64));
+        }
     }
 
     #[test]

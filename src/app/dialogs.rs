@@ -119,6 +119,11 @@ mod native {
             self.open = Some(Pending { choice, purpose, since: Instant::now() });
         }
 
+        /// Whether an answer is still to come.
+        pub const fn is_waiting(&self) -> bool {
+            self.open.is_some() || self.refused.is_some()
+        }
+
         /// Looks whether a dialog was answered. Never waits.
         pub fn poll(&mut self, ctx: &Context) -> Option<Answer> {
             let waker = Waker::from(Arc::new(Repaint(ctx.clone())));
@@ -172,6 +177,11 @@ mod nowhere {
         /// Asks for a file.
         pub fn ask(&mut self, purpose: Purpose) {
             self.asked = Some(purpose);
+        }
+
+        /// Whether an answer is still to come.
+        pub const fn is_waiting(&self) -> bool {
+            self.asked.is_some()
         }
 
         /// Looks whether there is an answer.

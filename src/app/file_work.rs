@@ -10,31 +10,19 @@ use crate::{
     files::{self, FileError},
     level::Level,
 };
-use eframe::egui::Context;
-use std::path::Path;
+use eframe::egui::{Context, ViewportCommand};
+use std::path::{Path, PathBuf};
 
 impl App {
     /// Answers wishes, dialogs and prompts.
     pub(super) fn file_work(&mut self, ctx: &Context) {
         self.view.develop(ctx);
-        match self.view.file.take() {
-            Some(FileWish::BuiltIn(index)) => match self.gallery.level(index) {
-                Ok(level) => self.start(level),
-                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
-            },
-            Some(FileWish::Hard(name, model, method)) => match self.gallery.hard_level(name, model, method) {
-                Ok(level) => {
-                    // It would lie over what is to be watched.
-                    self.view.hard.open = false;
-                    self.start(level);
-                    self.apply(None, Command::SetRunning(true));
-                }
-                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
-            },
-            Some(FileWish::Open) => self.dialogs.ask(Purpose::Open),
-            Some(FileWish::Save) => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
-            Some(FileWish::Export(export)) => self.dialogs.ask(Purpose::Export(export)),
-            None => {}
+        self.take_close_request(ctx);
+        if let Some(wish) = self.decide() {
+            self.grant(wish);
+        }
+        if let Some(wish) = self.view.file.take().and_then(|wish| self.wish_or_ask(wish)) {
+            self.grant(wish);
         }
         match self.dialogs.poll(ctx) {
             Some(Answer::Chosen(purpose, path)) => self.answer(&purpose, &path),
@@ -47,26 +35,84 @@ impl App {
                 (purpose, _) => self.answer(purpose, Path::new(prompt.text.trim())),
             }
         }
+        if self.view.prompt.is_none() && !self.dialogs.is_waiting() {
+            // Who does not say where to save does not want what should come after it.
+            self.after_saving = None;
+        }
+        if self.leaves {
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
     }
 
-    /// Starts a level that could be read; what was wrong with another one is forgotten.
-    fn start(&mut self, level: Level) {
+    /// Does what was wished of the file system; nothing is lost by it that was not decided about.
+    fn grant(&mut self, wish: FileWish) {
+        match wish {
+            FileWish::BuiltIn(index) => match self.gallery.level(index) {
+                Ok(level) => drop(self.start(level)),
+                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
+            },
+            FileWish::Hard(name, model, method) => match self.gallery.hard_level(name, model, method) {
+                Ok(level) => {
+                    // It would lie over what is to be watched.
+                    self.view.hard.open = false;
+                    if self.start(level) {
+                        self.apply(None, Command::SetRunning(true));
+                    }
+                }
+                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
+            },
+            FileWish::Open => self.dialogs.ask(Purpose::Open),
+            FileWish::Save => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
+            FileWish::Export(export) => self.dialogs.ask(Purpose::Export(export)),
+            FileWish::File(path, ignored) => {
+                self.open(&path);
+                if !ignored.is_empty() {
+                    self.tell_ignored(&ignored);
+                }
+            }
+            FileWish::Close => self.leaves = true,
+        }
+    }
+
+    /// Starts a level that could be read; what was wrong with another one is forgotten. Returns whether it could be built.
+    fn start(&mut self, level: Level) -> bool {
         self.view.notice = None;
-        self.apply(None, Command::Open(Box::new(level)));
+        let done = self.apply(None, Command::Open(Box::new(level)));
+        if done {
+            self.mark_kept();
+        }
+        done
     }
 
-    /// Opens a level file. If it cannot be read or built, its message is shown and the old scene goes on.
+    /// Opens a level file, with whatever becomes of the level before it. If it cannot be read or built, its message is shown and the
+    /// old scene goes on.
     pub fn open(&mut self, path: &Path) {
-        match files::read(path) {
-            Ok(level) => self.start(level),
+        let path = files::whole_path(path);
+        match files::read(&path) {
+            Ok(level) => {
+                if self.start(level) {
+                    self.view.notice = Some(Notice::Done(format!("Opened {}", path.display())));
+                }
+            }
             Err(error) => self.view.notice = Some(Notice::trouble(&error)),
         }
+    }
+
+    /// Says which files were not opened, below what came of the one that was.
+    fn tell_ignored(&mut self, ignored: &[PathBuf]) {
+        let names: Vec<_> = ignored.iter().map(|path| files::whole_path(path).display().to_string()).collect();
+        let text = format!("Not opened: {}. Only one level is open at a time: drop one file.", names.join(", "));
+        self.view.notice = Some(match self.view.notice.take() {
+            Some(Notice::Trouble(before)) => Notice::Trouble(format!("{before}\n{text}")),
+            Some(Notice::Done(before)) => Notice::Done(format!("{before}\n{text}")),
+            None => Notice::Done(text),
+        });
     }
 
     /// Opens a level from its text; `name` stands for the file in messages.
     pub fn open_text(&mut self, text: &str, name: &str) {
         match files::parse(text, name) {
-            Ok(level) => self.start(level),
+            Ok(level) => drop(self.start(level)),
             Err(error) => self.view.notice = Some(Notice::trouble(&error)),
         }
     }
@@ -74,23 +120,41 @@ impl App {
     /// Saves the level with everything as it is now. If it fails, a file that was there stays.
     pub fn save(&mut self, path: &Path) {
         let saved = files::save(path, &self.settled().saved());
+        let done = saved.is_ok();
         self.tell(path, saved);
+        self.saved(done);
+    }
+
+    /// After saving: the changes are kept now, and what waited for that goes on.
+    fn saved(&mut self, done: bool) {
+        let wish = self.after_saving.take();
+        if done {
+            self.mark_kept();
+            if let Some(wish) = wish {
+                self.grant(wish);
+            }
+        }
     }
 
     /// Says what came of saving.
     fn tell(&mut self, path: &Path, saved: Result<(), FileError>) {
         self.view.notice = Some(match saved {
-            Ok(()) => Notice::Done(format!("Saved as {}", path.display())),
+            Ok(()) => Notice::Done(format!("Saved as {}", files::whole_path(path).display())),
             Err(error) => Notice::trouble(&error),
         });
     }
 
-    /// Opens what is dropped on the window.
+    /// Wishes to open what is dropped on the window: of several files the first level, or else the first.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
-        for file in ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files)) {
-            self.open(file.path());
+        let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
+        let mut paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
+        if paths.is_empty() {
+            return;
         }
+        let is_level = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "ron");
+        let first = paths.remove(paths.iter().position(is_level).unwrap_or(0));
+        self.view.file = Some(FileWish::File(first, paths));
     }
 
     /// Without dialogs: a path to type, or in a browser the text of a level itself.
@@ -100,7 +164,11 @@ impl App {
                 Purpose::Export(Export { bytes, .. }) => {
                     String::from_utf8(bytes).map_err(|_| "Pictures cannot be saved in a browser.".to_owned())
                 }
-                _ => files::write(&self.settled().saved()).map_err(|error| error.to_string()),
+                _ => {
+                    let text = files::write(&self.settled().saved()).map_err(|error| error.to_string());
+                    self.saved(text.is_ok());
+                    text
+                }
             };
             self.view.notice = Some(match text {
                 Ok(text) => {
@@ -127,6 +195,9 @@ impl App {
 impl View {
     /// Whether the next frame has something to do with files.
     pub(super) fn wants_files(&self) -> bool {
-        self.file.is_some() || self.is_posing() || self.prompt.as_ref().is_some_and(|prompt| prompt.answered)
+        self.file.is_some()
+            || self.is_posing()
+            || self.prompt.as_ref().is_some_and(|prompt| prompt.answered)
+            || self.unsaved.as_ref().is_some_and(|unsaved| unsaved.choice.is_some())
     }
 }

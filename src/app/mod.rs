@@ -1,6 +1,7 @@
 //! The window. `logic` applies what was asked for in the last frame and lets time run; `ui` draws a snapshot and gathers
 //! what is asked for next. Nothing drawn holds a reference into the simulation.
 
+mod advice;
 mod camera;
 mod canvas;
 mod clock;
@@ -12,15 +13,19 @@ mod file_work;
 mod gallery;
 pub mod keys;
 mod lab;
+mod meshing;
 mod meter;
 mod numbers;
 mod panels;
 mod theme;
+mod unsaved;
 
 use crate::{
     command::Command,
+    document::Document,
     files::Disk,
-    level::Level,
+    integrators::Class,
+    level::{BodyLevel, Level},
     meshes::Files,
     sandbox::{Refused, Sandbox},
     snapshot::Snapshot,
@@ -34,8 +39,9 @@ use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use gallery::Gallery;
 use lab::Lab;
+use meshing::Meshing;
 use meter::Meter;
-use panels::{Desk, History, Notice, View};
+use panels::{Desk, FileWish, History, Notice, View};
 use web_time::Instant;
 
 /// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
@@ -60,6 +66,14 @@ pub struct App {
     /// The second pane, while two are compared.
     comparison: Option<Box<Comparison>>,
     commands: Vec<Command>,
+    /// A mesh that is made in the background.
+    meshing: Meshing,
+    /// The document as it was opened or saved last.
+    kept: Document,
+    /// What waits until the changes are saved.
+    after_saving: Option<FileWish>,
+    /// Whether the window is to close, whatever is unsaved.
+    leaves: bool,
     /// When the last frame was drawn, while time runs [s].
     last: Option<f64>,
     /// Time for stepping in a frame [s].
@@ -91,6 +105,7 @@ impl App {
         let sandbox = Sandbox::new(level, files)?;
         let mut snapshot = Snapshot::default();
         sandbox.snapshot(crate::snapshot::Field::None, &mut snapshot);
+        let kept = sandbox.document().clone();
         Ok(Self {
             sandbox,
             snapshot,
@@ -104,6 +119,10 @@ impl App {
             meter: Meter::default(),
             comparison: None,
             commands: Vec::new(),
+            meshing: Meshing::default(),
+            kept,
+            after_saving: None,
+            leaves: false,
             last: None,
             budget: BUDGET,
             threads: threads(),
@@ -148,15 +167,66 @@ impl App {
     }
 
     /// Applies a command, in two panes as one that came from `pane` or else from the chosen one; one that is refused is shown,
-    /// and nothing changes.
-    fn apply(&mut self, pane: Option<Pane>, command: Command) {
+    /// and nothing changes. A large mesh is only wished for: it is made in the background. Returns whether the command was done.
+    fn apply(&mut self, pane: Option<Pane>, command: Command) -> bool {
+        if let Command::SetMesh(body, mesh) = &command {
+            let pane = pane.or(self.comparison.as_ref().map(|panes| panes.chosen())).unwrap_or_default();
+            let before = self.listed_body(pane, *body).cloned();
+            if before.is_some_and(|before| self.meshing.takes(pane, *body, mesh, &before)) {
+                return true;
+            }
+        }
+        self.apply_now(pane, command)
+    }
+
+    /// The body of a document that a number of the shown level stands for.
+    fn listed_body(&self, pane: Pane, number: usize) -> Option<&BodyLevel> {
+        let document = match &self.comparison {
+            Some(panes) if pane == Pane::B => panes.sandbox().document(),
+            _ => self.sandbox.document(),
+        };
+        document.level.bodies.get(document.source(number))
+    }
+
+    /// Takes a mesh that has become ready.
+    fn take_mesh(&mut self, ctx: &Context) {
+        if std::mem::take(&mut self.view.cancel_mesh) {
+            self.meshing.cancel();
+        }
+        let mut meshing = std::mem::take(&mut self.meshing);
+        let released = !ctx.input(|input| input.pointer.any_down());
+        let ready = meshing.poll(released, |pane, body| self.listed_body(pane, body));
+        self.meshing = meshing;
+        match ready {
+            Some((wanted, Ok(body))) => {
+                self.settled();
+                match &mut self.comparison {
+                    Some(panes) if wanted.pane == Pane::B => panes.b.prepare(body),
+                    _ => self.sandbox.prepare(body),
+                }
+                let pane = self.comparison.is_some().then_some(wanted.pane);
+                self.apply_now(pane, Command::SetMesh(wanted.body, wanted.mesh));
+                self.apply_now(pane, Command::EndGesture);
+            }
+            Some((_, Err(why))) => self.view.notice = Some(Notice::Trouble(why)),
+            None => {}
+        }
+        self.view.meshing = self.meshing.progress();
+        if self.view.meshing.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(50));
+        }
+    }
+
+    /// Applies a command at once, however long that takes.
+    fn apply_now(&mut self, pane: Option<Pane>, command: Command) -> bool {
         let result = match &mut self.comparison {
             Some(panes) => panes.apply(&mut self.sandbox, pane.unwrap_or(panes.chosen()), command),
             None => self.sandbox.apply(command),
         };
-        if let Err(refused) = result {
-            self.view.notice = Some(Notice::trouble(&refused));
+        if let Err(refused) = &result {
+            self.view.notice = Some(Notice::trouble(refused));
         }
+        result.is_ok()
     }
 
     /// Does what was asked for: first what was clicked and dragged, then the keys, each judged after the one before.
@@ -239,21 +309,46 @@ impl App {
         let elapsed = now - self.last.replace(now).unwrap_or(now);
         let step = panes.as_ref().map_or(self.sandbox.step_length(), |panes| panes.round_length(&self.sandbox));
         let owed = self.clock.owe(clock::steadied(elapsed, step), step);
+        let before = self.work();
         let (start, budget) = (Instant::now(), self.budget);
         let more = &mut || start.elapsed().as_secs_f64() < budget;
-        let taken = match panes {
+        let taken = match &mut self.comparison {
             Some(panes) => panes.advance(&mut self.sandbox, owed, more),
             None => self.sandbox.advance(owed, more),
         };
         let physics = start.elapsed().as_secs_f64();
         if elapsed > 0.0 {
-            self.clock.pay(Spent { elapsed, step, owed, taken, physics, frame });
+            let after = self.work();
+            let work = [0, 1].map(|number| after[number].saturating_sub(before[number]));
+            self.clock.pay(Spent { elapsed, step, owed, taken, physics, frame, work });
         }
+    }
+
+    /// Steps that were computed so far, those that the guard threw away among them, and how many they would be if it divided none.
+    fn work(&self) -> [u64; 2] {
+        let mut sum = [0, 0];
+        for sandbox in [&self.sandbox].into_iter().chain(self.comparison.as_ref().map(|panes| &panes.b)) {
+            let simulation = sandbox.simulation();
+            let counts = simulation.counts();
+            // What controls its error divides its steps itself; nobody guards it.
+            let each = simulation.paces().map(|pace| u64::from(pace.steps)).sum::<u64>().max(1);
+            let undivided = if simulation.scene().integrator.kind().class() == Class::ErrorControlled {
+                counts.inner_steps
+            } else {
+                (counts.steps - counts.slept) * each
+            };
+            sum = [sum[0] + counts.inner_steps + counts.retaken * each, sum[1] + undivided];
+        }
+        sum
     }
 
     /// Measures beside the scene that the panels are about, and goes on with what was begun beside the other.
     fn study(&mut self, ctx: &Context) {
         let gauge = !self.view.hidden[1] || self.view.drawer == Some(panels::Side::Right);
+        let doubtful =
+            |seen: &Snapshot| seen.inverted > 0 || seen.exploded.is_some() || seen.fault.is_some() || self.view.slow;
+        let other = self.comparison.as_ref().is_some_and(|panes| doubtful(panes.snapshot()));
+        let doubts = [doubtful(&self.snapshot), other];
         let mut labs = vec![(&mut self.lab, &self.sandbox)];
         let mut chosen = 0;
         if let Some(panes) = &mut self.comparison {
@@ -267,6 +362,9 @@ impl App {
                 }
             }
             if (number == chosen || lab.twin().is_some() || lab.is_busy()) && lab.work(sandbox, gauge) {
+                ctx.request_repaint();
+            }
+            if doubts[number] && lab.look_at_rest(sandbox) {
                 ctx.request_repaint();
             }
         }
@@ -308,6 +406,7 @@ impl eframe::App for App {
         }
         self.file_work(ctx);
         self.apply_wishes();
+        self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.time_effects();
         self.advance(ctx.input(|input| input.time), time_of_frame);
@@ -316,7 +415,9 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
-        self.view.pressed.extend(keys::pressed(ui.ctx(), &self.snapshot));
+        if self.view.unsaved.is_none() {
+            self.view.pressed.extend(keys::pressed(ui.ctx(), &self.snapshot));
+        }
         #[cfg(not(target_arch = "wasm32"))]
         self.take_dropped_files(ui.ctx());
         let mut stage = self.comparison.as_mut().map(|panes| std::mem::take(&mut panes.stage));
@@ -345,6 +446,7 @@ impl eframe::App for App {
             || !self.view.pressed.is_empty()
             || !self.view.panes.is_empty()
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
+            || self.view.cancel_mesh
             || self.view.wants_files();
         let busy = self.comparison.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox));
         if asked || self.view.stage.field != self.snapshot.field || busy {

@@ -249,6 +249,8 @@ fn measure(style: &mut Style) {
     .into();
     style.drag_value_text_style = TextStyle::Monospace;
     style.animation_time = 0.12;
+    // A drag over a panel selects no labels; messages that are worth copying allow it themselves.
+    style.interaction.selectable_labels = false;
     let spacing = &mut style.spacing;
     spacing.item_spacing = vec2(8.0, 6.0);
     spacing.button_padding = vec2(10.0, 5.0);

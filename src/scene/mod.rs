@@ -4,6 +4,7 @@
 mod alone;
 mod effects;
 mod exits;
+mod exploded;
 mod held;
 mod names;
 mod net;
@@ -158,6 +159,13 @@ pub enum SceneError {
         /// Number of vertices.
         vertices: usize,
     },
+}
+
+impl Body {
+    /// The recipe of its mesh.
+    pub const fn recipe(&self) -> &MeshKind {
+        &self.recipe
+    }
 }
 
 impl Scene {

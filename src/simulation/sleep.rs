@@ -9,6 +9,8 @@
 //! 3. the forces on all its vertices together are no more than [`BALANCE`] of those that act on it from outside: what is only
 //!    beginning to fall, however slowly, is not at rest.
 //!
+//! What has exploded ([`Scene::has_exploded`]) does not sleep, although walls may hold all that is left of it.
+//!
 //! Neither limit is below round-off: a position of size X is known to X 2^-52, which is a speed of that over h, and with the
 //! fastest vibration that h can follow, w = 2/h, an acceleration of that times w².
 //!
@@ -126,6 +128,11 @@ impl Simulation {
         if !self.islands.possible || calm.len() != self.islands.all.len() {
             calm.clear();
         }
+        for (number, calm) in calm.iter_mut().enumerate().filter(|(_, calm)| **calm == ASLEEP) {
+            if self.scene.has_exploded_at(number, &self.state.x) {
+                *calm = 0;
+            }
+        }
         self.islands.asleep = calm.iter().filter(|calm| **calm == ASLEEP).count();
         self.scratch.rest(&self.scene, calm.iter().map(|calm| *calm == ASLEEP));
         for (island, _) in self.islands.all.iter().zip(&*calm).filter(|(_, calm)| **calm == ASLEEP) {
@@ -207,7 +214,8 @@ impl Simulation {
         for (number, island) in islands.iter().enumerate() {
             let calm = self.checkpoint.state.calm[number];
             if calm >= looks && calm != ASLEEP {
-                let rests = self.rests(number, island);
+                let exploded = self.scene.has_exploded_at(number, &self.checkpoint.state.x);
+                let rests = !exploded && self.rests(number, island);
                 self.checkpoint.state.calm[number] = if rests { ASLEEP } else { 0 };
                 if rests {
                     self.checkpoint.state.v[2 * island.vertices.start..2 * island.vertices.end].fill(0.0);

@@ -1,6 +1,6 @@
 //! The window under test, and the hands that use it.
 
-use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, ViewportId};
+use eframe::egui::{DroppedFile, Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, Node};
 use gingerbread::app::App;
@@ -9,6 +9,8 @@ use gingerbread::files::Disk;
 use gingerbread::level::Level;
 use gingerbread::materials::Lame;
 use gingerbread::{files, levels};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 pub type Window = Harness<'static, App>;
@@ -84,6 +86,27 @@ pub fn pull(window: &mut Window, number: usize, by: Vec2) -> Pos2 {
 
 pub fn lame(window: &Window) -> Lame {
     window.state().sandbox().simulation().scene().bodies[0].elements.lame()
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+/// Drops files on the window, all at once.
+pub fn drop_files(window: &mut Window, paths: &[&Path]) {
+    for path in paths {
+        window.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
+    }
+    window.run_steps(4);
 }
 
 /// Makes the triangles that would be painted, which the harness does not: numbers that are none would end it here.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a failing test should panic")]
 
 mod accuracy;
+mod advice;
 mod compare;
 mod hard;
 mod harness;
@@ -12,3 +13,4 @@ mod rest;
 mod stage;
 mod studies;
 mod trouble;
+mod unsaved;

@@ -80,6 +80,7 @@ fn undo_and_redo_take_back_and_make_again_pins_sliders_model_and_level() {
     let modelled = window.state().snapshot().level.clone();
     click(&mut window, "Level");
     click(&mut window, "Hammock");
+    click(&mut window, "Discard");
     let opened = window.state().snapshot().level.clone();
     let all = [first, pinned, slid, modelled, opened];
     assert!(all.windows(2).all(|pair| pair[0] != pair[1]));
@@ -255,4 +256,59 @@ fn exact_plane_stress_is_a_choice_and_refused_in_words() {
     assert_eq!(plane(&window), Plane::StressExact);
     click(&mut window, "Plane strain");
     assert_eq!(plane(&window), Plane::Strain);
+}
+
+/// Draws until a mesh that is made in the background is ready.
+fn wait_for_mesh(window: &mut Window) {
+    for _ in 0..1_000_000 {
+        if window.query_by_label("Cancel meshing").is_none() {
+            return;
+        }
+        window.run_steps(1);
+    }
+    panic!("the mesh is never ready");
+}
+
+#[test]
+fn a_large_mesh_is_made_while_the_scene_goes_on() {
+    let mut window = in_mode("gingerbread_house", Mode::Collide);
+    let (triangles, time) = (window.state().snapshot().triangles.len(), window.state().snapshot().time);
+    slide(&mut window, "Number of triangles", 12_000.0);
+    let now = window.state().snapshot();
+    assert!(window.query_by_label_contains("Meshing about 12 000 triangles").is_some());
+    assert!(now.triangles.len() == triangles && now.time > time && !now.can_undo, "the running scene stays");
+    wait_for_mesh(&mut window);
+    let finer = window.state().snapshot().triangles.len();
+    assert!((10_000..14_000).contains(&finer), "{finer}");
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.state().snapshot().triangles.len(), triangles, "one change, undone at once");
+    press_with(&mut window, Modifiers::COMMAND, Key::Y);
+    assert_eq!(window.state().snapshot().triangles.len(), finer, "the mesh is still known");
+}
+
+#[test]
+fn a_large_mesh_is_given_up_by_cancel_a_small_one_or_another_level() {
+    type Way = fn(&mut Window);
+    let ways: [Way; 3] = [
+        |window| click(window, "Cancel meshing"),
+        |window| slide(window, "Number of triangles", 500.0),
+        |window| {
+            click(window, "Level");
+            click(window, "Hammock");
+        },
+    ];
+    for (number, give_up) in ways.into_iter().enumerate() {
+        let mut window = open("gingerbread");
+        slide(&mut window, "Number of triangles", 9_000.0);
+        assert!(window.query_by_label("Cancel meshing").is_some());
+        give_up(&mut window);
+        assert!(window.query_by_label("Cancel meshing").is_none(), "way {number}");
+        let triangles = window.state().snapshot().triangles.len();
+        // Until whatever was begun is done: it is dropped.
+        for _ in 0..200 {
+            window.run_steps(1);
+            std::thread::yield_now();
+        }
+        assert_eq!(window.state().snapshot().triangles.len(), triangles, "way {number}");
+    }
 }

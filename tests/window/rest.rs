@@ -100,3 +100,18 @@ fn an_effect_is_asked_in_every_step_once_auto_is_switched_off() {
     window.run_steps(5);
     assert!(spring(&window).calls > 0 && !spring(&window).auto);
 }
+
+#[test]
+fn the_clock_says_why_it_stands_still_while_time_is_to_run() {
+    let told = |window: &Window| window.query_all_by_label("at rest: clock paused").count();
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    assert_eq!(told(&window), 0, "he is not asleep yet");
+    window.run_steps(60);
+    assert_eq!(
+        (window.state().snapshot().asleep, told(&window)),
+        (1, 2),
+        "beside the clock and in the line at the bottom"
+    );
+    press(&mut window, Key::Space);
+    assert_eq!(told(&window), 0, "paused is paused");
+}

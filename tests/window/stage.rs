@@ -1,7 +1,7 @@
 //! The stage: pins, pulling, and room for both in small windows.
 
 use crate::harness::*;
-use eframe::egui::{Key, epaint::Primitive, vec2};
+use eframe::egui::{Event, Key, epaint::Primitive, text_selection::LabelSelectionState, vec2};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 
@@ -105,4 +105,50 @@ fn at_600_by_600_the_sides_fold_away_and_the_stage_stays_usable() {
             assert!(inside, "{label} is cut off at {side}: {rect:?}");
         }
     }
+}
+
+#[test]
+fn a_drag_in_edit_mode_is_answered_and_a_click_still_pins() {
+    let mut window = open("gingerbread");
+    let told = |window: &Window| window.query_by_label_contains("press Space or M to let time run").is_some();
+    let to = pull(&mut window, 100, vec2(60.0, -40.0));
+    assert!(told(&window), "while it is dragged");
+    button(&window, to, false);
+    window.run_steps(30);
+    assert!(told(&window) && window.state().snapshot().pins.is_empty());
+    window.run_steps(360);
+    assert!(!told(&window), "it has been read");
+    let at = on_screen(&window, vertex(&window, 100));
+    click_at(&mut window, at);
+    assert!(!told(&window) && window.state().snapshot().pins.contains(&100));
+    let to = pull(&mut window, 100, vec2(60.0, -40.0));
+    button(&window, to, false);
+    window.run_steps(1);
+    press(&mut window, Key::M);
+    assert!(!told(&window), "time runs");
+}
+
+#[test]
+fn a_drag_over_a_panel_selects_no_text() {
+    let mut window = open("gingerbread");
+    let selected = |window: &Window| window.ctx.plugin::<LabelSelectionState>().lock().has_selection();
+    let from = window.get_by_label("Simulated time").rect().left_center();
+    button(&window, from, true);
+    window.run_steps(1);
+    for step in 1..10 {
+        window.event(Event::PointerMoved(from + vec2(12.0 * step as f32, 4.0 * step as f32)));
+        window.run_steps(1);
+    }
+    assert!(!selected(&window));
+    button(&window, from + vec2(120.0, 40.0), false);
+    window.run_steps(1);
+    // What is worth copying can be selected.
+    window.state_mut().open(std::path::Path::new("no-such-level.ron"));
+    window.run_steps(3);
+    let text = window.get_by_label_contains("no-such-level.ron").rect();
+    button(&window, text.left_top() + vec2(2.0, 6.0), true);
+    window.run_steps(1);
+    window.event(Event::PointerMoved(text.right_bottom() - vec2(2.0, 6.0)));
+    window.run_steps(2);
+    assert!(selected(&window));
 }

@@ -67,6 +67,11 @@ impl Hold {
         matches!(self, Self::Pull { .. })
     }
 
+    /// Whether a press that would pin has been dragged away to a point.
+    pub fn is_dragged(&self, at: Option<Pos2>) -> bool {
+        matches!(*self, Self::Pin { origin, .. } if at.is_some_and(|at| at.distance(origin) >= STILL))
+    }
+
     /// Follows the pointer for a frame. `points` are the vertices on the screen.
     pub fn follow(
         &mut self,

@@ -12,6 +12,7 @@ use super::{
         View, arrow,
         body::Bodies,
         colour_bar,
+        fill::Fill,
         ink::Ink,
         net,
         night::{self, Snow},
@@ -26,12 +27,22 @@ use crate::{
     command::{Command, Mode},
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo};
+use eframe::egui::{
+    self, Align2, Area, CursorIcon, Order, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2,
+};
 use hold::Hold;
 use scenery::Scenery;
+use std::time::Duration;
 
 /// Longest frame that animations believe in [s].
 const LONGEST_FRAME: f32 = 0.1;
+
+/// For how long a drag in edit mode is answered [s].
+const TOLD: f64 = 5.0;
+
+/// The answer.
+const NOTHING_MOVES: &str =
+    "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag.";
 
 /// What to show beside the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,6 +70,8 @@ pub struct Canvas {
     scale: Scale,
     scenery: Scenery,
     snow: Snow,
+    /// Until when it is said that nothing can be dragged in edit mode [s].
+    told_until: f64,
     /// Layers of the drawing: behind the scenery, the bodies, and what lies on top.
     behind: Ink,
     middle: Ink,
@@ -89,11 +102,35 @@ impl Canvas {
         let frame = Frame { snapshot, options, canvas, view, now, dt };
 
         self.bodies.place(snapshot, view);
+        let before = self.hold;
         self.hold.follow(&response, snapshot, camera, self.bodies.points(), commands);
+        if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
+            self.told_until = now + TOLD;
+        }
+        self.tell(&response, snapshot, now);
         self.animate(&response, &frame);
         if ui.is_rect_visible(canvas) {
             self.draw(&painter, &frame, response.hover_pos());
         }
+    }
+
+    /// Says what to do after a drag that could move nothing.
+    fn tell(&mut self, response: &Response, snapshot: &Snapshot, now: f64) {
+        if snapshot.mode != Mode::Edit {
+            self.told_until = 0.0;
+        }
+        let left = self.told_until - now;
+        if left <= 0.0 {
+            return;
+        }
+        let (ctx, stage) = (&response.ctx, response.rect);
+        ctx.request_repaint_after(Duration::from_secs_f64(left));
+        let place = stage.center_bottom() - vec2(0.0, 14.0);
+        let area = Area::new(response.id.with("told")).order(Order::Foreground).interactable(false);
+        area.pivot(Align2::CENTER_BOTTOM).fixed_pos(place).constrain_to(stage).show(ctx, |ui| {
+            ui.set_max_width((stage.width() - 40.0).min(440.0));
+            egui::Frame::window(ui.style()).inner_margin(10).show(ui, |ui| ui.label(NOTHING_MOVES));
+        });
     }
 
     fn animate(&mut self, response: &Response, frame: &Frame<'_>) {
@@ -137,8 +174,9 @@ impl Canvas {
         painter.add(self.scenery.draw(pixels_per_point, canvas, view, options.pointed));
 
         self.middle.clear(pixels_per_point);
-        self.bodies.draw(&mut self.middle, view, snapshot, options, &self.scale);
-        net::nets(&mut self.middle, view, snapshot, options, self.bodies.points());
+        let mut fill = Fill::new(canvas);
+        self.bodies.draw((&mut self.middle, &mut fill), view, snapshot, options, &self.scale);
+        net::nets((&mut self.middle, &mut fill), view, snapshot, options, self.bodies.points());
         self.trail.draw(&mut self.middle, view, snapshot);
         painter.add(self.middle.finish());
         // A clip of its own, which hides nothing more or less, lets the tessellator begin a new mesh for what follows: it

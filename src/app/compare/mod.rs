@@ -260,7 +260,7 @@ impl Comparison {
 
     fn start_over(&mut self, a: &mut Sandbox) -> Result<(), Refused> {
         for sandbox in [a, &mut self.b] {
-            sandbox.apply(Command::Reset)?;
+            sandbox.start_over();
             sandbox.apply(Command::Release)?;
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use super::{
     View,
+    fill::{Detail, Fill},
     icing::{self, Look},
     ink::Ink,
 };
@@ -14,6 +15,9 @@ use eframe::egui::{Color32, Pos2};
 
 /// Width of the baked rim [m].
 const RIM: f32 = 0.016;
+
+/// Width of the outline of a body that would fill too much [points].
+const OUTLINE: f32 = 1.5;
 
 /// A body with one of so many triangles inside out has come apart.
 const CRUMBLED: usize = 10;
@@ -71,12 +75,30 @@ impl Bodies {
         snapshot.values.get(snapshot.triangles.iter().rposition(is_inside)?).copied()
     }
 
-    /// Draws all bodies, in the order of the level.
-    pub fn draw(&mut self, ink: &mut Ink, view: View, snapshot: &Snapshot, options: &Options, scale: &Scale) {
+    /// Draws all bodies, in the order of the level, as far as the area that they fill allows.
+    pub fn draw(
+        &mut self,
+        (ink, fill): (&mut Ink, &mut Fill),
+        view: View,
+        snapshot: &Snapshot,
+        options: &Options,
+        scale: &Scale,
+    ) {
         let field = options.field != Field::None && options.field == snapshot.field;
         for (body, part) in snapshot.bodies.iter().zip(&self.parts) {
             let Some(points) = self.points.get(body.vertices.clone()) else { continue };
             let values = snapshot.values.get(body.triangles.clone()).filter(|_| field);
+            match fill.choose(part.areas(fill, (body, points), snapshot.inverted > 0, options.wireframe, view)) {
+                Detail::Full => {}
+                Detail::Outline => {
+                    part.outline(ink, view, points, &mut self.line);
+                    continue;
+                }
+                Detail::Points => {
+                    dots(ink, points, view.theme.dough);
+                    continue;
+                }
+            }
             match values {
                 Some(values) => ink.facets(points, body.mesh.triangles(), scale.colors(values)),
                 None => ink.sheet(points, body.mesh.triangles(), view.theme.dough),
@@ -117,8 +139,39 @@ impl Part {
         Self { loops: body.mesh.boundary_loops(), edges, specks: specks(body), scale }
     }
 
+    /// Area that the body fills on the stage, at most, drawn in full and as an outline [square points].
+    fn areas(
+        &self,
+        fill: &Fill,
+        (body, points): (&BodySnapshot, &[Pos2]),
+        inverted: bool,
+        wireframe: bool,
+        view: View,
+    ) -> [f32; 2] {
+        let turns = |vertices: &Vec<u32>| {
+            let next = vertices.iter().cycle().skip(1);
+            vertices.iter().zip(next).map(|(a, b)| [*a, *b]).collect::<Vec<_>>()
+        };
+        let boundary = fill.lines(points, self.loops.iter().flat_map(turns), 1.0);
+        // Dough, and once more what is inside out; the rim and, about as wide, the icing.
+        let dough = fill.triangles(points, body.mesh.triangles()) * if inverted { 2.0 } else { 1.0 };
+        let edges = if wireframe { fill.lines(points, self.edges.iter().copied(), 2.0) } else { 0.0 };
+        [dough + 2.0 * self.rim_width(view) * boundary + edges, OUTLINE * boundary]
+    }
+
+    fn rim_width(&self, view: View) -> f32 {
+        view.size(RIM * self.scale, 2.0, 40.0)
+    }
+
+    fn outline(&self, ink: &mut Ink, view: View, points: &[Pos2], line: &mut Vec<Pos2>) {
+        for vertices in &self.loops {
+            gather(line, points, vertices);
+            ink.line(line, true, OUTLINE, view.theme.dough);
+        }
+    }
+
     fn rim(&self, ink: &mut Ink, view: View, points: &[Pos2], line: &mut Vec<Pos2>, baked: bool) {
-        let (width, pixel) = (view.size(RIM * self.scale, 2.0, 40.0), ink.pixel());
+        let (width, pixel) = (self.rim_width(view), ink.pixel());
         for vertices in &self.loops {
             gather(line, points, vertices);
             if baked {
@@ -180,6 +233,13 @@ fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) -
         }
     }
     count
+}
+
+/// Small points for vertices of what would fill too much.
+pub(super) fn dots(ink: &mut Ink, points: &[Pos2], color: Color32) {
+    for &point in points {
+        ink.dot(point, 1.2, color);
+    }
 }
 
 fn vertices(ink: &mut Ink, view: View, points: &[Pos2]) {

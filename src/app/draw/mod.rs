@@ -5,6 +5,7 @@ pub mod body;
 pub mod candy;
 pub mod colour_bar;
 mod ears;
+pub mod fill;
 pub mod house;
 mod icing;
 pub mod ink;

@@ -1,6 +1,12 @@
 //! Nets: springs as candy strings, coiled where there are few, and particles as small candies.
 
-use super::{View, ink::Ink, scatter};
+use super::{
+    View,
+    body::dots,
+    fill::{Detail, Fill},
+    ink::Ink,
+    scatter,
+};
 use crate::{
     app::canvas::Options,
     nets::{Link, Role},
@@ -16,8 +22,26 @@ const FEW: usize = 24;
 const STRAIN: f64 = 0.25;
 
 /// Draws all nets on the vertices' places.
-pub fn nets(ink: &mut Ink, view: View, snapshot: &Snapshot, options: &Options, points: &[Pos2]) {
+pub fn nets((ink, fill): (&mut Ink, &mut Fill), view: View, snapshot: &Snapshot, options: &Options, points: &[Pos2]) {
     for net in &snapshot.nets {
+        let ends = net.springs.links().iter().map(|link| link.ends);
+        let length = fill.lines(points, ends, 1.0);
+        let width = view.size(0.0042, 1.6, 9.0);
+        match fill.choose([width * length, length]) {
+            Detail::Full => {}
+            Detail::Outline => {
+                let structural = net.springs.links().iter().filter(|link| link.role == Role::Structural);
+                for link in structural {
+                    let [Some(&from), Some(&to)] = link.ends.map(|end| points.get(end as usize)) else { continue };
+                    string(ink, [from, to], 1.0, view.theme.icing);
+                }
+                continue;
+            }
+            Detail::Points => {
+                dots(ink, points.get(net.vertices.clone()).unwrap_or_default(), view.theme.icing);
+                continue;
+            }
+        }
         let coiled = net.springs.links().len() <= FEW;
         // Flexion springs lie over the structural ones and would only thicken them.
         for role in [Role::Flexion, Role::Shear, Role::Structural] {

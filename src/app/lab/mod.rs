@@ -9,12 +9,16 @@ pub use hard::{Choice, Hard, Known};
 pub use job::{Findings, Study};
 pub use studies::{Course, Courses, Diagram, Mesh, MeshFindings, Meshes, SECONDS, TARGETS};
 
+use super::advice::Limit;
 use crate::{
+    command::Mode,
+    level::Level,
     sandbox::Sandbox,
     stability::StabilityProbe,
+    state::State,
     study::{Drift, Measure, Savings, Twin, WorkPrecision},
 };
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 /// For how many coordinates, about as many as there are triangles, the stability limit is looked for in one frame: two rounds for so many
 /// take a third of a millisecond.
@@ -64,6 +68,7 @@ pub struct Lab {
     unprobed: usize,
     /// The shape for which the limit has settled.
     settled: Option<u64>,
+    rest: RestLimit,
     twin: Option<Twin>,
     /// The work-precision diagram.
     pub accuracy: Study<WorkPrecision>,
@@ -77,7 +82,53 @@ pub struct Lab {
     pub savings: Study<Savings>,
 }
 
+/// The longest stable step of a scene at rest, measured once somebody asks for it.
+#[derive(Default)]
+struct RestLimit {
+    /// The level and the mode that it is measured for.
+    of: Option<(Arc<Level>, Mode)>,
+    probe: StabilityProbe,
+    limit: Option<f64>,
+    settled: bool,
+}
+
 impl Lab {
+    /// Longest stable step of the scheme at rest, once it is known.
+    pub const fn limit_at_rest(&self) -> Limit {
+        match (self.rest.settled, self.rest.limit) {
+            (false, _) => Limit::Unknown,
+            (true, None) => Limit::Nothing,
+            (true, Some(limit)) => Limit::Step(limit),
+        }
+    }
+
+    /// Measures the longest stable step at rest for a part of a frame. Returns whether there is more to do.
+    pub fn look_at_rest(&mut self, sandbox: &Sandbox) -> bool {
+        let (scene, rest) = (sandbox.simulation().scene(), &mut self.rest);
+        let known = |(level, mode): &(Arc<Level>, Mode)| Arc::ptr_eq(level, &sandbox.shown) && *mode == sandbox.mode;
+        if !rest.of.as_ref().is_some_and(known) {
+            *rest = RestLimit { of: Some((Arc::clone(&sandbox.shown), sandbox.mode)), ..RestLimit::default() };
+        }
+        if rest.settled {
+            return false;
+        }
+        let reach = scene.integrator.kind().stability_limit();
+        let Some(reach) = reach.filter(|_| scene.toy.is_none()) else {
+            rest.settled = true;
+            return false;
+        };
+        let rounds = (ROUNDS[1] * PER_FRAME / scene.rest.len().max(1)).clamp(ROUNDS[0], ROUNDS[1]);
+        let state = State { x: scene.rest.clone(), ..scene.start.clone() };
+        let limit = rest.probe.refine(scene, &state, rounds).map(|limit| 0.5 * reach * limit);
+        rest.settled = match (rest.limit, limit) {
+            (Some(before), Some(now)) => (before - now).abs() <= SETTLED * now,
+            (_, None) => true,
+            (None, _) => false,
+        };
+        rest.limit = limit;
+        !rest.settled
+    }
+
     /// Longest stable step of an undamped vibration near the present state [s], as far as it is known.
     pub const fn limit(&self) -> Option<f64> {
         self.limit

@@ -3,16 +3,14 @@
 use super::{Desk, Notice, View};
 use crate::{
     app::{
+        advice::{Facts, Trouble},
         compare::{Pane, Wish},
         numbers,
         theme::Theme,
     },
     command::Command,
-    fault::Cause,
-    level::Substeps,
-    snapshot::Snapshot,
 };
-use eframe::egui::{self, Align2, Area, Color32, Context, Frame, Id, Key, Order, Rect, RichText, Stroke, Ui, vec2};
+use eframe::egui::{Align2, Area, Color32, Context, Frame, Id, Key, Label, Order, Rect, RichText, Stroke, Ui, vec2};
 
 pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let now = desk.now;
@@ -34,7 +32,7 @@ pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, comman
             let pane = desk.comparison.map(|panes| format!("Time stopped in {}", panes.chosen().letter()));
             let title = pane.as_deref().unwrap_or("Time stopped");
             card(ui, width, Theme::of(ctx).bad, title, &fault.to_string(), |ui| {
-                remedies(ui, now, commands);
+                remedies(ui, desk, view, commands);
             });
         }
         if let Some((pane, fault)) = other {
@@ -67,14 +65,16 @@ fn card(ui: &mut Ui, width: f32, color: Color32, title: &str, text: &str, button
     frame.show(ui, |ui| {
         ui.set_width(width);
         ui.label(RichText::new(title).strong().color(color));
-        ui.label(text);
+        // A message may be worth copying.
+        ui.add(Label::new(text).selectable(true));
         ui.add_space(4.0);
         ui.horizontal_wrapped(buttons);
     });
 }
 
 /// What helps against a fault.
-fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+fn remedies(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let now = desk.now;
     let reach = now.rewind_reach.min(1.0);
     if reach > 0.0 {
         let help = "Goes back in time to before the failure, and pauses: change something, then run again. [Backspace]";
@@ -85,27 +85,12 @@ fn remedies(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if ui.button("Reset").on_hover_text("Positions and velocities go back to the start. [R]").clicked() {
         commands.push(Command::Reset);
     }
-    let help = "Switches damping on and starts over: vibrations die out. [D, R]";
-    if ui.add_enabled(!now.damping, egui::Button::new("Damp")).on_hover_text(help).clicked() {
-        commands.extend([Command::SetDamping(true), Command::Reset]);
-    }
-    if let Ok(finer) = Substeps::new(now.level.substeps.get().saturating_mul(2)) {
-        let help = "Starts over with twice as many steps of half the length: more computing time, and stable for stiffer bodies.";
-        if ui.button("Halve the step").on_hover_text(help).clicked() {
-            commands.extend([Command::SetSubsteps(finer), Command::EndGesture, Command::Reset]);
+    let Some(fault) = &now.fault else { return };
+    let advice = Facts::of(now, desk.lab.limit_at_rest(), view).advise(Trouble::Fault(fault.cause));
+    for (number, remedy) in advice.remedies.iter().enumerate() {
+        let help = format!("{} Starts over.", remedy.help());
+        if ui.button(remedy.label()).on_hover_text(help).clicked() {
+            commands.extend(advice.apply(number, now, view));
         }
     }
-    if let Some(enough) = now.fault.as_ref().and_then(|fault| enough(fault.cause)) {
-        let help = "As many steps in 1/60 s as the stability limit asks for, and starts over.";
-        if ui.button(format!("Use {} substeps", enough.get())).on_hover_text(help).clicked() {
-            commands.extend([Command::SetSubsteps(enough), Command::EndGesture, Command::Reset]);
-        }
-    }
-}
-
-/// As many steps as a stability limit asks for, with a fifth to spare, if that is a number of steps at all.
-fn enough(cause: Cause) -> Option<Substeps> {
-    let Cause::StepTooLong { limit, .. } = cause else { return None };
-    let count = (1.2 / (60.0 * limit)).ceil();
-    (count <= f64::from(Substeps::MAX)).then(|| Substeps::new(count as u32).ok()).flatten()
 }

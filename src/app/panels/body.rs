@@ -39,7 +39,9 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             let shown = now.bodies.get(view.body);
             let area = || shown.map_or(0.0, |shown| shown.mesh.area() * body.place.scale.get().powi(2));
             mass(ui, body.mass, area, view, commands);
-            mesh(ui, &body.mesh, view, commands);
+            let coming =
+                view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
+            mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             net::show(ui, number, listed, view, commands);
         }

@@ -5,6 +5,7 @@ use super::{
     segmented::{Segment, segmented},
     settle,
     slider::{self, Look},
+    status::AT_REST,
 };
 use crate::{
     command::Command,
@@ -74,7 +75,11 @@ const fn about(field: Field) -> &'static str {
 fn speed(ui: &mut Ui, desk: &Desk<'_>) {
     let rates = desk.rates;
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
-    let factor = or_dash(rates.map(|rates| format!("{:.2} × real time", rates.factor)));
+    let factor = if desk.now.rests() {
+        AT_REST.to_owned()
+    } else {
+        or_dash(rates.map(|rates| format!("{:.2} × real time", rates.factor)))
+    };
     row(
         ui,
         "Speed",
@@ -84,8 +89,10 @@ fn speed(ui: &mut Ui, desk: &Desk<'_>) {
     row(ui, "Simulated time", &fixed(desk.now.time, "s"), "Time since the start [s]");
     let physics = or_dash(rates.map(|rates| fixed(rates.physics, "s")));
     row(ui, "Physics per frame", &physics, "Time spent on stepping in a frame [s]");
-    let frame = or_dash(rates.map(|rates| fixed(rates.frame, "s")));
-    row(ui, "Frame time", &frame, "Time for a frame: stepping and drawing [s]; 60 frames per second leave 16.7 ms");
+    let frame = or_dash(rates.map(|rates| format!("{}, {:.1} per second", fixed(rates.frame, "s"), rates.frames)));
+    let help = "Time for stepping, panels and the list of what is painted in a frame [s]; 60 frames per second leave 16.7 ms. \
+                Then how many frames are presented in a second, painting included [1/s].";
+    row(ui, "Frame time", &frame, help);
     let share = rates.map_or(0.0, |rates| rates.physics / FRAME);
     let whole = rates.map_or(0.0, |rates| rates.frame / FRAME);
     gauge(ui, share as f32, whole as f32);

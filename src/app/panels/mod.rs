@@ -17,6 +17,7 @@ mod history;
 mod icons;
 mod ledger;
 mod mesh_plot;
+mod meshing;
 mod net;
 mod prompt;
 mod scheme;
@@ -27,11 +28,13 @@ mod strip;
 mod studies;
 mod test_pose;
 mod toy;
+mod unsaved;
 
 pub use compare::apart;
 pub use export::Export;
 pub use history::{History, WINDOW};
 pub use prompt::Prompt;
+pub use unsaved::{Choice, Unsaved};
 
 use super::{
     canvas,
@@ -40,12 +43,14 @@ use super::{
     gallery::Gallery,
     keys::{Act, Binding},
     lab::{Lab, Wish},
+    meshing::Progress,
     meter::Meter,
     numbers,
     theme::Theme,
 };
 use crate::{command::Command, hard::Method, materials::Model, quantity::Quantity, snapshot::Snapshot};
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
+use std::path::PathBuf;
 
 /// How things are looked at: nothing in here changes the simulation.
 #[derive(Default)]
@@ -88,6 +93,12 @@ pub struct View {
     pub ledger: bool,
     /// A question that waits for text, where there are no native dialogs.
     pub prompt: Option<Prompt>,
+    /// The question about changes that are not saved.
+    pub unsaved: Option<Unsaved>,
+    /// A mesh that is being made in the background.
+    pub meshing: Option<Progress>,
+    /// Whether that mesh is no longer wanted.
+    pub cancel_mesh: bool,
 }
 
 /// A message that waits to be read.
@@ -134,6 +145,17 @@ pub enum FileWish {
     Save,
     /// Choose a name for what a plot shows, and save it.
     Export(Export),
+    /// Open this file; others that were dropped together with it are ignored.
+    File(PathBuf, Vec<PathBuf>),
+    /// Close the window.
+    Close,
+}
+
+impl FileWish {
+    /// Whether the level that is shown goes away.
+    pub const fn replaces_level(&self) -> bool {
+        matches!(self, Self::BuiltIn(_) | Self::Hard(..) | Self::Open | Self::File(..) | Self::Close)
+    }
 }
 
 /// What the panels read.
@@ -188,7 +210,9 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<
     if !view.is_posing() {
         banner::show(ui.ctx(), stage, desk, view, commands);
         help::show(ui.ctx(), desk.now, view);
+        meshing::show(ui.ctx(), stage, view);
         prompt::show(ui.ctx(), view);
+        unsaved::show(ui.ctx(), &desk.now.level.name, view);
     }
     if view.meant != view.stage.pointed {
         ui.ctx().request_repaint();
@@ -199,6 +223,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<
 fn close_by_key(ctx: &egui::Context, view: &mut View) {
     let means_else = view.help
         || view.prompt.is_some()
+        || view.unsaved.is_some()
         || view.notice.is_some()
         || ctx.egui_wants_keyboard_input()
         || egui::Popup::is_any_open(ctx);

@@ -3,12 +3,12 @@
 use super::{Desk, View};
 use crate::{
     app::{
+        advice::{Advice, Cause, Facts, Load, Remedy, Trouble},
+        clock::Rates,
         keys::{Binding, TABLE, When},
         numbers,
     },
     command::{Command, Mode},
-    integrators::Class,
-    level::Substeps,
     materials::Model,
     obstacles::Inside,
     snapshot::Snapshot,
@@ -21,11 +21,11 @@ struct Warning {
     kind: &'static str,
     text: String,
     details: String,
-    mends: Vec<Mend>,
+    advice: Option<Advice>,
 }
 
-/// Words on a button, what it does, and a tooltip.
-type Mend = (&'static str, Vec<Command>, &'static str);
+/// Most buttons beside a warning.
+const MOST_REMEDIES: usize = 3;
 
 /// Time slower than this is worth a warning; faster than the other it is forgotten.
 const SLOW: (f64, f64) = (0.85, 0.95);
@@ -33,16 +33,16 @@ const SLOW: (f64, f64) = (0.85, 0.95);
 /// Room that the keys keep beside a warning [points].
 const KEYS: f32 = 440.0;
 
-/// Stepping that takes this long in a frame is what slows time down [s].
-const MUCH: f64 = 0.009;
-
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
     let warning = warning(desk, view);
     Panel::bottom("status").frame(frame).exact_size(34.0).show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some(warning) = &warning {
-                complain(ui, warning, view, commands);
+                complain(ui, warning, desk.now, view, commands);
+                ui.add_space(12.0);
+            } else if desk.now.rests() {
+                ui.label(RichText::new(AT_REST).small().weak()).on_hover_text(AT_REST_HELP);
                 ui.add_space(12.0);
             }
             let width = ui.available_width();
@@ -105,13 +105,15 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
 }
 
 /// Writes the warning; what does not fit can be read in its tooltip.
-fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<Command>) {
+fn complain(ui: &mut Ui, warning: &Warning, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if ui.button("Hide").on_hover_text("Hides this warning.").clicked() {
         view.dismissed.push(warning.kind);
     }
-    for (words, mend, help) in warning.mends.iter().rev() {
-        if ui.button(*words).on_hover_text(*help).clicked() {
-            commands.extend_from_slice(mend);
+    if let Some(advice) = &warning.advice {
+        for (number, remedy) in advice.remedies.iter().enumerate().take(MOST_REMEDIES).rev() {
+            if ui.button(remedy.label()).on_hover_text(remedy.help()).clicked() {
+                commands.extend(advice.apply(number, now, view));
+            }
         }
     }
     let text = RichText::new(&warning.text).color(ui.visuals().warn_fg_color);
@@ -124,6 +126,13 @@ fn complain(ui: &mut Ui, warning: &Warning, view: &mut View, commands: &mut Vec<
     });
 }
 
+/// What the clock says while everything that moves is at rest.
+pub const AT_REST: &str = "at rest: clock paused";
+
+/// The same in full.
+pub const AT_REST_HELP: &str = "All bodies and nets are at rest, so nothing would change. Time goes on with the next pull or change. \
+                                Switch Sleep off to let it run.";
+
 /// The one that matters most and was not put away. What is over can be warned of again.
 fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     let now = desk.now;
@@ -132,42 +141,51 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     }
     let factor = desk.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
+    let facts = Facts::of(now, desk.lab.limit_at_rest(), view);
     let mut all = Vec::new();
+    all.extend(exploded(now, &facts));
     all.extend(inside(now.inside));
-    all.extend(inside_out(now).or_else(|| folded(now)));
+    all.extend(inside_out(now, &facts).or_else(|| folded(now)));
     all.extend(caution(now));
     if view.slow {
-        all.extend(desk.rates.and_then(|rates| slow(now, rates.physics)));
+        all.extend(desk.rates.map(|rates| slow(now, &rates, &facts)));
     }
-    let message =
-        |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), mends: Vec::new() };
+    let message = |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), advice: None };
     all.extend(now.messages.first().map(message));
     view.dismissed.retain(|kind| all.iter().any(|warning| warning.kind == *kind));
     all.into_iter().find(|warning| !view.dismissed.contains(&warning.kind))
 }
 
-fn inside_out(now: &Snapshot) -> Option<Warning> {
+/// A sentence with its cause, where that is known.
+fn because(text: String, advice: &Advice) -> String {
+    advice.cause.words().map_or(text.clone(), |cause| format!("{text}: {cause}"))
+}
+
+fn exploded(now: &Snapshot, facts: &Facts) -> Option<Warning> {
+    let (name, energy) = now.exploded.as_ref()?;
+    let advice = facts.advise(Trouble::Exploded);
+    let text = because(format!("{name} has exploded"), &advice);
+    let details = format!(
+        "{text}. It stores {} of elastic energy, far more than any shape at rest. Where it would fill the stage many times over, it \
+         is drawn as an outline or as points.",
+        numbers::si(*energy, "J")
+    );
+    Some(Warning { kind: "exploded", text, details, advice: Some(advice) })
+}
+
+fn inside_out(now: &Snapshot, facts: &Facts) -> Option<Warning> {
     let text = match now.inverted {
         0 => return None,
         1 => "1 triangle is inside out".to_owned(),
         many => format!("{many} triangles are inside out"),
     };
+    let advice = facts.advise(Trouble::Inverted);
+    let text = because(text, &advice);
     let details = format!(
-        "The smallest J = det F is {}: below 0 a triangle is inverted (inside out).",
+        "{text}. The smallest J = det F is {}: below 0 a triangle is inverted (inside out).",
         numbers::si(now.min_j, "")
     );
-    let finer = Substeps::new(now.level.substeps.get().saturating_mul(2)).ok();
-    let explicit = now.level.integrator.kind().class() == Class::Explicit;
-    let mend: Mend = match finer.filter(|_| explicit && now.inverted > now.triangles.len() / 20) {
-        // Not a fold here and there but a burst: the step is too long.
-        Some(finer) => (
-            "Halve the step",
-            vec![Command::SetSubsteps(finer), Command::EndGesture, Command::Reset],
-            "Starts over with twice as many steps of half the length: more computing time, and stable for stiffer bodies.",
-        ),
-        None => ("Start over", vec![Command::Reset], "Positions and velocities go back to the start."),
-    };
-    Some(Warning { kind: "inside out", text, details, mends: vec![untangle(), mend] })
+    Some(Warning { kind: "inside out", text, details, advice: Some(advice) })
 }
 
 /// All triangles are the right way up again, but not at home.
@@ -181,12 +199,7 @@ fn folded(now: &Snapshot) -> Option<Warning> {
         "The triangles around such a vertex go around it twice (winding number 2), although none of them is inverted. A body \
                    at rest like this is in a local minimum of its elastic energy and stays there."
             .to_owned();
-    Some(Warning { kind: "folded", text, details, mends: vec![untangle()] })
-}
-
-fn untangle() -> Mend {
-    let help = "Moves bodies that overlap themselves into a nearby shape without inverted triangles and folds. Momentum is kept. [U]";
-    ("Untangle", vec![Command::Untangle], help)
+    Some(Warning { kind: "folded", text, details, advice: Some(Advice::just(Cause::Forces, Remedy::Untangle)) })
 }
 
 /// Something began inside a wall.
@@ -203,7 +216,7 @@ fn inside(inside: Inside) -> Option<Warning> {
             "A pin keeps it inside, or there is no room outside: pushing it out would tear or crush the body.",
         ),
     };
-    Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), mends: Vec::new() })
+    Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), advice: None })
 }
 
 /// A model that has no honest answer at this stretch; the stage writes it out.
@@ -211,26 +224,30 @@ fn caution(now: &Snapshot) -> Option<Warning> {
     let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.caution.clone()?)))?;
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
     let text = if text.len() < 12 { details.clone() } else { text };
-    let help = "Its energy grows ever faster as a triangle is pressed flat. All bodies start over.";
-    let mend: Mend = ("Use neo-Hookean", vec![Command::SetModel(Model::NeoHookean)], help);
     let possible = body.model != Model::NeoHookean && !now.side_by_side;
-    Some(Warning { kind: "caution", text, details, mends: possible.then_some(mend).into_iter().collect() })
+    let advice = possible.then(|| Advice::just(Cause::Crushed, Remedy::Model(Model::NeoHookean)));
+    Some(Warning { kind: "caution", text, details, advice })
 }
 
-fn slow(now: &Snapshot, physics: f64) -> Option<Warning> {
-    let details = "Simulated time runs slower than real time: no step is skipped or lengthened.".to_owned();
-    if physics < MUCH {
-        return Some(Warning {
-            kind: "slow",
-            text: "The frame rate is too low for real time".to_owned(),
-            details,
-            mends: Vec::new(),
-        });
-    }
-    let steps = now.level.substeps.get();
-    let text = format!("{steps} substeps per frame are too many for this computer to run in real time");
-    let fewer = Substeps::new(steps / 2).ok()?;
-    let fewer = vec![Command::SetSubsteps(fewer), Command::EndGesture];
-    let mend: Mend = ("Halve the steps", fewer, "Longer steps: less computing time, and less stable.");
-    Some(Warning { kind: "slow", text, details, mends: vec![mend] })
+/// Simulated time runs slower than real time: because of the guard, the number of steps, or painting.
+fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
+    let advice = facts.advise(Trouble::Slow(Load { physics: rates.physics, effort: rates.effort }));
+    let text = match advice.cause {
+        Cause::Painting => format!("Painting slows the window down: {:.1} frames per second", rates.frames),
+        Cause::Cost => {
+            format!(
+                "{} substeps per frame are too many for this computer to run in real time",
+                now.level.substeps.get()
+            )
+        }
+        Cause::Guard => "The guard divides the steps, which slows time down".to_owned(),
+        _ => because("The guard divides the steps, which slows time down".to_owned(), &advice),
+    };
+    let details = format!(
+        "{text}. Simulated time runs slower than real time: no step is skipped or lengthened. Stepping takes {} in a frame, {:.1} times \
+         what undivided steps take.",
+        numbers::si(rates.physics, "s"),
+        rates.effort
+    );
+    Warning { kind: "slow", text, details, advice: Some(advice) }
 }

@@ -1,0 +1,58 @@
+//! The question about changes that are not saved.
+
+use super::{FileWish, View};
+use eframe::egui::{Button, Context, Id, Modal, RichText, vec2};
+
+/// Unsaved changes that a wish would lose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unsaved {
+    /// What waits for the decision.
+    pub wish: FileWish,
+    /// The decision, once it is made.
+    pub choice: Option<Choice>,
+}
+
+/// What is to become of unsaved changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// They are saved; then the wish goes on.
+    Save,
+    /// They are lost, and the wish goes on.
+    Discard,
+    /// Everything stays as it is.
+    Cancel,
+}
+
+pub fn show(ctx: &Context, name: &str, view: &mut View) {
+    let Some(unsaved) = view.unsaved.as_mut().filter(|unsaved| unsaved.choice.is_none()) else { return };
+    let modal = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
+        ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
+        ui.label(RichText::new("Save the changes?").heading());
+        let then = match unsaved.wish {
+            FileWish::Close => "If the window closes now, they are lost.",
+            _ => "The level that is opened next takes the place of this one.",
+        };
+        let name = if name.is_empty() { "This level" } else { name };
+        ui.label(format!("{name} has changes that are not saved. {then}"));
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            let choices = [
+                (Choice::Save, "Save", "Asks for a file, saves, and goes on. [Enter]"),
+                (Choice::Discard, "Discard", "Goes on without saving. [Tab, Enter]"),
+                (Choice::Cancel, "Cancel", "Everything stays as it is. [Esc]"),
+            ];
+            for (choice, words, help) in choices {
+                let button = ui.add(Button::new(words).min_size(vec2(84.0, 28.0))).on_hover_text(help);
+                if choice == Choice::Save && ui.memory(|memory| memory.focused().is_none()) {
+                    button.request_focus();
+                }
+                if button.clicked() {
+                    unsaved.choice = Some(choice);
+                }
+            }
+        });
+    });
+    if modal.should_close() && unsaved.choice.is_none() {
+        unsaved.choice = Some(Choice::Cancel);
+    }
+}

@@ -1,0 +1,56 @@
+//! Changes that are not saved: before a level is replaced or the window closes, the person decides about them.
+
+use super::{
+    App,
+    dialogs::{Purpose, stem},
+    panels::{Choice, FileWish, Unsaved},
+};
+use eframe::egui::{Context, ViewportCommand};
+
+impl App {
+    /// Whether the level differs from what was opened or saved last, in either pane. What time did is no change: it can be had again.
+    pub fn is_unsaved(&self) -> bool {
+        let b = self.comparison.as_ref().map(|panes| panes.sandbox());
+        std::iter::once(&self.sandbox).chain(b).any(|sandbox| *sandbox.document() != self.kept)
+    }
+
+    /// What is shown now is what a file, or the gallery, has.
+    pub(super) fn mark_kept(&mut self) {
+        self.kept = self.settled().document().clone();
+    }
+
+    /// Keeps the window open while there are unsaved changes, and asks about them.
+    pub(super) fn take_close_request(&mut self, ctx: &Context) {
+        let requested = ctx.input(|input| input.viewport().close_requested());
+        if requested && !self.leaves && self.is_unsaved() {
+            // A window that is minimized could not ask.
+            for command in [ViewportCommand::CancelClose, ViewportCommand::Minimized(false), ViewportCommand::Focus] {
+                ctx.send_viewport_cmd(command);
+            }
+            self.view.file = Some(FileWish::Close);
+        }
+    }
+
+    /// Lets a wish pass, or asks first what is to become of the changes that it would lose.
+    pub(super) fn wish_or_ask(&mut self, wish: FileWish) -> Option<FileWish> {
+        if wish.replaces_level() && self.is_unsaved() {
+            self.view.unsaved = Some(Unsaved { wish, choice: None });
+            return None;
+        }
+        Some(wish)
+    }
+
+    /// Does what was decided about unsaved changes; returns the wish that was waiting for it, if it may go on now.
+    pub(super) fn decide(&mut self) -> Option<FileWish> {
+        let Unsaved { wish, choice } = self.view.unsaved.take_if(|unsaved| unsaved.choice.is_some())?;
+        match choice? {
+            Choice::Discard => Some(wish),
+            Choice::Cancel => None,
+            Choice::Save => {
+                self.after_saving = Some(wish);
+                self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron"));
+                None
+            }
+        }
+    }
+}

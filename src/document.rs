@@ -243,6 +243,8 @@ impl Default for Level {
             toy: None,
             effects: Vec::new(),
             test: None,
+            acts: Vec::new(),
+            pulled: None,
             state: None,
         }
     }

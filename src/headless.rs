@@ -13,6 +13,7 @@ pub use study::{Study, study};
 
 use crate::{
     files::{self, FileError},
+    hard::Case,
     level::{Level, RunMode},
     materials::Model,
     sandbox::Refused,
@@ -132,7 +133,7 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
     }
     if let Some(path) = &request.save {
         let state = crate::document::saved(&simulation.scene().listed_state(simulation.state()));
-        files::save(path, &Level { state, ..level })?;
+        files::save(path, &Level { state, pulled: simulation.scripted_pull(), ..level })?;
     }
     simulation.fault().cloned().map_or(Ok(report), |fault| Err(HeadlessError::Fault(fault)))
 }
@@ -143,6 +144,9 @@ pub fn run(request: &Run) -> Result<RunReport, HeadlessError> {
 /// [`HeadlessError`] with the place of the mistake.
 pub fn check(path: &Path) -> Result<String, HeadlessError> {
     let level = files::read(path)?;
+    if path.is_file() && files::is_case(&files::read_text(path)?) {
+        Case::read(path)?;
+    }
     let simulation = start(&level, path)?;
     let scene = simulation.scene();
     let mut line = format!(
@@ -166,6 +170,16 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
     Ok(line)
 }
 
+/// Reads a level and makes sure that it can be built.
+///
+/// # Errors
+/// [`HeadlessError`] with the place of the mistake.
+pub fn open(path: &Path) -> Result<Level, HeadlessError> {
+    let level = files::read(path)?;
+    start(&level, path)?;
+    Ok(level)
+}
+
 /// How many triangles and springs there are, as far as there are any.
 fn elements(scene: &Scene) -> String {
     let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
@@ -184,7 +198,9 @@ fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
     let mode: RunMode = level.mode;
     let scene = Scene::build(level, mode, &files::Disk, None).map_err(fail)?;
     let state = scene.first_state(level.state.as_ref()).map_err(fail)?;
-    Ok(Simulation::new(scene, state))
+    let mut simulation = Simulation::new(scene, state);
+    simulation.follow(level, mode, level.pulled);
+    Ok(simulation)
 }
 
 /// The simulation that is asked for, before its first step.

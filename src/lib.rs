@@ -21,6 +21,7 @@
 //!
 //! | room | what it knows |
 //! |---|---|
+//! | [`text`] | decoding of text files |
 //! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
 //! | `registry` | the macro behind every list of kinds |
 //! | `chance` | fixed numbers that look like chance |
@@ -48,6 +49,8 @@
 //! | [`hard`] | what is hard to hold: the gallery of hard cases, and what decides them |
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers) |
 //! | [`app`] | the window; the one room that says egui |
+
+pub mod text;
 
 pub mod quantity;
 mod registry;

@@ -1,7 +1,7 @@
 //! Opens the window, or runs a headless subcommand.
 
 use clap::{Parser, Subcommand};
-use gingerbread::{app, files, headless};
+use gingerbread::{app, headless};
 use std::{path::PathBuf, process::ExitCode};
 
 /// A 2D deformable-body sandbox. Without a subcommand it opens the window.
@@ -62,12 +62,9 @@ fn main() -> ExitCode {
 /// Opens the window; where that cannot be, says so and what to do instead.
 fn window(level: Option<&std::path::Path>) -> ExitCode {
     // Built once before the window, so that a mistake in a level is told as such.
-    if let Some(Err(error)) = level.map(headless::check) {
-        return fail(&error, error.exit_code());
-    }
-    let level = match level.map(files::read).transpose() {
+    let level = match level.map(headless::open).transpose() {
         Ok(level) => level,
-        Err(error) => return fail(&error, 2),
+        Err(error) => return fail(&error, error.exit_code()),
     };
     let Err(error) = app::run(level) else { return ExitCode::SUCCESS };
     // What went before the last colon are places in the source of libraries.

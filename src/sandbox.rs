@@ -62,7 +62,8 @@ impl Sandbox {
     pub fn new(level: Level, files: Box<dyn Files>) -> Result<Self, Refused> {
         let scene = Scene::build(&level, level.mode, files.as_ref(), None)?;
         let state = scene.first_state(level.state.as_ref())?;
-        let simulation = Simulation::new(scene, state);
+        let mut simulation = Simulation::new(scene, state);
+        simulation.follow(&level, level.mode, level.pulled);
         let shown = Arc::new(without_state(&level));
         let document = Document::new(level);
         let (history, files) = (History::default(), Rc::from(files));
@@ -84,6 +85,7 @@ impl Sandbox {
     pub fn fork(&self) -> Self {
         let mut simulation = Simulation::new(self.simulation.scene().clone(), self.simulation.state().clone());
         simulation.set_grab(self.simulation.grab());
+        simulation.follow(&self.shown, self.effect_mode(&self.document), None);
         Self {
             document: self.document.clone(),
             history: self.history.clone(),
@@ -95,11 +97,13 @@ impl Sandbox {
         }
     }
 
-    /// Goes on from another moment of the same scene; what is pulled stays pulled.
+    /// Goes on from another moment of the same scene; what is pulled stays pulled, unless scripted actions say what is.
     pub(crate) fn resume(&mut self, state: State) {
         let grab = self.simulation.grab();
         self.simulation.set_state(state);
-        self.simulation.set_grab(grab);
+        if !self.simulation.is_scripted() {
+            self.simulation.set_grab(grab);
+        }
     }
 
     /// Nothing that was before counts any more.
@@ -177,11 +181,14 @@ impl Sandbox {
                 && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
                     a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
                 });
+        let (mode, mut pulled) = (self.effect_mode(&document), None);
         if then != Then::Keep || !same {
+            pulled = document.level.pulled.filter(|_| state.is_none());
             let state = match state {
                 Some(state) if state.x.len() == scene.start.x.len() => state,
                 _ => scene.first_state(document.level.state.as_ref())?,
             };
+            self.simulation.follow_nothing();
             self.simulation.replace_scene(scene);
             self.simulation.set_state(state);
             self.begin_anew();
@@ -189,6 +196,7 @@ impl Sandbox {
         } else {
             self.simulation.replace_scene(scene);
         }
+        self.simulation.follow(&shown, mode, pulled);
         self.shown = Arc::new(shown);
         self.document = document;
         Ok(())
@@ -217,6 +225,7 @@ impl Sandbox {
         match Scene::build(&self.shown, effect_mode, self.files.as_ref(), Some(self.simulation.scene())) {
             Ok(scene) => {
                 self.simulation.replace_scene(scene);
+                self.simulation.follow(&self.shown, effect_mode, None);
                 if mode == Mode::Edit {
                     self.simulation.set_grab(None);
                 }
@@ -254,9 +263,7 @@ impl Sandbox {
         else {
             return Err(Refused::NotHere("there is nothing to go back to yet: let time run first"));
         };
-        let grab = self.simulation.grab();
-        self.simulation.set_state(state);
-        self.simulation.set_grab(grab);
+        self.resume(state);
         self.running = false;
         Ok(())
     }
@@ -320,9 +327,9 @@ impl Sandbox {
         self.running && self.simulation.fault().is_none()
     }
 
-    /// Whether there is anything to compute: time runs, and not everything sleeps.
+    /// Whether there is anything to compute: time runs, and not everything sleeps or a scripted action is to come.
     pub const fn is_busy(&self) -> bool {
-        self.is_live() && !self.simulation.is_asleep()
+        self.is_live() && (!self.simulation.is_asleep() || self.simulation.expects_actions())
     }
 
     /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.
@@ -361,10 +368,10 @@ impl Sandbox {
     pub fn saved(&self) -> Level {
         let mode = self.effect_mode(&self.document);
         let state = saved(&self.simulation.scene().listed_state(self.simulation.state()));
-        Level { mode, state, ..Level::clone(&self.shown) }
+        Level { mode, state, pulled: self.simulation.scripted_pull(), ..Level::clone(&self.shown) }
     }
 }
 
 fn without_state(level: &Level) -> Level {
-    Level { state: None, ..level.clone() }
+    Level { state: None, pulled: None, ..level.clone() }
 }

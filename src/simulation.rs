@@ -6,6 +6,7 @@ mod companion;
 mod energies;
 mod paces;
 mod reach;
+mod script;
 mod sleep;
 mod stretch;
 mod system;
@@ -25,6 +26,7 @@ use crate::{
 use checkpoint::Checkpoint;
 use energies::Elastic;
 use paces::Paces;
+use script::Script;
 use sleep::Islands;
 use std::cell::RefCell;
 use stretch::Team;
@@ -47,6 +49,7 @@ pub struct Simulation {
     paces: Paces,
     team: Team,
     grab: Option<Grab>,
+    script: Option<Script>,
     guard: Guard,
     fault: Option<Fault>,
     /// Counts what changed: scenes, states, pulls and steps.
@@ -76,6 +79,7 @@ impl Simulation {
             state,
             scratch,
             grab: None,
+            script: None,
             guard: Guard::default(),
             fault: None,
             revision: 0,
@@ -108,7 +112,7 @@ impl Simulation {
         }
     }
 
-    /// Puts the simulation into a state; a fault is forgotten.
+    /// Puts the simulation into a state; a fault is forgotten. Scripted actions before its time count as performed.
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
         self.revision += 1;
@@ -119,6 +123,7 @@ impl Simulation {
         self.grab = None;
         self.guard.reset();
         self.fault = None;
+        self.seek();
     }
 
     /// Pulls a vertex, or lets go.
@@ -204,7 +209,24 @@ impl Simulation {
     /// Every step is checked. If one leaves anything that is not a number, or the [`Guard`] finds it unstable, the state before
     /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help
     /// either, the fault is kept until the state is set anew.
+    ///
+    /// Scripted actions are performed at their times; see [`Self::follow`].
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
+        let mut taken = 0;
+        while taken < steps && self.fault.is_none() {
+            self.perform_due(&mut |_, _| {});
+            let wanted = self.steps_to_action().map_or(steps - taken, |until| until.min(steps - taken));
+            let done = self.advance_freely(wanted, more);
+            taken += done;
+            if done < wanted || (taken < steps && !more()) {
+                break;
+            }
+        }
+        taken
+    }
+
+    /// The same without scripted actions.
+    fn advance_freely(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         // Who has said that it is enough is not asked again.
         let mut enough = false;
         let more = &mut || {

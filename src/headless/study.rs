@@ -63,6 +63,9 @@ pub fn study(request: &Study) -> Result<String, HeadlessError> {
     if let Some(path) = &request.csv {
         files::write_text(path, &csv)?;
     }
+    if !level.acts.is_empty() {
+        return Ok(format!("{table}\n\nThe scripted actions of this level are not performed in a study."));
+    }
     Ok(table)
 }
 

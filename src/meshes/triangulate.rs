@@ -46,6 +46,12 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
     if angle >= GOOD_ANGLE { Ok(filled) } else { delaunay::refine(&filled.0, fixed, 2 * target as usize) }
 }
 
+/// About how many triangles [`fill`] makes.
+pub(super) fn estimate(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>) -> usize {
+    let (boundary, edge) = spacing(target, area, outline, STARTS[0]);
+    (2 * lattice(&boundary, edge, STARTS[0]).len() + boundary.len()).saturating_sub(2)
+}
+
 /// Side of an equilateral triangle of the given area: m from m².
 pub(super) fn edge_length(area: f64) -> f64 {
     (2.0 * area / ROW).sqrt()

@@ -240,6 +240,7 @@ impl Default for Level {
             toy: None,
             effects: Vec::new(),
             test: None,
+            acts: Vec::new(),
             state: None,
         }
     }

@@ -1,10 +1,18 @@
 //! Levels as text and as files: reading with the place of a mistake, and saving without ever losing what was there.
 
 mod output;
+mod slips;
+mod spelling;
+mod tokens;
 
 pub use output::{Destination, Identity, identity, write_bytes};
 
-use crate::{level::Level, levels, meshes::Files};
+use crate::{
+    level::{Act, Level},
+    levels,
+    meshes::Files,
+    text,
+};
 use ron::{extensions::Extensions, ser::PrettyConfig};
 use std::{
     io::Read as _,
@@ -43,12 +51,17 @@ fn options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
 }
 
-/// Reads a level from text; `file` is its name in messages.
+/// Reads a level from text; `file` is its name in messages. A hard case is its level with its scripted actions.
 ///
 /// # Errors
 /// [`FileError::Text`] with line, column and what was expected.
 pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
-    parse_as(text, file)
+    if !is_case(text) {
+        return parse_as(text, file);
+    }
+    let Scripted { mut level, acts, .. } = parse_as(text, file)?;
+    level.acts.extend(acts);
+    Ok(level)
 }
 
 /// Reads anything that is written like a level from text; `file` is its name in messages.
@@ -56,12 +69,61 @@ pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
 /// # Errors
 /// [`FileError::Text`] with line, column and what was expected.
 pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, FileError> {
-    options().from_str(text).map_err(|error| FileError::Text {
-        file: file.to_owned(),
-        line: error.span.start.line,
-        column: error.span.start.col,
-        what: error.code.to_string(),
-    })
+    let text = text::normalised(text);
+    let slashed = spelling::with_slashes(&text);
+    let text = slashed.as_deref().unwrap_or(&text);
+    let error = match options().from_str(text) {
+        Ok(read) => return Ok(read),
+        Err(error) => error,
+    };
+    // Other spellings are looked for only where they are needed: most levels have none, and some are large.
+    let unwrapped = if error.code == ron::Error::ExceededRecursionLimit { None } else { spelling::unwrapped(text) };
+    let error = match unwrapped.map(|text| options().from_str(&text)) {
+        Some(Ok(read)) => return Ok(read),
+        Some(Err(later)) if place(&later) > place(&error) => later,
+        _ => error,
+    };
+    let slips::Slip { line, column, what } = slips::explain(text, &error);
+    Err(FileError::Text { file: file.to_owned(), line, column, what })
+}
+
+/// Line and column of a mistake.
+const fn place(error: &ron::error::SpannedError) -> (usize, usize) {
+    (error.span.start.line, error.span.start.col)
+}
+
+/// A hard case as far as a level goes: what decides about it is for [`crate::hard`] to read.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Scripted {
+    level: Level,
+    #[serde(default)]
+    acts: Vec<Act>,
+    #[serde(rename = "lasts")]
+    _lasts: serde::de::IgnoredAny,
+    #[serde(rename = "expects")]
+    _expects: serde::de::IgnoredAny,
+    #[serde(default, rename = "within")]
+    _within: serde::de::IgnoredAny,
+    #[serde(default, rename = "cannot")]
+    _cannot: serde::de::IgnoredAny,
+}
+
+/// Whether a text is a hard case, which has its level in a field `level`.
+pub fn is_case(text: &str) -> bool {
+    let mut tokens = tokens::Tokens::new(text.strip_prefix('\u{feff}').unwrap_or(text));
+    let (mut depth, mut last) = (0_usize, None);
+    for token in tokens.by_ref() {
+        if depth == 1 && token.is(':') && last == Some("level") {
+            return true;
+        }
+        if depth == 1 && token.is(':') && last == Some("name") {
+            return false;
+        }
+        depth = if token.opens() { depth + 1 } else { depth.saturating_sub(usize::from(token.closes())) };
+        last = Some(token.text);
+    }
+    false
 }
 
 /// A level as text that [`parse`] reads back to the same bits.
@@ -74,27 +136,32 @@ pub fn write(level: &Level) -> Result<String, FileError> {
     text.map(|text| text + "\n").map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
 }
 
-/// A path with all its folders, as messages show it; the name of a built-in level stays as it is.
+/// A path with all its folders, as messages show it; the name of a built-in level or hard case stays as it is.
 pub fn whole_path(path: &Path) -> PathBuf {
-    let built_in = path.extension().is_none() && levels::built_in(&path.display().to_string()).is_some();
+    let built_in = path.extension().is_none() && named(&path.display().to_string()).is_some();
     if built_in { path.to_path_buf() } else { std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()) }
 }
 
-/// Reads a level from a file; a bare name such as `gingerbread` is that built-in level. Paths of meshes in it are
-/// taken relative to its folder.
+/// The text of a built-in level or hard case.
+fn named(name: &str) -> Option<&'static str> {
+    levels::built_in(name).or_else(|| levels::hard_case(name))
+}
+
+/// Reads a level from a file, or with `-` from standard input; a bare name such as `gingerbread` is that built-in level or hard case.
+/// Paths of meshes in it are taken relative to its folder.
 ///
 /// # Errors
 /// [`FileError`] with the place and the reason.
 pub fn read(path: &Path) -> Result<Level, FileError> {
     let name = path.display().to_string();
     if path.extension().is_none()
-        && let Some(text) = levels::built_in(&name)
+        && let Some(text) = named(&name)
     {
         return parse(text, &format!("{name}.ron"));
     }
     let mut level = parse(&read_text(path)?, &name)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    each_mesh_path(&mut level, |mesh| folder.join(mesh));
+    each_mesh_path(&mut level, |mesh| found(folder.join(mesh)));
     Ok(level)
 }
 
@@ -126,7 +193,7 @@ pub fn text_at(path: &Path, level: &Level) -> Result<String, FileError> {
 pub fn mesh_paths(level: &Level) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     for body in &level.bodies {
-        paths.extend(body.mesh.clone().kind_mut().path_mut().map(|path| PathBuf::from(path.as_str())));
+        paths.extend(body.mesh.clone().kind_mut().path_mut().map(|path| path.clone()));
     }
     paths
 }
@@ -139,28 +206,49 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_bytes(path, text.as_bytes())
 }
 
-/// The text of a file.
+/// The text of a file or pipe, or with `-` of standard input; see [`text::decode`].
 ///
 /// # Errors
 /// [`FileError::Access`] if it cannot be read, or is too large.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let fail = |why: String| FileError::Access { file: path.display().to_string(), why };
     let said = |error: std::io::Error| fail(error.to_string());
-    if !std::fs::metadata(path).map_err(said)?.is_file() {
+    let mut bytes = Vec::new();
+    let read = if path == Path::new("-") {
+        std::io::stdin().lock().take(LARGEST + 1).read_to_end(&mut bytes)
+    } else if holds_text(&std::fs::metadata(path).map_err(said)?) {
+        std::fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
+    } else {
         return Err(fail("this is not a file with text".to_owned()));
-    }
-    let mut text = String::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    };
     if read.map_err(said)? as u64 > LARGEST {
         return Err(fail(format!("a file may have {} MB at most", LARGEST >> 20)));
     }
-    Ok(text)
+    Ok(text::decode(bytes))
+}
+
+/// Whether it is a file or a pipe. A folder or a device such as `/dev/zero` is neither.
+fn holds_text(known: &std::fs::Metadata) -> bool {
+    #[cfg(unix)]
+    let pipe = std::os::unix::fs::FileTypeExt::is_fifo(&known.file_type());
+    #[cfg(not(unix))]
+    let pipe = false;
+    known.is_file() || pipe
+}
+
+/// The path of a file; where there is none and the path has backslashes, as Windows writes it, the one that they lead to.
+fn found(path: PathBuf) -> PathBuf {
+    let slashed = path.to_str().filter(|name| name.contains('\\')).map(|name| PathBuf::from(name.replace('\\', "/")));
+    match slashed {
+        Some(slashed) if !path.exists() => slashed,
+        _ => path,
+    }
 }
 
 fn each_mesh_path(level: &mut Level, change: impl Fn(&Path) -> PathBuf) {
     for body in &mut level.bodies {
         if let Some(path) = body.mesh.kind_mut().path_mut() {
-            *path = change(Path::new(path.as_str())).display().to_string();
+            *path = change(path);
         }
     }
 }
@@ -169,8 +257,8 @@ fn each_mesh_path(level: &mut Level, change: impl Fn(&Path) -> PathBuf) {
 pub struct Disk;
 
 impl Files for Disk {
-    fn read(&self, path: &str) -> Result<String, String> {
-        read_text(Path::new(path)).map_err(|error| match error {
+    fn read(&self, path: &Path) -> Result<String, String> {
+        read_text(path).map_err(|error| match error {
             FileError::Access { why, .. } => why,
             FileError::Text { .. } => error.to_string(),
         })

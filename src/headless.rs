@@ -23,6 +23,7 @@ pub use study::{Study, study};
 
 use crate::{
     files::{self, FileError},
+    hard::Case,
     level::{Level, RunMode},
     levels,
     materials::Model,
@@ -190,7 +191,7 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
 /// # Errors
 /// [`HeadlessError::File`]; where there is no such file, with the names of built-in levels.
 pub fn read(path: &Path) -> Result<Level, HeadlessError> {
-    let names = levels::BUILT_IN.iter().map(|(file, _)| *file);
+    let names = levels::BUILT_IN.iter().chain(levels::HARD).map(|(file, _)| *file);
     files::read(path).map_err(|error| missing(path, error, "level", names))
 }
 
@@ -226,6 +227,9 @@ fn inputs(path: &Path, level: &Level) -> Vec<PathBuf> {
 /// [`HeadlessError`] with the place of the mistake.
 pub fn check(path: &Path) -> Result<String, HeadlessError> {
     let level = read(path)?;
+    if path.is_file() && files::is_case(&files::read_text(path)?) {
+        Case::read(path)?;
+    }
     let simulation = start(&level, path)?;
     let scene = simulation.scene();
     let mut line = format!(
@@ -241,6 +245,16 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
         let _ = write!(line, "\n  {}", terminal::line(&message));
     }
     Ok(line)
+}
+
+/// Reads a level and makes sure that it can be built.
+///
+/// # Errors
+/// [`HeadlessError`] with the place of the mistake.
+pub fn open(path: &Path) -> Result<Level, HeadlessError> {
+    let level = read(path)?;
+    start(&level, path)?;
+    Ok(level)
 }
 
 /// How many triangles and springs there are, as far as there are any.
@@ -260,7 +274,7 @@ fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
     let fail = |why| HeadlessError::Level { file: path.display().to_string(), why: Refused::Scene(why) };
     let mode: RunMode = level.mode;
     let scene = Scene::build(level, mode, &files::Disk, None).map_err(fail)?;
-    Simulation::open(scene, level.state.as_ref()).map_err(fail)
+    Simulation::open(scene, level, mode).map_err(fail)
 }
 
 /// The simulation that is asked for, before its first step.

@@ -3,9 +3,11 @@
 //! Levels are RON. Unknown fields, wrong types and numbers out of range are refused with the line and column
 //! (see [`crate::files`]). The level is also the document that the window edits, undoes and saves.
 
+mod act;
 mod saved;
 mod steps;
 
+pub use act::{Act, Deed, frame};
 pub use saved::{SavedGuard, SavedState};
 pub use steps::{Paces, Substeps};
 
@@ -62,6 +64,9 @@ pub struct Level {
     /// Makes this a test level: Up and Down set these stretches.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub test: Option<StretchTest>,
+    /// What is done to it at which times. Times count from the start, also where the level was saved while running.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub acts: Vec<Act>,
     /// Where everything is now, if the level was saved while running. Rest shapes are never changed by saving.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<SavedState>,

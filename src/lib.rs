@@ -21,6 +21,7 @@
 //!
 //! | room | what it knows |
 //! |---|---|
+//! | [`text`] | decoding of text files |
 //! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
 //! | `registry` | the macro behind every list of kinds |
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
@@ -52,6 +53,8 @@
 //! | [`app`] | the window; the one room that says egui |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod text;
 
 pub mod quantity;
 mod registry;

@@ -2,7 +2,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::{Parser, Subcommand};
-use gingerbread::{app, files, headless, terminal};
+use gingerbread::{app, headless, terminal};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -66,12 +66,9 @@ fn usage(error: &clap::Error) -> ExitCode {
 /// Opens the window; where that cannot be, says so and what to do instead.
 fn window(level: Option<&Path>) -> ExitCode {
     // Built once before the window, so that a mistake in a level is told as such.
-    if let Some(Err(error)) = level.map(headless::check) {
-        return fail(&error, error.exit_code());
-    }
-    let level = match level.map(files::read).transpose() {
+    let level = match level.map(headless::open).transpose() {
         Ok(level) => level,
-        Err(error) => return fail(&error, 2),
+        Err(error) => return fail(&error, error.exit_code()),
     };
     let Err(error) = app::run(level) else { return ExitCode::SUCCESS };
     // What went before the last colon are places in the source of libraries.

@@ -72,7 +72,7 @@ impl Sandbox {
     /// If the level cannot be built.
     pub fn new(level: Level, files: Box<dyn Files>) -> Result<Self, Refused> {
         let scene = Scene::build(&level, level.mode, files.as_ref(), None)?;
-        let simulation = Simulation::open(scene, level.state.as_ref())?;
+        let simulation = Simulation::open(scene, &level, level.mode)?;
         let shown = Arc::new(without_state(&level));
         let document = Document::new(level);
         let (history, files) = (History::default(), Rc::from(files));
@@ -94,6 +94,7 @@ impl Sandbox {
     #[must_use]
     pub fn fork(&self) -> Self {
         let mut simulation = Simulation::new(self.simulation.scene().clone(), self.simulation.state().clone());
+        simulation.follow(&self.shown, self.effect_mode(&self.document));
         simulation.resume(&self.simulation.restart());
         Self {
             document: self.document.clone(),
@@ -107,11 +108,13 @@ impl Sandbox {
         }
     }
 
-    /// Goes on from another moment of the same scene; what is pulled stays pulled.
+    /// Goes on from another moment of the same scene; what is pulled stays pulled, unless scripted actions say what is.
     pub(crate) fn resume(&mut self, moment: &Restart) {
         let grab = self.simulation.grab();
         self.simulation.resume(moment);
-        self.simulation.set_grab(grab);
+        if !self.simulation.is_scripted() {
+            self.simulation.set_grab(grab);
+        }
     }
 
     /// Puts positions and velocities back to the start, without a way back.
@@ -228,19 +231,25 @@ impl Sandbox {
                 && self.shown.bodies.iter().zip(&shown.bodies).all(|(a, b)| {
                     a.mesh == b.mesh && a.place == b.place && (then == Then::Keep || a.stretch == b.stretch)
                 });
+        let mode = self.effect_mode(&document);
         if then != Then::Keep || !same {
             let moment = match moment {
                 Some(moment) if moment.state.x.len() == scene.start.x.len() => moment,
                 _ => Restart::read(&scene, document.level.state.as_ref())?,
             };
             self.shelve(self.simulation.scene().bodies.clone());
+            self.simulation.follow_nothing();
             self.simulation.replace_scene(scene);
+            self.simulation.follow(&shown, mode);
             self.simulation.resume(&moment);
-            self.simulation.set_grab(None);
+            if !self.simulation.is_scripted() {
+                self.simulation.set_grab(None);
+            }
             self.begin_anew();
             self.generation += 1;
         } else {
             self.simulation.replace_scene(scene);
+            self.simulation.follow(&shown, mode);
         }
         self.shown = Arc::new(shown);
         self.document = document;
@@ -270,6 +279,7 @@ impl Sandbox {
         match Scene::build(&self.shown, effect_mode, self.files.as_ref(), Some(self.simulation.scene())) {
             Ok(scene) => {
                 self.simulation.replace_scene(scene);
+                self.simulation.follow(&self.shown, effect_mode);
                 if mode == Mode::Edit {
                     self.simulation.set_grab(None);
                 }
@@ -375,9 +385,9 @@ impl Sandbox {
         self.running && self.simulation.fault().is_none()
     }
 
-    /// Whether there is anything to compute: time runs, and not everything sleeps.
+    /// Whether there is anything to compute: time runs, and not everything sleeps or a scripted action is to come.
     pub const fn is_busy(&self) -> bool {
-        self.is_live() && !self.simulation.is_asleep()
+        self.is_live() && (!self.simulation.is_asleep() || self.simulation.expects_actions())
     }
 
     /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.

@@ -7,6 +7,7 @@ mod energies;
 mod paces;
 mod reach;
 mod restart;
+mod script;
 mod sleep;
 mod stretch;
 mod system;
@@ -27,6 +28,7 @@ use checkpoint::Checkpoint;
 use energies::Elastic;
 use paces::Paces;
 pub use restart::Restart;
+use script::Script;
 use sleep::Islands;
 use std::cell::RefCell;
 use stretch::Team;
@@ -49,6 +51,7 @@ pub struct Simulation {
     paces: Paces,
     team: Team,
     grab: Option<Grab>,
+    script: Option<Script>,
     guard: Guard,
     fault: Option<Fault>,
     /// Counts what changed: scenes, states, pulls and steps.
@@ -82,6 +85,7 @@ impl Simulation {
             state,
             scratch,
             grab: None,
+            script: None,
             guard: Guard::default(),
             fault: None,
             revision: 0,
@@ -115,18 +119,20 @@ impl Simulation {
         }
     }
 
-    /// Puts the simulation into a state, from which it begins anew; a fault is forgotten. See [`Self::resume`].
+    /// Puts the simulation into a state, from which it begins anew; a fault is forgotten, and scripted actions before its time count
+    /// as performed. See [`Self::resume`].
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
         self.first = self.state.steps;
         self.revision += 1;
         self.shape += 1;
         (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, Inside::Nothing);
-        self.team.stand_anew();
-        self.settle_sleepers();
         self.grab = None;
         self.guard.reset();
         self.fault = None;
+        self.seek();
+        self.team.stand_anew();
+        self.settle_sleepers();
     }
 
     /// Pulls a vertex, or lets go.
@@ -215,7 +221,24 @@ impl Simulation {
     /// Every step is checked. If one leaves anything that is not a number, or the [`Guard`] finds it unstable, the state before
     /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help
     /// either, the fault is kept until the state is set anew.
+    ///
+    /// Scripted actions are performed at their times; see [`Self::follow`].
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
+        let mut taken = 0;
+        while taken < steps && self.fault.is_none() {
+            self.perform_due(&mut |_, _| {});
+            let wanted = self.steps_to_action().map_or(steps - taken, |until| until.min(steps - taken));
+            let done = self.advance_freely(wanted, more);
+            taken += done;
+            if done < wanted || (taken < steps && !more()) {
+                break;
+            }
+        }
+        taken
+    }
+
+    /// The same without scripted actions.
+    fn advance_freely(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         // Who has said that it is enough is not asked again.
         let mut enough = false;
         let more = &mut || {

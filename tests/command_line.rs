@@ -397,3 +397,56 @@ fn a_missing_level_is_told_with_the_names_there_are() {
     let told = said(&gingerbread(&["run", "circle.ron"]).stderr);
     assert!(told.contains("circle.ron: there is no such file; the built-in level is called circle"), "{told}");
 }
+
+#[test]
+fn levels_come_from_standard_input_and_pipes_and_hard_cases_run_by_name_or_file() {
+    let folder = Folder::new("sources");
+    let fed = |arguments: &[&str], text: &str| {
+        let mut child =
+            command(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        std::io::Write::write_all(&mut child.stdin.take().unwrap(), text.as_bytes()).unwrap();
+        child.wait_with_output().unwrap()
+    };
+    let state = folder.file("state.csv");
+    for arguments in [&["check", "-"][..], &["run", "-", "--steps", "2", "--state", &state], &study("-", &[])] {
+        let output = fed(arguments, PIECES);
+        assert!(output.status.success(), "{arguments:?}: {}", said(&output.stderr));
+    }
+    assert_eq!(fs::read_to_string(&state).unwrap().lines().count(), 7);
+    let wrong = fed(&["check", "-"], "(name: 3)");
+    assert!(!wrong.status.success() && said(&wrong.stderr).contains("-:1:"), "{}", said(&wrong.stderr));
+    #[cfg(unix)]
+    {
+        let pipe = folder.file("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let writer = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::write(pipe, PIECES).unwrap()
+        });
+        let output = gingerbread(&["run", &pipe, "--steps", "2"]);
+        writer.join().unwrap();
+        assert!(output.status.success(), "{}", said(&output.stderr));
+    }
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/levels/hard/gravity_flips.ron");
+    let mut states = Vec::new();
+    for name in ["gravity_flips", file] {
+        assert!(gingerbread(&["check", name]).status.success());
+        let output = gingerbread(&["run", name, "--seconds", "0.3", "--state", &state]);
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        states.push(fs::read_to_string(&state).unwrap());
+        let output = gingerbread(&study(name, &[]));
+        assert!(said(&output.stdout).contains("scripted actions of this level are not performed"), "{name}");
+    }
+    assert_eq!(states[0], states[1]);
+    // Without its actions it ends elsewhere.
+    let text = fs::read_to_string(file).unwrap();
+    let still = folder.with("still.ron", &text.replace("act: FlipGravity", "act: Release"));
+    gingerbread(&["run", &still, "--seconds", "0.3", "--state", &state]);
+    assert_ne!(fs::read_to_string(&state).unwrap(), states[0]);
+    // What decides about a hard case is checked too.
+    let odd = folder.with("odd.ron", &text.replace("expects: Bounded", "expects: Luck"));
+    let output = gingerbread(&["check", &odd]);
+    assert!(!output.status.success() && said(&output.stderr).contains("Luck"), "{}", said(&output.stderr));
+    let output = gingerbread(&["check", "gravity_flip"]);
+    assert!(said(&output.stderr).contains("gravity_flips"), "{}", said(&output.stderr));
+}

@@ -110,6 +110,87 @@ fn saving_while_the_guard_is_busy_changes_no_bit() {
     assert!(run.state() == straight.state(), "{}", difference(&run, &straight));
 }
 
+/// A sheet to which every kind of scripted action is done within half a second.
+fn scripted(integrator: IntegratorKind, guard: Toggle) -> Level {
+    let text = "(name: \"scripted\", substeps: 8, bodies: [(name: \"sheet\",
+            mesh: Rectangle(width: 0.4, height: 0.4, columns: 5, rows: 5), mass: Total(1), pins: [Left, Right],
+            material: (model: NeoHookean, young: 200, poisson: 0.3))],
+        effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5)), (effect: MouseSpring(stiffness: 20))],
+        acts: [
+            (at: 0, act: Grab(0.2, 0.2)), (at: 0.02, act: Pull(to: (0.3, 0.5), over: 0.2)), (at: 0.05, every: 0.1, act: FlipGravity),
+            (at: 0.1, act: Turn(side: Left, by: 40, over: 0.15)), (at: 0.3, act: Release), (at: 0.35, act: Grab(0.4, 0)),
+            (at: 0.4, act: Free), (at: 0.42, act: Pull(to: (0.5, 0), over: 0.05)),
+        ])";
+    Level { integrator, guard, ..common::level(text) }
+}
+
+#[test]
+fn scripted_actions_go_on_bit_equal_after_saving_rewinding_and_undoing() {
+    const STEPS: u64 = 240;
+    let mut unstable = Vec::new();
+    for (number, integrator) in (0_u64..).zip(IntegratorKind::all()) {
+        for guard in [Toggle::Off, Toggle::On] {
+            let level = scripted(integrator.clone(), guard);
+            let about = format!("{}, guard {guard:?}", integrator.name());
+            let mut straight = simulation(&level);
+            straight.advance(STEPS, &mut || true);
+            if straight.fault().is_some() {
+                unstable.push(about);
+                continue;
+            }
+            assert!(straight.scripted_pull().is_some(), "{about}");
+            let mut run = simulation(&level);
+            for piece in pieces(7 * number + 1).into_iter().chain(pieces(number)).chain(pieces(number + 50)) {
+                let left = STEPS - run.state().steps;
+                run.advance(piece.min(left), &mut || true);
+                run = reopened(&run, &level);
+            }
+            run.advance(STEPS - run.state().steps, &mut || true);
+            assert!(run.state() == straight.state(), "{about}: {}", difference(&run, &straight));
+
+            let mut sandbox = running(level);
+            sandbox.advance(STEPS, &mut || true);
+            assert!(*sandbox.simulation().state() == *straight.state(), "{about}, in the window");
+            for frames in [2.0, 9.0, 28.0] {
+                sandbox.apply(Command::Rewind(frames / 60.0)).unwrap();
+                sandbox.apply(Command::SetRunning(true)).unwrap();
+                sandbox.advance(STEPS - sandbox.simulation().state().steps, &mut || true);
+                let gap = difference(sandbox.simulation(), &straight);
+                assert!(*sandbox.simulation().state() == *straight.state(), "{about}, {frames} frames back: {gap}");
+            }
+            sandbox.apply(Command::Reset).unwrap();
+            sandbox.advance(50, &mut || true);
+            sandbox.apply(Command::Undo).unwrap();
+            assert!(*sandbox.simulation().state() == *straight.state(), "{about}, undone");
+            assert_eq!(sandbox.simulation().scripted_pull(), straight.scripted_pull(), "{about}, undone");
+        }
+    }
+    assert!(unstable.len() <= 3, "forward Euler and Heun alone may fail here: {unstable:?}");
+}
+
+#[test]
+fn every_hard_case_runs_as_a_level_with_its_actions_and_goes_on_after_saving() {
+    let mut with_actions = 0;
+    for (file, text) in gingerbread::levels::HARD {
+        let mut level = files::parse(text, file).unwrap();
+        with_actions += u32::from(!level.acts.is_empty());
+        // Coarse steps and an early end: what is compared is bits.
+        level.substeps = Substeps::new(2).unwrap();
+        let steps = if level.acts.is_empty() { 20 } else { 100 };
+        let mut straight = simulation(&level);
+        straight.advance(steps, &mut || true);
+        let mut run = simulation(&level);
+        for piece in [steps / 3, steps / 5, steps] {
+            run.advance(piece.min(steps - run.state().steps), &mut || true);
+            if run.fault().is_none() {
+                run = reopened(&run, &level);
+            }
+        }
+        assert!(run.state() == straight.state(), "{file}: {}", difference(&run, &straight));
+    }
+    assert_eq!(with_actions, 4);
+}
+
 /// A large body steps in batches, in which checkpoints are far apart.
 #[test]
 fn saving_after_a_batch_of_steps_changes_no_bit() {

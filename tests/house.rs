@@ -5,6 +5,7 @@ use std::{fs, path::Path};
 
 /// The rooms in reading order; each may use itself and what stands before it. Elements are effects, so those two are one.
 const ROOMS: &[&[&str]] = &[
+    &["text"],
     &["quantity"],
     &["registry"],
     &["terminal"],

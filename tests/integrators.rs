@@ -181,7 +181,7 @@ fn saving_and_going_on_equals_never_having_stopped_under_every_integrator() {
         let from = |level: &Level| {
             let mut scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
             scene.step = 1e-3;
-            Simulation::open(scene, level.state.as_ref()).unwrap()
+            Simulation::open(scene, level, level.mode).unwrap()
         };
         let mut straight = from(&level);
         advance(&mut straight, 400);

@@ -1,7 +1,7 @@
 //! What a user may rely on about meshes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a failing test should panic")]
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
 use gingerbread::meshes::{
     Diagonals, Disk, Files, Gingerbread, Mesh, MeshError, MeshKind, MeshSource, NoFiles, Obj, Outline, Rectangle,
@@ -12,8 +12,8 @@ use proptest::prelude::*;
 struct Memory(BTreeMap<&'static str, String>);
 
 impl Files for Memory {
-    fn read(&self, path: &str) -> Result<String, String> {
-        self.0.get(path).cloned().ok_or_else(|| "no such file".to_owned())
+    fn read(&self, path: &Path) -> Result<String, String> {
+        self.0.get(path.to_str().unwrap()).cloned().ok_or_else(|| "no such file".to_owned())
     }
 }
 
@@ -35,7 +35,7 @@ fn refusal(text: &str) -> String {
 }
 
 fn obj(text: &str) -> Result<Mesh, MeshError> {
-    Obj { path: "a.obj".to_owned() }.build(&Memory([("a.obj", text.to_owned())].into()))
+    Obj { path: "a.obj".into() }.build(&Memory([("a.obj", text.to_owned())].into()))
 }
 
 fn gingerbread(resolution: u32) -> Mesh {
@@ -289,7 +289,7 @@ fn obj_errors_name_the_file_and_line_and_what_was_expected() {
         let message = obj(text).unwrap_err().to_string();
         assert!(message.starts_with(expected), "{text}: {message}");
     }
-    let missing = Obj { path: "b.obj".to_owned() }.build(&NoFiles).unwrap_err().to_string();
+    let missing = Obj { path: "b.obj".into() }.build(&NoFiles).unwrap_err().to_string();
     assert_eq!(missing, "b.obj: files cannot be read here");
 }
 

@@ -273,7 +273,7 @@ fn a_hand_that_pulls_goes_on_pulling_through_a_reset_and_a_change_of_mode() {
 fn a_mesh_file_that_changed_is_read_again_when_its_level_is_opened_again() {
     struct Changing(std::sync::atomic::AtomicBool);
     impl gingerbread::meshes::Files for Changing {
-        fn read(&self, _: &str) -> Result<String, String> {
+        fn read(&self, _: &std::path::Path) -> Result<String, String> {
             let more = self.0.fetch_xor(true, std::sync::atomic::Ordering::Relaxed);
             Ok(format!(
                 "v 0 0\nv 1 0\nv 1 1\nv 0 1\nf 1 2 3\n{}",

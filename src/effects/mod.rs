@@ -76,6 +76,11 @@ pub trait EffectParameters {
         None
     }
 
+    /// What else the user should know of it.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// What a window should draw for it at a time [s], if it has a place.
     fn shapes(&self, _time: f64) -> Vec<Shape> {
         Vec::new()

@@ -78,6 +78,13 @@ impl EffectParameters for Walls {
         self.obstacles.is_empty().then_some("there are no obstacles in it")
     }
 
+    fn notes(&self) -> Vec<String> {
+        let note = |(number, kind): (usize, &ObstacleKind)| {
+            kind.kind().notes().map(|note| format!("obstacle {number} ({}): {note}", kind.name()))
+        };
+        self.obstacles.iter().enumerate().filter_map(note).collect()
+    }
+
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let build = |(number, kind): (usize, &ObstacleKind)| {
             let obstacle = kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;

@@ -1,7 +1,7 @@
-use super::{Act, Method};
+use super::Method;
 use crate::{
     files::{self, FileError},
-    level::{BodyLevel, Level, Substeps},
+    level::{Act, BodyLevel, Level, Substeps},
     levels,
     materials::Model,
     meshes::NoFiles,
@@ -91,11 +91,12 @@ impl Case {
         }
     }
 
-    /// The level with one model for every body, as a method steps it.
+    /// The level with the case's actions and one model for every body, as a method steps it.
     pub fn level(&self, model: Model, method: Method) -> Level {
         let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
         let bodies = self.level.bodies.iter().map(body).collect();
-        Level { bodies, integrator: method.integrator(), ..self.level.clone() }
+        let acts = self.level.acts.iter().chain(&self.acts).cloned().collect();
+        Level { bodies, acts, integrator: method.integrator(), ..self.level.clone() }
     }
 
     /// The same with the step that the method begins with, to be watched outside the gallery.

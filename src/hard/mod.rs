@@ -1,6 +1,6 @@
 //! What is hard to hold: a gallery of cases that break careless simulations, and what decides whether they are held.
 //!
-//! A [`Case`] is a level with a script of [`Act`]s and what is expected at its end; each is one file of `levels/hard/`. A [`Run`]
+//! A [`Case`] is a level with scripted [`Act`]s and what is expected at its end; each is one file of `levels/hard/`. A [`Run`]
 //! takes a case with one constitutive model and one [`Method`] frame by frame of 1/60 s and ends with a [`Verdict`]. A [`Sweep`]
 //! is many runs on several threads: the whole table of cases, models and methods.
 //!
@@ -10,7 +10,6 @@
 //! - nothing gets farther than [`OUTSIDE`] of its size through walls, or out of the box the case names;
 //! - a body that should come home has no inverted triangle at the end, and no triangle whose area is off by more than [`AREA`].
 
-mod act;
 mod case;
 mod fence;
 mod ledger;
@@ -20,7 +19,6 @@ mod sweep;
 mod table;
 mod verdict;
 
-pub use act::{Act, Deed};
 pub use case::{Cannot, Case, Expects, Lasts};
 pub use fence::Fence;
 pub use ledger::Ledger;

@@ -1,27 +1,19 @@
-use super::{AREA, Case, Deed, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict, act::frame};
+use super::{AREA, Case, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict};
 use crate::{
-    effects::{EffectKind, Grab},
-    level::{Level, Side, Substeps, Toggle},
+    level::{Level, Substeps, Toggle, frame},
     materials::Model,
     meshes::NoFiles,
-    quantity::Gravity,
-    scene::{Scene, SceneError, extent, nearest_vertex},
+    scene::{Scene, SceneError},
     simulation::Simulation,
     stability::StabilityProbe,
-    state::State,
     untangle::{Tangle, untangled},
 };
 
 /// A case on its way, with one constitutive model and one method.
 pub struct Run {
-    level: Level,
     simulation: Simulation,
     method: Method,
     expects: Expects,
-    /// What is still to be done, and at which frame; the next is last.
-    script: Vec<(u64, Deed)>,
-    /// What is being done, and the frames left for it.
-    doing: Vec<(u64, Deed)>,
     frame: u64,
     /// Frames, and at most so many steps.
     end: (u64, u64),
@@ -49,25 +41,16 @@ impl Run {
         let level = Level { substeps: Substeps::nearest(1.0), sleep: Toggle::Off, ..case.level(model, method) };
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
         let fence = Fence::new(&level, &scene, case.within);
-        let simulation = Simulation::open(scene, level.state.as_ref())?;
+        let simulation = Simulation::open(scene, &level, level.mode)?;
         let end = match case.lasts {
             Lasts::Seconds(time) => (frame(time), u64::MAX),
             Lasts::Steps(steps) => (u64::MAX, u64::from(steps)),
         };
-        let frames = end.0.min(end.1);
-        let acts = case.acts.iter().flat_map(|act| act.frames(frames).map(|frame| (frame, act.act.clone())));
-        let mut script: Vec<_> = acts.collect();
-        // Acts of one frame are done in the order of the file.
-        script.sort_by_key(|(frame, _)| *frame);
-        script.reverse();
         Ok(Self {
             ledger: Ledger::new(simulation.scene(), simulation.energies()),
-            level,
             simulation,
             method,
             expects: case.expects,
-            script,
-            doing: Vec::new(),
             frame: 0,
             end,
             substeps: 1,
@@ -82,7 +65,6 @@ impl Run {
     /// short as that: from 2 on an explicit scheme has to fail.
     #[must_use]
     pub fn unguarded_at(mut self, share: f64) -> Self {
-        self.level.guard = Toggle::Off;
         let scene = Scene { guard: false, ..self.simulation.scene().clone() };
         self.simulation.replace_scene(scene);
         Self { share, ..self }
@@ -105,10 +87,8 @@ impl Run {
     /// # Errors
     /// If the script leads to a scene that cannot be built.
     pub fn advance(&mut self) -> Result<Option<Verdict>, SceneError> {
-        while let Some((_, deed)) = self.script.pop_if(|(frame, _)| *frame <= self.frame) {
-            self.begin(deed)?;
-        }
-        self.go_on();
+        let Self { simulation, ledger, .. } = self;
+        simulation.perform_due(&mut |before, after| ledger.changed(before, after));
         if self.method.is_explicit() {
             self.keep_pace();
         }
@@ -166,90 +146,4 @@ impl Run {
         change(&mut self.simulation);
         self.ledger.changed(before, self.simulation.energies());
     }
-
-    /// Does what takes no time, and begins what does.
-    fn begin(&mut self, deed: Deed) -> Result<(), SceneError> {
-        match deed {
-            Deed::Grab(point) => {
-                let x = &self.simulation.state().x;
-                if let Some(vertex) = nearest_vertex(x, point.get()) {
-                    let target = [x[2 * vertex], x[2 * vertex + 1]];
-                    self.change(|simulation| simulation.set_grab(Some(Grab { vertex, target })));
-                }
-            }
-            Deed::Release => self.change(|simulation| simulation.set_grab(None)),
-            Deed::Pull { over, .. } | Deed::Turn { over, .. } => self.doing.push((frame(over).max(1), deed)),
-            Deed::FlipGravity => {
-                for listed in &mut self.level.effects {
-                    if let EffectKind::Gravity(gravity) = &mut listed.effect {
-                        let turned = |value: Gravity| Gravity::new(-value.get()).unwrap_or(value);
-                        (gravity.down, gravity.right) = (turned(gravity.down), turned(gravity.right));
-                    }
-                }
-                self.rebuild()?;
-            }
-            Deed::Free => {
-                self.level.bodies.iter_mut().for_each(|body| body.pins.clear());
-                self.level.nets.iter_mut().for_each(|net| net.pins.clear());
-                self.rebuild()?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Makes the scene of the level as it is now; what moves stays.
-    fn rebuild(&mut self) -> Result<(), SceneError> {
-        let scene = Scene::build(&self.level, self.level.mode, &NoFiles, Some(self.simulation.scene()))?;
-        let scene = Scene { step: self.simulation.scene().step, ..scene };
-        self.change(|simulation| simulation.replace_scene(scene));
-        Ok(())
-    }
-
-    /// Does a frame's part of everything that takes time.
-    fn go_on(&mut self) {
-        for (left, deed) in std::mem::take(&mut self.doing) {
-            let share = 1.0 / left as f64;
-            match deed {
-                Deed::Pull { to, .. } => {
-                    if let Some(Grab { vertex, target }) = self.simulation.grab() {
-                        let to = to.get();
-                        let target = [0, 1].map(|axis| target[axis] + share * (to[axis] - target[axis]));
-                        self.change(|simulation| simulation.set_grab(Some(Grab { vertex, target })));
-                    }
-                }
-                Deed::Turn { side, by, over } => {
-                    let angle = by.get().to_radians() / frame(over).max(1) as f64;
-                    let state = turned(&self.simulation, side, angle);
-                    let grab = self.simulation.grab();
-                    self.change(|simulation| {
-                        simulation.set_state(state);
-                        simulation.set_grab(grab);
-                    });
-                }
-                _ => {}
-            }
-            if left > 1 {
-                self.doing.push((left - 1, deed));
-            }
-        }
-    }
-}
-
-/// The state with the pinned vertices of a side of the first body turned about their middle by an angle [rad].
-fn turned(simulation: &Simulation, side: Side, angle: f64) -> State {
-    let (scene, mut state) = (simulation.scene(), simulation.state().clone());
-    let Some(body) = scene.bodies.first() else { return state };
-    let (axis, greatest) = side.across();
-    let (low, high) = extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], axis);
-    let edge = if greatest { high } else { low };
-    let pins = scene.pins.iter().map(|pin| *pin as usize).filter(|pin| body.vertices.contains(pin));
-    let on_edge: Vec<_> = pins.filter(|pin| (scene.rest[2 * pin + axis] - edge).abs() <= 1e-9 * (high - low)).collect();
-    let count = on_edge.len() as f64;
-    let [cx, cy] = [0, 1].map(|axis| on_edge.iter().map(|pin| state.x[2 * pin + axis]).sum::<f64>() / count);
-    let (c, s) = (libm::cos(angle), libm::sin(angle));
-    for pin in on_edge {
-        let (x, y) = (state.x[2 * pin] - cx, state.x[2 * pin + 1] - cy);
-        (state.x[2 * pin], state.x[2 * pin + 1]) = (cx + c * x - s * y, cy + s * x + c * y);
-    }
-    state
 }

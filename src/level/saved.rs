@@ -21,6 +21,9 @@ pub struct SavedState {
     /// How calm each body and then each net has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,
+    /// The vertex that a scripted action pulls, by its place in the positions, and the point that it is pulled to [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pulled: Option<(u32, Point)>,
     /// What the guard knew, if the run was guarded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guard: Option<SavedGuard>,

@@ -30,12 +30,27 @@ pub enum MeshError {
         last: usize,
     },
     /// A triangle has no area, or next to none.
-    #[error("triangle {triangle} ({}, {}, {}) has no area; remove it or move its corners apart", corners[0], corners[1], corners[2])]
+    #[error("triangle {triangle} ({}, {}, {}) has no area, or next to none; remove it or move its corners apart", corners[0], corners[1], corners[2])]
     NoArea {
         /// The triangle.
         triangle: usize,
         /// Its vertices.
         corners: [usize; 3],
+    },
+    /// Two corners of a triangle are nearly at the same place.
+    #[error(
+        "vertices {} and {} of triangle {triangle} are {distance:.1e} m apart, far below the size of the mesh; give both the same number \
+         and take out what is left without an area, or move them apart",
+        vertices[0],
+        vertices[1]
+    )]
+    Near {
+        /// The triangle.
+        triangle: usize,
+        /// The two vertices.
+        vertices: [usize; 2],
+        /// How far they are apart [m].
+        distance: f64,
     },
     /// More than two triangles meet at an edge.
     #[error("{count} triangles share the edge from vertex {from} to vertex {to}; at most two can lie side by side")]

@@ -2,8 +2,15 @@
 
 use super::{Fan, Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, fans::fans, topology::Topology};
 
-/// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
-const FLATTEST: f64 = 1e-12;
+/// Smallest area of a triangle, as a share of its longest side squared. Below it steps would have to be a million times as short as those
+/// of a good triangle, and F is lost in round-off.
+const FLATTEST: f64 = 1e-6;
+
+/// Points nearer than this share of the size of a shape are taken for one point that was written twice.
+pub(crate) const NEAR: f64 = 2e-5;
+
+/// Greatest ratio of the sides of a triangle whose shortest side may be taken for one point that was written twice.
+const NEEDLE: f64 = 0.01;
 
 /// A triangle mesh in its rest shape. What [`Mesh::new`] lets through has finite points, counter-clockwise triangles with
 /// an area, at most two of them at an edge and one row of them around every vertex, and no vertex without a triangle.
@@ -205,6 +212,7 @@ fn wind(base: usize, points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<
     if triangles.len() > MOST_TRIANGLES {
         return Err(MeshError::TooMany(triangles.len()));
     }
+    let size = size(points);
     let mut turned = 0;
     for (triangle, corners) in triangles.iter_mut().enumerate() {
         if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= points.len()) {
@@ -213,7 +221,14 @@ fn wind(base: usize, points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<
         }
         let [a, b, c] = corners.map(|vertex| points[vertex as usize]);
         let signed = area([a, b, c]);
-        let longest = [[a, b], [b, c], [c, a]].map(|[p, q]| squared_distance(p, q)).into_iter().fold(0.0, f64::max);
+        let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| squared_distance(p, q));
+        let longest = sides.into_iter().fold(0.0, f64::max);
+        let least = if sides[0] <= sides[1].min(sides[2]) { 0 } else { 1 + usize::from(sides[2] < sides[1]) };
+        let vertices = [corners[least], corners[(least + 1) % 3]].map(|vertex| vertex as usize + base);
+        let limit = (NEAR * size).min(NEEDLE * longest.sqrt());
+        if sides[least] < limit * limit && vertices[0] != vertices[1] {
+            return Err(MeshError::Near { triangle, vertices, distance: sides[least].sqrt() });
+        }
         // Written so that an overflow to infinity or to no number counts as flat too.
         let solid = signed.abs() > FLATTEST * longest && signed.is_finite() && longest.is_finite();
         if !solid {
@@ -241,23 +256,36 @@ fn check_used(base: usize, vertices: usize, triangles: &[[u32; 3]]) -> Result<()
     }
 }
 
-/// A sentence about vertices at exactly the same place, which leave a crack between triangles that seem to touch.
+/// The greater side of the smallest box that holds the points [m].
+pub(super) fn size(points: &[[f64; 2]]) -> f64 {
+    let [low, high] = bounds(points);
+    (high[0] - low[0]).max(high[1] - low[1])
+}
+
+/// A sentence about vertices at the same place, within [`NEAR`], which leave a crack between triangles that seem to touch.
 fn coincident(base: usize, points: &[[f64; 2]]) -> Option<String> {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    // Adding zero makes -0.0 and 0.0 the same place.
-    let place = |vertex: usize| points[vertex].map(|coordinate| coordinate + 0.0);
-    order.sort_unstable_by(|&a, &b| {
-        let ([ax, ay], [bx, by]) = (place(a), place(b));
-        ax.total_cmp(&bx).then(ay.total_cmp(&by)).then(a.cmp(&b))
-    });
-    let mut pairs = order.windows(2).filter(|pair| place(pair[0]) == place(pair[1]));
-    let first = pairs.next()?;
-    let count = 1 + pairs.count();
+    let near = NEAR * size(points);
+    let close = |a: usize, b: usize| (0..2).all(|axis| (points[a][axis] - points[b][axis]).abs() <= near);
+    let mut pairs = Vec::new();
+    // Columns as wide as what is near, and again with their limits moved by half: any two near points share a column once.
+    for shift in [0.0, 0.5] {
+        let column = |vertex: usize| if near > 0.0 { (points[vertex][0] / near + shift).floor() } else { 0.0 };
+        let mut order: Vec<(f64, usize)> = (0..points.len()).map(|vertex| (column(vertex), vertex)).collect();
+        order.sort_unstable_by(|a, b| {
+            a.0.total_cmp(&b.0).then(points[a.1][1].total_cmp(&points[b.1][1])).then(a.1.cmp(&b.1))
+        });
+        let neighbours = order.windows(2).map(|pair| (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1)));
+        pairs.extend(neighbours.filter(|&(a, b)| close(a, b)));
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let (first, second) = *pairs.first()?;
     Some(format!(
-        "vertices {} and {} lie at the same place ({count} such in all): the mesh is open there; give both triangles the \
-         same vertex if it should hold together",
-        first[0] + base,
-        first[1] + base
+        "vertices {} and {} lie at the same place ({} such in all): the mesh is open there; give both triangles the same vertex if it \
+         should hold together",
+        first + base,
+        second + base,
+        pairs.len()
     ))
 }
 

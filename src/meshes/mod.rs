@@ -8,6 +8,7 @@ mod delaunay;
 mod disk;
 mod error;
 mod fans;
+mod flatness;
 mod gingerbread;
 mod gingerbread_icing;
 mod gingerbread_shape;
@@ -32,13 +33,16 @@ pub use gingerbread::Gingerbread;
 pub use icing::{Embedded, IcingColor, Stroke};
 pub use locate::Locator;
 pub use mesh::Mesh;
+pub(crate) use mesh::NEAR;
 pub use numbering::Numbering;
 pub use obj::Obj;
 pub use outline::Outline;
 pub use points::Points;
+pub(crate) use polygon::merged;
 pub use rectangle::{Diagonals, Rectangle};
 
 use crate::{quantity::Quantity, registry::registry};
+use std::path::{Path, PathBuf};
 
 registry! {
     /// Where a body's triangles come from.
@@ -61,7 +65,7 @@ pub trait MeshSource {
     fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError>;
 
     /// The path of the file it names, if it does.
-    fn path_mut(&mut self) -> Option<&mut String> {
+    fn path_mut(&mut self) -> Option<&mut PathBuf> {
         None
     }
 
@@ -77,14 +81,14 @@ pub trait Files {
     ///
     /// # Errors
     /// A sentence that says why there is none.
-    fn read(&self, path: &str) -> Result<String, String>;
+    fn read(&self, path: &Path) -> Result<String, String>;
 }
 
 /// No files at all.
 pub struct NoFiles;
 
 impl Files for NoFiles {
-    fn read(&self, _: &str) -> Result<String, String> {
+    fn read(&self, _: &Path) -> Result<String, String> {
         Err("files cannot be read here".to_owned())
     }
 }

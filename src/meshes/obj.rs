@@ -1,61 +1,85 @@
 //! Wavefront OBJ files: the lines `v x y z` and `f a b c ...`; everything else in them is passed over.
 //! Format: "Object Files (.obj)", Wavefront Technologies, appendix B1 of the Advanced Visualizer manual.
+//!
+//! A reader of our own, because errors name the line, faces with a dent are cut inside it and a face may stand before its vertices: the
+//! crate tobj 4.0 keeps no line numbers and cuts faces into fans.
 
-use super::{Files, Mesh, MeshError, MeshSource, error::MOST_TRIANGLES, polygon};
+use super::{Files, Mesh, MeshError, MeshSource, error::MOST_TRIANGLES, flatness, polygon};
+use crate::text;
+use std::path::{Path, PathBuf};
 
-/// How far z may vary in a flat file, as a share of the size of the mesh.
-const FLATNESS: f64 = 1e-9;
-
-/// A mesh from a Wavefront OBJ file that lies in the plane. Faces with more than three corners are cut into triangles.
+/// A mesh from a Wavefront OBJ file that lies in a plane: x-y, x-z or y-z. Faces with more than three corners are cut into triangles.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Obj {
     /// Where the file is, as seen from the level.
-    pub path: String,
+    pub path: PathBuf,
 }
 
 impl Default for Obj {
     fn default() -> Self {
-        Self { path: "woody.obj".to_owned() }
+        Self { path: "woody.obj".into() }
     }
 }
 
 impl MeshSource for Obj {
     fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError> {
-        let text = files.read(&self.path).map_err(|reason| MeshError::File { path: self.path.clone(), reason })?;
+        let path = || self.path.display().to_string();
+        let text = files.read(&self.path).map_err(|reason| MeshError::File { path: path(), reason })?;
         let mut reader = Reader::default();
-        for (index, line) in text.lines().enumerate() {
-            reader.line(index + 1, line).map_err(|reason| MeshError::Line {
-                path: self.path.clone(),
-                line: index + 1,
-                reason,
-            })?;
+        for (number, line) in joined(&text::normalised(&text)) {
+            reader.line(number, &line).map_err(|reason| MeshError::Line { path: path(), line: number, reason })?;
         }
         reader.finish(&self.path)
     }
 
-    fn path_mut(&mut self) -> Option<&mut String> {
+    fn path_mut(&mut self) -> Option<&mut PathBuf> {
         Some(&mut self.path)
     }
+}
+
+/// The lines of a file without comments, each with its number from 1. A `\` at the end of one joins the next to it.
+fn joined(text: &str) -> impl Iterator<Item = (usize, String)> {
+    let mut lines = text.lines().zip(1..);
+    std::iter::from_fn(move || {
+        let (line, number) = lines.next()?;
+        let mut whole = uncommented(line).to_owned();
+        while whole.trim_end().ends_with('\\') {
+            whole.truncate(whole.trim_end().len() - 1);
+            let Some((next, _)) = lines.next() else { break };
+            whole.push(' ');
+            whole += uncommented(next);
+        }
+        Some((number, whole))
+    })
+}
+
+fn uncommented(line: &str) -> &str {
+    line.split('#').next().unwrap_or_default()
 }
 
 /// What has been read so far. Line numbers count from 1.
 #[derive(Default)]
 struct Reader {
-    points: Vec<[f64; 2]>,
+    points: Vec<[f64; 3]>,
     point_lines: Vec<usize>,
-    heights: Vec<f64>,
-    triangles: Vec<[u32; 3]>,
-    triangle_lines: Vec<usize>,
+    faces: Vec<Face>,
+}
+
+/// A face: its line, and its corners as they are counted: from 1, or backwards from -1, the latest of those before its line.
+struct Face {
+    line: usize,
+    corners: Vec<i64>,
+    points_before: usize,
 }
 
 impl Reader {
     /// Reads one line; an error is its reason.
     fn line(&mut self, number: usize, line: &str) -> Result<(), String> {
-        let mut words = line.split('#').next().unwrap_or_default().split_whitespace();
+        let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => self.vertex(number, words),
-            Some("f") => self.face(number, words),
+            Some("f" | "fo") => self.face(number, words),
             _ => Ok(()),
         }
     }
@@ -65,77 +89,100 @@ impl Reader {
         let mut place = [0.0; 3];
         let mut given = 0;
         for (coordinate, word) in place.iter_mut().zip(words) {
-            *coordinate = word
-                .parse()
-                .ok()
-                .filter(|value: &f64| value.is_finite())
-                .ok_or_else(|| format!("expected `v x y z` with finite numbers, got `{}`", short(word)))?;
+            *coordinate = word.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
+                let point = word.replace(',', ".");
+                let remedy = match point.parse::<f64>() {
+                    Ok(_) if word.contains(',') => format!("; write `{point}`, with a decimal point"),
+                    _ => String::new(),
+                };
+                format!("expected `v x y z` with finite numbers, got `{}`{remedy}", short(word))
+            })?;
             given += 1;
         }
         if given < 2 {
             return Err(format!("expected `v x y z`, got {given} of the numbers"));
         }
-        self.points.push([place[0], place[1]]);
-        self.heights.push(place[2]);
+        self.points.push(place);
         self.point_lines.push(number);
         Ok(())
     }
 
     /// `f a b c ...`, each corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn face<'a>(&mut self, number: usize, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
-        let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<u32>, String>>()?;
+    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let corner = |word: &str| {
+            let number = word.split('/').next().unwrap_or_default().parse();
+            number.map_err(|_| format!("expected a vertex number such as `7`, `7/1` or `-1`, got `{}`", short(word)))
+        };
+        let corners = words.map(corner).collect::<Result<Vec<i64>, String>>()?;
         if corners.len() < 3 {
             return Err(format!("expected `f a b c` with at least 3 corners, got {}", corners.len()));
         }
-        let places: Vec<_> = corners.iter().map(|&corner| self.points[corner as usize]).collect();
-        let triangles = polygon::cut(&places)
-            .ok_or("expected a face whose sides do not cross, with at most 200 corners; cut it into triangles")?;
-        if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
-            return Err(format!("expected at most {MOST_TRIANGLES} triangles in all; use a coarser mesh"));
-        }
-        self.triangle_lines.extend(triangles.iter().map(|_| number));
-        self.triangles.extend(triangles.iter().map(|triangle| triangle.map(|index| corners[index])));
+        self.faces.push(Face { line, corners, points_before: self.points.len() });
         Ok(())
     }
 
-    /// The vertex a corner names: counted from 1, or backwards from -1, the latest.
-    fn corner(&self, word: &str) -> Result<u32, String> {
-        let number: i64 = word
-            .split('/')
-            .next()
-            .unwrap_or_default()
-            .parse()
-            .map_err(|_| format!("expected a vertex number such as `7`, `7/1` or `-1`, got `{}`", short(word)))?;
+    /// The vertices of a face, from 0. A vertex that is repeated at once, as at the end of a closed ring, counts once.
+    fn corners(&self, face: &Face) -> Result<Vec<u32>, String> {
         let count = self.points.len();
-        let steps = usize::try_from(number.unsigned_abs()).unwrap_or(usize::MAX);
-        let index = if number < 0 { count.checked_sub(steps) } else { steps.checked_sub(1) };
-        index.filter(|&index| index < count).and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
-            format!("vertex {number} is not there; expected 1 to {count}, or -1 to -{count}, of the `v` lines above")
-        })
+        let vertex = |&number: &i64| {
+            let steps = usize::try_from(number.unsigned_abs()).unwrap_or(usize::MAX);
+            let index = if number < 0 { face.points_before.checked_sub(steps) } else { steps.checked_sub(1) };
+            index.filter(|&index| index < count).and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
+                let back = match face.points_before {
+                    0 => String::new(),
+                    before => format!(", or -1 to -{before} for the `v` lines above"),
+                };
+                format!("vertex {number} is not there; expected 1 to {count}{back}")
+            })
+        };
+        let mut corners = face.corners.iter().map(vertex).collect::<Result<Vec<u32>, String>>()?;
+        if corners.len() > 3 {
+            corners.dedup();
+            if corners.len() > 3 && corners.first() == corners.last() {
+                corners.pop();
+            }
+        }
+        Ok(corners)
     }
 
     /// Checks the whole.
-    fn finish(self, path: &str) -> Result<Mesh, MeshError> {
-        let size = super::mesh::bounds(&self.points);
-        let limit = FLATNESS * (size[1][0] - size[0][0]).max(size[1][1] - size[0][1]);
-        if let Some(index) = self.heights.iter().position(|z| (z - self.heights[0]).abs() > limit) {
-            let (z, first) = (self.heights[index], self.heights[0]);
-            let reason = format!("z is {z}, but {first} before; expected a flat mesh with the same z everywhere");
-            return Err(MeshError::Line { path: path.to_owned(), line: self.point_lines[index], reason });
+    fn finish(self, path: &Path) -> Result<Mesh, MeshError> {
+        let name = || path.display().to_string();
+        let fail = |line: usize, reason: String| MeshError::Line { path: name(), line, reason };
+        let faces =
+            self.faces.iter().map(|face| Ok((face.line, self.corners(face).map_err(|why| fail(face.line, why))?)));
+        let faces = faces.collect::<Result<Vec<_>, MeshError>>()?;
+        let flat = flatness::flat(&self.points, faces.iter().map(|(_, corners)| &corners[..]));
+        let flat = flat.map_err(|(vertex, reason)| fail(self.point_lines[vertex], reason))?;
+        let (mut triangles, mut triangle_lines) = (Vec::new(), Vec::new());
+        for (line, corners) in faces {
+            let places: Vec<_> = corners.iter().map(|&corner| flat.points[corner as usize]).collect();
+            let cut = polygon::cut(&places).ok_or_else(|| {
+                let reason =
+                    "expected a face whose sides do not cross, with at most 200 corners; cut it into triangles";
+                fail(line, reason.to_owned())
+            })?;
+            if triangles.len() + cut.len() > MOST_TRIANGLES {
+                let reason = format!("expected at most {MOST_TRIANGLES} triangles in all; use a coarser mesh");
+                return Err(fail(line, reason));
+            }
+            triangle_lines.extend(cut.iter().map(|_| line));
+            triangles.extend(cut.iter().map(|triangle| triangle.map(|index| corners[index])));
         }
-        let (point_lines, triangle_lines) = (self.point_lines, self.triangle_lines);
-        Mesh::counted_from(1, self.points, self.triangles).map_err(|error| {
+        let point_lines = self.point_lines;
+        let mesh = Mesh::counted_from(1, flat.points, triangles).map_err(|error| {
             let line = match error {
                 MeshError::Unused { vertex, .. } | MeshError::BowTie { vertex } => point_lines.get(vertex - 1),
-                MeshError::NoArea { triangle, .. } => triangle_lines.get(triangle),
+                MeshError::NoArea { triangle, .. } | MeshError::Near { triangle, .. } => triangle_lines.get(triangle),
                 _ => None,
             };
-            let (path, reason) = (path.to_owned(), error.to_string());
+            let reason = error.to_string();
             match line {
-                Some(&line) => MeshError::Line { path, line, reason },
-                None => MeshError::File { path, reason },
+                Some(&line) => fail(line, reason),
+                None => MeshError::File { path: name(), reason },
             }
-        })
+        })?;
+        Ok(flat.messages.into_iter().fold(mesh, Mesh::with_message))
     }
 }
 

@@ -1,24 +1,40 @@
 //! Any simple outline, filled with triangles.
 
-use super::{Files, Mesh, MeshError, MeshSource, Whole, mesh::squared_distance, ordering, polygon, triangulate};
-use crate::quantity::{Coordinate, Point, Quantity, Triangles};
+use super::{
+    Files, Mesh, MeshError, MeshSource, Whole,
+    mesh::{NEAR, size, squared_distance},
+    ordering, polygon, triangulate,
+};
+use crate::quantity::{Coordinate, Point, Quantity, Tolerance, Triangles};
 
 /// Cosine of the turn above which a point of the outline is a corner: 20 degrees.
 const CORNER: f64 = 0.939_692_620_785_908_4;
+
+/// Points nearer than this share of the triangles' side are taken for one.
+const SAME: f64 = 1e-3;
+
+/// Ratio of triangles made to triangles asked for from which on a simpler outline is offered.
+const FAR_MORE: f64 = 1.25;
 
 /// Most points along an outline. Compact ones stay far below, and the triangulation of long thin ones takes very long.
 const MOST_ALONG: f64 = 10_000.0;
 
 /// The inside of a polygon, in about `resolution` triangles. Corners stay sharp; a run of sides shorter than the
 /// triangles is taken for a curve. No angle is below 25 degrees unless the polygon itself has corners that sharp.
+///
+/// A point counts as the one before it if it is nearer than a thousandth of the triangles' side or 2e-5 of the outline's size. The first
+/// point may be repeated at the end, as GeoJSON and WKT have it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
-    /// The corners in order, in either direction, the first not repeated [m].
+    /// The corners in order, in either direction [m].
     pub points: Vec<Point>,
     /// Number of triangles to aim for.
     #[serde(default = "thousand")]
     pub resolution: Whole<Triangles>,
+    /// How far the outline may be moved to do with fewer points [m]; not at all if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simplify: Option<Tolerance>,
 }
 
 /// A thousand triangles.
@@ -41,24 +57,38 @@ impl Default for Outline {
             (0.55, 0.14),
         ];
         let left = right.iter().rev().take(right.len() - 1).map(|&(x, y)| at(1.0 - x, y));
-        Self { points: right.iter().map(|&(x, y)| at(x, y)).chain(left).collect(), resolution: thousand() }
+        Self {
+            points: right.iter().map(|&(x, y)| at(x, y)).chain(left).collect(),
+            resolution: thousand(),
+            simplify: None,
+        }
     }
 }
 
 impl MeshSource for Outline {
     fn build(&self, _: &dyn Files) -> Result<Mesh, MeshError> {
-        let mut corners: Vec<[f64; 2]> = self.points.iter().map(|point| point.get()).collect();
+        let given: Vec<[f64; 2]> = self.points.iter().map(|point| point.get()).collect();
+        let target = f64::from(self.resolution.count());
+        let (kept, mut messages) = apart(&given, target);
+        let mut corners: Vec<_> = kept.iter().map(|&number| given[number]).collect();
         if corners.len() < 3 {
             return Err(MeshError::Recipe(format!("an outline needs at least 3 points, got {}", corners.len())));
         }
         if let Some((first, second)) = polygon::crossing(&corners) {
-            return Err(MeshError::Crossing { first, second });
+            return Err(MeshError::Crossing { first: kept[first], second: kept[second] });
+        }
+        if let Some(tolerance) = self.simplify {
+            let before = corners.len();
+            corners = polygon::simplified(&corners, tolerance.get());
+            messages.push(format!(
+                "{} of the outline's {before} points are left out to simplify it",
+                before - corners.len()
+            ));
         }
         if polygon::signed_area(&corners) < 0.0 {
             corners.reverse();
         }
         let area = polygon::signed_area(&corners);
-        let target = f64::from(self.resolution.count());
         // n points along the edge make at least n - 2 triangles. Refused here, before they fill the memory.
         let along = polygon::perimeter(&corners) / triangulate::edge_length(area / target);
         if along > target.min(MOST_ALONG) {
@@ -68,18 +98,89 @@ impl MeshSource for Outline {
         }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
         let (points, triangles) = ordering::by_place(&points, &triangles);
-        let mesh = Mesh::new(points, triangles)?;
+        let mesh = Mesh::new(points.clone(), triangles).map_err(|error| named(error, &points, &given))?;
         let angle = mesh.min_angle();
         if angle < triangulate::GOOD_ANGLE {
-            let message = format!("the outline's sharp corners leave triangles with an angle of {angle:.1}°");
-            return Ok(mesh.with_message(message));
+            messages.push(format!("the outline's sharp corners leave triangles with an angle of {angle:.1}°"));
         }
-        Ok(mesh)
+        if mesh.triangles().len() as f64 > FAR_MORE * target {
+            messages.extend(simpler(&corners, target, mesh.triangles().len()));
+        }
+        Ok(messages.into_iter().fold(mesh, Mesh::with_message))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
-        vec![&mut self.resolution]
+        let simplify = self.simplify.iter_mut().map(|tolerance| tolerance as &mut dyn Quantity);
+        std::iter::once(&mut self.resolution as &mut dyn Quantity).chain(simplify).collect()
     }
+}
+
+/// The numbers of the points that are not at the place of the one before, and a sentence on how many are.
+fn apart(given: &[[f64; 2]], target: f64) -> (Vec<usize>, Vec<String>) {
+    let open = match given {
+        [first, .., last] if first == last => &given[..given.len() - 1],
+        _ => given,
+    };
+    let edge = triangulate::edge_length(polygon::signed_area(open).abs() / target);
+    let near = (SAME * edge).max(NEAR * size(open));
+    let kept = polygon::merged(open, near);
+    let messages = match open.len() - kept.len() {
+        0 => Vec::new(),
+        1 => vec![format!(
+            "1 of the outline's points is nearer than {near:.1e} m to the one before and is merged with it"
+        )],
+        count => vec![format!(
+            "{count} of the outline's points are nearer than {near:.1e} m to the one before and are merged with it"
+        )],
+    };
+    (kept, messages)
+}
+
+/// An error of the mesh, told of the points of the outline where it is theirs.
+fn named(error: MeshError, points: &[[f64; 2]], given: &[[f64; 2]]) -> MeshError {
+    let pair = match error {
+        MeshError::Near { vertices, .. } => vertices,
+        MeshError::NoArea { corners: [a, b, c], .. } => {
+            let square = |pair: &[usize; 2]| squared_distance(points[pair[0]], points[pair[1]]);
+            let pairs = [[a, b], [b, c], [c, a]];
+            pairs.into_iter().min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or([a, b])
+        }
+        other => return other,
+    };
+    let nearest = |point: [f64; 2], other: usize| {
+        let square = |number: &usize| squared_distance(given[*number], point);
+        let numbers = (0..given.len()).filter(|number| *number != other);
+        numbers.min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(0)
+    };
+    let first = nearest(points[pair[0]], usize::MAX);
+    let second = nearest(points[pair[1]], first);
+    let distance = squared_distance(given[first], given[second]).sqrt();
+    MeshError::Recipe(format!(
+        "the outline nearly touches itself between point {} and point {}, {distance:.1e} m apart: triangles there have no area; move them \
+         apart, or make two bodies of it",
+        first.min(second),
+        first.max(second)
+    ))
+}
+
+/// A sentence on what an outline of many points costs, and with which tolerance it would cost about what was asked for.
+fn simpler(corners: &[[f64; 2]], target: f64, triangles: usize) -> Option<String> {
+    let edge = triangulate::edge_length(polygon::signed_area(corners).abs() / target);
+    // Corners this near to each other cost more than they show.
+    let start = libm::floor(libm::log10(0.02 * edge)) as i32;
+    let steps =
+        (start..start + 3).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * libm::pow(10.0, f64::from(power))));
+    let tried = steps.filter(|tolerance| *tolerance < 0.1 * size(corners)).find_map(|tolerance| {
+        let fewer = polygon::simplified(corners, tolerance);
+        let (_, made) = triangulate::fill(target, polygon::signed_area(&fewer), &|edge| sampled(&fewer, edge)).ok()?;
+        (made.len() as f64 <= FAR_MORE * target).then_some((tolerance, fewer.len(), made.len()))
+    });
+    let (tolerance, points, count) = tried?;
+    Some(format!(
+        "the outline's {} points take {triangles} triangles where {target} were asked for, as the mesh keeps its corners; with \
+         `simplify: {tolerance}` in the outline, which moves it by up to so many metres, {points} points and {count} triangles are left",
+        corners.len()
+    ))
 }
 
 /// Points along the outline about one edge length [m] apart, its corners among them.

@@ -1,6 +1,6 @@
 //! Plane polygons: whether they are simple, what lies inside them, how to cut small ones and how to space points along.
 
-use super::mesh::{area, bounds, squared_distance};
+use super::mesh::{area, bounds, squared_distance, squared_distance_to_side};
 
 /// Most corners of a polygon that [`cut`] takes: its time may grow with their cube.
 const MOST_CORNERS: usize = 200;
@@ -8,6 +8,64 @@ const MOST_CORNERS: usize = 200;
 /// Pairs of neighbours, the last with the first: the sides of a polygon.
 pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + Clone {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(&from, &to)| [from, to])
+}
+
+/// The numbers of the corners that are left if each that is nearer than `near` [m] to the one kept before it, or to the first, is left out.
+pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
+    let apart = |a: usize, b: usize| squared_distance(corners[a], corners[b]) > near * near;
+    let mut kept: Vec<usize> = Vec::new();
+    for corner in 0..corners.len() {
+        if kept.last().is_none_or(|&last| apart(last, corner)) {
+            kept.push(corner);
+        }
+    }
+    while kept.len() > 1 && !apart(kept[0], kept[kept.len() - 1]) {
+        kept.pop();
+    }
+    kept
+}
+
+/// The corners of a polygon that are left if none of those left out was farther than `tolerance` [m] from the sides that remain (Ramer,
+/// "An iterative procedure for the polygonal approximation of plane curves", 1972; Douglas and Peucker, 1973). Where sides would cross
+/// the tolerance is halved until they do not.
+pub(super) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+    let mut tolerance = tolerance;
+    for _ in 0..MOST_HALVINGS {
+        let kept = within(corners, tolerance);
+        if kept.len() >= 3 && crossing(&kept).is_none() {
+            return kept;
+        }
+        tolerance *= 0.5;
+    }
+    corners.to_vec()
+}
+
+/// How often a tolerance is halved.
+const MOST_HALVINGS: usize = 20;
+
+/// One round of [`simplified`]: begins with two corners that are far apart, and splits every run at its farthest corner.
+fn within(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+    let count = corners.len();
+    let at = |corner: usize| corners[corner % count];
+    let farthest = |from: [f64; 2]| {
+        let square = |corner: &usize| squared_distance(from, corners[*corner]);
+        (0..count).max_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(0)
+    };
+    let first = farthest(at(0));
+    let second = farthest(at(first));
+    let (first, second) = (first.min(second), first.max(second));
+    let mut keep = vec![false; count];
+    (keep[first], keep[second]) = (true, true);
+    let mut runs = vec![[first, second], [second, first + count]];
+    while let Some([from, to]) = runs.pop() {
+        let square = |corner: &usize| squared_distance_to_side(at(from), at(to), at(*corner));
+        let worst = (from + 1..to).max_by(|a, b| square(a).total_cmp(&square(b)));
+        if let Some(worst) = worst.filter(|worst| square(worst) > tolerance * tolerance) {
+            keep[worst % count] = true;
+            runs.extend([[from, worst], [worst, to]]);
+        }
+    }
+    corners.iter().zip(keep).filter(|(_, keep)| *keep).map(|(corner, _)| *corner).collect()
 }
 
 /// Signed area of a polygon [m²], positive counter-clockwise.

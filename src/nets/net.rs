@@ -1,6 +1,6 @@
 //! Particles and springs, and what can be wrong with them.
 
-use crate::meshes::Numbering;
+use crate::meshes::{NEAR, Numbering};
 
 /// Particles at their start, and the springs between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,6 +136,30 @@ impl Net {
     /// Where the particles start [m].
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
+    }
+
+    /// What the user should know about the net although it can be used.
+    pub fn messages(&self) -> Vec<String> {
+        let size = [0, 1].map(|axis| {
+            let along = self.points.iter().map(|point| point[axis]);
+            let (low, high) =
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)));
+            high - low
+        });
+        let near = NEAR * size[0].max(size[1]);
+        let flat = self.points.as_flattened();
+        // A spring without a rest length pulls two particles together, wherever they are.
+        let short = |link: &&Link| link.length(flat) < near && link.rest > near;
+        let mut short = self.links.iter().filter(short);
+        let Some(first) = short.next() else { return Vec::new() };
+        let [a, b] = first.ends.map(|end| self.numbering.name(end));
+        vec![format!(
+            "particles {a} and {b} are {:.1e} m apart, and the spring between them has a rest length of {} m ({} such in all): its \
+             direction is not sure; merge them or move them apart",
+            first.length(flat),
+            first.rest,
+            1 + short.count()
+        )]
     }
 
     /// The springs.

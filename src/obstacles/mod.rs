@@ -68,6 +68,11 @@ pub trait ObstacleParameters {
     /// A sentence, if the parameters do not make a shape.
     fn build(&self) -> Result<Box<dyn Obstacle>, String>;
 
+    /// What the user should know of its shape.
+    fn notes(&self) -> Option<String> {
+        None
+    }
+
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 

@@ -25,6 +25,10 @@ impl ObstacleParameters for Moving {
         self.obstacle.kind().build()
     }
 
+    fn notes(&self) -> Option<String> {
+        self.obstacle.kind().notes()
+    }
+
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         let own = self.motions.iter_mut().flat_map(|motion| motion.kind_mut().parameters());
         self.obstacle.kind_mut().parameters().into_iter().chain(own).collect()

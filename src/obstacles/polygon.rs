@@ -1,16 +1,22 @@
 use super::{Obstacle, ObstacleParameters, solid::Solid};
-use crate::quantity::{Coordinate, Point, Quantity, Reach};
+use crate::{
+    meshes::merged,
+    quantity::{Coordinate, Point, Quantity, Reach},
+};
 use parry2d::{
     math::Vector,
     shape::{Polyline, PolylineFlags},
 };
 use serde::{Deserialize, Serialize};
 
+/// Corners nearer than this share of the size are at the same place: walls may be very thin.
+const ROUND_OFF: f64 = 1e-12;
+
 /// A solid simple polygon, convex or not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
-    /// Corners in order, either way round [m].
+    /// Corners in order, either way round [m]. One at the place of the one before is passed over, and so is the first repeated at the end.
     pub points: Vec<Point>,
     /// How near a vertex feels it [m].
     pub eps: Reach,
@@ -27,9 +33,20 @@ impl Default for Polygon {
 }
 
 impl Polygon {
+    /// The corners as they are given, those at the place of the one before left out, with the number of each.
+    fn apart(&self) -> Vec<(usize, [f64; 2])> {
+        let given: Vec<_> = self.points.iter().map(|point| point.get()).collect();
+        let extents = [0, 1].map(|axis| {
+            let along = given.iter().map(|point| point[axis]);
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)))
+        });
+        let size = extents.into_iter().map(|(low, high)| high - low).fold(0.0, f64::max);
+        merged(&given, ROUND_OFF * size).into_iter().map(|number| (number, given[number])).collect()
+    }
+
     /// The corners counter-clockwise.
     fn corners(&self) -> Vec<[f64; 2]> {
-        let mut corners: Vec<_> = self.points.iter().map(|point| point.get()).collect();
+        let mut corners: Vec<_> = self.apart().into_iter().map(|(_, corner)| corner).collect();
         if signed_area(&corners) < 0.0 {
             corners.reverse();
         }
@@ -46,8 +63,8 @@ impl ObstacleParameters for Polygon {
         if corners.len() < 3 {
             return Err(format!("a polygon needs three corners or more, got {}", corners.len()));
         }
-        let given: Vec<_> = self.points.iter().map(|point| point.get()).collect();
-        if let Some((i, j)) = crossing(&given) {
+        let (numbers, given): (Vec<_>, Vec<_>) = self.apart().into_iter().unzip();
+        if let Some((i, j)) = crossing(&given).map(|(i, j)| (numbers[i], numbers[j])) {
             return Err(format!("a polygon's sides must not cross: sides {i} and {j} do"));
         }
         if signed_area(&corners) <= 0.0 {
@@ -68,6 +85,14 @@ impl ObstacleParameters for Polygon {
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.eps]
+    }
+
+    fn notes(&self) -> Option<String> {
+        let closed = self.points.len() > 1 && self.points.first() == self.points.last();
+        let merged = self.points.len() - self.apart().len() - usize::from(closed);
+        (merged > 0).then(|| {
+            format!("{merged} of the polygon's corners lie at the place of the one before and are merged with it")
+        })
     }
 
     /// Each corner moves out along its bisector so that both sides end up eps further out.

@@ -60,6 +60,7 @@ impl Scene {
 fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
     let mut messages = Vec::new();
     for (number, EffectLevel { effect, .. }) in listed.iter().enumerate() {
+        messages.extend(effect.kind().notes());
         messages.extend(
             effect
                 .kind()

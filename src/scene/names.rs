@@ -11,6 +11,18 @@ impl Scene {
         Some((owner, numbering.name((vertex - vertices.start) as u32) as usize))
     }
 
+    /// The place of a vertex where the level lists all of them, as in a saved state.
+    pub fn listed_vertex(&self, vertex: usize) -> Option<usize> {
+        let (_, vertices, numbering) = self.owners().find(|(_, vertices, _)| vertices.contains(&vertex))?;
+        Some(vertices.start + numbering.name((vertex - vertices.start) as u32) as usize)
+    }
+
+    /// The vertex at a place where the level lists all of them.
+    pub fn unlisted_vertex(&self, place: usize) -> Option<usize> {
+        let (_, vertices, numbering) = self.owners().find(|(_, vertices, _)| vertices.contains(&place))?;
+        Some(vertices.start + numbering.vertex((place - vertices.start) as u32) as usize)
+    }
+
     /// Positions or velocities of all vertices, flat, as the level lists them.
     pub fn listed<'a>(&self, values: &'a [f64]) -> Cow<'a, [f64]> {
         self.rearranged(values, |[vertex, name]| [vertex, name])

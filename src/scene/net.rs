@@ -30,6 +30,7 @@ impl Scene {
         self.start.v.extend(vertices.clone().flat_map(|_| [vx, vy]));
         self.mass.extend(std::iter::repeat_n(level.mass.get(), 2 * vertices.len()));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
+        self.messages.extend(net.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let springs = Arc::new(Springs::new(&net, vertices.clone()));
         self.nets.push(Net { name: level.name.clone(), vertices, springs, numbering: net.numbering().clone() });
         Ok(())

@@ -4,7 +4,7 @@ use super::{BATCH, Simulation, checkpoint::Checkpoint, stretch::MOST_BETWEEN};
 use crate::{
     effects::Grab,
     guard::Guard,
-    level::SavedState,
+    level::{Level, RunMode, SavedState},
     quantity::{Coordinate, Point, Time},
     scene::{Scene, SceneError},
     state::State,
@@ -43,6 +43,9 @@ impl Restart {
     pub fn read(scene: &Scene, saved: Option<&SavedState>) -> Result<Self, SceneError> {
         let mut restart = Self::from(scene.first_state(saved)?);
         let Some(saved) = saved else { return Ok(restart) };
+        restart.grab = saved.pulled.and_then(|(vertex, target)| {
+            Some(Grab { vertex: scene.unlisted_vertex(vertex as usize)?, target: target.get() })
+        });
         let Some(account) = saved.guard.as_ref().filter(|account| account.state == hash(saved)) else {
             return Ok(restart);
         };
@@ -82,13 +85,15 @@ impl From<State> for Restart {
 }
 
 impl Simulation {
-    /// A scene in the state that its level was saved in, or at the start: it continues as if it had not been saved.
+    /// The scene of a level, built for a mode, in the state that the level was saved in, or at the start: it continues as if it had not
+    /// been saved.
     ///
     /// # Errors
     /// [`SceneError::State`] if what was saved belongs to other meshes.
-    pub fn open(scene: Scene, saved: Option<&SavedState>) -> Result<Self, SceneError> {
-        let restart = Restart::read(&scene, saved)?;
+    pub fn open(scene: Scene, level: &Level, mode: RunMode) -> Result<Self, SceneError> {
+        let restart = Restart::read(&scene, level.state.as_ref())?;
         let mut simulation = Self::new(scene, State::default());
+        simulation.follow(level, mode);
         simulation.resume(&restart);
         Ok(simulation)
     }
@@ -124,7 +129,8 @@ impl Simulation {
     /// Continues from a moment of this scene; a fault is forgotten.
     pub fn resume(&mut self, from: &Restart) {
         self.set_state(from.state.clone());
-        (self.grab, self.guard) = (from.grab, from.guard.clone());
+        // Where nothing is known to be pulled, what scripted actions pull at this time is.
+        (self.grab, self.guard) = (from.grab.or(self.grab), from.guard.clone());
         let mut both = from.checkpoints.iter().map(|earlier| {
             let Earlier { state, guard, .. } = earlier.clone();
             Checkpoint::new(state, guard, (self.scratch.counts, &self.scratch.costs))
@@ -140,14 +146,15 @@ impl Simulation {
         }
     }
 
-    /// The present moment as a level file holds it, with nothing pulled; `None` if it is not finite.
+    /// The present moment as a level file holds it, with nothing pulled but by scripted actions; `None` if it is not finite.
     pub fn saved(&self) -> Option<SavedState> {
         let mut restart = self.restart();
-        if restart.grab.is_some() && self.is_guarded() {
+        if restart.grab.is_some() && !self.is_scripted() && self.is_guarded() {
             restart.guard.changed(self.energies(), self.energies_with(None));
             restart.checkpoints.clear();
         }
         let mut saved = self.saved_state(&restart.state)?;
+        saved.pulled = self.scripted_pull();
         if self.is_guarded() && !restart.guard.is_new() {
             saved.guard = restart.guard.saved(hash(&saved));
             for earlier in &restart.checkpoints {
@@ -174,6 +181,7 @@ impl Simulation {
             velocities: points(&state.v)?,
             calm: state.calm.clone(),
             memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
+            pulled: None,
             guard: None,
             checkpoints: Vec::new(),
             batched: false,

@@ -56,7 +56,7 @@ pub fn level(text: &str) -> Level {
 /// A simulation of a level in its own mode.
 pub fn simulation(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
-    Simulation::open(scene, level.state.as_ref()).unwrap()
+    Simulation::open(scene, level, level.mode).unwrap()
 }
 
 /// A sandbox with a built-in level.

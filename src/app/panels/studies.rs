@@ -118,6 +118,9 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         if ui.button("Measure").on_hover_text(help).clicked() {
             view.wishes.push(wish);
         }
+        if !desk.now.level.acts.is_empty() {
+            ui.label(RichText::new("The scripted actions of this level are not performed in a study.").small().weak());
+        }
     });
 }
 

@@ -30,7 +30,7 @@ pub fn show(ctx: &Context, name: &str, view: &mut View) {
         ui.label(RichText::new("Save the changes?").heading());
         let then = match unsaved.wish {
             FileWish::Close => "If the window closes now, they are lost.",
-            _ => "The level that is opened next takes the place of this one.",
+            _ => "If another level is opened now, they are lost.",
         };
         let name = if name.is_empty() { "This level" } else { name };
         ui.label(format!("{name} has changes that are not saved. {then}"));

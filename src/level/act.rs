@@ -1,0 +1,93 @@
+//! Scripted actions of a level.
+
+use super::Side;
+use crate::quantity::{Angle, Point, Time};
+use serde::{Deserialize, Serialize};
+
+/// A scripted action: something that is done to a scene while it runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Act {
+    /// When, rounded to frames of 1/60 s [s].
+    pub at: Time,
+    /// Again and again after this time, to the end [s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<Time>,
+    /// What.
+    pub act: Deed,
+}
+
+/// What can be done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Deed {
+    /// Takes hold of the vertex nearest to a point [m].
+    Grab(Point),
+    /// Moves the point that the vertex is pulled to, straight and evenly.
+    Pull {
+        /// Where to [m].
+        to: Point,
+        /// In which time [s].
+        over: Time,
+    },
+    /// Lets go.
+    Release,
+    /// Turns gravity around.
+    FlipGravity,
+    /// Turns the pinned vertices of a side of the first body about their middle, evenly.
+    Turn {
+        /// Which side, judged on the rest shape.
+        side: Side,
+        /// By how much [degrees], counter-clockwise.
+        by: Angle,
+        /// In which time [s].
+        over: Time,
+    },
+    /// Frees all vertices.
+    Free,
+}
+
+impl Act {
+    /// Number of frames that it takes, from the one that it begins at.
+    pub fn length(&self) -> u64 {
+        match self.act {
+            Deed::Pull { over, .. } | Deed::Turn { over, .. } => frame(over).max(1),
+            _ => 1,
+        }
+    }
+
+    /// The frames at which it begins and that are among these.
+    pub fn begins(&self, frames: std::ops::RangeInclusive<u64>) -> impl Iterator<Item = u64> {
+        let (first, last) = (frame(self.at), *frames.end());
+        let step = self.every.map_or(u64::MAX, |every| frame(every).max(1));
+        let from = if *frames.start() <= first {
+            Some(first)
+        } else {
+            (*frames.start() - first).div_ceil(step).checked_mul(step).and_then(|after| after.checked_add(first))
+        };
+        std::iter::successors(from, move |begin| begin.checked_add(step)).take_while(move |begin| *begin <= last)
+    }
+
+    /// The frame at which it begins for the first time, or so many times later.
+    pub fn begin(&self, times: u64) -> u64 {
+        let step = self.every.map_or(0, |every| frame(every).max(1));
+        frame(self.at).saturating_add(times.saturating_mul(step))
+    }
+
+    /// How often it has begun by a frame, this one included.
+    pub fn count(&self, last: u64) -> u64 {
+        let step = self.every.map_or(u64::MAX, |every| frame(every).max(1));
+        last.checked_sub(frame(self.at)).map_or(0, |since| since / step + 1)
+    }
+
+    /// The first frame from this one on in which it has something to do.
+    pub fn next(&self, from: u64) -> Option<u64> {
+        let running = self.begins(from.saturating_sub(self.length() - 1)..=from).next();
+        if running.is_some() { Some(from) } else { self.begins(from..=u64::MAX).next() }
+    }
+}
+
+/// A time in frames of 1/60 s.
+pub fn frame(time: Time) -> u64 {
+    (time.get() * 60.0).round() as u64
+}

@@ -1,0 +1,286 @@
+//! Scripted actions: what a level says is done to its scene at which times.
+//!
+//! What has been done at a time follows from the level alone, but for the vertex that is pulled. So a run can be saved, continued and
+//! turned back at any time.
+
+use super::Simulation;
+use crate::{
+    effects::{EffectKind, Grab},
+    level::{Act, Deed, Level, RunMode, Side},
+    meshes::NoFiles,
+    quantity::{Gravity, Point},
+    report::Energies,
+    scene::{Scene, extent, nearest_vertex},
+    state::State,
+};
+
+/// Frames of scripted actions per second.
+const FRAMES: f64 = 60.0;
+
+/// The scripted actions of a level, and how far they have been performed.
+pub(super) struct Script {
+    level: Level,
+    mode: RunMode,
+    /// The first frame whose actions have not been performed.
+    due: u64,
+    /// Whether there are such frames.
+    waits: bool,
+    changes: Changes,
+}
+
+/// What actions so far have changed in the level.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Changes {
+    /// Whether gravity is turned around.
+    flipped: bool,
+    /// Whether all vertices are freed.
+    freed: bool,
+}
+
+impl Script {
+    /// The first frame from this one on in which there is something to do.
+    fn next(&self, from: u64) -> Option<u64> {
+        self.level.acts.iter().filter_map(|act| act.next(from)).min()
+    }
+
+    fn set_due(&mut self, frame: u64) {
+        (self.due, self.waits) = (frame, self.next(frame).is_some());
+    }
+
+    /// What all actions before a frame have changed.
+    fn changes_before(&self, frame: u64) -> Changes {
+        let Some(last) = frame.checked_sub(1) else { return Changes::default() };
+        let count = |act: &Act| act.count(last);
+        let flips = self.level.acts.iter().filter(|act| act.act == Deed::FlipGravity).map(count).sum::<u64>();
+        let freed = self.level.acts.iter().any(|act| act.act == Deed::Free && count(act) > 0);
+        Changes { flipped: flips % 2 == 1, freed }
+    }
+
+    /// Where the vertex was taken hold of that is held by what has been performed, and where it is pulled to [m].
+    fn hold(&self) -> Option<([f64; 2], [f64; 2])> {
+        let last = self.due.checked_sub(1)?;
+        let latest = |act: &Act| act.count(last).checked_sub(1).map(|count| act.begin(count));
+        let holds = self.level.acts.iter().filter(|act| matches!(act.act, Deed::Grab(_) | Deed::Release));
+        let (begun, act) = holds.filter_map(|act| Some((latest(act)?, act))).max_by_key(|(begun, _)| *begun)?;
+        let Deed::Grab(point) = act.act else { return None };
+        let (mut target, mut frame) = (point.get(), begun);
+        while let Some(next) = self.next(frame).filter(|next| *next <= last) {
+            for (left, deed) in self.going_on(next) {
+                if let Deed::Pull { to, .. } = deed {
+                    target = pulled(target, to.get(), left);
+                }
+            }
+            frame = next + 1;
+        }
+        Some((point.get(), target))
+    }
+
+    /// The level with the changes so far.
+    fn changed_level(&self) -> Level {
+        let mut level = self.level.clone();
+        if self.changes.flipped {
+            for listed in &mut level.effects {
+                if let EffectKind::Gravity(gravity) = &mut listed.effect {
+                    let turned = |value: Gravity| Gravity::new(-value.get()).unwrap_or(value);
+                    (gravity.down, gravity.right) = (turned(gravity.down), turned(gravity.right));
+                }
+            }
+        }
+        if self.changes.freed {
+            level.bodies.iter_mut().for_each(|body| body.pins.clear());
+            level.nets.iter_mut().for_each(|net| net.pins.clear());
+        }
+        level
+    }
+
+    /// The actions that go on in a frame, the earlier begun first: each with the number of frames left for it, this one included.
+    fn going_on(&self, frame: u64) -> Vec<(u64, &Deed)> {
+        let mut found = Vec::new();
+        for act in self.level.acts.iter().filter(|act| matches!(act.act, Deed::Pull { .. } | Deed::Turn { .. })) {
+            let length = act.length();
+            let begun = act.begins(frame.saturating_sub(length - 1)..=frame);
+            found.extend(begun.map(|begin| (begin, begin + length - frame, &act.act)));
+        }
+        found.sort_by_key(|(begin, ..)| *begin);
+        found.into_iter().map(|(_, left, deed)| (left, deed)).collect()
+    }
+}
+
+/// Takes the energies before and after a change from outside.
+type Book<'a> = &'a mut dyn FnMut(Energies, Energies);
+
+impl Simulation {
+    /// From now on performs the scripted actions of the level that the scene was built from, in the mode that it was built for. Those of
+    /// earlier times count as performed.
+    pub fn follow(&mut self, level: &Level, mode: RunMode) {
+        self.script = None;
+        if level.acts.is_empty() {
+            return;
+        }
+        let level = Level { state: None, ..level.clone() };
+        self.script = Some(Script { level, mode, due: 0, waits: false, changes: Changes::default() });
+        if self.state.x.len() == self.scene.start.x.len() {
+            self.seek();
+        }
+    }
+
+    /// Whether there are scripted actions, performed or still to come.
+    pub const fn is_scripted(&self) -> bool {
+        self.script.is_some()
+    }
+
+    /// Performs no scripted actions any more.
+    pub fn follow_nothing(&mut self) {
+        self.script = None;
+    }
+
+    /// Whether scripted actions are still to come.
+    pub const fn expects_actions(&self) -> bool {
+        match &self.script {
+            Some(script) => script.waits,
+            None => false,
+        }
+    }
+
+    /// The vertex that is pulled, as the level lists it, and the point that it is pulled to [m], if there are scripted actions.
+    pub fn scripted_pull(&self) -> Option<(u32, Point)> {
+        let Grab { vertex, target } = self.grab.filter(|_| self.script.is_some())?;
+        Some((self.scene.listed_vertex(vertex)? as u32, Point::new(target).ok()?))
+    }
+
+    /// Performs the scripted actions that are due, and tells `book` of the energies before and after each. [`Self::advance`] does so
+    /// by itself.
+    pub fn perform_due(&mut self, book: Book<'_>) {
+        let Some(mut script) = self.script.take() else { return };
+        let frame = self.frame();
+        while let Some(next) = script.next(script.due).filter(|next| *next <= frame) {
+            self.perform(&mut script, next, book);
+            script.due = next + 1;
+        }
+        script.set_due(script.due.max(frame + 1));
+        self.script = Some(script);
+    }
+
+    /// Steps from now to the next scripted action; none if there is none.
+    pub(super) fn steps_to_action(&self) -> Option<u64> {
+        let script = self.script.as_ref()?;
+        let time = script.next(script.due)? as f64 / FRAMES;
+        Some((((time - self.state.time) / self.scene.step - 0.5).ceil() as u64).max(1))
+    }
+
+    /// Counts all actions before the present time as performed, and makes the scene what they have made of it.
+    pub(super) fn seek(&mut self) {
+        let Some(mut script) = self.script.take() else { return };
+        let frame = self.frame();
+        // In the middle of a frame the actions of its beginning have been performed.
+        let begins = (self.state.time * FRAMES - frame as f64).abs() < 0.5 * self.scene.step * FRAMES;
+        script.set_due(if begins { frame } else { frame + 1 });
+        let changes = script.changes_before(script.due);
+        if script.changes != changes {
+            script.changes = changes;
+            // The state is one of the scene that is made, with all that is remembered of it.
+            let state = self.state.clone();
+            self.rebuild(&script);
+            self.state = state;
+        }
+        if self.grab.is_none()
+            && let Some((point, target)) = script.hold()
+            && let Some(vertex) = nearest_vertex(&self.state.x, point)
+        {
+            self.set_grab(Some(Grab { vertex, target }));
+        }
+        self.script = Some(script);
+    }
+
+    /// The frame that the present time is in. A time within half a step of a frame's beginning counts as that.
+    fn frame(&self) -> u64 {
+        ((self.state.time + 0.5 * self.scene.step) * FRAMES).floor() as u64
+    }
+
+    /// Changes something from outside.
+    fn change(&mut self, book: Book<'_>, change: impl FnOnce(&mut Self)) {
+        let before = self.energies();
+        change(self);
+        book(before, self.energies());
+    }
+
+    /// Does a frame's part of all actions: what takes no time in the order of the level, then what goes on.
+    fn perform(&mut self, script: &mut Script, frame: u64, book: Book<'_>) {
+        for number in 0..script.level.acts.len() {
+            let act = &script.level.acts[number];
+            if act.begins(frame..=frame).next().is_none() {
+                continue;
+            }
+            match act.act {
+                Deed::Grab(point) => {
+                    if let Some(vertex) = nearest_vertex(&self.state.x, point.get()) {
+                        let target = [self.state.x[2 * vertex], self.state.x[2 * vertex + 1]];
+                        self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
+                    }
+                }
+                Deed::Release => self.change(book, |own| own.set_grab(None)),
+                Deed::FlipGravity => {
+                    script.changes.flipped ^= true;
+                    self.change(book, |own| own.rebuild(script));
+                }
+                Deed::Free => {
+                    script.changes.freed = true;
+                    self.change(book, |own| own.rebuild(script));
+                }
+                Deed::Pull { .. } | Deed::Turn { .. } => {}
+            }
+        }
+        for (left, deed) in script.going_on(frame) {
+            match *deed {
+                Deed::Pull { to, .. } => {
+                    if let Some(Grab { vertex, target }) = self.grab {
+                        let target = pulled(target, to.get(), left);
+                        self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
+                    }
+                }
+                Deed::Turn { side, by, over } => {
+                    let angle = by.get().to_radians() / crate::level::frame(over).max(1) as f64;
+                    let (state, grab) = (turned(&self.scene, &self.state, side, angle), self.grab);
+                    self.change(book, |own| {
+                        own.set_state(state);
+                        own.set_grab(grab);
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Makes the scene of the level as actions have changed it. What moves and how it is stepped stay.
+    fn rebuild(&mut self, script: &Script) {
+        // The level could be built before, and neither gravity nor freed vertices can make it wrong.
+        let Ok(scene) = Scene::build(&script.changed_level(), script.mode, &NoFiles, Some(&self.scene)) else { return };
+        let Scene { step, guard, sleep, .. } = self.scene;
+        self.replace_scene(Scene { step, guard, sleep, integrator: self.scene.integrator.clone(), ..scene });
+    }
+}
+
+/// The point that a vertex is pulled to, a frame later, if it gets to another in so many frames [m].
+fn pulled(target: [f64; 2], to: [f64; 2], left: u64) -> [f64; 2] {
+    let share = 1.0 / left as f64;
+    [0, 1].map(|axis| target[axis] + share * (to[axis] - target[axis]))
+}
+
+/// The state with the pinned vertices of a side of the first body turned about their middle by an angle [rad].
+fn turned(scene: &Scene, state: &State, side: Side, angle: f64) -> State {
+    let mut state = state.clone();
+    let Some(body) = scene.bodies.first() else { return state };
+    let (axis, greatest) = side.across();
+    let (low, high) = extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], axis);
+    let edge = if greatest { high } else { low };
+    let pins = scene.pins.iter().map(|pin| *pin as usize).filter(|pin| body.vertices.contains(pin));
+    let on_edge: Vec<_> = pins.filter(|pin| (scene.rest[2 * pin + axis] - edge).abs() <= 1e-9 * (high - low)).collect();
+    let count = on_edge.len() as f64;
+    let [cx, cy] = [0, 1].map(|axis| on_edge.iter().map(|pin| state.x[2 * pin + axis]).sum::<f64>() / count);
+    let (c, s) = (libm::cos(angle), libm::sin(angle));
+    for pin in on_edge {
+        let (x, y) = (state.x[2 * pin] - cx, state.x[2 * pin + 1] - cy);
+        (state.x[2 * pin], state.x[2 * pin + 1]) = (cx + c * x - s * y, cy + s * x + c * y);
+    }
+    state
+}

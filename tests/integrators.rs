@@ -8,6 +8,7 @@ use common::{
     systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control},
 };
 use gingerbread::{
+    effects::Grab,
     files,
     integrators::{Class, IntegratorKind, Ode, Scheme, Work},
     level::Level,
@@ -212,6 +213,70 @@ fn a_free_body_keeps_its_momentum_under_every_integrator() {
             assert!((before - after).abs() < slack, "{}: {:e}", kind.name(), before - after);
         }
     }
+}
+
+/// About the origin, which the body is not at.
+#[test]
+fn a_free_body_keeps_its_angular_momentum() {
+    for name in ["SymplecticEuler", "VelocityVerlet", "PositionVerlet"] {
+        let mut simulation = swinging(&named(name), 2e-4);
+        let momentum = |simulation: &Simulation| {
+            let State { x, v, .. } = simulation.state();
+            let points = x.chunks_exact(2).zip(v.chunks_exact(2)).zip(simulation.scene().mass.chunks_exact(2));
+            points.map(|((x, v), m)| m[0] * (x[0] * v[1] - x[1] * v[0])).sum::<f64>()
+        };
+        let before = momentum(&simulation);
+        for _ in 0..20 {
+            advance(&mut simulation, 50);
+            let change = momentum(&simulation) / before - 1.0;
+            assert!(change.abs() < 1e-12, "{name}: {change:e} of {before}");
+        }
+    }
+}
+
+/// `v(t) = (x(t + h) - x(t - h))/(2 h)`, and for D = 0 all of velocity Verlet's numbers.
+#[test]
+fn position_verlet_tells_the_central_difference_as_its_velocity() {
+    let (h, kind, mut work, mut state) = (0.05, named("PositionVerlet"), Work::default(), particle());
+    let [mut system, mut same] = [(); 2].map(|()| Oscillator { square: 4.0, cubic: 0.8, damping: 0.0, evaluations: 0 });
+    let (mut other, mut others) = (particle(), Work::default());
+    let mut seen = Vec::new();
+    for step in 0..50 {
+        kind.kind().step(&mut system, &mut state, &mut work, h);
+        named("VelocityVerlet").kind().step(&mut same, &mut other, &mut others, h);
+        let both = state.x.iter().chain(&state.v).zip(other.x.iter().chain(&other.v));
+        for (one, other) in both {
+            assert!((one - other).abs() < 1e-13, "step {step}: {one} {other}");
+        }
+        seen.push(state.clone());
+    }
+    for three in seen.windows(3) {
+        let difference = (three[2].x[0] - three[0].x[0]) / (2.0 * h);
+        assert!((three[1].v[0] - difference).abs() < 1e-13, "{} {difference}", three[1].v[0]);
+    }
+    assert_eq!(system.evaluations, 51, "one force a step, and one to begin with");
+}
+
+/// A force that was kept from the step before must not outlive the pull that made it.
+#[test]
+fn a_pull_that_begins_or_ends_acts_from_the_next_step_on() {
+    let effects = "effects: [(effect: MouseSpring(stiffness: 50))]";
+    let level = Level { integrator: named("PositionVerlet"), ..sheet("NeoHookean", "", effects) };
+    let mut simulation = built(&level, 1e-3);
+    advance(&mut simulation, 3);
+    let start = simulation.state().clone();
+    simulation.set_grab(Some(Grab { vertex: 0, target: [start.x[0] - 0.1, start.x[1]] }));
+    advance(&mut simulation, 1);
+    let mass = simulation.scene().mass[0];
+    let expected = -50.0 * 0.1 / mass * 1e-6;
+    let moved = simulation.state().x[0] - start.x[0];
+    assert!((moved / expected - 1.0).abs() < 1e-3, "{moved} not {expected}");
+    let before = simulation.state().clone();
+    simulation.set_grab(None);
+    advance(&mut simulation, 1);
+    // What it moved is kept; nothing but the neighbours holds it back.
+    let on = (simulation.state().x[0] - before.x[0]) / moved;
+    assert!((0.5..=1.0).contains(&on), "{on}");
 }
 
 #[test]

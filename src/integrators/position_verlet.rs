@@ -8,15 +8,28 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Position (Störmer) Verlet with velocity damping: `x' = x + (1 - D)(x - x_previous) + h² a(x, v)`.
+/// Position (Störmer) Verlet with velocity damping: `x' = x + d'`, `d' = (1 - D) d + h² a(x, v)`, where d is the displacement of
+/// the step before.
 ///
 /// Second order with D = 0, and then stable for h < 2/w, w the highest natural angular frequency (Hairer, Lubich and
 /// Wanner, *Geometric Numerical Integration*, section I.1.4). D takes a share of the velocity in every step, whatever its
 /// length, as cloth simulations do (Jakobsen, *Advanced Character Physics*, 2001): with D > 0 a shorter step damps more, and
 /// there is nothing that it converges to.
 ///
-/// The velocity of the state is `(x' - x)/h + h a/2`, second order too. The position before is remembered; where the
-/// state was changed from outside it is taken to be `x - h v + h² a/2`.
+/// Position Verlet defines the velocity by the central difference `v(t) = (x(t+h) - x(t-h))/(2 h)` (ibid., equation 1.14).
+/// For D = 0, `x(t+h) = 2 x(t) - x(t-h) + h² a(x(t))` turns it into
+///
+/// `v' = d'/h + h a(x')/2`,
+///
+/// the velocity of velocity Verlet. It has second order. As the forces of a free body at x' have no net moment about the origin,
+/// its angular momentum is the sum of `m x' × d'/h = m x × d'/h`, which no step changes. A velocity with the force at x instead,
+/// `d'/h + h a(x)/2`, lacks that: the moment of the forces at x about the positions x' is not zero.
+///
+/// The force at x' is kept for the next step, so a step evaluates the force once, and twice where a wall acts. It is evaluated at the
+/// predicted velocity `d'/h + h a(x)/2`, which differs from v' by O(h²) and matters only to forces that depend on velocity. Kept
+/// between steps are `d'` and `h² a(x')`; the displacement itself rather than two positions, because their difference would have the
+/// round-off of x. Where the state was changed from outside, or the step length is new, `d = h v - h² a/2`, as where a wall acted, and
+/// the force is evaluated anew; it also is where only [`Dynamics::load_fingerprint`] changed, such as the pull of the mouse.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PositionVerlet {
@@ -41,7 +54,7 @@ impl Integrator for PositionVerlet {
     }
 
     fn about(&self) -> &'static str {
-        "x' = x + (1 − D)(x − x_old) + h² a. Second order for D = 0; stable for h < 2/ω of the stiffest vibration."
+        "x' = x + (1 − D)(x − x_old) + h² a, v' = (x' − x)/h + h a'/2. Second order for D = 0; stable for h < 2/ω of the stiffest vibration."
     }
 
     fn order(&self) -> u32 {
@@ -65,40 +78,62 @@ impl Integrator for PositionVerlet {
     }
 }
 
-/// Marks this kind's memory, which is the positions one step before.
+/// Marks this kind's memory: displacements of the last step [m], then h² a where it ended [m], then the fingerprint of the loads.
 const TAG: f64 = 1.0;
+
+/// In place of a fingerprint: the force is to be evaluated anew.
+const UNKNOWN: f64 = -1.0;
 
 impl SecondOrder for PositionVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let Work { numbers, spare, .. } = work;
         let count = state.x.len();
         let [before, before_v, force] = parts(numbers, count);
-        let goes_on = memory::recall(state, TAG, h, count);
-        system.force(&state.x, &state.v, force);
+        let goes_on = memory::recall(state, TAG, h, 2 * count + 1);
+        let loads = f64::from(system.load_fingerprint());
+        memory::open(state, TAG, h, 2 * count + 1);
+        if !goes_on || memory::read(state)[2 * count] != loads {
+            system.force(&state.x, &state.v, force);
+            let (moved, pushes) = memory::own(&mut state.memory).split_at_mut(count);
+            push(system, force, h, pushes);
+            if !goes_on {
+                for ((moved, push), v) in moved.iter_mut().zip(&*pushes).zip(&state.v) {
+                    *moved = h * v - 0.5 * push;
+                }
+            }
+        }
         before.copy_from_slice(&state.x);
         before_v.copy_from_slice(&state.v);
         let keep = 1.0 - self.damping.get();
-        memory::open(state, TAG, h, count);
+        let State { x, v, memory, .. } = state;
+        let (moved, pushes) = memory::own(memory).split_at_mut(count);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
-            let (x, a) = (before[number], force[number] * inverse_mass);
-            let moved = if goes_on { x - memory::read(state)[number] } else { h * (state.v[number] - 0.5 * h * a) };
             // What is pinned stays, even if it was pinned while it moved.
-            let way = if *inverse_mass == 0.0 { 0.0 } else { keep * moved + h * h * a };
-            state.x[number] = x + way;
-            state.v[number] = if *inverse_mass == 0.0 { 0.0 } else { way / h + 0.5 * h * a };
+            moved[number] = if *inverse_mass == 0.0 { 0.0 } else { keep * moved[number] + pushes[number] };
+            x[number] += moved[number];
+            v[number] = (moved[number] + 0.5 * pushes[number]) / h;
         }
-        settle(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
-        for (number, before) in before.iter().enumerate() {
-            // Where a wall acted, the way of the next step begins with the velocity that the wall left.
-            let past = if touched(&state.x, &state.v, spare, number) {
-                let a = force[number] * system.inverse_mass()[number];
-                state.x[number] - h * (state.v[number] - 0.5 * h * a)
-            } else {
-                *before
-            };
-            memory::own(&mut state.memory)[number] = past;
+        system.force(x, v, force);
+        push(system, force, h, pushes);
+        for ((v, moved), push) in v.iter_mut().zip(&*moved).zip(&*pushes) {
+            *v = (moved + 0.5 * push) / h;
         }
+        settle(system, [before, before_v], (x, v), spare, false);
+        // Where a wall acted, the next step begins with the velocity that it left, and elsewhere than the force was evaluated at.
+        let mut known = loads;
+        for number in (0..count).filter(|&number| touched(x, v, spare, number)) {
+            moved[number] = h * v[number] - 0.5 * pushes[number];
+            known = UNKNOWN;
+        }
+        pushes[count] = known;
         memory::close(state);
         StepCounts::ONE
+    }
+}
+
+/// Writes `h² a` [m] of these forces, zero for what is pinned.
+fn push(system: &dyn Dynamics, force: &[f64], h: f64, pushes: &mut [f64]) {
+    for ((push, force), inverse_mass) in pushes.iter_mut().zip(force).zip(system.inverse_mass()) {
+        *push = h * h * (force * inverse_mass);
     }
 }

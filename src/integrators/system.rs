@@ -19,6 +19,12 @@ pub trait Dynamics {
     /// Writes the force [N] at these positions [m] and velocities [m/s]; all flat and of one length.
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
 
+    /// A number that changes with whatever forces depend on beside positions and velocities, such as the pull of the mouse: a force
+    /// that was kept is the present one while it stays the same.
+    fn load_fingerprint(&self) -> u32 {
+        0
+    }
+
     /// Moves everything by `v += h f(x, v)/m`, then `x += h v`. `force` is scratch of the same length. A system may do so while its
     /// forces are still near the processor.
     fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {

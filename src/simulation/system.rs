@@ -272,6 +272,15 @@ impl Dynamics for System<'_> {
         }
     }
 
+    /// Of the pull of the mouse, and of which bodies and nets sleep, whose elements are passed over.
+    fn load_fingerprint(&self) -> u32 {
+        let grab = self.grab.map(|Grab { vertex, target: [x, y] }| [vertex as u64 + 1, x.to_bits(), y.to_bits()]);
+        let sleeping = self.scratch.plan.sleeping.iter().map(|number| *number as u64 + 1);
+        let mix = |hash: u64, number: u64| (hash ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        let hash = grab.unwrap_or_default().into_iter().chain(sleeping).fold(0, mix);
+        (hash >> 32) as u32 ^ hash as u32
+    }
+
     /// Where nothing acts but elements and what does the same everywhere, the vertices are moved while the elements are swept over.
     fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
         let Some(everywhere) = self.scratch.everywhere(self.scene, self.motion(x, v)) else {

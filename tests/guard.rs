@@ -56,6 +56,25 @@ fn a_step_that_even_64_parts_do_not_save_pauses_on_the_last_good_state_and_says_
     assert!(run.counts().retaken <= 6, "{:?}", run.counts());
 }
 
+/// Damping by stiffness lowers the stability limit to a millionth of the step, inside a ball that moves and may supply energy.
+#[test]
+fn a_step_far_above_the_limit_of_damping_stops_before_energy_appears() {
+    let text = gingerbread::levels::built_in("rolling_pin").unwrap();
+    let wild =
+        text.replace("stiffness: 0.0005", "stiffness: 0.49999").replace("centre: (0.5, 0.195)", "centre: (0.5, 0)");
+    assert_eq!(wild.matches("0.49999").count() + wild.matches("(0.5, 0)").count(), 2);
+    let mut run = simulation(&level(&wild));
+    let before = run.energies().total();
+    let taken = run.advance(5, &mut || true);
+    assert!(taken < 5 && run.fault().unwrap().to_string().contains("stability limit"), "{:?}", run.fault());
+    assert!(
+        run.energies().total() < 2.0 * before && run.inversion().0 > 0.5,
+        "{} of {before} J",
+        run.energies().total()
+    );
+    assert!(run.counts().retaken < 20, "{:?}", run.counts());
+}
+
 #[test]
 fn a_net_is_guarded_too() {
     let text = "(name: \"\", substeps: 1, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2, stiffness: 1e6, rest: 0.4), mass: 1)])";

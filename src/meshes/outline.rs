@@ -136,30 +136,19 @@ fn apart(given: &[[f64; 2]], target: f64) -> (Vec<usize>, Vec<String>) {
     (kept, messages)
 }
 
-/// An error of the mesh, told of the points of the outline where it is theirs.
+/// An error of the mesh, told of the place in the outline where it is the outline's.
 fn named(error: MeshError, points: &[[f64; 2]], given: &[[f64; 2]]) -> MeshError {
-    let pair = match error {
+    let at: &[usize] = match &error {
         MeshError::Near { vertices, .. } => vertices,
-        MeshError::NoArea { corners: [a, b, c], .. } => {
-            let square = |pair: &[usize; 2]| squared_distance(points[pair[0]], points[pair[1]]);
-            let pairs = [[a, b], [b, c], [c, a]];
-            pairs.into_iter().min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or([a, b])
-        }
-        other => return other,
+        MeshError::NoArea { corners, .. } => corners,
+        _ => return error,
     };
-    let nearest = |point: [f64; 2], other: usize| {
-        let square = |number: &usize| squared_distance(given[*number], point);
-        let numbers = (0..given.len()).filter(|number| *number != other);
-        numbers.min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(0)
-    };
-    let first = nearest(points[pair[0]], usize::MAX);
-    let second = nearest(points[pair[1]], first);
-    let distance = squared_distance(given[first], given[second]).sqrt();
+    let [x, y] = [0, 1].map(|axis| at.iter().map(|&vertex| points[vertex][axis]).sum::<f64>() / at.len() as f64);
+    let square = |number: &usize| squared_distance(given[*number], [x, y]);
+    let nearest = (0..given.len()).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or(0);
     MeshError::Recipe(format!(
-        "the outline nearly touches itself between point {} and point {}, {distance:.1e} m apart: triangles there have no area; move them \
-         apart, or make two bodies of it",
-        first.min(second),
-        first.max(second)
+        "a triangle at ({x:.4}, {y:.4}), beside point {nearest} of the outline, has next to no area: the outline nearly touches itself \
+         there, or has a corner that is too sharp; move its points apart"
     ))
 }
 

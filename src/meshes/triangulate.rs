@@ -20,6 +20,7 @@ const CLEARANCE: f64 = 0.64;
 const ROUNDS: usize = 30;
 /// Where the lattice may start, in edge lengths, tried in turn until all angles are good.
 const STARTS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.29], [0.25, 0.14], [0.13, 0.43]];
+
 /// Fills an outline with about `target` triangles. `outline` gives its counter-clockwise points for an edge length [m];
 /// `area` is what it encloses [m²].
 ///

@@ -123,14 +123,16 @@ fn faces_may_be_continued_on_the_next_line_and_stand_before_their_vertices() {
 /// An OBJ file of a rectangle with sides 2 and 1, each point put into space; faces turn as `reverse` says.
 fn rectangle_in_space(place: impl Fn(f64, f64) -> [f64; 3], reverse: bool) -> String {
     let points = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)].map(|(x, y)| place(x, y));
-    let vertices: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
-    vertices + if reverse { "f 1 4 3 2\n" } else { "f 1 2 3 4\n" }
+    let vertices: Vec<_> = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}")).collect();
+    format!("{}\n{}\n", vertices.join("\n"), if reverse { "f 1 4 3 2" } else { "f 1 2 3 4" })
 }
+
+/// Puts a point of the plane into space.
+type Plane = fn(f64, f64) -> [f64; 3];
 
 #[test]
 fn a_mesh_in_any_plane_of_space_is_found_and_told_but_a_solid_one_is_refused() {
     let folder = Folder::new("planes");
-    type Plane = fn(f64, f64) -> [f64; 3];
     let planes: [(&str, Plane); 3] =
         [("x-y", |x, y| [x, y, 7.0]), ("x-z", |x, y| [x, -3.0, y]), ("y-z", |x, y| [0.5, x, y])];
     for (name, place) in planes {
@@ -265,8 +267,8 @@ fn paths_with_backslashes_lead_to_the_same_file_and_folders_need_no_utf_8() {
 
 #[test]
 fn a_traced_outline_says_what_it_costs_and_its_advice_makes_it_cheaper() {
-    // A staircase around a disk of radius 0.5, as tracing a picture of 256 pixels gives it.
     const COUNT: i32 = 2400;
+    // A staircase around a disk of radius 0.5, as tracing a picture of 256 pixels gives it.
     let corner = |number: i32| {
         let angle = std::f64::consts::TAU * f64::from(number % COUNT) / f64::from(COUNT);
         [angle.cos(), angle.sin()].map(|share| (128.0 * share).round() / 256.0)

@@ -225,14 +225,15 @@ impl Facts {
             .map(|(step, limit)| if limit > 0.0 { Cause::StepTooLong { step, limit } } else { Cause::NeverStable });
         let weak = self.weak.then_some(Cause::NoResistance);
         match trouble {
-            Trouble::Inverted | Trouble::Exploded => unstable.or(weak).unwrap_or(Cause::Forces),
             Trouble::Fault(fault::Cause::StepTooLong { step, limit }) if limit > 0.0 => {
                 Cause::StepTooLong { step, limit }
             }
             Trouble::Fault(fault::Cause::StepTooLong { .. }) => Cause::NeverStable,
             Trouble::Fault(fault::Cause::Crushed(_)) => Cause::Crushed,
             Trouble::Fault(fault::Cause::Unsolved) => Cause::Unsolved,
-            Trouble::Fault(fault::Cause::Overflow | fault::Cause::Energy) => unstable.or(weak).unwrap_or(Cause::Forces),
+            Trouble::Inverted | Trouble::Exploded | Trouble::Fault(fault::Cause::Overflow | fault::Cause::Energy) => {
+                unstable.or(weak).unwrap_or(Cause::Forces)
+            }
             Trouble::Slow(load) if load.physics < MUCH => Cause::Painting,
             Trouble::Slow(load) if load.effort > DIVIDED && load.physics / load.effort < MUCH => {
                 unstable.unwrap_or(Cause::Guard)

@@ -160,15 +160,12 @@ impl App {
     /// Without dialogs: a path to type, or in a browser the text of a level itself.
     fn ask_for_text(&mut self, ctx: &Context, purpose: Purpose) {
         if cfg!(target_arch = "wasm32") && purpose != Purpose::Open {
-            let text = match purpose {
-                Purpose::Export(Export { bytes, .. }) => {
-                    String::from_utf8(bytes).map_err(|_| "Pictures cannot be saved in a browser.".to_owned())
-                }
-                _ => {
-                    let text = files::write(&self.settled().saved()).map_err(|error| error.to_string());
-                    self.saved(text.is_ok());
-                    text
-                }
+            let text = if let Purpose::Export(Export { bytes, .. }) = purpose {
+                String::from_utf8(bytes).map_err(|_| "Pictures cannot be saved in a browser.".to_owned())
+            } else {
+                let text = files::write(&self.settled().saved()).map_err(|error| error.to_string());
+                self.saved(text.is_ok());
+                text
             };
             self.view.notice = Some(match text {
                 Ok(text) => {

@@ -33,7 +33,7 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> Slip {
             (line, column) = place(text, at);
             what = bracket;
         } else {
-            what += &format!("; perhaps because {bracket}");
+            what = format!("{what}; perhaps because {bracket}");
         }
     }
     Slip { line, column, what }

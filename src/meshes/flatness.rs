@@ -62,7 +62,9 @@ pub(super) fn flat<'a>(
         let mirrored = turned < 0.0;
         let axis = usize::from(across == 1);
         if mirrored {
-            flat.iter_mut().for_each(|point| point[axis] = -point[axis]);
+            for point in &mut flat {
+                point[axis] = -point[axis];
+            }
         }
         let name = |number: usize| {
             let sign = if mirrored && number == axis { "-" } else { "" };

@@ -23,7 +23,7 @@ const MOST_ALONG: f64 = 10_000.0;
 /// triangles is taken for a curve. No angle is below 25 degrees unless the polygon itself has corners that sharp.
 ///
 /// A point counts as the one before it if it is nearer than a thousandth of the triangles' side or 2e-5 of the outline's size. The first
-/// point may be repeated at the end, as GeoJSON and WKT have it.
+/// point may be repeated at the end, as the formats `GeoJSON` and WKT have it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {

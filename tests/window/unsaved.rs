@@ -91,11 +91,14 @@ fn what_was_undone_or_saved_is_not_asked_about() {
     assert!(!close(&mut window).contains(&ViewportCommand::CancelClose) && model(&window) == Model::NeoHookean);
 }
 
+/// Its name, and what the hands do.
+type Way<'a> = (&'a str, &'a dyn Fn(&mut Window));
+
 #[test]
 fn each_way_to_open_asks_over_unsaved_changes() {
     let file = own_file(&std::env::temp_dir(), "dropped");
     std::fs::write(&file.0, gingerbread::files::write(&level("hammock")).unwrap()).unwrap();
-    let ways: [(&str, &dyn Fn(&mut Window)); 4] = [
+    let ways: [Way<'_>; 4] = [
         ("picker", &|window| {
             click(window, "Level");
             click(window, "Hammock");

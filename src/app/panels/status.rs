@@ -157,14 +157,14 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
 }
 
 /// A sentence with its cause, where that is known.
-fn because(text: String, advice: &Advice) -> String {
-    advice.cause.words().map_or(text.clone(), |cause| format!("{text}: {cause}"))
+fn because(text: &str, advice: &Advice) -> String {
+    advice.cause.words().map_or_else(|| text.to_owned(), |cause| format!("{text}: {cause}"))
 }
 
 fn exploded(now: &Snapshot, facts: &Facts) -> Option<Warning> {
     let (name, energy) = now.exploded.as_ref()?;
     let advice = facts.advise(Trouble::Exploded);
-    let text = because(format!("{name} has exploded"), &advice);
+    let text = because(&format!("{name} has exploded"), &advice);
     let details = format!(
         "{text}. It stores {} of elastic energy, far more than any shape at rest. Where it would fill the stage many times over, it \
          is drawn as an outline or as points.",
@@ -180,7 +180,7 @@ fn inside_out(now: &Snapshot, facts: &Facts) -> Option<Warning> {
         many => format!("{many} triangles are inside out"),
     };
     let advice = facts.advise(Trouble::Inverted);
-    let text = because(text, &advice);
+    let text = because(&text, &advice);
     let details = format!(
         "{text}. The smallest J = det F is {}: below 0 a triangle is inverted (inside out).",
         numbers::si(now.min_j, "")
@@ -241,7 +241,7 @@ fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
             )
         }
         Cause::Guard => "The guard divides the steps, which slows time down".to_owned(),
-        _ => because("The guard divides the steps, which slows time down".to_owned(), &advice),
+        _ => because("The guard divides the steps, which slows time down", &advice),
     };
     let details = format!(
         "{text}. Simulated time runs slower than real time: no step is skipped or lengthened. Stepping takes {} in a frame, {:.1} times \

@@ -253,7 +253,7 @@ quantities! {
     /// About how many triangles a mesh should have: more are more accurate, and cost more.
     Triangles: "number of triangles" [""] in Included(100.0), Included(2e5); slider 200.0 to 20000.0, logarithmic;
     /// How far an outline may be moved to do with fewer points.
-    Tolerance: "simplification" ["m"] in Excluded(0.0), Included(1e9); slider 1e-4 to 0.1, logarithmic;
+    Tolerance: "simplification" ["m"] in Included(0.0), Included(1e9); slider 0.0 to 0.05, linear;
     /// Equal cells along a side of a rectangle.
     Cells: "number of cells" [""] in Included(1.0), Included(1e6); slider 1.0 to 100.0, linear;
     /// Springs in a row.

@@ -32,9 +32,18 @@ pub struct Outline {
     /// Number of triangles to aim for.
     #[serde(default = "thousand")]
     pub resolution: Whole<Triangles>,
-    /// How far the outline may be moved to do with fewer points [m]; not at all if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub simplify: Option<Tolerance>,
+    /// How far the outline may be moved to do with fewer points [m].
+    #[serde(default = "exactly", skip_serializing_if = "is_exact")]
+    pub simplify: Tolerance,
+}
+
+/// The outline as it is given.
+const fn exactly() -> Tolerance {
+    Tolerance::literal(0.0)
+}
+
+fn is_exact(tolerance: &Tolerance) -> bool {
+    *tolerance == exactly()
 }
 
 /// A thousand triangles.
@@ -60,7 +69,7 @@ impl Default for Outline {
         Self {
             points: right.iter().map(|&(x, y)| at(x, y)).chain(left).collect(),
             resolution: thousand(),
-            simplify: None,
+            simplify: exactly(),
         }
     }
 }
@@ -77,9 +86,9 @@ impl MeshSource for Outline {
         if let Some((first, second)) = polygon::crossing(&corners) {
             return Err(MeshError::Crossing { first: kept[first], second: kept[second] });
         }
-        if let Some(tolerance) = self.simplify {
+        if !is_exact(&self.simplify) {
             let before = corners.len();
-            corners = polygon::simplified(&corners, tolerance.get());
+            corners = polygon::simplified(&corners, self.simplify.get());
             messages.push(format!(
                 "{} of the outline's {before} points are left out to simplify it",
                 before - corners.len()
@@ -110,8 +119,7 @@ impl MeshSource for Outline {
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
-        let simplify = self.simplify.iter_mut().map(|tolerance| tolerance as &mut dyn Quantity);
-        std::iter::once(&mut self.resolution as &mut dyn Quantity).chain(simplify).collect()
+        vec![&mut self.resolution, &mut self.simplify]
     }
 }
 

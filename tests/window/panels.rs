@@ -312,3 +312,17 @@ fn a_large_mesh_is_given_up_by_cancel_a_small_one_or_another_level() {
         assert_eq!(window.state().snapshot().triangles.len(), triangles, "way {number}");
     }
 }
+
+#[test]
+fn an_outline_can_be_simplified_in_the_window() {
+    let mut window = open("jelly_disk");
+    let text = "(name: \"stairs\", bodies: [(name: \"b\", mass: Total(1), material: (model: Corotated, young: 1000, poisson: 0.3),
+        mesh: Outline(points: [(0.2, 0.2), (0.8, 0.2), (0.8, 0.3), (0.799, 0.3), (0.799, 0.8), (0.2, 0.8)], resolution: 300))])";
+    window.state_mut().open_text(text, "stairs");
+    window.run_steps(5);
+    let before = window.state().snapshot().triangles.len();
+    slide(&mut window, "Simplification", 0.01);
+    let now = window.state().snapshot();
+    assert!(now.triangles.len() < before, "{} triangles, and {before} before", now.triangles.len());
+    assert!(now.messages.iter().any(|message| message.contains("left out to simplify")), "{:?}", now.messages);
+}

@@ -11,7 +11,7 @@ use crate::{
     level::MassLevel,
     materials::{MaterialParameters, Plane},
     meshes::MeshKind,
-    quantity::{Cells, Density, Mass, OutOfRange, Rings, Triangles},
+    quantity::{Cells, Density, Mass, OutOfRange, Rings, Tolerance, Triangles},
     snapshot::Snapshot,
 };
 use eframe::egui::{ComboBox, Ui};
@@ -114,13 +114,13 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
     const SIDES: [&str; 2] = ["columns of cells", "rows of cells"];
     let mut mesh = mesh.clone();
     let mut sum = Outcome::default();
-    let (mut finer, names) = (mesh.kind_mut().parameters(), [Triangles::SPEC.name, Cells::SPEC.name, Rings::SPEC.name]);
+    let names = [Triangles::SPEC.name, Tolerance::SPEC.name, Cells::SPEC.name, Rings::SPEC.name];
+    let mut finer = mesh.kind_mut().parameters();
     finer.retain(|number| names.contains(&number.spec().name));
-    let many = finer.len() == SIDES.len();
     for (number, side) in finer.into_iter().zip(SIDES) {
         let spec = number.spec();
         let help = format!("{}\nAnother mesh starts over.\nAllowed: {}.", spec.help.trim(), spec.range());
-        let name = if many { side } else { spec.name };
+        let name = if spec.name == Cells::SPEC.name { side } else { spec.name };
         let look = Look { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
         let value = number.get();
         let outcome = slider::number(ui, &look, value, &mut |new| number.set(new).map_err(|error| error.to_string()));

@@ -14,7 +14,7 @@ use gingerbread::{
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
-    solvers::{BlockMatrix, Factor, Path, Tangent, Weights},
+    solvers::{BlockMatrix, Factor, LinearSolver, Tangent, Weights},
 };
 use nalgebra::Matrix2;
 use physics::Physics;
@@ -193,7 +193,7 @@ fn paths(criterion: &mut Criterion) {
             let linear: u64 = (0..3).map(|_| step()).sum();
             (begin.elapsed(), linear)
         };
-        let mut works = [Path::Direct, Path::Iterative, Path::Chosen].map(Work::new);
+        let mut works = [LinearSolver::Direct, LinearSolver::Iterative, LinearSolver::Chosen].map(Work::new);
         let mut least = [f64::INFINITY; 3];
         // The first round settles what is settled once for a topology.
         let linear = works.each_mut().map(|work| run(work).1);

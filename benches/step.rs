@@ -9,13 +9,13 @@ mod sheet;
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
-    lanes::{sets, width},
     level::{Level, Toggle},
     levels,
     materials::Model,
     meshes::NoFiles,
     sandbox::Sandbox,
     scene::Scene,
+    simd::{sets, width},
     simulation::Simulation,
     snapshot::{Field, Snapshot},
 };

@@ -1,5 +1,5 @@
-//! Everything a person can do to a running sandbox, as data. Nothing else changes it, so a list of commands is a
-//! replay, a bug report and what undo works on.
+//! Commands: every user action on a sandbox as data. Nothing else changes it, so a list of commands is a replay, a bug report and what undo
+//! works on.
 
 use crate::{
     effects::EffectKind,

@@ -1,4 +1,4 @@
-//! What can be edited and undone: a level, and how a test level is shown.
+//! The editable document: a level and the state of its stretch test, with undo.
 
 use crate::{
     command::Pose,
@@ -240,7 +240,7 @@ impl Default for Level {
             toy: None,
             effects: Vec::new(),
             test: None,
-            acts: Vec::new(),
+            actions: Vec::new(),
             state: None,
         }
     }

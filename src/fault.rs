@@ -1,4 +1,4 @@
-//! Why stepping stopped, found out and said in a sentence.
+//! Faults: why stepping stopped, as a message.
 
 use crate::{
     elements::Field, guard::Guard, integrators::Class, materials::Model, scene::Scene, stability::critical_step,
@@ -91,7 +91,7 @@ fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model
     let mut greatest = f64::NEG_INFINITY;
     for body in &scene.bodies {
         let mut energies = Vec::new();
-        body.elements.survey(Field::EnergyDensity, &state.x, &mut energies);
+        body.elements.diagnose(Field::EnergyDensity, &state.x, &mut energies);
         for (number, ((f, _), energy)) in body.elements.gradients(&state.x).zip(energies).enumerate() {
             let undefined = !energy.is_finite() && f.norm_squared() < 1e12;
             let deformation = if energy.is_finite() { f.norm_squared() } else { f64::INFINITY };

@@ -1,4 +1,4 @@
-//! Levels as text and as files: reading with the place of a mistake, and saving without ever losing what was there.
+//! Reads and writes levels; errors name file, line and column.
 
 mod output;
 mod slips;
@@ -8,7 +8,7 @@ mod tokens;
 pub use output::{Destination, Identity, identity, write_bytes};
 
 use crate::{
-    level::{Act, Level},
+    level::{Level, ScriptedAction},
     levels,
     meshes::Files,
     text,
@@ -59,8 +59,8 @@ pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
     if !is_case(text) {
         return parse_as(text, file);
     }
-    let Scripted { mut level, acts, .. } = parse_as(text, file)?;
-    level.acts.extend(acts);
+    let Scripted { mut level, actions, .. } = parse_as(text, file)?;
+    level.actions.extend(actions);
     Ok(level)
 }
 
@@ -97,8 +97,8 @@ const fn place(error: &ron::error::SpannedError) -> (usize, usize) {
 #[serde(deny_unknown_fields)]
 struct Scripted {
     level: Level,
-    #[serde(default)]
-    acts: Vec<Act>,
+    #[serde(default, alias = "acts")]
+    actions: Vec<ScriptedAction>,
     #[serde(rename = "lasts")]
     _lasts: serde::de::IgnoredAny,
     #[serde(rename = "expects")]

@@ -1,4 +1,4 @@
-//! The guard: an unstable step is noticed as it begins to blow up, and taken again in shorter ones.
+//! Guard: detects unstable steps by their energy.
 
 use crate::{level::SavedGuard, report::Energies, scene::Scene};
 

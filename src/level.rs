@@ -1,14 +1,14 @@
-//! What a level file may say: plain data, checked while it is read, with no behaviour.
+//! Levels: the data of a level file.
 //!
 //! Levels are RON. Unknown fields, wrong types and numbers out of range are refused with the line and column
 //! (see [`crate::files`]). The level is also the document that the window edits, undoes and saves.
 
-mod act;
 mod saved;
+mod script;
 mod steps;
 
-pub use act::{Act, Deed, frame};
 pub use saved::{SavedGuard, SavedState};
+pub use script::{Action, ScriptedAction, frame};
 pub use steps::{Paces, Substeps};
 
 use crate::{
@@ -64,9 +64,9 @@ pub struct Level {
     /// Makes this a test level: Up and Down set these stretches.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub test: Option<StretchTest>,
-    /// What is done to it at which times. Times count from the start, also where the level was saved while running.
+    /// Scripted actions. Times count from the start, also where the level was saved while running.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub acts: Vec<Act>,
+    pub actions: Vec<ScriptedAction>,
     /// Where everything is now, if the level was saved while running. Rest shapes are never changed by saving.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<SavedState>,

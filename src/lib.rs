@@ -26,8 +26,8 @@
 //! | `registry` | the macro behind every list of kinds |
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
 //! | [`table`] | tables as CSV |
-//! | `chance` | fixed numbers that look like chance |
-//! | [`lanes`] | formulas for one number or for several at once, the same bits on every processor |
+//! | `random` | pseudo-random numbers with a fixed seed |
+//! | [`simd`] | SIMD vectors: formulas for one number or for several at once, with the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`nets`] | where particles and springs come from: chains, sheets, lists |
@@ -62,9 +62,9 @@ mod registry;
 pub mod table;
 pub mod terminal;
 
-mod chance;
+mod random;
 
-pub mod lanes;
+pub mod simd;
 
 pub mod materials;
 pub mod meshes;

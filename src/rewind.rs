@@ -1,4 +1,4 @@
-//! The last seconds, kept so that time can be turned back and continues as it did.
+//! Rewind buffer: states of the last seconds.
 
 use crate::simulation::{Restart, Simulation};
 use std::collections::VecDeque;

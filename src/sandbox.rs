@@ -1,4 +1,4 @@
-//! The document, the running simulation and what a person did to them: everything of the program but the window.
+//! Sandbox: the document, its running simulation and the history of edits.
 
 mod edit;
 

@@ -345,7 +345,7 @@ impl Simulation {
 
     /// Whether the step just taken left numbers, and no energy from nowhere.
     fn is_sound(&mut self) -> bool {
-        if !self.lands() {
+        if !self.validates() {
             return false;
         }
         if !self.is_guarded() || !self.is_suspicious() {

@@ -1,9 +1,9 @@
-//! A copy of everything the window shows, with no references back: drawing can never change the simulation.
+//! Snapshot: a copy of everything that the window shows.
 
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
-    elements::{Springs, Survey},
+    elements::{Diagnostics, Springs},
     fault::Fault,
     guard::negligible,
     level::Level,
@@ -217,7 +217,7 @@ impl Sandbox {
         let seen = Some((self.generation, simulation.shape(), field));
         if snapshot.seen != seen {
             snapshot.seen = seen;
-            self.survey(field, snapshot);
+            self.diagnose(field, snapshot);
         }
         snapshot.energies = simulation.energies();
         snapshot.negligible = negligible(scene);
@@ -243,7 +243,7 @@ impl Sandbox {
     }
 
     /// Energies, fields and shapes, in one sweep over the elements; and one over their corners alone, for folds.
-    fn survey(&self, field: Field, snapshot: &mut Snapshot) {
+    fn diagnose(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let x = &simulation.state().x;
         snapshot.field = field;
@@ -286,7 +286,7 @@ impl Sandbox {
         snapshot.sweeps += 1;
     }
 
-    fn body(&self, body: &Body, triangles: Range<usize>, shape: Survey) -> BodySnapshot {
+    fn body(&self, body: &Body, triangles: Range<usize>, shape: Diagnostics) -> BodySnapshot {
         let x = &self.simulation.state().x;
         let own = &x[2 * body.vertices.start..2 * body.vertices.end];
         let (bottom, top) = extent(own, 1);

@@ -1,6 +1,6 @@
-//! How long a step may be: the highest natural frequency of a scene, by Lanczos iteration on the stiffness.
+//! Stability limit: the highest natural frequency, by Lanczos iteration on the stiffness.
 
-use crate::{chance::irregular, elements::make_room, scene::Scene, state::State};
+use crate::{elements::make_room, random::irregular, scene::Scene, state::State};
 
 /// The longest stable step of symplectic Euler near a state [s], or `None` if nothing is stiff there or the stiffness is
 /// not a number. The same holds for both Verlet schemes without damping.

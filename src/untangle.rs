@@ -1,4 +1,4 @@
-//! Folds: where a body lies over itself, and how it gets out.
+//! Inversion recovery: finds a shape without inverted triangles and folds.
 //!
 //! An inverted triangle pushes back, and as a rule a tangled body finds home by itself. It may also end in a true local minimum
 //! of its energy with every triangle the right way up: a vertex whose triangles go round it twice, which no small motion can

@@ -440,7 +440,7 @@ fn levels_come_from_standard_input_and_pipes_and_hard_cases_run_by_name_or_file(
     assert_eq!(states[0], states[1]);
     // Without its actions it ends elsewhere.
     let text = fs::read_to_string(file).unwrap();
-    let still = folder.with("still.ron", &text.replace("act: FlipGravity", "act: Release"));
+    let still = folder.with("still.ron", &text.replace("action: FlipGravity", "action: Release"));
     gingerbread(&["run", &still, "--seconds", "0.3", "--state", &state]);
     assert_ne!(fs::read_to_string(&state).unwrap(), states[0]);
     // What decides about a hard case is checked too.

@@ -87,7 +87,7 @@ fn a_mirrored_corotated_body_agrees_with_itself_on_how_to_turn_again_whichever_w
             deform(&mut simulation, rotation(degrees.to_radians()) * Matrix2::new(-1.0, 0.0, 0.0, 1.0));
             let body = &simulation.scene().bodies[0].elements;
             assert_eq!(
-                body.survey(Field::None, &simulation.state().x, &mut Vec::new()).continued,
+                body.diagnose(Field::None, &simulation.state().x, &mut Vec::new()).continued,
                 32,
                 "{model} {degrees}: all are at the point of 0/0"
             );
@@ -103,7 +103,10 @@ fn triangles_beyond_where_a_model_is_used_to_the_letter_are_counted() {
     for model in models() {
         let mut simulation = guarded(model, 0.0);
         let continued = |simulation: &Simulation| {
-            simulation.scene().bodies[0].elements.survey(Field::None, &simulation.state().x, &mut Vec::new()).continued
+            simulation.scene().bodies[0]
+                .elements
+                .diagnose(Field::None, &simulation.state().x, &mut Vec::new())
+                .continued
         };
         assert_eq!(continued(&simulation), 0, "{model} at rest");
         deform(&mut simulation, Matrix2::new(0.11, 0.0, 0.0, 1.0));

@@ -116,10 +116,10 @@ fn scripted(integrator: IntegratorKind, guard: Toggle) -> Level {
             mesh: Rectangle(width: 0.4, height: 0.4, columns: 5, rows: 5), mass: Total(1), pins: [Left, Right],
             material: (model: NeoHookean, young: 200, poisson: 0.3))],
         effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5)), (effect: MouseSpring(stiffness: 20))],
-        acts: [
-            (at: 0, act: Grab(0.2, 0.2)), (at: 0.02, act: Pull(to: (0.3, 0.5), over: 0.2)), (at: 0.05, every: 0.1, act: FlipGravity),
-            (at: 0.1, act: Turn(side: Left, by: 40, over: 0.15)), (at: 0.3, act: Release), (at: 0.35, act: Grab(0.4, 0)),
-            (at: 0.4, act: Free), (at: 0.42, act: Pull(to: (0.5, 0), over: 0.05)),
+        actions: [
+            (at: 0, action: Grab(0.2, 0.2)), (at: 0.02, action: Pull(to: (0.3, 0.5), over: 0.2)), (at: 0.05, every: 0.1, action: FlipGravity),
+            (at: 0.1, action: Turn(side: Left, by: 40, over: 0.15)), (at: 0.3, action: Release), (at: 0.35, action: Grab(0.4, 0)),
+            (at: 0.4, action: Free), (at: 0.42, action: Pull(to: (0.5, 0), over: 0.05)),
         ])";
     Level { integrator, guard, ..common::level(text) }
 }
@@ -173,10 +173,10 @@ fn every_hard_case_runs_as_a_level_with_its_actions_and_goes_on_after_saving() {
     let mut with_actions = 0;
     for (file, text) in gingerbread::levels::HARD {
         let mut level = files::parse(text, file).unwrap();
-        with_actions += u32::from(!level.acts.is_empty());
+        with_actions += u32::from(!level.actions.is_empty());
         // Coarse steps and an early end: what is compared is bits.
         level.substeps = Substeps::new(2).unwrap();
-        let steps = if level.acts.is_empty() { 20 } else { 100 };
+        let steps = if level.actions.is_empty() { 20 } else { 100 };
         let mut straight = simulation(&level);
         straight.advance(steps, &mut || true);
         let mut run = simulation(&level);

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failing test should panic")]
 
 use gingerbread::{
-    lanes::Square,
     materials::{Lame, Material, Model, Parts, Visitor, with_eigenvalues},
+    simd::Mat2,
 };
 use nalgebra::{Matrix2, Matrix4, SymmetricEigen, Vector4};
 
@@ -76,7 +76,7 @@ struct FromModuli<'a>(&'a Matrix2<f64>, f64);
 impl Visitor for FromModuli<'_> {
     type Output = Matrix4<f64>;
     fn visit<M: Material>(self, material: &M) -> Matrix4<f64> {
-        let parts = Parts::of(Square::from(self.0));
+        let parts = Parts::of(Mat2::from(self.0));
         let moduli = material.moduli(&parts).with_negative_times(self.1);
         let ([c, s], [d, t]) = (parts.turned, parts.mirrored);
         let (size, twist) = (Vector4::new(c, s, -s, c), Vector4::new(-s, c, -c, -s));

@@ -140,7 +140,7 @@ fn the_forces_and_the_energy_of_fans_are_those_of_their_triangles_one_by_one() {
         let found = elements.elastic_energy(&x);
         assert!((found - energy).abs() < 1e-13 * energy, "{model} {text}: {found} against {energy}");
         let mut values = vec![0.5];
-        let surveyed = [Field::None, Field::Volume].map(|field| elements.survey(field, &x, &mut values).energy);
+        let surveyed = [Field::None, Field::Volume].map(|field| elements.diagnose(field, &x, &mut values).energy);
         assert_eq!(surveyed, [found; 2], "{model} {text}: what is drawn knows the same energy");
         assert!(values.len() == 1 + elements.corners().len() && values[0] == 0.5, "{model} {text}");
     }

@@ -336,3 +336,12 @@ fn what_is_often_written_wrong_is_told_with_its_place_and_the_remedy() {
         assert!(refusal(text).contains(remedy), "{text}: {}", refusal(text));
     }
 }
+
+#[test]
+fn earlier_keys_of_scripted_actions_are_still_read() {
+    for (file, text) in gingerbread::levels::HARD {
+        let earlier = text.replace("actions: [", "acts: [").replace("action: ", "act: ");
+        assert_eq!(files::parse(&earlier, file).unwrap(), files::parse(text, file).unwrap(), "{file}");
+        assert!(files::parse_as::<gingerbread::hard::Case>(&earlier, file).is_ok(), "{file}");
+    }
+}

@@ -455,7 +455,7 @@ fn an_inverted_corotated_triangle_is_pushed_back_and_its_frame_is_a_rotation() {
     let mut random = Random(4);
     for _ in 0..1000 {
         let f = random.gradient(-5.0, -0.01);
-        let (r, trace) = gingerbread::materials::nearest_rotation(gingerbread::lanes::Square::from(&f));
+        let (r, trace) = gingerbread::materials::nearest_rotation(gingerbread::simd::Mat2::from(&f));
         let r = Matrix2::from(r);
         assert!((r.determinant() - 1.0).abs() < 1e-14);
         assert!(((r.transpose() * f).trace() - trace).abs() < 1e-13);

@@ -11,10 +11,10 @@ use common::sheet;
 use gingerbread::{
     command::{Command, Mode},
     files,
-    lanes::Square,
     materials::{Lame, Material, Model, Visitor, WHOLE},
     meshes::NoFiles,
     sandbox::Sandbox,
+    simd::Mat2,
     snapshot::{Field, Snapshot},
 };
 use nalgebra::{Matrix2, Matrix3};
@@ -80,15 +80,15 @@ fn energy_of_deformation_is_computed_once_a_shape_for_stepping_pulling_and_drawi
 }
 
 /// psi, von Mises stress and J of one triangle, and whether its model is used to the letter, straight from the model.
-struct Alone(Matrix2<f64>, bool);
+struct SubScene(Matrix2<f64>, bool);
 
-impl Visitor for Alone {
+impl Visitor for SubScene {
     type Output = ([f64; 3], bool);
     fn visit<M: Material>(self, material: &M) -> Self::Output {
         let Self(f, plane_stress) = self;
         let j = f.determinant();
         let cauchy = material.stress(&f) * f.transpose() / j;
-        let through = if plane_stress { 0.0 } else { material.thickness_stress(Square::from(&f)) / j };
+        let through = if plane_stress { 0.0 } else { material.thickness_stress(Mat2::from(&f)) / j };
         let deviator = Matrix3::new(cauchy.m11, cauchy.m12, 0.0, cauchy.m21, cauchy.m22, 0.0, 0.0, 0.0, through)
             - Matrix3::identity() * ((cauchy.trace() + through) / 3.0);
         ([material.energy(&f), (1.5 * deviator.norm_squared()).sqrt(), j], material.is_continued(&f))
@@ -114,10 +114,10 @@ fn colours_and_counts_of_many_triangles_are_those_of_each_alone_for_every_model(
         // All sizes of J from -1 to 2, none of them special.
         let x: Vec<f64> = scene.rest.iter().enumerate().map(|(i, x)| x + 0.17 * (7.3 * i as f64).sin()).collect();
         let each: Vec<_> =
-            elements.gradients(&x).map(|(f, area)| (elements.visit(Alone(f, plane != "Strain")), area)).collect();
+            elements.gradients(&x).map(|(f, area)| (elements.visit(SubScene(f, plane != "Strain")), area)).collect();
         for (place, field) in [Field::EnergyDensity, Field::VonMises, Field::Volume].into_iter().enumerate() {
             let mut values = Vec::new();
-            let found = elements.survey(field, &x, &mut values);
+            let found = elements.diagnose(field, &x, &mut values);
             assert_eq!(values.len(), each.len());
             for (value, ((alone, _), _)) in values.iter().zip(&each) {
                 let alone = alone[place];
@@ -144,7 +144,7 @@ fn no_model_is_continued_where_a_triangle_keeps_a_quarter_of_its_area() {
             let f = Matrix2::new(entry(0.0), entry(1.0), entry(2.0), entry(3.0));
             let scaled = f * (WHOLE / f.determinant().abs()).sqrt() * 1.000_001;
             if scaled.determinant() > 0.0 {
-                assert!(!model.visit(Lame { mu: 1.0, lambda: 1.0 }, Alone(scaled, true)).1, "{}", model.name());
+                assert!(!model.visit(Lame { mu: 1.0, lambda: 1.0 }, SubScene(scaled, true)).1, "{}", model.name());
             }
         }
     }

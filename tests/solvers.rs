@@ -4,7 +4,7 @@
 mod common;
 
 use common::Random;
-use gingerbread::solvers::{BlockMatrix, Equations, Factor, Newton, Path, Tangent};
+use gingerbread::solvers::{BlockMatrix, Equations, Factor, LinearSolver, Newton, Tangent};
 use nalgebra::{DMatrix, DVector, Matrix2};
 
 /// Couples of several shapes: none, a chain, a star, all with all, a grid, islands, and whatever chance gives.
@@ -228,11 +228,11 @@ fn iterations_solve_what_the_factor_solves_whatever_is_coupled_and_fixed() {
                 b.iter().map(|_| f64::from(u8::from(random.between(0.0, 1.0) >= fixed))).collect();
             let mut equations =
                 Linear { matrix: matrix.clone(), couples: couples.clone(), b: b.clone(), inverse_weight };
-            let [direct, iterative] = [Path::Direct, Path::Iterative].map(|path| {
+            let [direct, iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(|path| {
                 let mut z = vec![0.0; b.len()];
                 let counts = Newton::new(path).solve(&mut equations, &mut z);
                 assert_eq!((counts.unconverged, counts.indefinite), (0, 0), "pattern {number}: {counts:?}");
-                assert!(path == Path::Direct || counts.abandoned == 0, "pattern {number}: {counts:?}");
+                assert!(path == LinearSolver::Direct || counts.abandoned == 0, "pattern {number}: {counts:?}");
                 z
             });
             for (one, other) in direct.iter().zip(&iterative) {

@@ -2,9 +2,9 @@
 //! triangle, one after another, by the formulas of the library.
 
 use gingerbread::{
-    lanes::Square,
     materials::{Lame, Material, Model, Visitor},
     scene::Scene,
+    simd::Mat2,
 };
 use nalgebra::Matrix2;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ pub struct Plain {
     model: Model,
     lame: Lame,
     /// Corners, D0⁻¹ and area.
-    triangles: Vec<([usize; 3], Square<f64>, f64)>,
+    triangles: Vec<([usize; 3], Mat2<f64>, f64)>,
     x: Vec<[f64; 2]>,
     v: Vec<[f64; 2]>,
     force: Vec<[f64; 2]>,
@@ -22,8 +22,8 @@ pub struct Plain {
     h: f64,
 }
 
-fn edges(x: &[[f64; 2]], [a, b, c]: [usize; 3]) -> Square<f64> {
-    Square::new(x[b][0] - x[a][0], x[c][0] - x[a][0], x[b][1] - x[a][1], x[c][1] - x[a][1])
+fn edges(x: &[[f64; 2]], [a, b, c]: [usize; 3]) -> Mat2<f64> {
+    Mat2::new(x[b][0] - x[a][0], x[c][0] - x[a][0], x[b][1] - x[a][1], x[c][1] - x[a][1])
 }
 
 impl Plain {
@@ -33,7 +33,7 @@ impl Plain {
         let triangle = |corners: &[u32; 3]| {
             let corners = corners.map(|corner| corner as usize);
             let edges = Matrix2::from(edges(&rest, corners));
-            (corners, Square::from(&edges.try_inverse().unwrap()), 0.5 * edges.determinant())
+            (corners, Mat2::from(&edges.try_inverse().unwrap()), 0.5 * edges.determinant())
         };
         Self {
             model: scene.bodies[0].elements.model(),

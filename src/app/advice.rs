@@ -1,4 +1,4 @@
-//! Advice: which cause a trouble has, and which remedies remove that cause. Plain data in, plain data out.
+//! Finds the cause of a problem and the remedies that remove it. Plain data in, plain data out.
 //!
 //! A step above the stability limit asks for shorter steps. Steps that cost too much ask for longer ones, as long as those stay
 //! below the limit, or for a coarser mesh; what the guard adds by dividing steps does not count as the cost of the steps. A model

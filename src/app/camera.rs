@@ -1,4 +1,4 @@
-//! Where the world lies on the screen.
+//! Camera: maps between world coordinates and screen coordinates.
 
 use eframe::egui::{Pos2, Rect, pos2};
 

@@ -1,5 +1,5 @@
-//! How much simulated time a frame owes, and what happens when it cannot pay: time slows down. Steps are never skipped
-//! and never lengthened. There is no clock in here, so all of it can be tested with plain numbers.
+//! Converts real time to steps; simulated time slows down when the computer is too slow. Steps are never skipped and never lengthened.
+//! There is no clock in here, so all of it can be tested with plain numbers.
 
 /// Time a window may be behind: two frames, as long as they were of late, between these bounds [s]. More is dropped, so a
 /// stalled or hidden window does not catch up in a burst.

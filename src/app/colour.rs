@@ -1,4 +1,4 @@
-//! Colours for values: maps that colour-blind eyes can read, and a range that holds still.
+//! Colour maps for fields and their ranges.
 
 use crate::{
     app::numbers::or_zero,

@@ -1,9 +1,9 @@
-//! Opening and saving levels, and saving what plots show: a file that cannot be read changes nothing but shows why.
+//! Opens and saves levels and exports plots.
 
 use super::{
     App,
     dialogs::{Answer, Purpose, stem},
-    panels::{Export, FileWish, Notice, Prompt, View},
+    panels::{Export, FileRequest, Notice, Prompt, View},
 };
 use crate::{
     command::Command,
@@ -14,15 +14,15 @@ use eframe::egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Answers wishes, dialogs and prompts.
+    /// Handles requests, dialogs and prompts.
     pub(super) fn file_work(&mut self, ctx: &Context) {
         self.view.develop(ctx);
         self.take_close_request(ctx);
-        if let Some(wish) = self.decide() {
-            self.grant(wish);
+        if let Some(request) = self.decide() {
+            self.grant(request);
         }
-        if let Some(wish) = self.view.file.take().and_then(|wish| self.wish_or_ask(wish)) {
-            self.grant(wish);
+        if let Some(request) = self.view.file.take().and_then(|request| self.request_or_ask(request)) {
+            self.grant(request);
         }
         match self.dialogs.poll(ctx) {
             Some(Answer::Chosen(purpose, path)) => self.answer(&purpose, &path),
@@ -44,14 +44,14 @@ impl App {
         }
     }
 
-    /// Does what was wished of the file system; nothing is lost by it that was not decided about.
-    fn grant(&mut self, wish: FileWish) {
-        match wish {
-            FileWish::BuiltIn(index) => match self.gallery.level(index) {
+    /// Carries out a request to the file system, after unsaved changes were decided about.
+    fn grant(&mut self, request: FileRequest) {
+        match request {
+            FileRequest::BuiltIn(index) => match self.gallery.level(index) {
                 Ok(level) => drop(self.start(level)),
                 Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
-            FileWish::Hard(name, model, method) => match self.gallery.hard_level(name, model, method) {
+            FileRequest::Hard(name, model, method) => match self.gallery.hard_level(name, model, method) {
                 Ok(level) => {
                     // It would lie over what is to be watched.
                     self.view.hard.open = false;
@@ -61,16 +61,16 @@ impl App {
                 }
                 Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
-            FileWish::Open => self.dialogs.ask(Purpose::Open),
-            FileWish::Save => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
-            FileWish::Export(export) => self.dialogs.ask(Purpose::Export(export)),
-            FileWish::File(path, ignored) => {
+            FileRequest::Open => self.dialogs.ask(Purpose::Open),
+            FileRequest::Save => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
+            FileRequest::Export(export) => self.dialogs.ask(Purpose::Export(export)),
+            FileRequest::File(path, ignored) => {
                 self.open(&path);
                 if !ignored.is_empty() {
                     self.tell_ignored(&ignored);
                 }
             }
-            FileWish::Close => self.leaves = true,
+            FileRequest::Close => self.leaves = true,
         }
     }
 
@@ -127,11 +127,11 @@ impl App {
 
     /// After saving: the changes are kept now, and what waited for that goes on.
     fn saved(&mut self, done: bool) {
-        let wish = self.after_saving.take();
+        let request = self.after_saving.take();
         if done {
             self.mark_kept();
-            if let Some(wish) = wish {
-                self.grant(wish);
+            if let Some(request) = request {
+                self.grant(request);
             }
         }
     }
@@ -144,7 +144,7 @@ impl App {
         });
     }
 
-    /// Wishes to open what is dropped on the window: of several files the first level, or else the first.
+    /// Requests to open a dropped file: of several the first level, or else the first.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
         let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
@@ -154,7 +154,7 @@ impl App {
         }
         let is_level = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "ron");
         let first = paths.remove(paths.iter().position(is_level).unwrap_or(0));
-        self.view.file = Some(FileWish::File(first, paths));
+        self.view.file = Some(FileRequest::File(first, paths));
     }
 
     /// Without dialogs: a path to type, or in a browser the text of a level itself.

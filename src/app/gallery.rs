@@ -1,4 +1,4 @@
-//! The levels and the hard cases that come with the program, by name.
+//! The built-in levels and hard cases by name.
 
 use crate::{
     files,

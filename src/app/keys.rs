@@ -1,4 +1,4 @@
-//! One table of what keys and mouse do. The dispatcher, the overlay and the line at the bottom all read it.
+//! The table of keys and mouse actions, read by the dispatcher, the help overlay and the status line.
 
 use crate::{
     command::{Command, Mode, Pose},

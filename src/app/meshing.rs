@@ -1,4 +1,4 @@
-//! Large meshes are made in the background: the running scene stays until the new mesh is ready, or until it is no longer wanted.
+//! Meshes large bodies in the background.
 
 use super::compare::Pane;
 use crate::{
@@ -22,7 +22,7 @@ pub struct Wanted {
     pub body: usize,
     /// The recipe.
     pub mesh: MeshKind,
-    /// What the body is now; another mesh or level there makes the wish void.
+    /// What the body is now; another mesh or level there makes the request void.
     before: BodyLevel,
     /// When it was first asked for.
     since: Instant,
@@ -55,7 +55,7 @@ struct Job {
 }
 
 impl Meshing {
-    /// Takes a wish for another mesh of a body, if making it takes long. A small one makes an earlier wish void.
+    /// Takes a request for another mesh of a body, if making it takes long. A small one cancels an earlier request.
     pub fn takes(&mut self, pane: Pane, body: usize, mesh: &MeshKind, before: &BodyLevel) -> bool {
         let large = cfg!(not(target_arch = "wasm32"))
             && triangles(mesh) > LARGE
@@ -82,7 +82,7 @@ impl Meshing {
     }
 
     /// Looks whether the wanted mesh is ready, and begins to make it once the slider is `released`. `now` finds the body that a
-    /// wish is for; another one there makes the wish void.
+    /// request is for; another one there makes the request void.
     pub fn poll<'a>(
         &mut self,
         released: bool,

@@ -1,4 +1,4 @@
-//! What each effect costs in a frame of 1/60 s in which it is computed: differences of what was booked, steady enough to be read.
+//! Cost of each effect in a frame of 1/60 s.
 
 use crate::{report::EffectCost, snapshot::Snapshot};
 

@@ -11,8 +11,8 @@ mod dialogs;
 mod draw;
 mod file_work;
 mod gallery;
+mod jobs;
 pub mod keys;
-mod lab;
 mod meshing;
 mod meter;
 mod numbers;
@@ -33,15 +33,15 @@ use crate::{
 };
 use canvas::Canvas;
 use clock::{Clock, Spent};
-use compare::{Comparison, Pane, Split, Wish};
+use compare::{Comparison, Pane, PaneRequest, Split};
 use dialogs::Dialogs;
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use gallery::Gallery;
-use lab::Lab;
+use jobs::Jobs;
 use meshing::Meshing;
 use meter::Meter;
-use panels::{Desk, FileWish, History, Notice, View};
+use panels::{Desk, FileRequest, History, Notice, View};
 use web_time::Instant;
 
 /// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
@@ -60,7 +60,7 @@ pub struct App {
     gallery: Gallery,
     history: History,
     dialogs: Dialogs,
-    lab: Lab,
+    jobs: Jobs,
     /// What effects cost in the chosen pane, while somebody reads it.
     meter: Meter,
     /// The second pane, while two are compared.
@@ -71,7 +71,7 @@ pub struct App {
     /// The document as it was opened or saved last.
     kept: Document,
     /// What waits until the changes are saved.
-    after_saving: Option<FileWish>,
+    after_saving: Option<FileRequest>,
     /// Whether the window is to close, whatever is unsaved.
     leaves: bool,
     /// When the last frame was drawn, while time runs [s].
@@ -115,7 +115,7 @@ impl App {
             gallery: Gallery::default(),
             history: History::default(),
             dialogs: Dialogs::default(),
-            lab: Lab::default(),
+            jobs: Jobs::default(),
             meter: Meter::default(),
             comparison: None,
             commands: Vec::new(),
@@ -167,7 +167,7 @@ impl App {
     }
 
     /// Applies a command, in two panes as one that came from `pane` or else from the chosen one; one that is refused is shown,
-    /// and nothing changes. A large mesh is only wished for: it is made in the background. Returns whether the command was done.
+    /// and nothing changes. A large mesh is only requested: it is made in the background. Returns whether the command was done.
     fn apply(&mut self, pane: Option<Pane>, command: Command) -> bool {
         if let Command::SetMesh(body, mesh) = &command {
             let pane = pane.or(self.comparison.as_ref().map(|panes| panes.chosen())).unwrap_or_default();
@@ -230,9 +230,9 @@ impl App {
     }
 
     /// Does what was asked for: first what was clicked and dragged, then the keys, each judged after the one before.
-    fn apply_wishes(&mut self) {
-        for wish in std::mem::take(&mut self.view.panes) {
-            self.compare(wish);
+    fn apply_requests(&mut self) {
+        for request in std::mem::take(&mut self.view.panes) {
+            self.compare(request);
         }
         if let Some(panes) = &mut self.comparison {
             let idle = self.commands.is_empty() && self.view.pressed.is_empty();
@@ -256,8 +256,8 @@ impl App {
                 self.apply(None, command);
             }
         }
-        for wish in std::mem::take(&mut self.view.panes) {
-            self.compare(wish);
+        for request in std::mem::take(&mut self.view.panes) {
+            self.compare(request);
         }
     }
 
@@ -273,23 +273,23 @@ impl App {
     }
 
     /// Splits the stage, joins it, or turns the panels to a pane.
-    fn compare(&mut self, wish: Wish) {
-        let keep = match (wish, &mut self.comparison) {
-            (Wish::Choose(pane), Some(panes)) => return panes.choose(pane),
-            (Wish::Toggle, None) => {
+    fn compare(&mut self, request: PaneRequest) {
+        let keep = match (request, &mut self.comparison) {
+            (PaneRequest::Choose(pane), Some(panes)) => return panes.choose(pane),
+            (PaneRequest::Toggle, None) => {
                 self.comparison = Some(Box::new(Comparison::new(&self.sandbox)));
                 self.clock.stop();
                 return;
             }
             (_, None) => return,
-            (Wish::Keep(pane), Some(_)) => pane,
-            (Wish::Toggle, Some(_)) => Pane::A,
+            (PaneRequest::Keep(pane), Some(_)) => pane,
+            (PaneRequest::Toggle, Some(_)) => Pane::A,
         };
         self.settled();
         let Some(panes) = self.comparison.take() else { return };
         if keep == Pane::B {
-            let Comparison { b, snapshot, history, lab, stage, .. } = *panes;
-            (self.sandbox, self.snapshot, self.history, self.lab) = (b, snapshot, history, lab);
+            let Comparison { b, snapshot, history, jobs, stage, .. } = *panes;
+            (self.sandbox, self.snapshot, self.history, self.jobs) = (b, snapshot, history, jobs);
             self.canvas = stage.into_canvas();
         }
         self.canvas.unshare_scale();
@@ -349,22 +349,22 @@ impl App {
             |seen: &Snapshot| seen.inverted > 0 || seen.exploded.is_some() || seen.fault.is_some() || self.view.slow;
         let other = self.comparison.as_ref().is_some_and(|panes| doubtful(panes.snapshot()));
         let doubts = [doubtful(&self.snapshot), other];
-        let mut labs = vec![(&mut self.lab, &self.sandbox)];
+        let mut all_jobs = vec![(&mut self.jobs, &self.sandbox)];
         let mut chosen = 0;
         if let Some(panes) = &mut self.comparison {
             chosen = panes.chosen() as usize;
-            labs.push((&mut panes.lab, &panes.b));
+            all_jobs.push((&mut panes.jobs, &panes.b));
         }
-        for (number, (lab, sandbox)) in labs.into_iter().enumerate() {
+        for (number, (jobs, sandbox)) in all_jobs.into_iter().enumerate() {
             if number == chosen {
-                for wish in std::mem::take(&mut self.view.wishes) {
-                    lab.grant(wish, sandbox);
+                for request in std::mem::take(&mut self.view.requests) {
+                    jobs.grant(request, sandbox);
                 }
             }
-            if (number == chosen || lab.twin().is_some() || lab.is_busy()) && lab.work(sandbox, gauge) {
+            if (number == chosen || jobs.twin().is_some() || jobs.is_busy()) && jobs.work(sandbox, gauge) {
                 ctx.request_repaint();
             }
-            if doubts[number] && lab.look_at_rest(sandbox) {
+            if doubts[number] && jobs.look_at_rest(sandbox) {
                 ctx.request_repaint();
             }
         }
@@ -400,12 +400,12 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
-        self.lab.follow(&self.sandbox);
+        self.jobs.follow(&self.sandbox);
         if let Some(panes) = &mut self.comparison {
-            panes.lab.follow(&panes.b);
+            panes.jobs.follow(&panes.b);
         }
         self.file_work(ctx);
-        self.apply_wishes();
+        self.apply_requests();
         self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.time_effects();
@@ -422,12 +422,12 @@ impl eframe::App for App {
         self.take_dropped_files(ui.ctx());
         let mut stage = self.comparison.as_mut().map(|panes| std::mem::take(&mut panes.stage));
         let panes = self.comparison.as_deref();
-        let (now, history, lab) = match panes.filter(|panes| panes.chosen() == Pane::B) {
-            Some(panes) => (panes.snapshot(), &panes.history, &panes.lab),
-            None => (&self.snapshot, &self.history, &self.lab),
+        let (now, history, jobs) = match panes.filter(|panes| panes.chosen() == Pane::B) {
+            Some(panes) => (panes.snapshot(), &panes.history, &panes.jobs),
+            None => (&self.snapshot, &self.history, &self.jobs),
         };
         let (rates, gallery, first) = (self.clock.rates(), &self.gallery, &self.snapshot);
-        let desk = Desk { now, rates, gallery, history, lab, meter: &self.meter, comparison: panes, first };
+        let desk = Desk { now, rates, gallery, history, jobs, meter: &self.meter, comparison: panes, first };
         let canvas = &mut self.canvas;
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {
@@ -442,7 +442,7 @@ impl eframe::App for App {
             panes.stage = stage;
         }
         let asked = !self.commands.is_empty()
-            || !self.view.wishes.is_empty()
+            || !self.view.requests.is_empty()
             || !self.view.pressed.is_empty()
             || !self.view.panes.is_empty()
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())

@@ -1,4 +1,4 @@
-//! Numbers as people read them: three significant digits, an SI prefix, a unit, and no jitter in width.
+//! Formats numbers with three significant digits, SI prefix and unit.
 
 use crate::quantity::with_unit;
 

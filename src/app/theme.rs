@@ -1,4 +1,4 @@
-//! The colours of the house, by night and by day, and the look that egui's widgets get from them.
+//! Colour themes, dark and light, and egui's style.
 
 use eframe::egui::{
     self, Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Visuals, style, vec2,

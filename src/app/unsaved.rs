@@ -1,9 +1,9 @@
-//! Changes that are not saved: before a level is replaced or the window closes, the person decides about them.
+//! Unsaved changes: detects them and asks before they are lost.
 
 use super::{
     App,
     dialogs::{Purpose, stem},
-    panels::{Choice, FileWish, Unsaved},
+    panels::{Choice, FileRequest, Unsaved},
 };
 use eframe::egui::{Context, ViewportCommand};
 
@@ -27,27 +27,27 @@ impl App {
             for command in [ViewportCommand::CancelClose, ViewportCommand::Minimized(false), ViewportCommand::Focus] {
                 ctx.send_viewport_cmd(command);
             }
-            self.view.file = Some(FileWish::Close);
+            self.view.file = Some(FileRequest::Close);
         }
     }
 
-    /// Lets a wish pass, or asks first what is to become of the changes that it would lose.
-    pub(super) fn wish_or_ask(&mut self, wish: FileWish) -> Option<FileWish> {
-        if wish.replaces_level() && self.is_unsaved() {
-            self.view.unsaved = Some(Unsaved { wish, choice: None });
+    /// Returns the request, or asks first about the changes that it would lose.
+    pub(super) fn request_or_ask(&mut self, request: FileRequest) -> Option<FileRequest> {
+        if request.replaces_level() && self.is_unsaved() {
+            self.view.unsaved = Some(Unsaved { request, choice: None });
             return None;
         }
-        Some(wish)
+        Some(request)
     }
 
-    /// Does what was decided about unsaved changes; returns the wish that was waiting for it, if it may go on now.
-    pub(super) fn decide(&mut self) -> Option<FileWish> {
-        let Unsaved { wish, choice } = self.view.unsaved.take_if(|unsaved| unsaved.choice.is_some())?;
+    /// Does what was decided about unsaved changes; returns the request that was waiting for it, if it may go on now.
+    pub(super) fn decide(&mut self) -> Option<FileRequest> {
+        let Unsaved { request, choice } = self.view.unsaved.take_if(|unsaved| unsaved.choice.is_some())?;
         match choice? {
-            Choice::Discard => Some(wish),
+            Choice::Discard => Some(request),
             Choice::Cancel => None,
             Choice::Save => {
-                self.after_saving = Some(wish);
+                self.after_saving = Some(request);
                 self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron"));
                 None
             }

@@ -1,3 +1,5 @@
+//! Effect: contact with the domain boundary.
+
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,

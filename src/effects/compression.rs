@@ -1,9 +1,11 @@
-use super::{Effect, EffectParameters, Motion, Twice, ZERO};
+//! Effect: barrier against compression and inversion of triangles.
+
+use super::{DuplicatePolicy, Effect, EffectParameters, Motion, ZERO};
 use crate::{
     elements::{Adding, Elements, Isotropic, Law, Triangles},
-    lanes::{Real, Square},
     materials::{Moduli, Parts},
     quantity::{CompressionStrength, Quantity},
+    simd::{Mat2, Real},
     solvers::{BlockMatrix, Weights},
 };
 use nalgebra::Matrix2;
@@ -44,8 +46,8 @@ impl EffectParameters for Compression {
         vec![&mut self.strength]
     }
 
-    fn twice(&self) -> Twice {
-        Twice::Odd("their strengths add up")
+    fn duplicate_policy(&self) -> DuplicatePolicy {
+        DuplicatePolicy::Odd("their strengths add up")
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
@@ -64,7 +66,7 @@ impl Law for Squeezed {
     const RATE: bool = false;
 
     #[inline(always)]
-    fn stress<R: Real>(&self, f: Square<R>, _: Square<R>) -> Square<R> {
+    fn stress<R: Real>(&self, f: Mat2<R>, _: Mat2<R>) -> Mat2<R> {
         let j = f.determinant();
         let missing = j.if_less(j.of(1.0), -j + 1.0, j.of(0.0));
         f.cofactor() * (missing * missing * -self.0)

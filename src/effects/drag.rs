@@ -1,6 +1,8 @@
+//! Effect: air drag.
+
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Elements, Everywhere},
+    elements::{Elements, UniformForce},
     quantity::{DragCoefficient, Quantity},
     solvers::{BlockMatrix, Weights},
 };
@@ -64,8 +66,8 @@ impl Effect for Viscous {
         [self.0 * motion.inverse_mass.iter().copied().fold(0.0, f64::max), 0.0]
     }
 
-    fn everywhere(&self) -> Option<Everywhere> {
-        Some(Everywhere { drag: self.0, ..Everywhere::default() })
+    fn uniform_force(&self) -> Option<UniformForce> {
+        Some(UniformForce { drag: self.0, ..UniformForce::default() })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {

@@ -1,6 +1,8 @@
+//! Effect: gravity.
+
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Elements, Everywhere},
+    elements::{Elements, UniformForce},
     quantity::{self, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -70,8 +72,8 @@ impl Effect for Field {
         points.map(|(x, m)| -m[0] * (gx * x[0] + gy * x[1])).sum()
     }
 
-    fn everywhere(&self) -> Option<Everywhere> {
-        Some(Everywhere { field: self.0, ..Everywhere::default() })
+    fn uniform_force(&self) -> Option<UniformForce> {
+        Some(UniformForce { field: self.0, ..UniformForce::default() })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {

@@ -23,7 +23,7 @@ pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
-    elements::{Elements, Everywhere, Kicking},
+    elements::{Elements, Kicking, UniformForce},
     obstacles::{Encounter, Exit, Start, Surface},
     quantity::Quantity,
     registry::registry,
@@ -67,12 +67,12 @@ pub trait EffectParameters {
     }
 
     /// What it means to list it more than once.
-    fn twice(&self) -> Twice {
-        Twice::Both
+    fn duplicate_policy(&self) -> DuplicatePolicy {
+        DuplicatePolicy::Both
     }
 
     /// Why it will never do anything as it is listed, if that is so.
-    fn vain(&self) -> Option<&'static str> {
+    fn ineffective(&self) -> Option<&'static str> {
         None
     }
 
@@ -105,7 +105,7 @@ pub struct Group<'a> {
 
 /// What it means to list an effect more than once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Twice {
+pub enum DuplicatePolicy {
     /// Both act.
     Both,
     /// Both act, but hardly anybody wants that: why, in words.
@@ -222,7 +222,7 @@ pub trait Effect: Send + Sync {
     fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
 
     /// What it does, if it does the same everywhere: [`Self::force`] then adds just that.
-    fn everywhere(&self) -> Option<Everywhere> {
+    fn uniform_force(&self) -> Option<UniformForce> {
         None
     }
 
@@ -268,7 +268,7 @@ pub trait Effect: Send + Sync {
     }
 
     /// Changes what happens where constraints touch a vertex.
-    fn coat(&self, _surface: &mut Surface) {}
+    fn set_surface(&self, _surface: &mut Surface) {}
 
     /// Whether it has a say where constraints touch, and nowhere else.
     fn coats(&self) -> bool {

@@ -1,4 +1,6 @@
-use super::{Effect, EffectParameters, Grab, Motion, Twice};
+//! Effect: mouse spring.
+
+use super::{DuplicatePolicy, Effect, EffectParameters, Grab, Motion};
 use crate::{
     elements::Elements,
     quantity::{Quantity, Spring},
@@ -34,8 +36,8 @@ impl EffectParameters for MouseSpring {
         vec![&mut self.stiffness]
     }
 
-    fn twice(&self) -> Twice {
-        Twice::Odd("they pull together, with the sum of both")
+    fn duplicate_policy(&self) -> DuplicatePolicy {
+        DuplicatePolicy::Odd("they pull together, with the sum of both")
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {

@@ -1,9 +1,11 @@
+//! Effect: Rayleigh damping.
+
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Everywhere, Law, Springs, Triangles},
-    lanes::{Real, Square},
+    elements::{Adding, Elements, Law, Springs, Triangles, UniformForce},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
+    simd::{Mat2, Real},
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
@@ -102,10 +104,10 @@ impl Law for Viscous {
     const RATE: bool = true;
 
     #[inline(always)]
-    fn stress<R: Real>(&self, f: Square<R>, rate: Square<R>) -> Square<R> {
+    fn stress<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> Mat2<R> {
         let product = f.transpose().times(rate);
         let strain = (product + product.transpose()) * 0.5;
-        f.times(strain * self.two_mu + Square::identity(f.m11) * (strain.trace() * self.lambda))
+        f.times(strain * self.two_mu + Mat2::identity(f.m11) * (strain.trace() * self.lambda))
     }
 }
 
@@ -136,15 +138,16 @@ impl Effect for Damping {
         if self.alpha == 0.0 && self.beta == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
-    /// Enough for elastic forces as well: see [`Self::everywhere`].
+    /// Enough for elastic forces as well: see [`Self::uniform_force`].
     fn scratch(&self) -> usize {
         2 * self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
     }
 
     /// Dampers beside springs are summed one after another.
-    fn everywhere(&self) -> Option<Everywhere> {
-        let everywhere = Everywhere { mass_damping: self.alpha, stiffness_damping: self.beta, ..Everywhere::default() };
-        self.nets.is_empty().then_some(everywhere)
+    fn uniform_force(&self) -> Option<UniformForce> {
+        let uniform_force =
+            UniformForce { mass_damping: self.alpha, stiffness_damping: self.beta, ..UniformForce::default() };
+        self.nets.is_empty().then_some(uniform_force)
     }
 
     fn damping(&self, _: Motion<'_>) -> [f64; 2] {

@@ -1,4 +1,6 @@
-use super::{Effect, EffectParameters, Motion, Twice};
+//! Effect: coefficient of restitution of contacts.
+
+use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
     elements::Elements,
     obstacles::Surface,
@@ -36,8 +38,8 @@ impl EffectParameters for Restitution {
         vec![&mut self.coefficient]
     }
 
-    fn twice(&self) -> Twice {
-        Twice::Ambiguous("a contact has one coefficient")
+    fn duplicate_policy(&self) -> DuplicatePolicy {
+        DuplicatePolicy::Ambiguous("a contact has one coefficient")
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
@@ -61,7 +63,7 @@ impl Effect for Coating {
         true
     }
 
-    fn coat(&self, surface: &mut Surface) {
+    fn set_surface(&self, surface: &mut Surface) {
         surface.restitution = self.0;
     }
 }

@@ -1,3 +1,5 @@
+//! Effect: contact with obstacles.
+
 use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape, around};
 use crate::{
     elements::Elements,
@@ -74,7 +76,7 @@ impl EffectParameters for Walls {
         shapes
     }
 
-    fn vain(&self) -> Option<&'static str> {
+    fn ineffective(&self) -> Option<&'static str> {
         self.obstacles.is_empty().then_some("there are no obstacles in it")
     }
 

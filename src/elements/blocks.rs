@@ -5,8 +5,8 @@ use super::{
     triangle::Rest,
 };
 use crate::{
-    lanes::{Abreast, LANES, Lanes, Order, Pairs, Real, Square, Wide},
     materials::Material,
+    simd::{Interleaved, LANES, Lanes, Mat2, Order, Pairs, Real, Wide},
 };
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
@@ -42,23 +42,23 @@ pub trait Law: Copy {
     const RATE: bool;
 
     /// The stress [Pa].
-    fn stress<R: Real>(&self, f: Square<R>, rate: Square<R>) -> Square<R>;
+    fn stress<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> Mat2<R>;
 }
 
 /// Several stresses of the same triangles, whose forces are summed up each by itself.
-pub trait Laws<const N: usize>: Copy {
+pub trait StressModel<const N: usize>: Copy {
     /// Whether any asks for dF/dt; if not, `rate` is not to be used.
     const RATE: bool;
 
     /// The stresses [Pa].
-    fn stresses<R: Real>(&self, f: Square<R>, rate: Square<R>) -> [Square<R>; N];
+    fn stresses<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> [Mat2<R>; N];
 }
 
-impl<L: Law> Laws<1> for L {
+impl<L: Law> StressModel<1> for L {
     const RATE: bool = L::RATE;
 
     #[inline(always)]
-    fn stresses<R: Real>(&self, f: Square<R>, rate: Square<R>) -> [Square<R>; 1] {
+    fn stresses<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> [Mat2<R>; 1] {
         [self.stress(f, rate)]
     }
 }
@@ -67,11 +67,11 @@ impl<L: Law> Laws<1> for L {
 #[derive(Clone, Copy)]
 pub struct Both<A, B>(pub A, pub B);
 
-impl<A: Law, B: Law> Laws<2> for Both<A, B> {
+impl<A: Law, B: Law> StressModel<2> for Both<A, B> {
     const RATE: bool = A::RATE || B::RATE;
 
     #[inline(always)]
-    fn stresses<R: Real>(&self, f: Square<R>, rate: Square<R>) -> [Square<R>; 2] {
+    fn stresses<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> [Mat2<R>; 2] {
         [self.0.stress(f, rate), self.1.stress(f, rate)]
     }
 }
@@ -84,7 +84,7 @@ impl<M: Material> Law for Elastic<M> {
     const RATE: bool = false;
 
     #[inline(always)]
-    fn stress<R: Real>(&self, f: Square<R>, _: Square<R>) -> Square<R> {
+    fn stress<R: Real>(&self, f: Mat2<R>, _: Mat2<R>) -> Mat2<R> {
         self.0.piola(f)
     }
 }
@@ -155,9 +155,9 @@ pub fn spokes([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
 impl Matrices {
     /// Those of a part.
     #[inline(always)]
-    fn load<S: Simd>(&self, set: S, part: usize) -> Square<Wide<S>> {
+    fn load<S: Simd>(&self, set: S, part: usize) -> Mat2<Wide<S>> {
         let [m11, m21, m12, m22] = &self.0;
-        Square::new(
+        Mat2::new(
             Wide::load(set, m11, part),
             Wide::load(set, m12, part),
             Wide::load(set, m21, part),
@@ -167,7 +167,7 @@ impl Matrices {
 
     /// Writes those of a part.
     #[inline(always)]
-    fn store<S: Simd>(&mut self, matrix: Square<Wide<S>>, part: usize) {
+    fn store<S: Simd>(&mut self, matrix: Mat2<Wide<S>>, part: usize) {
         let [m11, m21, m12, m22] = &mut self.0;
         matrix.m11.store(m11, part);
         matrix.m21.store(m21, part);
@@ -178,19 +178,19 @@ impl Matrices {
 
 /// The matrices D of the first or the second triangles of part of a block.
 #[inline(always)]
-fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Square<Wide<S>> {
+fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Mat2<Wide<S>> {
     let ([m11, m21], [m12, m22]) =
         (Wide::load_pairs(set, &spokes[side], part), Wide::load_pairs(set, &spokes[side + 1], part));
-    Square::new(m11, m12, m21, m22)
+    Mat2::new(m11, m12, m21, m22)
 }
 
 /// F, or dF/dt, of the first and of the second triangles of part of a block: D D0⁻¹.
 #[inline(always)]
-fn gradients<S: Simd>(set: S, spokes: &Spokes, block: &Block, part: usize) -> Square<Abreast<Wide<S>>> {
+fn gradients<S: Simd>(set: S, spokes: &Spokes, block: &Block, part: usize) -> Mat2<Interleaved<Wide<S>>> {
     let Block([first, second]) = block;
     let of_first = edges(set, spokes, 0, part).times(first.inverse.load(set, part));
     let of_second = edges(set, spokes, 1, part).times(second.inverse.load(set, part));
-    Square::abreast(of_first, of_second)
+    Mat2::abreast(of_first, of_second)
 }
 
 /// The spokes of a run.
@@ -213,10 +213,10 @@ pub struct Collected {
 #[repr(align(64))]
 struct Stresses([[Matrices; 2]; 2]);
 
-/// Computes the forces on all fans from [`Laws`].
+/// Computes the forces on all fans from [`StressModel`].
 ///
 /// Stresses wait for roots, quotients and logarithms, and what is made of them waits as well, until the processor can look no further
-/// ahead. So the stresses of both triangles of a fan are computed [`Abreast`], and the forces are made one block later, when nothing
+/// ahead. So the stresses of both triangles of a fan are computed [`Interleaved`], and the forces are made one block later, when nothing
 /// has to wait.
 pub struct Forces<'a, L, const N: usize> {
     pub laws: L,
@@ -232,7 +232,7 @@ pub struct Forces<'a, L, const N: usize> {
     pub out: [&'a mut [[CornerForces; RUN]]; N],
 }
 
-impl<const N: usize, L: Laws<N>> WithSimd for Forces<'_, L, N> {
+impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
     type Output = ();
 
     #[inline(always)]
@@ -321,7 +321,7 @@ impl<M: Material> WithSimd for Energy<'_, M> {
             for (now, block) in now.0.iter().zip(blocks) {
                 let Block(shapes) = block;
                 for part in 0..Wide::<S>::PARTS {
-                    let Abreast(first, second) = self.material.psi(gradients(set, now, block, part));
+                    let Interleaved(first, second) = self.material.psi(gradients(set, now, block, part));
                     for (psi, (shapes, energies)) in [first, second].into_iter().zip(shapes.iter().zip(&mut energies)) {
                         (psi * -Wide::load(set, &shapes.minus_area, part)).store(energies, part);
                     }

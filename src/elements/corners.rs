@@ -1,6 +1,6 @@
 //! Which vertices fans of triangles and springs have, in as few bytes as sweeps can read them from.
 
-use crate::lanes::{LANES, Near, Pairs, vector};
+use crate::simd::{LANES, Near, Pairs, vector};
 use std::array;
 
 /// For how many blocks of elements what lies between their corners is collected ahead: enough for what is stored number by number to have

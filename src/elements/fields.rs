@@ -1,3 +1,5 @@
+//! Fields that triangles are coloured by.
+
 use super::Triangles;
 
 /// What triangles can be coloured by.

@@ -1,7 +1,7 @@
 //! From forces at the corners of elements to forces on vertices.
 
 use super::stages::Stages;
-use crate::lanes::{LANES, NEAR, Order, Pairs, SPARE, lined};
+use crate::simd::{LANES, NEAR, Order, Pairs, SPARE, lined};
 use pulp::Arch;
 use std::{iter::repeat_n, ops::Range};
 

@@ -1,7 +1,7 @@
 //! A step of symplectic Euler for the vertices whose forces are known: `v += h f/m`, then `x += h v`.
 
-use super::Everywhere;
-use crate::lanes::{Lanes, Wide};
+use super::UniformForce;
+use crate::simd::{Lanes, Wide};
 use pulp::{
     Simd,
     bytemuck::{cast_mut as flat_mut, cast_ref as flat},
@@ -52,8 +52,8 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
 impl Kick {
     /// For what acts everywhere, and steps of a length [s].
     #[inline(always)]
-    pub fn new(everywhere: Everywhere, step: f64) -> Self {
-        let Everywhere { field, mass_damping, drag, .. } = everywhere;
+    pub fn new(uniform_force: UniformForce, step: f64) -> Self {
+        let UniformForce { field, mass_damping, drag, .. } = uniform_force;
         Self {
             field: f64x2::new(field),
             mass_damping: f64x2::splat(mass_damping),

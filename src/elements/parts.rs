@@ -4,7 +4,7 @@
 //! are sums over the parts whoever steps ([`super::gather`]), so that any number of threads comes to the same bits.
 
 use super::{
-    blocks::{Blocks, Laws},
+    blocks::{Blocks, StressModel},
     corners::Corners,
     gather::{Gather, STRETCH},
     patience::Patience,
@@ -12,7 +12,7 @@ use super::{
     triangle::Rest,
     walk::{Ground, More, Outcome, Way, walk},
 };
-use crate::lanes::{LANES, Lined, Order};
+use crate::simd::{LANES, Lined, Order};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -175,7 +175,7 @@ impl Walker {
     }
 
     /// Takes steps over a body, together with the walkers of the other parts.
-    pub fn walk<L: Laws<N>, const N: usize>(
+    pub fn walk<L: StressModel<N>, const N: usize>(
         &mut self,
         laws: L,
         (whole, parts): (Piece<'_>, Option<&Parts>),

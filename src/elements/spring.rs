@@ -1,3 +1,5 @@
+//! Spring elements.
+
 use super::{
     Adding, Kicking, Target,
     corners::{Corners, RUN},
@@ -6,8 +8,8 @@ use super::{
 };
 use crate::{
     effects::{Effect, Motion},
-    lanes::{LANES, Lanes, Order, Pairs, Real, Wide},
     nets::{Link, Net},
+    simd::{LANES, Lanes, Order, Pairs, Real, Wide},
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::Matrix2;

@@ -1,7 +1,7 @@
 //! Sums of the forces at the corners that meet at each vertex, stage by stage.
 
 use super::{Target, gather::Run};
-use crate::lanes::{Near, Pairs, vector};
+use crate::simd::{Near, Pairs, vector};
 use pulp::{Arch, Simd, WithSimd};
 use std::iter::repeat_n;
 use wide::f64x2;
@@ -65,9 +65,9 @@ impl<'a> Stages<'a> {
                             let first = self.first + now[0] as usize;
                             to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
                         })+
-                        $($DEGREE if C::NEAR => hand_out(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
-                        0 => hand_out(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
-                        _ => hand_out(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
+                        $($DEGREE if C::NEAR => scatter(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
+                        0 => scatter(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
+                        _ => scatter(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
                     }
                 };
             }
@@ -176,7 +176,7 @@ fn sum_at_four<'a, C: Buffer<'a, N>, const D: usize, const N: usize>(
 
 /// Hands out forces on these vertices, counted from the first of the body or net.
 #[inline(always)]
-fn hand_out<const N: usize>(
+fn scatter<const N: usize>(
     first: usize,
     vertices: &[u32],
     forces: impl Iterator<Item = [f64x2; N]>,

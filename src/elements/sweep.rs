@@ -2,13 +2,13 @@
 
 use super::{
     Target,
-    blocks::{Block, Collected, CornerForces, Forces, Laws},
+    blocks::{Block, Collected, CornerForces, Forces, StressModel},
     caches::Bytes,
     corners::{Corners, RUN},
     gather::{Gather, STAGE, pairs, room},
     stages::Stages,
 };
-use crate::lanes::{LANES, NEAR, Pairs};
+use crate::simd::{LANES, NEAR, Pairs};
 use std::ops::Range;
 
 /// A stage begins with a run.
@@ -50,7 +50,7 @@ impl Piece<'_> {
     }
 
     /// Computes the forces of stresses on all fans, sums them at their vertices and hands them out.
-    pub fn sweep<L: Laws<N>, const N: usize>(&self, laws: L, target: &mut impl Target<N>, scratch: &mut [f64]) {
+    pub fn sweep<L: StressModel<N>, const N: usize>(&self, laws: L, target: &mut impl Target<N>, scratch: &mut [f64]) {
         let copy = copy(&self.vertices);
         let (copies, scratch) = scratch.split_at_mut(2 * copy);
         let (x, v) = copies.split_at_mut(copy);
@@ -75,7 +75,7 @@ impl Piece<'_> {
     pub fn stage<const N: usize>(
         &self,
         stage: usize,
-        laws: impl Laws<N>,
+        laws: impl StressModel<N>,
         from: Option<[&[f64]; 2]>,
         (desk, stages): (&mut Desk<'_, N>, &mut Stages<'_>),
         target: &mut impl Target<N>,

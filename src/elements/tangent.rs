@@ -6,8 +6,8 @@ use super::{
     triangle::{Rest, edges},
 };
 use crate::{
-    lanes::{LANES, Lanes, Order, Quads, Real, Square, Wide},
     materials::{Material, Moduli, Parts, Visitor},
+    simd::{LANES, Lanes, Mat2, Order, Quads, Real, Wide},
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
@@ -42,7 +42,7 @@ impl<L: Isotropic> Law for Change<L> {
     const RATE: bool = true;
 
     #[inline(always)]
-    fn stress<R: Real>(&self, f: Square<R>, change: Square<R>) -> Square<R> {
+    fn stress<R: Real>(&self, f: Mat2<R>, change: Mat2<R>) -> Mat2<R> {
         let parts = Parts::of(f);
         self.0.moduli(&parts).change(&parts, change) * -1.0
     }
@@ -194,9 +194,9 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
             for (((now, rest), scale), out) in now.iter().zip(&rest).zip(&scales).zip(&mut out) {
                 for part in 0..Wide::<S>::PARTS {
                     let [m11, m21, m12, m22] = Wide::load_quads(set, rest, part);
-                    let inverse = Square::new(m11, m12, m21, m22);
+                    let inverse = Mat2::new(m11, m12, m21, m22);
                     let [m11, m21, m12, m22] = Wide::load_quads(set, now, part);
-                    let parts = Parts::of(Square::new(m11, m12, m21, m22).times(inverse));
+                    let parts = Parts::of(Mat2::new(m11, m12, m21, m22).times(inverse));
                     let moduli = law.moduli(&parts);
                     let moduli = if let Some(factor) = negative { moduli.with_negative_times(factor) } else { moduli };
                     let moduli = moduli.times(Wide::load(set, scale, part));
@@ -252,7 +252,7 @@ impl<R: Real> Corner<R> {
 /// Blocks of the three corners with themselves, then of the first with the second, the first with the third and the second with
 /// the third, each column by column: the formula of [`Rest::corner_blocks`], with C taken apart into its eigenvectors.
 #[inline(always)]
-fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Square<R>) -> [[R; 4]; 6] {
+fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Mat2<R>) -> [[R; 4]; 6] {
     let one = Corner::new(parts, moduli, [inverse.m11, inverse.m12]);
     let two = Corner::new(parts, moduli, [inverse.m21, inverse.m22]);
     let (b11, b12, b22) = (one.entry(&one, 0, 0), one.entry(&one, 0, 1), one.entry(&one, 1, 1));

@@ -69,7 +69,7 @@ impl Target for Adding<'_> {
 
 /// What acts everywhere beside the elements, and is added to their forces in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Everywhere {
+pub struct UniformForce {
     /// An acceleration g that every vertex is given, by the force `m g` [m/s²].
     pub field: [f64; 2],
     /// alpha of the force `-alpha m v` [1/s].
@@ -80,7 +80,7 @@ pub struct Everywhere {
     pub drag: f64,
 }
 
-impl Everywhere {
+impl UniformForce {
     /// Both, if `other` has nothing that would be added before anything of this.
     pub fn and(self, other: Self) -> Option<Self> {
         let acts =
@@ -108,7 +108,7 @@ pub struct Kicking<'a> {
     /// 1/mass, flat [1/kg]; zero where nothing moves.
     pub inverse_mass: &'a [f64],
     /// What acts beside the elements.
-    pub everywhere: Everywhere,
+    pub uniform_force: UniformForce,
     /// Length of the step h [s].
     pub step: f64,
     /// Twice the energy of motion of all that was moved [J].
@@ -151,7 +151,7 @@ impl Kicking<'_> {
     fn parts(&mut self) -> (Moving<'_>, Masses<'_>, Kick) {
         let moving = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut().0);
         let masses = [self.mass, self.inverse_mass].map(|values| values.as_chunks().0);
-        (moving, masses, Kick::new(self.everywhere, self.step))
+        (moving, masses, Kick::new(self.uniform_force, self.step))
     }
 
     #[inline(always)]

@@ -1,6 +1,8 @@
+//! Linear triangle elements.
+
 use super::{
-    Adding, Everywhere, Kicking, Target,
-    blocks::{self, Blocks, Both, Elastic, Laws},
+    Adding, Kicking, Target, UniformForce,
+    blocks::{self, Blocks, Both, Elastic, StressModel},
     caches::Bytes,
     corners::Corners,
     gather::Gather,
@@ -10,9 +12,9 @@ use super::{
 };
 use crate::{
     effects::{Effect, Motion, Viscous},
-    lanes::Order,
     materials::{Lame, Material, Model, Plane, Visitor},
     meshes::{Fan, Mesh},
+    simd::Order,
     solvers::{BlockMatrix, Weights},
 };
 use nalgebra::Matrix2;
@@ -194,11 +196,11 @@ impl Triangles {
 
     /// Elastic forces alone on this body's vertices, added to `force` [N].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
-        self.hand_out(&mut Adding { x, v: &[], force }, scratch);
+        self.scatter(&mut Adding { x, v: &[], force }, scratch);
     }
 
     /// Computes the elastic forces on this body's vertices and hands them out.
-    fn hand_out(&self, target: &mut impl Target, scratch: &mut [f64]) {
+    fn scatter(&self, target: &mut impl Target, scratch: &mut [f64]) {
         struct Visit<'a, T>(&'a Triangles, &'a mut T, &'a mut [f64]);
         impl<T: Target> Visitor for Visit<'_, T> {
             type Output = ();
@@ -215,7 +217,7 @@ impl Triangles {
         impl Visitor for Visit<'_, '_> {
             type Output = ();
             fn visit<M: Material>(self, material: &M) {
-                let viscous = Viscous::new(self.1.everywhere.stiffness_damping, self.0.lame);
+                let viscous = Viscous::new(self.1.uniform_force.stiffness_damping, self.0.lame);
                 self.0.sweep(Both(Elastic(*material), viscous), self.1, self.2);
             }
         }
@@ -236,7 +238,12 @@ impl Triangles {
     }
 
     /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them out. Each needs scratch.
-    pub(crate) fn sweep<const N: usize>(&self, laws: impl Laws<N>, target: &mut impl Target<N>, scratch: &mut [f64]) {
+    pub(crate) fn sweep<const N: usize>(
+        &self,
+        laws: impl StressModel<N>,
+        target: &mut impl Target<N>,
+        scratch: &mut [f64],
+    ) {
         self.piece().sweep(laws, target, scratch);
     }
 
@@ -264,7 +271,7 @@ impl Triangles {
             fn visit<M: Material>(self, material: &M) {
                 let Self(of, walker, parts, way) = self;
                 let (elastic, ground) = (Elastic(*material), (of.piece(), parts));
-                match of.viscous(way.0.everywhere) {
+                match of.viscous(way.0.uniform_force) {
                     None => walker.walk::<_, 1>(elastic, ground, way),
                     Some(viscous) => walker.walk::<_, 2>(Both(elastic, viscous), ground, way),
                 }
@@ -274,8 +281,8 @@ impl Triangles {
     }
 
     /// The viscous stress, if there is one.
-    fn viscous(&self, everywhere: Everywhere) -> Option<Viscous> {
-        let beta = everywhere.stiffness_damping;
+    fn viscous(&self, uniform_force: UniformForce) -> Option<Viscous> {
+        let beta = uniform_force.stiffness_damping;
         (beta != 0.0).then(|| Viscous::new(beta, self.lame))
     }
 
@@ -340,8 +347,8 @@ impl Effect for Triangles {
 
     fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
         let size = self.scratch();
-        if vertices.everywhere.stiffness_damping == 0.0 {
-            self.hand_out(vertices, &mut scratch[..size]);
+        if vertices.uniform_force.stiffness_damping == 0.0 {
+            self.scatter(vertices, &mut scratch[..size]);
         } else {
             self.kick_damped(vertices, &mut scratch[..2 * size]);
         }

@@ -6,8 +6,8 @@
 //! know the same, and stop after the same step; who is asked whether to go on tells the others early enough.
 
 use super::{
-    Everywhere, Target,
-    blocks::Laws,
+    Target, UniformForce,
+    blocks::StressModel,
     board::Board,
     caches::Caches,
     gather::make_room,
@@ -42,7 +42,7 @@ pub struct Way {
     /// Length of a step [s].
     pub step: f64,
     /// What acts beside the elements.
-    pub everywhere: Everywhere,
+    pub uniform_force: UniformForce,
     /// They stop after a step with a greater energy of motion than this [J].
     pub most_kinetic: f64,
     /// When somebody looks whether it is calm.
@@ -112,7 +112,7 @@ impl Outcome {
 }
 
 /// Walks with the stresses of some laws, as long as there is more to do; of several who walk one at most may be told that there is not.
-pub fn walk<L: Laws<N>, const N: usize>(
+pub fn walk<L: StressModel<N>, const N: usize>(
     laws: L,
     ground: Ground<'_>,
     (way, more): (&Way, More<'_>),
@@ -121,7 +121,7 @@ pub fn walk<L: Laws<N>, const N: usize>(
     let _presence = way.board.presence(ground.number);
     let start = Walk {
         seam: vec![[f64x2::ZERO; N]; ground.masses[0].len() - ground.own],
-        kick: Kick::new(way.everywhere, way.step),
+        kick: Kick::new(way.uniform_force, way.step),
         turn: 0,
         squares: [f64x2::ZERO; WAVE],
         of_seam: [0.0; RECENT],
@@ -170,7 +170,7 @@ struct Walk<'a, 'b, const N: usize> {
 }
 
 impl<const N: usize> Walk<'_, '_, N> {
-    fn go(mut self, laws: impl Laws<N>, more: More<'_>, scratch: &mut Vec<f64>) -> Outcome {
+    fn go(mut self, laws: impl StressModel<N>, more: More<'_>, scratch: &mut Vec<f64>) -> Outcome {
         let each = N * self.ground.piece.buffer();
         make_room(scratch, self.way.wave as usize * each);
         let mut desks: Vec<_> = scratch.chunks_exact_mut(each).map(Desk::new).collect();
@@ -206,7 +206,7 @@ impl<const N: usize> Walk<'_, '_, N> {
     }
 
     /// Takes some steps at once, from a first one on, each at a desk of its own.
-    fn surge(&mut self, laws: impl Laws<N>, first: u32, desks: &mut [Desk<'_, N>]) {
+    fn surge(&mut self, laws: impl StressModel<N>, first: u32, desks: &mut [Desk<'_, N>]) {
         let (piece, count) = (self.ground.piece.clone(), desks.len());
         let mut stages: [Stages<'_>; WAVE] = from_fn(|_| piece.gather.stages());
         // A stage collects what the next begins with: that has to be moved by then.

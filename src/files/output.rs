@@ -1,4 +1,4 @@
-//! Writing files: a whole file at once where the folder allows it, in place where it does not, and streams as they are.
+//! Writes files atomically where the folder allows it, and in place otherwise.
 
 use super::FileError;
 use crate::terminal;

@@ -1,4 +1,4 @@
-//! What is wrong with a level's text, in words: what is there, what was expected, and the likely remedy.
+//! Explains parse errors of level files.
 
 use super::tokens::{Kind, Token, Tokens};
 use ron::error::{Error, SpannedError};

@@ -1,4 +1,4 @@
-//! Other spellings of a level that mean the same, each replaced by characters of the same number, so that places in messages stay.
+//! Alternative spellings in level files, each replaced by as many characters, so that places in messages stay.
 
 use super::tokens::{Kind, Tokens};
 

@@ -1,4 +1,4 @@
-//! Tokens of a level's text, for messages about mistakes and for other spellings: far more lenient than the parser.
+//! Tokens of level files for error messages.
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,9 @@
+//! A hard case: level, duration and expectation.
+
 use super::Method;
 use crate::{
     files::{self, FileError},
-    level::{Act, BodyLevel, Level, Substeps},
+    level::{BodyLevel, Level, ScriptedAction, Substeps},
     levels,
     materials::Model,
     meshes::NoFiles,
@@ -20,9 +22,9 @@ use std::path::Path;
 pub struct Case {
     /// What there is at the start.
     pub level: Level,
-    /// What is done to it.
-    #[serde(default)]
-    pub acts: Vec<Act>,
+    /// Scripted actions; also read under the earlier key `acts`.
+    #[serde(default, alias = "acts")]
+    pub actions: Vec<ScriptedAction>,
     /// How long it goes on.
     pub lasts: Lasts,
     /// What decides beside numbers, energy and walls.
@@ -95,8 +97,8 @@ impl Case {
     pub fn level(&self, model: Model, method: Method) -> Level {
         let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
         let bodies = self.level.bodies.iter().map(body).collect();
-        let acts = self.level.acts.iter().chain(&self.acts).cloned().collect();
-        Level { bodies, acts, integrator: method.integrator(), ..self.level.clone() }
+        let actions = self.level.actions.iter().chain(&self.actions).cloned().collect();
+        Level { bodies, actions, integrator: method.integrator(), ..self.level.clone() }
     }
 
     /// The same with the step that the method begins with, to be watched outside the gallery.

@@ -1,3 +1,5 @@
+//! Distance by which vertices leave their domain.
+
 use crate::{
     effects::EffectKind,
     level::{Level, RunMode, Switch, When},

@@ -1,3 +1,5 @@
+//! Energy balance of a run.
+
 use crate::{report::Energies, scene::Scene};
 
 /// Keeps the books of energy: between two changes from outside nothing in a scene supplies any.

@@ -1,3 +1,5 @@
+//! Integrators and step lengths that hard cases run with.
+
 use crate::integrators::{Bdf2, ImplicitEuler, IntegratorKind, SymplecticEuler};
 use serde::{Deserialize, Serialize};
 

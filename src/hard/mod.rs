@@ -1,6 +1,6 @@
-//! What is hard to hold: a gallery of cases that break careless simulations, and what decides whether they are held.
+//! Hard cases: scenes that test the stability of integrators and models.
 //!
-//! A [`Case`] is a level with scripted [`Act`]s and what is expected at its end; each is one file of `levels/hard/`. A [`Run`]
+//! A [`Case`] is a level with scripted [`ScriptedAction`]s and what is expected at its end; each is one file of `levels/hard/`. A [`Run`]
 //! takes a case with one constitutive model and one [`Method`] frame by frame of 1/60 s and ends with a [`Verdict`]. A [`Sweep`]
 //! is many runs on several threads: the whole table of cases, models and methods.
 //!

@@ -1,3 +1,5 @@
+//! One run of a hard case with one model and one integrator.
+
 use super::{AREA, Case, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict};
 use crate::{
     level::{Level, Substeps, Toggle, frame},

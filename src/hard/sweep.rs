@@ -1,3 +1,5 @@
+//! Many runs of hard cases on several threads.
+
 use super::{Case, Method, Run, Verdict};
 use crate::{
     materials::Model,

@@ -1,3 +1,5 @@
+//! Results of hard cases as a table.
+
 use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
 use crate::table;
 

@@ -1,3 +1,5 @@
+//! Verdict on a run of a hard case.
+
 /// How far the area of any triangle may be off after coming home, as a share of it.
 pub const AREA: f64 = 1e-3;
 

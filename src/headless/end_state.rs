@@ -1,4 +1,4 @@
-//! Whether the state at the end of a run can be one of the bodies that it began with.
+//! Checks whether the end state of a run is physical.
 
 use crate::{report::Energies, simulation::Simulation};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! How a command ends: results on standard output, remarks on standard error, and the exit code.
+//! Result of a command: output, remarks and exit code.
 
 use super::{Interrupt, Outputs};
 use crate::terminal;

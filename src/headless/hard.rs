@@ -1,4 +1,4 @@
-//! `gingerbread hard`: the gallery of hard cases as a table.
+//! `gingerbread hard`: runs hard cases and prints a table.
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, Pace, ending};
 use crate::{

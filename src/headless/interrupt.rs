@@ -1,4 +1,4 @@
-//! SIGINT and SIGTERM: the first one asks a long command to stop and write what there is, a second one ends the program at once.
+//! SIGINT and SIGTERM: the first stops a command after the present step, the second ends it at once.
 
 use signal_hook::{
     consts::{SIGINT, SIGTERM},

@@ -1,4 +1,4 @@
-//! The files that a command writes: tried before the work, written after it, and failures told at the end.
+//! Output files of a command: checked before the work, written after it.
 
 use super::HeadlessError;
 use crate::files::{Destination, FileError, Identity, identity};

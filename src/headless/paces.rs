@@ -1,4 +1,4 @@
-//! How each body and net was stepped.
+//! Step lengths of each body and net in the report.
 
 use crate::{report::Pace, simulation::Simulation};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Progress of a long command: a bar on a terminal, elsewhere a line on standard error every few seconds.
+//! Progress of a command on standard error.
 
 use super::Interrupt;
 use crate::terminal;

@@ -1,4 +1,4 @@
-//! What a run cost and came to, as it is printed and written.
+//! Report of a run: energies, counts and costs.
 
 use super::{
     EndState,

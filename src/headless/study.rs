@@ -1,4 +1,4 @@
-//! `gingerbread study`: what accuracy costs, as a table and as CSV.
+//! `gingerbread study`: measures accuracy and its cost.
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Pace, Progress as Shown, ending};
 use crate::{
@@ -70,7 +70,7 @@ pub fn study(request: &Study) -> Result<Ending, HeadlessError> {
     let stopped = Interrupt::seen().filter(|_| done < 1.0);
     let partial = stopped.map(|signal| format!("stopped by {signal} at about {:.1} % of the work", 100.0 * done));
     outputs.write("--csv", |_| Ok(partial.as_ref().map_or(String::new(), |partial| remark("partial", partial)) + &csv));
-    if !level.acts.is_empty() {
+    if !level.actions.is_empty() {
         table.push_str("\n\nThe scripted actions of this level are not performed in a study.");
     }
     if let Some(partial) = &partial {

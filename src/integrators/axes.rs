@@ -1,4 +1,4 @@
-//! Own axes for each vertex: a wall holds a vertex across itself and leaves it free along, whichever way it faces.
+//! Axes of each vertex: normal and tangent of the wall that constrains it.
 
 /// The first of a vertex's own axes, a unit vector; the second is a quarter turn from it. Two numbers a vertex, flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ fn length(a: [f64; 2]) -> f64 {
 }
 
 /// Gives every vertex the axes of the world.
-pub(super) fn straighten(axes: &mut Vec<f64>, numbers: usize) {
+pub(super) fn reset_axes(axes: &mut Vec<f64>, numbers: usize) {
     axes.clear();
     axes.extend(Axis::STRAIGHT.0.into_iter().cycle().take(numbers));
 }
@@ -97,8 +97,8 @@ pub(super) fn hold(
     smooth: bool,
 ) -> bool {
     let (x, v) = (pair(x, vertex), pair(v, vertex));
-    let (free_v, free_x) = (pair(free, vertex), pair(&free[free.len() / 2..], vertex));
-    let touched = [0, 1].map(|k| (x[k] != free_x[k] || v[k] != free_v[k]) && x[k].is_finite());
+    let (predicted_v, predicted_x) = (pair(free, vertex), pair(&free[free.len() / 2..], vertex));
+    let touched = [0, 1].map(|k| (x[k] != predicted_x[k] || v[k] != predicted_v[k]) && x[k].is_finite());
     let movable = [0, 1].map(|k| inverse[2 * vertex + k] != 0.0);
     let axis = Axis::of(axes, vertex);
     let mut holds = [0, 1].map(|k| movable[k] && touched[k]);
@@ -108,10 +108,10 @@ pub(super) fn hold(
             let change = less(to, from);
             axis.into_own(change)[1].abs() > SAME * length(change) + ROUND_OFF * length(from)
         };
-        holds = [false, movable[1] && (pushed(x, free_x) || pushed(v, free_v))];
+        holds = [false, movable[1] && (pushed(x, predicted_x) || pushed(v, predicted_v))];
     } else if smooth
         && holds == [true; 2]
-        && let Some(normal) = direction([x, free_x], [v, free_v])
+        && let Some(normal) = direction([x, predicted_x], [v, predicted_v])
     {
         put(axes, vertex, normal);
         put(z, vertex, Axis(normal).into_own(pair(z, vertex)));
@@ -125,12 +125,12 @@ pub(super) fn hold(
 
 /// The one direction of a change of position and of velocity, each given as after and before; `None` if there are two, or
 /// none that can be told.
-fn direction([x, free_x]: [[f64; 2]; 2], [v, free_v]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+fn direction([x, predicted_x]: [[f64; 2]; 2], [v, predicted_v]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let told = |to: [f64; 2], from: [f64; 2]| {
         let (change, size) = (less(to, from), length(less(to, from)));
         (size > 1e3 * ROUND_OFF * length(from)).then(|| change.map(|change| change / size))
     };
-    match (told(v, free_v), told(x, free_x)) {
+    match (told(v, predicted_v), told(x, predicted_x)) {
         (Some(one), Some(other)) => ((one[0] * other[1] - one[1] * other[0]).abs() < SAME).then_some(one),
         (one, other) => one.or(other),
     }

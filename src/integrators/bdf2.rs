@@ -1,3 +1,5 @@
+//! Second-order backward differentiation formula (BDF2).
+
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
     axes::{pair, put},

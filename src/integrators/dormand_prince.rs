@@ -1,3 +1,5 @@
+//! Dormand-Prince method of order 5(4) with error control.
+
 use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, memory, parts, scatter};
 use crate::{
     quantity::{AbsoluteTolerance, Quantity, RelativeTolerance},
@@ -129,7 +131,7 @@ impl FirstOrder for DormandPrince {
             first.swap_with_slice(seventh);
         }
         memory::own(&mut state.memory).copy_from_slice(&[length, before]);
-        system.settle(start, x, spare);
+        system.apply_constraints(start, x, spare);
         scatter(x, state);
         counts
     }

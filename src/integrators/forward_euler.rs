@@ -1,3 +1,5 @@
+//! Forward Euler method.
+
 use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -46,7 +48,7 @@ impl FirstOrder for ForwardEuler {
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
         }
-        system.settle(x, next, spare);
+        system.apply_constraints(x, next, spare);
         scatter(next, state);
         StepCounts::ONE
     }

@@ -1,3 +1,5 @@
+//! Heun's method.
+
 use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -49,7 +51,7 @@ impl FirstOrder for Heun {
         for (((next, x), rate), end_rate) in next.iter_mut().zip(&*x).zip(&*rate).zip(&*end_rate) {
             *next = x + 0.5 * h * (rate + end_rate);
         }
-        system.settle(x, next, spare);
+        system.apply_constraints(x, next, spare);
         scatter(next, state);
         StepCounts::ONE
     }

@@ -6,7 +6,7 @@ use super::{
     axes::{self, Axis, pair, put},
     parts,
     rest::{self, Walls},
-    system::{settle, touched},
+    system::{apply_constraints, touched},
 };
 use crate::{
     solvers::{BlockMatrix, Equations, NewtonCounts, Tangent, Weights},
@@ -103,21 +103,21 @@ pub(super) const PARTS: usize = 9;
 
 /// Nothing is held but what is pinned.
 fn begin(system: &dyn Dynamics, state: &State, work: &mut Work, free: &impl Fn(&State, usize) -> [f64; 2]) {
-    let [free_x, free_v, _, _, z, inverse, ..] = parts::<PARTS>(&mut work.numbers, state.x.len());
+    let [predicted_x, predicted_v, _, _, z, inverse, ..] = parts::<PARTS>(&mut work.numbers, state.x.len());
     inverse.copy_from_slice(system.inverse_mass());
-    axes::straighten(&mut work.axes, state.x.len());
+    axes::reset_axes(&mut work.axes, state.x.len());
     for number in 0..state.x.len() {
         let pinned = inverse[number] == 0.0;
-        [free_x[number], free_v[number]] = if pinned { [state.x[number], 0.0] } else { free(state, number) };
+        [predicted_x[number], predicted_v[number]] = if pinned { [state.x[number], 0.0] } else { free(state, number) };
     }
     z.fill(0.0);
 }
 
 /// x^ and v^ of implicit Euler.
-pub(super) fn fly(system: &dyn Dynamics, state: &State, [free_x, free_v]: [&mut [f64]; 2], h: f64) {
+pub(super) fn predict(system: &dyn Dynamics, state: &State, [predicted_x, predicted_v]: [&mut [f64]; 2], h: f64) {
     for number in (0..state.x.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
-        free_v[number] = state.v[number];
-        free_x[number] = state.x[number] + h * state.v[number];
+        predicted_v[number] = state.v[number];
+        predicted_x[number] = state.x[number] + h * state.v[number];
     }
 }
 
@@ -129,7 +129,7 @@ fn solve(
     (mut affine, h): (Affine, f64),
 ) -> (NewtonCounts, bool) {
     let Work { numbers, spare, newton, axes, .. } = work;
-    let [free_x, free_v, x, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
+    let [predicted_x, predicted_v, x, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     let smooth = !system.grips();
     let mut counts = NewtonCounts::NONE;
     // First only what faces a wall is stopped by it: of a body that would be far beyond the wall, its front. Where that
@@ -138,7 +138,8 @@ fn solve(
     for pass in 1..=PASSES {
         let origin = &state.x;
         let velocity = &state.v;
-        let mut stage = Stage { system: &mut *system, origin, velocity, free_x, free_v, inverse, axes, x, v, affine };
+        let mut stage =
+            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, inverse, axes, x, v, affine };
         counts.add(&newton.solve(&mut stage, z));
         stage.evaluate(z);
         for vertex in 0..origin.len() / 2 {
@@ -151,7 +152,7 @@ fn solve(
         let mut more = false;
         while !more {
             faces &= pass < PASSES;
-            settle(system, [origin, &state.v], (end_x, end_v), spare, faces);
+            apply_constraints(system, [origin, &state.v], (end_x, end_v), spare, faces);
             for vertex in 0..origin.len() / 2 {
                 more |= axes::hold(vertex, (axes, inverse, z), [end_x, end_v], spare, smooth);
             }
@@ -166,7 +167,7 @@ fn solve(
         if affine.end != 1.0 {
             // An impact is not smooth; a scheme that damps nothing would turn it into noise.
             affine = Affine::euler(h);
-            fly(system, state, [&mut *free_x, &mut *free_v], h);
+            predict(system, state, [&mut *predicted_x, &mut *predicted_v], h);
             for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
                 z[number] *= 0.5;
             }
@@ -175,7 +176,7 @@ fn solve(
         for vertex in 0..origin.len() / 2 {
             let (axis, held) = (Axis::of(axes, vertex), holds(inverse, system.inverse_mass(), vertex));
             let towards = |x: &dyn Fn(usize) -> f64| {
-                axis.into_own([0, 1].map(|k| (x(2 * vertex + k) - free_x[2 * vertex + k]) / affine.ax))
+                axis.into_own([0, 1].map(|k| (x(2 * vertex + k) - predicted_x[2 * vertex + k]) / affine.ax))
             };
             let kept = towards(&|number| end_x[number]);
             let start =
@@ -224,8 +225,8 @@ pub(super) struct Stage<'s, 'a> {
     pub origin: &'s [f64],
     /// Velocities there.
     pub velocity: &'s [f64],
-    pub free_x: &'s [f64],
-    pub free_v: &'s [f64],
+    pub predicted_x: &'s [f64],
+    pub predicted_v: &'s [f64],
     /// 1/mass, zero also where a wall holds.
     pub inverse: &'s [f64],
     /// See [`Axis`].
@@ -241,8 +242,8 @@ impl Stage<'_, '_> {
         for (vertex, ((x, v), z)) in vertices.enumerate() {
             let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
             for k in 0..2 {
-                x[k] = self.free_x[2 * vertex + k] + self.affine.ax * z[k];
-                v[k] = self.free_v[2 * vertex + k] + self.affine.av * z[k];
+                x[k] = self.predicted_x[2 * vertex + k] + self.affine.ax * z[k];
+                v[k] = self.predicted_v[2 * vertex + k] + self.affine.av * z[k];
             }
         }
     }
@@ -289,7 +290,7 @@ impl Equations for Stage<'_, '_> {
     /// Staying where the step began, which has a force if any place has.
     fn other_start(&self, z: &mut [f64]) {
         for (vertex, z) in z.chunks_exact_mut(2).enumerate() {
-            let way = axes::less(pair(self.origin, vertex), pair(self.free_x, vertex));
+            let way = axes::less(pair(self.origin, vertex), pair(self.predicted_x, vertex));
             let stay = Axis::of(self.axes, vertex).into_own(way.map(|way| way / self.affine.ax));
             for k in (0..2).filter(|k| self.inverse[2 * vertex + k] != 0.0) {
                 z[k] = stay[k];
@@ -301,7 +302,7 @@ impl Equations for Stage<'_, '_> {
         let (mut way, mut reach) = (0.0_f64, 0.0_f64);
         for (vertex, z) in z.chunks_exact(2).enumerate() {
             let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
-            let free = pair(self.free_x, vertex);
+            let free = pair(self.predicted_x, vertex);
             let x = [0, 1].map(|k| free[k] + self.affine.ax * z[k]);
             let moved = axes::less(x, pair(self.origin, vertex));
             way = way.max(axes::dot(moved, moved));
@@ -321,7 +322,7 @@ impl Equations for Stage<'_, '_> {
         }
         let difference = |(vertex, z): (usize, &[f64])| {
             let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
-            let (free, before) = (pair(self.free_v, vertex), pair(self.velocity, vertex));
+            let (free, before) = (pair(self.predicted_v, vertex), pair(self.velocity, vertex));
             // v' - 2 v + v_previous, with v_previous = 4 v - 3 v^.
             let difference = [0, 1].map(|k| av * z[k] + 2.0 * (before[k] - free[k]));
             axes::dot(difference, difference)

@@ -1,3 +1,5 @@
+//! Implicit Euler method.
+
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
     implicit::{self, Affine},

@@ -1,3 +1,5 @@
+//! Implicit midpoint rule.
+
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
     implicit::{self, Affine},

@@ -1,8 +1,10 @@
+//! Linearly implicit Euler method: one Newton iteration.
+
 use super::{
     Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Work, axes,
     implicit::{Affine, Stage},
     parts,
-    system::{settle, touched},
+    system::{apply_constraints, touched},
 };
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -46,9 +48,9 @@ const IMPACT: f64 = 0.1;
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
         let Work { numbers, spare, newton, axes, .. } = work;
-        let [x, v, free_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
+        let [x, v, predicted_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
         // Linearised at z = 0 with nothing moved: there x and v are those of the state.
-        free_v.copy_from_slice(&state.v);
+        predicted_v.copy_from_slice(&state.v);
         none.fill(0.0);
         g.fill(0.0);
         force.fill(0.0);
@@ -59,22 +61,23 @@ impl SecondOrder for LinearlyImplicitEuler {
         }
         let affine = Affine { ax: h * h, av: h, end: 1.0 };
         inverse.copy_from_slice(system.inverse_mass());
-        axes::straighten(axes, state.x.len());
+        axes::reset_axes(axes, state.x.len());
         before.copy_from_slice(&state.x);
-        let (origin, free_x): (&[f64], &[f64]) = (before, before);
-        let velocity = &*free_v;
-        let mut stage = Stage { system: &mut *system, origin, velocity, free_x, free_v, inverse, axes, x, v, affine };
+        let (origin, predicted_x): (&[f64], &[f64]) = (before, before);
+        let velocity = &*predicted_v;
+        let mut stage =
+            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, inverse, axes, x, v, affine };
         let newton = newton.linear(&mut stage, none, g, z);
         for (number, z) in z.iter().enumerate() {
             state.v[number] += h * z;
             state.x[number] += h * state.v[number];
         }
-        settle(system, [before, free_v], (&mut state.x, &mut state.v), spare, false);
-        let fastest = free_v.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
-        let stopped = |number: usize| (state.v[number] - free_v[number]).abs() > IMPACT * fastest;
+        apply_constraints(system, [before, predicted_v], (&mut state.x, &mut state.v), spare, false);
+        let fastest = predicted_v.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+        let stopped = |number: usize| (state.v[number] - predicted_v[number]).abs() > IMPACT * fastest;
         if (0..state.x.len()).any(|number| touched(&state.x, &state.v, spare, number) && stopped(number)) {
             state.x.copy_from_slice(before);
-            state.v.copy_from_slice(free_v);
+            state.v.copy_from_slice(predicted_v);
             return ImplicitEuler::default().step(system, state, work, h);
         }
         StepCounts { newton, ..StepCounts::ONE }

@@ -34,7 +34,7 @@ pub use velocity_verlet::VelocityVerlet;
 use crate::{
     quantity::Quantity,
     registry::registry,
-    solvers::{Newton, NewtonCounts, Path},
+    solvers::{LinearSolver, Newton, NewtonCounts},
     state::State,
 };
 
@@ -145,7 +145,7 @@ pub struct Work {
 
 impl Work {
     /// For schemes that solve linear systems in this way.
-    pub fn new(path: Path) -> Self {
+    pub fn new(path: LinearSolver) -> Self {
         Self { newton: Newton::new(path), ..Self::default() }
     }
 

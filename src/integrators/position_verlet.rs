@@ -1,6 +1,8 @@
+//! Position Verlet method.
+
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, memory, parts,
-    system::{settle, touched},
+    system::{apply_constraints, touched},
 };
 use crate::{
     quantity::{Quantity, VerletDamping},
@@ -118,7 +120,7 @@ impl SecondOrder for PositionVerlet {
         for ((v, moved), push) in v.iter_mut().zip(&*moved).zip(&*pushes) {
             *v = (moved + 0.5 * push) / h;
         }
-        settle(system, [before, before_v], (x, v), spare, false);
+        apply_constraints(system, [before, before_v], (x, v), spare, false);
         // Where a wall acted, the next step begins with the velocity that it left, and elsewhere than the force was evaluated at.
         let mut known = loads;
         for number in (0..count).filter(|&number| touched(x, v, spare, number)) {

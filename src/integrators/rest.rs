@@ -1,9 +1,9 @@
-//! What rests on walls where an implicit step begins, and whether they still push where it ends.
+//! Active set of wall contacts in an implicit step.
 
 use super::{
     Dynamics, Work,
     axes::{self, Axis, pair, put},
-    implicit::{Affine, PARTS, fly, holds},
+    implicit::{Affine, PARTS, holds, predict},
     parts,
 };
 use crate::state::State;
@@ -30,7 +30,7 @@ pub(super) fn hold(system: &mut dyn Dynamics, state: &State, work: &mut Work, (a
         return Walls::Other;
     }
     let Work { numbers, spare, axes, pushes, .. } = work;
-    let [free_x, free_v, _, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
+    let [predicted_x, predicted_v, _, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     system.force(&state.x, &state.v, v);
     for (((v, before), inverse), end) in v.iter_mut().zip(&state.v).zip(&*inverse).zip(&mut *end_v) {
         *v = if *inverse == 0.0 { 0.0 } else { before + h * *v * inverse };
@@ -62,11 +62,11 @@ pub(super) fn hold(system: &mut dyn Dynamics, state: &State, work: &mut Work, (a
     let affine = if affine.end == 1.0 {
         affine
     } else {
-        fly(system, state, [&mut *free_x, &mut *free_v], h);
+        predict(system, state, [&mut *predicted_x, &mut *predicted_v], h);
         Affine::euler(h)
     };
     for vertex in 0..state.x.len() / 2 {
-        let stay = Axis::of(axes, vertex).into_own(axes::less(pair(&state.x, vertex), pair(free_x, vertex)));
+        let stay = Axis::of(axes, vertex).into_own(axes::less(pair(&state.x, vertex), pair(predicted_x, vertex)));
         let held = holds(inverse, system.inverse_mass(), vertex);
         put(z, vertex, [0, 1].map(|k| if held[k] { stay[k] / affine.ax } else { 0.0 }));
     }

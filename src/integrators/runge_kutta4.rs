@@ -1,3 +1,5 @@
+//! Classical Runge-Kutta method of order 4.
+
 use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -52,7 +54,7 @@ impl FirstOrder for RungeKutta4 {
                 *stage = x + h * along * rate;
             }
         }
-        system.settle(x, next, spare);
+        system.apply_constraints(x, next, spare);
         scatter(next, state);
         StepCounts::ONE
     }

@@ -1,3 +1,5 @@
+//! Symplectic Euler method.
+
 use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts};
 use crate::state::State;
 use serde::{Deserialize, Serialize};

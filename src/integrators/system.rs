@@ -1,3 +1,5 @@
+//! Systems that integrators step: [`Ode`] (first order) and [`Dynamics`] (second order).
+
 use crate::solvers::{BlockMatrix, Weights};
 
 /// A system of first order, `dX/dt = f(X)`, flat and of any length.
@@ -9,7 +11,7 @@ pub trait Ode {
     fn rate(&mut self, x: &[f64], rate: &mut [f64]);
 
     /// Puts right what a step from `before` to `after` did that is not allowed. `spare` is scratch.
-    fn settle(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
+    fn apply_constraints(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
 }
 
 /// A system of second order, `M a = f(x, v)`, with a diagonal mass matrix and constraints on single vertices.
@@ -106,19 +108,19 @@ impl Ode for Rates<'_> {
         }
     }
 
-    fn settle(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {
+    fn apply_constraints(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {
         if !self.0.constrains() {
             return;
         }
         let half = after.len() / 2;
         let (x, v) = after.split_at_mut(half);
-        settle(self.0, before.split_at(half).into(), (x, v), spare, false);
+        apply_constraints(self.0, before.split_at(half).into(), (x, v), spare, false);
     }
 }
 
 /// Applies the constraints to a step that began at positions and velocities `before`. Leaves in `spare` what [`touched`]
 /// needs.
-pub(super) fn settle(
+pub(super) fn apply_constraints(
     system: &mut dyn Dynamics,
     before: [&[f64]; 2],
     (x, v): (&mut [f64], &mut [f64]),
@@ -131,7 +133,7 @@ pub(super) fn settle(
     system.constrain(before, x, v, faces);
 }
 
-/// Whether [`settle`] changed a number of the state.
+/// Whether [`apply_constraints`] changed a number of the state.
 pub(super) fn touched(x: &[f64], v: &[f64], spare: &[f64], number: usize) -> bool {
     v[number] != spare[number] || x[number] != spare[x.len() + number]
 }

@@ -1,4 +1,6 @@
-use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts, system::settle};
+//! Velocity Verlet method.
+
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts, system::apply_constraints};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -57,7 +59,7 @@ impl SecondOrder for VelocityVerlet {
             state.v[number] += 0.5 * h * (force[number] + end_force[number]) * inverse_mass;
         }
         if constrains {
-            settle(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
+            apply_constraints(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
         }
         StepCounts::ONE
     }

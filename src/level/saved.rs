@@ -1,3 +1,5 @@
+//! Saved state of a running level.
+
 use super::is_default;
 use crate::quantity::{Coordinate, Point, Time};
 use serde::{Deserialize, Serialize};

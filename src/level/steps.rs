@@ -1,4 +1,4 @@
-//! How time is cut into steps.
+//! Step length and multirate setting of a level.
 
 use serde::{Deserialize, Serialize};
 

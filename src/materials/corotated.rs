@@ -1,5 +1,7 @@
+//! Corotated linear model.
+
 use super::{Lame, Material, Moduli, Parts, outer};
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
 
@@ -36,19 +38,19 @@ const UNDECIDED: f64 = 1e-12;
 /// as they go there it stays the nearest.
 /// Also returns sqrt(a² + b²) = tr(RᵀF).
 #[inline(always)]
-pub fn nearest_rotation<R: Real>(f: Square<R>) -> (Square<R>, R) {
+pub fn nearest_rotation<R: Real>(f: Mat2<R>) -> (Mat2<R>, R) {
     let ([a, b], square) = conformal(f);
     let length = square.sqrt();
     let (zero, one, least) = (a.of(0.0), a.of(1.0), a.of(UNDECIDED));
     let (c, s) = (least.if_less(length, a, one), least.if_less(length, b, zero));
     let inverse = one / least.if_less(length, length, one);
     let (c, s) = (c * inverse, s * inverse);
-    (Square::new(c, -s, s, c), length)
+    (Mat2::new(c, -s, s, c), length)
 }
 
 /// a, b and a² + b² of [`nearest_rotation`].
 #[inline(always)]
-fn conformal<R: Real>(f: Square<R>) -> ([R; 2], R) {
+fn conformal<R: Real>(f: Mat2<R>) -> ([R; 2], R) {
     let (a, b) = (f.m11 + f.m22, f.m21 - f.m12);
     ([a, b], a * a + b * b)
 }
@@ -56,7 +58,7 @@ fn conformal<R: Real>(f: Square<R>) -> ([R; 2], R) {
 /// `linear F + (constant + inverse / t) t R`, with `t = tr(RᵀF)`: what depends on R without a division for R itself, as `t R` is
 /// `[[a, -b], [b, a]]`.
 #[inline(always)]
-pub(super) fn with_rotation<R: Real>(f: Square<R>, [linear, constant, inverse]: [f64; 3]) -> Square<R> {
+pub(super) fn with_rotation<R: Real>(f: Mat2<R>, [linear, constant, inverse]: [f64; 3]) -> Mat2<R> {
     let ([a, b], square) = conformal(f);
     let trace = square.sqrt();
     // As 1/t = t/t² the quotient does not wait for the root.
@@ -68,12 +70,12 @@ pub(super) fn with_rotation<R: Real>(f: Square<R>, [linear, constant, inverse]: 
         c = least.if_less(trace, c, a.of(inverse));
         s = least.if_less(trace, s, a.of(0.0));
     }
-    Square::new(f.m11 * linear + c, f.m12 * linear - s, f.m21 * linear + s, f.m22 * linear + c)
+    Mat2::new(f.m11 * linear + c, f.m12 * linear - s, f.m21 * linear + s, f.m22 * linear + c)
 }
 
 /// `factor` dR/dF (4 x 4), as in [`Material::stiffness`]: dR = T (T : dF) / tr(S), with T = R turned by 90 degrees.
 pub(super) fn turn(f: &Matrix2<f64>, factor: f64) -> Matrix4<f64> {
-    let (r, trace) = nearest_rotation(Square::from(f));
+    let (r, trace) = nearest_rotation(Mat2::from(f));
     let turned = Matrix2::new(-r.m21, -r.m11, r.m11, -r.m21);
     outer(&turned, &turned) * if trace > UNDECIDED { factor / trace } else { 0.0 }
 }
@@ -85,14 +87,14 @@ impl Material for Corotated {
     const CONTINUATION: &'static str = "R:F = 0: every rotation is equally near, and R = I is taken";
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let (r, trace) = nearest_rotation(f);
         let volume = trace - 2.0;
         (f - r).norm_squared() * self.lame.mu + volume * volume * (0.5 * self.lame.lambda)
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let Lame { mu, lambda } = self.lame;
         // 2 mu, but for round-off: just what is left at rest, where there is to be no stress.
         let sum = lambda + mu;
@@ -102,7 +104,7 @@ impl Material for Corotated {
     /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR. dR : F vanishes because S is symmetric.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let Lame { mu, lambda } = self.lame;
-        let (r, trace) = nearest_rotation(Square::from(f));
+        let (r, trace) = nearest_rotation(Mat2::from(f));
         let r = Matrix2::from(r);
         Matrix4::identity() * (2.0 * mu) + outer(&r, &r) * lambda + turn(f, lambda * (trace - 2.0) - 2.0 * mu)
     }
@@ -118,11 +120,11 @@ impl Material for Corotated {
     }
 
     fn is_continued(&self, f: &Matrix2<f64>) -> bool {
-        nearest_rotation(Square::from(f)).1 <= UNDECIDED
+        nearest_rotation(Mat2::from(f)).1 <= UNDECIDED
     }
 
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         (nearest_rotation(f).1 - 2.0) * self.lame.lambda
     }
 

@@ -1,9 +1,11 @@
+//! Fixed corotated model.
+
 use super::{
     COFACTOR, Corotated, Lame, Material, Moduli, Parts,
     corotated::{turn, with_rotation},
     nearest_rotation, outer,
 };
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
 
@@ -35,14 +37,14 @@ impl Material for FixedCorotated {
     const CONTINUATION: &'static str = Corotated::CONTINUATION;
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let (r, _) = nearest_rotation(f);
         let growth = f.determinant() - 1.0;
         (f - r).norm_squared() * self.lame.mu + growth * growth * (0.5 * self.lame.lambda)
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let two_mu = 2.0 * self.lame.mu;
         with_rotation(f, [two_mu, 0.0, -two_mu]) + f.cofactor() * ((f.determinant() - 1.0) * self.lame.lambda)
     }
@@ -50,7 +52,7 @@ impl Material for FixedCorotated {
     /// dP = 2 mu (dF - dR) + lambda (G : dF) G + lambda (J - 1) dG.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let Lame { mu, lambda } = self.lame;
-        let g = Matrix2::from(Square::from(f).cofactor());
+        let g = Matrix2::from(Mat2::from(f).cofactor());
         Matrix4::identity() * (2.0 * mu)
             + turn(f, -2.0 * mu)
             + outer(&g, &g) * lambda
@@ -72,7 +74,7 @@ impl Material for FixedCorotated {
     }
 
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         let j = f.determinant();
         (j - 1.0) * self.lame.lambda * j
     }

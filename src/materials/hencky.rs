@@ -1,5 +1,7 @@
+//! Hencky model (logarithmic strain).
+
 use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
-use crate::lanes::{Real, Square, polynomial};
+use crate::simd::{Mat2, Real, polynomial};
 use nalgebra::{Matrix2, Matrix4};
 
 /// Hencky: Hooke's law between logarithmic strain and Kirchhoff stress.
@@ -83,7 +85,7 @@ struct Stretches<R> {
 
 impl<R: Real> Stretches<R> {
     #[inline(always)]
-    fn of(f: Square<R>) -> Self {
+    fn of(f: Mat2<R>) -> Self {
         let (s, t, d, e) = (f.m11 + f.m22, f.m21 - f.m12, f.m11 - f.m22, f.m12 + f.m21);
         let j = f.determinant();
         let sum = s * s + t * t;
@@ -128,7 +130,7 @@ impl Material for Hencky {
     const BARRIER: bool = true;
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let stretches = Stretches::of(f);
         let (log, h) = (stretches.j.logarithm(), stretches.h());
         log * log * (0.5 * self.bulk()) + stretches.y * h * h * (2.0 * self.lame.mu)
@@ -137,7 +139,7 @@ impl Material for Hencky {
     /// As G is half the difference of F + G and F - G, P is `(a - y b)(F + G) + (b - a)(F - G)` with
     /// `a = (mu + lambda) ln(J)/(2 J)` and `b = mu h/J`.
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let Stretches { even: [s, t], odd: [d, e], j, half_log, y, h, .. } = Stretches::of(f);
         // One quotient for both.
         let inverse = j.of(1.0) / (half_log[1] * (h[1] * j));
@@ -145,7 +147,7 @@ impl Material for Hencky {
         let b = h[0] * half_log[1] * self.lame.mu * inverse;
         let (even, odd) = (a - y * b, b - a);
         let (s, t, d, e) = (s * even, t * even, d * odd, e * odd);
-        Square::new(s + d, e - t, t + e, s - d)
+        Mat2::new(s + d, e - t, t + e, s - d)
     }
 
     /// `J dP = d(J P) - P (G : dF)`. With `dy = 2 (K : dF)/p²` and `(1 - y)(F + G) = K + 2 G` that is
@@ -154,10 +156,10 @@ impl Material for Hencky {
     /// plus `mu (2 h'/p² - h/(2 J)) (K : dF) K - mu h/J ((K : dF) G + (G : dF) K)`.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let mu = self.lame.mu;
-        let stretches = Stretches::of(Square::from(f));
+        let stretches = Stretches::of(Mat2::from(f));
         let Stretches { even: [s, t], odd: [d, e], j, sum, y, .. } = stretches;
         let (log, h) = (stretches.j.logarithm(), stretches.h());
-        let g = Matrix2::from(Square::from(f).cofactor());
+        let g = Matrix2::from(Mat2::from(f).cofactor());
         let k = Matrix2::new(d - y * s, e + y * t, e - y * t, -d - y * s);
         let times_j = outer(&g, &g) * (self.bulk() * (1.0 - log) / j)
             + COFACTOR * (self.bulk() * log - mu * h * (1.0 + y))
@@ -193,7 +195,7 @@ impl Material for Hencky {
     }
 
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         f.determinant().logarithm() * self.lame.lambda
     }
 
@@ -220,7 +222,7 @@ mod tests {
         let all = (0..200_000).map(|turn| numbers / 200_000 * turn);
         let ends = (1..1000).flat_map(|n| [n, numbers - n]).chain((0..42).map(|power| 1 << power));
         for x in all.chain(ends).filter(|n| *n > 0).map(|n| n as f64 / numbers as f64) {
-            let h = Stretches::of(Square::new(1.0 + x, 0.0, 0.0, 1.0 - x)).h();
+            let h = Stretches::of(Mat2::new(1.0 + x, 0.0, 0.0, 1.0 - x)).h();
             let expected = libm::atanh(x) / x;
             assert!(apart(h, expected) <= 2, "{x:e}: {h:e} is not {expected:e}");
         }

@@ -3,7 +3,7 @@
 //!
 //! A model writes its energy [`Material::psi`] and stress [`Material::piola`] once, over any [`Real`]: with `f64` they serve
 //! whoever looks at a single triangle, with lanes they step eight triangles at a time. So they use the operations of
-//! [`Real`] and [`Square`] alone, and where a formula has cases, both sides are computed and [`Real::if_less`] takes one.
+//! [`Real`] and [`Mat2`] alone, and where a formula has cases, both sides are computed and [`Real::if_less`] takes one.
 //! Closed forms of strips are written for `f64`, and so is, beside its moduli, the stiffness as one would write it down: what the
 //! moduli are held against.
 //!
@@ -32,8 +32,8 @@ pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 
 use crate::{
-    lanes::{Real, Square},
     registry::registry,
+    simd::{Mat2, Real},
 };
 use nalgebra::{Matrix2, Matrix4};
 
@@ -69,19 +69,19 @@ pub trait Material: Copy + Send + Sync {
     const CONTINUATION: &'static str = "";
 
     /// Energy density psi [J/m²]; zero at rest.
-    fn psi<R: Real>(&self, f: Square<R>) -> R;
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R;
 
     /// First Piola-Kirchhoff stress P = dpsi/dF [N/m per unit rest length, that is Pa of a 1 m thick sheet].
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R>;
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R>;
 
     /// [`Self::psi`] of one gradient [J/m²].
     fn energy(&self, f: &Matrix2<f64>) -> f64 {
-        self.psi(Square::from(f))
+        self.psi(Mat2::from(f))
     }
 
     /// [`Self::piola`] of one gradient [Pa].
     fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
-        self.piola(Square::from(f)).into()
+        self.piola(Mat2::from(f)).into()
     }
 
     /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
@@ -97,7 +97,7 @@ pub trait Material: Copy + Send + Sync {
 
     /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none. Anything where
     /// F is no number.
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R;
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R;
 
     /// The width w at which a strip of stretch s pulls its free sides neither in nor out: P22(diag(s, w)) = 0.
     /// `None` where there is no positive one.

@@ -1,6 +1,6 @@
-//! The stiffness of isotropic materials as five numbers, in lanes.
+//! Stiffness of isotropic materials in five numbers.
 
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 
 /// Every F is a turn times a size plus a mirror image times a size, both parts orthogonal to each other:
 /// `F = p U + q M`, where U and M have length 1 as vectors of four entries.
@@ -10,7 +10,7 @@ use crate::lanes::{Real, Square};
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<R> {
     /// F itself.
-    pub f: Square<R>,
+    pub f: Mat2<R>,
     /// Size of the turned part.
     pub p: R,
     /// Size of the mirrored part.
@@ -27,7 +27,7 @@ const UNDECIDED: f64 = 1e-12;
 impl<R: Real> Parts<R> {
     /// Takes F apart.
     #[inline(always)]
-    pub fn of(f: Square<R>) -> Self {
+    pub fn of(f: Mat2<R>) -> Self {
         let (p, turned) = part(f.m11 + f.m22, f.m21 - f.m12, UNDECIDED);
         let (q, mirrored) = part(f.m11 - f.m22, f.m21 + f.m12, 0.0);
         Self { f, p, q, turned, mirrored }
@@ -91,7 +91,7 @@ impl<R: Real> Moduli<R> {
     /// The change of the stress with a change of F, `dP = (dP/dF) : dF`, from what F consists of.
     #[inline(always)]
     #[must_use]
-    pub fn change(&self, parts: &Parts<R>, df: Square<R>) -> Square<R> {
+    pub fn change(&self, parts: &Parts<R>, df: Mat2<R>) -> Mat2<R> {
         let ([c, s], [d, t]) = (parts.turned, parts.mirrored);
         let (twice, turn) = (df.m11 + df.m22, df.m21 - df.m12);
         let (spread, shear) = (df.m11 - df.m22, df.m21 + df.m12);
@@ -102,7 +102,7 @@ impl<R: Real> Moduli<R> {
         // Both parts of dP, by their first columns.
         let (turned, mirrored) =
             ([c * by_u - s * around_u, s * by_u + c * around_u], [d * by_m - t * around_m, t * by_m + d * around_m]);
-        Square::new(turned[0] + mirrored[0], mirrored[1] - turned[1], turned[1] + mirrored[1], turned[0] - mirrored[0])
+        Mat2::new(turned[0] + mirrored[0], mirrored[1] - turned[1], turned[1] + mirrored[1], turned[0] - mirrored[0])
     }
 
     /// The same with negative eigenvalues multiplied by `factor`.

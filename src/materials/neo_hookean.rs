@@ -1,5 +1,7 @@
+//! Compressible neo-Hookean model.
+
 use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::LN_10;
 
@@ -69,14 +71,14 @@ impl Material for NeoHookean {
     const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series, below −0.1 as a straight line";
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let Lame { mu, lambda } = self.lame;
         let [log, _] = log(f.determinant());
         (f.norm_squared() - 2.0) * (0.5 * mu) - log * mu + log * log * (0.5 * lambda)
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
         let [log, slope] = log(j);
@@ -87,7 +89,7 @@ impl Material for NeoHookean {
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let Lame { mu, lambda } = self.lame;
         let [log, slope, bend] = derivatives(f.determinant());
-        let g = Matrix2::from(Square::from(f).cofactor());
+        let g = Matrix2::from(Mat2::from(f).cofactor());
         let pull = lambda * log - mu;
         Matrix4::identity() * mu + outer(&g, &g) * (lambda * slope * slope + pull * bend) + COFACTOR * (pull * slope)
     }
@@ -108,7 +110,7 @@ impl Material for NeoHookean {
 
     /// mu F33 + (lambda L - mu) L' J, which is lambda ln J from J0 on.
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         let Lame { mu, lambda } = self.lame;
         let j = f.determinant();
         let [log, slope] = log(j);

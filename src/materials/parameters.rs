@@ -1,3 +1,5 @@
+//! Material parameters of a level.
+
 use super::Model;
 use crate::quantity::{OutOfRange, Poisson, Young};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! The stiffness with other eigenvalues: what Newton's method can rely on to lead downhill.
+//! Stiffness with its eigenvalues projected to be positive.
 
 use nalgebra::{Matrix2, Matrix4, Vector4};
 

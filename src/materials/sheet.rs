@@ -1,4 +1,4 @@
-//! Sheets whose faces are exactly free: the thickness stretch t of every triangle solves `P33 = 0`.
+//! Exact plane stress: solves P33 = 0 for the thickness stretch.
 //!
 //! In three dimensions the gradient is `diag(F, t)`. A model for which t depends on `J = det F` alone keeps its energy but for the
 //! terms in t and J, which become one function `g(J) = min over t`: static condensation. Stress and stiffness follow from g, g' and g'',
@@ -7,7 +7,7 @@
 //! follow. a is `nu / (1 - nu)`: 0 for nu = 0, 1 for nu = 0.5, where the volume cannot change.
 
 use super::{COFACTOR, Corotated, FixedCorotated, Lame, Material, Moduli, NeoHookean, Parts, corotated, outer};
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
 
@@ -139,18 +139,18 @@ impl Material for NeoHookeanSheet {
     const CONTINUATION: &'static str = CONTINUATION;
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         (f.norm_squared() - 2.0) * (0.5 * self.mu) + self.area(f.determinant())[0]
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         f * self.mu + f.cofactor() * self.area(f.determinant())[1]
     }
 
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let [_, slope, bend] = self.area(f.determinant());
-        let g = Matrix2::from(Square::from(f).cofactor());
+        let g = Matrix2::from(Mat2::from(f).cofactor());
         Matrix4::identity() * self.mu + COFACTOR * slope + outer(&g, &g) * bend
     }
 
@@ -165,7 +165,7 @@ impl Material for NeoHookeanSheet {
     }
 
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         f.m11.of(0.0)
     }
 
@@ -226,13 +226,13 @@ impl Material for FixedCorotatedSheet {
     const CONTINUATION: &'static str = CONTINUATION;
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let (r, _) = super::nearest_rotation(f);
         (f - r).norm_squared() * self.lame.mu + self.area(f.determinant())[0]
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let two_mu = 2.0 * self.lame.mu;
         corotated::with_rotation(f, [two_mu, 0.0, -two_mu]) + f.cofactor() * self.area(f.determinant())[1]
     }
@@ -240,7 +240,7 @@ impl Material for FixedCorotatedSheet {
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
         let two_mu = 2.0 * self.lame.mu;
         let [_, slope, bend] = self.area(f.determinant());
-        let g = Matrix2::from(Square::from(f).cofactor());
+        let g = Matrix2::from(Mat2::from(f).cofactor());
         Matrix4::identity() * two_mu + corotated::turn(f, -two_mu) + outer(&g, &g) * bend + COFACTOR * slope
     }
 
@@ -258,7 +258,7 @@ impl Material for FixedCorotatedSheet {
     }
 
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         f.m11.of(0.0)
     }
 

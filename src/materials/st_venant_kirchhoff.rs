@@ -1,5 +1,7 @@
+//! St. Venant-Kirchhoff model.
+
 use super::{Lame, Material, Moduli, Parts, outer};
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 
 /// St. Venant-Kirchhoff: Hooke's law between the Green strain E and the second Piola-Kirchhoff stress.
@@ -24,14 +26,14 @@ impl StVenantKirchhoff {
 
     /// Green strain and second Piola-Kirchhoff stress, both symmetric (2 x 2).
     #[inline(always)]
-    fn strain_and_stress<R: Real>(&self, f: Square<R>) -> (Square<R>, Square<R>) {
+    fn strain_and_stress<R: Real>(&self, f: Mat2<R>) -> (Mat2<R>, Mat2<R>) {
         let e11 = (f.m11 * f.m11 + f.m21 * f.m21 - 1.0) * 0.5;
         let e12 = (f.m11 * f.m12 + f.m21 * f.m22) * 0.5;
         let e22 = (f.m12 * f.m12 + f.m22 * f.m22 - 1.0) * 0.5;
         let (two_mu, pressure) = (2.0 * self.lame.mu, (e11 + e22) * self.lame.lambda);
         let shear = e12 * two_mu;
-        let stress = Square::new(e11 * two_mu + pressure, shear, shear, e22 * two_mu + pressure);
-        (Square::new(e11, e12, e12, e22), stress)
+        let stress = Mat2::new(e11 * two_mu + pressure, shear, shear, e22 * two_mu + pressure);
+        (Mat2::new(e11, e12, e12, e22), stress)
     }
 }
 
@@ -41,19 +43,19 @@ impl Material for StVenantKirchhoff {
     const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (F^T F − I)/2";
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let (strain, stress) = self.strain_and_stress(f);
         strain.dot(stress) * 0.5
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         f.times(self.strain_and_stress(f).1)
     }
 
     /// dP = dF S + mu (F dFᵀ F + F Fᵀ dF) + lambda (F : dF) F.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let s = Matrix2::from(self.strain_and_stress(Square::from(f)).1);
+        let s = Matrix2::from(self.strain_and_stress(Mat2::from(f)).1);
         let mut stiffness = outer(f, f) * self.lame.lambda;
         let left = f * f.transpose();
         for column in 0..4 {
@@ -78,7 +80,7 @@ impl Material for StVenantKirchhoff {
     }
 
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         self.strain_and_stress(f).0.trace() * self.lame.lambda
     }
 

@@ -1,5 +1,7 @@
+//! Stable neo-Hookean model.
+
 use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
-use crate::lanes::{Real, Square};
+use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 
 /// Stable neo-Hookean flesh: defined for every F, also flat and inverted, and pushed back from there.
@@ -34,7 +36,7 @@ impl StableNeoHookean {
 
     /// The factors of F and of G in P [Pa]. The first is mu at rest to the last bit, the second -mu.
     #[inline(always)]
-    fn factors<R: Real>(&self, f: Square<R>) -> (R, R) {
+    fn factors<R: Real>(&self, f: Mat2<R>) -> (R, R) {
         let square = f.norm_squared();
         let shear = ((square - 2.0) / (square + 1.0) * 0.5 + 1.0) * self.lame.mu;
         (shear, (f.determinant() - 1.0) * self.bulk() - self.lame.mu)
@@ -47,7 +49,7 @@ impl Material for StableNeoHookean {
     const FORMULA: &'static str = "ψ = 3μ/4 (I − 2 − ln((I + 1)/3)) + (λ/2 + μ/3)(J − 1)² − μ (J − 1),  I = |F|²";
 
     #[inline(always)]
-    fn psi<R: Real>(&self, f: Square<R>) -> R {
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let above = f.norm_squared() - 2.0;
         let growth = f.determinant() - 1.0;
         let log = (above * (1.0 / 3.0) + 1.0).logarithm_of_normal();
@@ -55,15 +57,15 @@ impl Material for StableNeoHookean {
     }
 
     #[inline(always)]
-    fn piola<R: Real>(&self, f: Square<R>) -> Square<R> {
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let (shear, volume) = self.factors(f);
         f * shear + f.cofactor() * volume
     }
 
     /// dP = a dF + b dG + 3 mu/(I + 1)² (F : dF) F + l (G : dF) G, with P = a F + b G.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let (shear, volume) = self.factors(Square::from(f));
-        let g = Matrix2::from(Square::from(f).cofactor());
+        let (shear, volume) = self.factors(Mat2::from(f));
+        let g = Matrix2::from(Mat2::from(f).cofactor());
         let more = f.norm_squared() + 1.0;
         Matrix4::identity() * shear
             + COFACTOR * volume
@@ -81,7 +83,7 @@ impl Material for StableNeoHookean {
 
     /// P33 of the model in three dimensions: the factor of F33 = 1, plus J times that of G.
     #[inline(always)]
-    fn thickness_stress<R: Real>(&self, f: Square<R>) -> R {
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         let (shear, volume) = self.factors(f);
         shear + volume * f.determinant()
     }

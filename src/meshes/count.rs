@@ -1,4 +1,4 @@
-//! Whole numbers in level files and panels: a quantity that must not have a fraction.
+//! Whole numbers in level files and panels.
 
 use crate::quantity::{OutOfRange, Quantity, Spec};
 

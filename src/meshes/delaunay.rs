@@ -1,4 +1,4 @@
-//! Spade's Delaunay triangulations of the inside of a polygon; the one file here that says `spade`.
+//! Constrained Delaunay triangulation and refinement by the crate spade.
 
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, HasPosition, Point2, RefinementParameters, Triangulation};
 

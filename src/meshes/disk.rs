@@ -1,4 +1,4 @@
-//! A disk of concentric rings.
+//! Mesh of a disk in concentric rings.
 
 use super::{Files, Mesh, MeshError, MeshSource, Whole};
 use crate::quantity::{Coordinate, Point, Quantity, Radius, Rings};

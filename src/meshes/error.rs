@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh or with the recipe for one, each in a sentence that says what to do about it.
+//! Errors of meshes and mesh recipes.
 
 /// Most triangles that a recipe may ask for.
 pub const MOST_TRIANGLES: usize = 2_000_000;

@@ -1,4 +1,4 @@
-//! Triangles two by two: those that share an edge are a fan of three spokes about one end of it.
+//! Pairs triangles that share an edge.
 //!
 //! That is how bodies are swept over. The four vertices of a fan are each read once and given one force, where two triangles by themselves
 //! have six corners. Nearly every triangle of a mesh finds a neighbour to share a fan with; one that does not is in a fan by itself.

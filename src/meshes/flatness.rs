@@ -1,4 +1,4 @@
-//! The plane that points of space lie in.
+//! Finds the plane that points in space lie in.
 
 use super::mesh::area;
 

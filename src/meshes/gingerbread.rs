@@ -1,4 +1,4 @@
-//! The gingerbread man.
+//! Mesh of the gingerbread man.
 
 use super::{
     Files, Locator, Mesh, MeshError, MeshSource, Whole, gingerbread_icing, gingerbread_shape, ordering, polygon,

@@ -1,4 +1,4 @@
-//! What is piped onto the gingerbread man: a face, buttons and a wavy line along his edge. Metres from his middle.
+//! Icing of the gingerbread man [m from his centre]. Metres from his middle.
 
 use std::f64::consts::{PI, TAU};
 

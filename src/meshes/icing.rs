@@ -1,4 +1,4 @@
-//! Icing: lines and discs drawn on a body, tied to its triangles so that they move and stretch with it.
+//! Icing: lines and discs that are embedded in a mesh.
 
 use super::Locator;
 

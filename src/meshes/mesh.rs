@@ -1,4 +1,4 @@
-//! The mesh every recipe ends in: points, counter-clockwise triangles and icing, all of it checked.
+//! Triangle mesh with checked topology.
 
 use super::{Fan, Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, fans::fans, topology::Topology};
 

@@ -1,3 +1,5 @@
+//! Renumbering of vertices.
+
 /// Vertices and elements in another order than the one in which a file or a level lists them, and the numbers they have there:
 /// their names. By default it is the same order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,5 +1,4 @@
-//! Wavefront OBJ files: the lines `v x y z` and `f a b c ...`; everything else in them is passed over.
-//! Format: "Object Files (.obj)", Wavefront Technologies, appendix B1 of the Advanced Visualizer manual.
+//! Reads Wavefront OBJ files: the lines `v x y z` and `f a b c ...`; other lines are skipped. Format: "Object Files (.obj)", Wavefront Technologies, appendix B1 of the Advanced Visualizer manual.
 //!
 //! A reader of our own, because errors name the line, faces with a dent are cut inside it and a face may stand before its vertices: the
 //! crate tobj 4.0 keeps no line numbers and cuts faces into fans.

@@ -1,4 +1,4 @@
-//! Any simple outline, filled with triangles.
+//! Mesh of a polygon given by its outline.
 
 use super::{
     Files, Mesh, MeshError, MeshSource, Whole,

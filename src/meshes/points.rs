@@ -1,4 +1,4 @@
-//! A mesh written out in the level itself.
+//! Mesh given by points and triangles in the level.
 
 use super::{Files, Mesh, MeshError, MeshSource};
 use crate::quantity::{Coordinate, Point};

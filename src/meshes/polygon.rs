@@ -1,4 +1,4 @@
-//! Plane polygons: whether they are simple, what lies inside them, how to cut small ones and how to space points along.
+//! Plane polygons: crossings, containment, triangulation and simplification.
 
 use super::mesh::{area, bounds, squared_distance, squared_distance_to_side};
 

@@ -1,4 +1,4 @@
-//! A rectangle cut into equal cells.
+//! Mesh of a rectangle in equal cells.
 
 use super::{Files, Mesh, MeshError, MeshSource, Whole, error::MOST_TRIANGLES};
 use crate::quantity::{Cells, Coordinate, Height, Point, Quantity, Width};

@@ -1,4 +1,4 @@
-//! Which triangles lie side by side, where the boundary runs, and what makes a set of triangles unfit for a body.
+//! Topology of a mesh: neighbours, boundary loops and its errors.
 
 use super::MeshError;
 

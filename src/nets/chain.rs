@@ -1,3 +1,5 @@
+//! Net: a chain of particles.
+
 use super::{Link, Net, NetError, NetSource, Role, net::MOST_SPRINGS};
 use crate::{
     meshes::Whole,

@@ -1,3 +1,5 @@
+//! Net given by particles and springs in the level.
+
 use super::{Link, Net, NetError, NetSource, Role};
 use crate::quantity::{Coordinate, Point, RestLength, Spring};
 

@@ -1,4 +1,4 @@
-//! Particles and springs, and what can be wrong with them.
+//! A net of particles and springs, checked.
 
 use crate::meshes::{NEAR, Numbering};
 

@@ -1,3 +1,5 @@
+//! Net: a rectangular sheet with structural, shear and flexion springs.
+
 use super::{Link, Net, NetError, NetSource, Role, net::MOST_SPRINGS};
 use crate::{
     meshes::Whole,

@@ -1,3 +1,5 @@
+//! Obstacle: a disk.
+
 use super::{Obstacle, ObstacleParameters, solid::Solid};
 use crate::quantity::{Coordinate, Point, Quantity, Radius, Reach};
 use serde::{Deserialize, Serialize};

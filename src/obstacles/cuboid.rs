@@ -1,3 +1,5 @@
+//! Obstacle: a rectangle.
+
 use super::{Obstacle, ObstacleParameters, Polygon};
 use crate::quantity::{Angle, Coordinate, Height, Point, Quantity, Reach, Width};
 use serde::{Deserialize, Serialize};

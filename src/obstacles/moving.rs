@@ -1,3 +1,5 @@
+//! Obstacle with a prescribed motion.
+
 use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane};
 use crate::quantity::{Point, Quantity};
 use serde::{Deserialize, Serialize};

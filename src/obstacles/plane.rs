@@ -1,3 +1,5 @@
+//! Obstacle: a half-plane.
+
 use super::{Contact, Obstacle, ObstacleParameters};
 use crate::quantity::{Coordinate, Point, Quantity, Reach};
 use parry2d::{math::Vector, shape::HalfSpace};

@@ -1,3 +1,5 @@
+//! Obstacle: a solid polygon.
+
 use super::{Obstacle, ObstacleParameters, solid::Solid};
 use crate::{
     meshes::merged,

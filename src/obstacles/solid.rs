@@ -1,3 +1,5 @@
+//! Solid obstacles as shapes of parry2d.
+
 use super::{Contact, Corner, Obstacle, advance};
 use parry2d::{
     bounding_volume::{Aabb, BoundingVolume},

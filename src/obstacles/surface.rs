@@ -1,3 +1,5 @@
+//! Surface properties: friction and restitution.
+
 /// What touching does to velocities: nothing but stopping them, unless effects say more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {

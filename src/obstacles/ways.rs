@@ -1,4 +1,4 @@
-//! The way out of what a body begins inside of.
+//! Depenetration: the direction in which a body leaves what it begins inside of.
 
 use super::{Encounter, Noted, Obstacle, Overlap, Start, Touching};
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! What the commands that can be undone do to the document.
+//! Commands that edit the document and can be undone.
 
 use super::{Refused, Sandbox, Then};
 use crate::{

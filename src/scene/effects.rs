@@ -3,7 +3,7 @@
 
 use super::{Scene, SceneError};
 use crate::{
-    effects::{Effect, Twice},
+    effects::{DuplicatePolicy, Effect},
     elements::Elements,
     level::{EffectLevel, Level, RunMode, Switch, When},
     obstacles::Surface,
@@ -53,7 +53,7 @@ impl Scene {
     }
 }
 
-/// What a person should know of effects that are listed more than once or in vain, switched on or not. Places count from 1.
+/// What a person should know of effects that are listed more than once or without effect, switched on or not. Places count from 1.
 ///
 /// # Errors
 /// If only one of them can count.
@@ -64,7 +64,7 @@ fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
         messages.extend(
             effect
                 .kind()
-                .vain()
+                .ineffective()
                 .map(|why| format!("{} (effect {}) does nothing: {why}", effect.kind().title(), number + 1)),
         );
         let earlier = listed[..number].iter().position(|other| other.effect.name() == effect.name());
@@ -73,10 +73,10 @@ fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
             continue;
         };
         let (name, title) = (effect.name(), effect.kind().title());
-        match effect.kind().twice() {
-            Twice::Both => {}
-            Twice::Odd(why) => messages.push(format!("{title} is {place}: {why}")),
-            Twice::Ambiguous(why) => {
+        match effect.kind().duplicate_policy() {
+            DuplicatePolicy::Both => {}
+            DuplicatePolicy::Odd(why) => messages.push(format!("{title} is {place}: {why}")),
+            DuplicatePolicy::Ambiguous(why) => {
                 return Err(SceneError::Effect { name, why: format!("{place}, but {why}; take one of them out") });
             }
         }
@@ -95,7 +95,7 @@ impl Touching {
     /// Looks at an effect, whether it is switched on or not.
     fn add(&mut self, effect: &dyn Effect) {
         let mut surface = Surface::default();
-        effect.coat(&mut surface);
+        effect.set_surface(&mut surface);
         if surface != Surface::default() {
             self.coatings.push(effect.name());
         }

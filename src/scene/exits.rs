@@ -1,4 +1,4 @@
-//! How fast bodies and nets leave what they begin inside of.
+//! Speeds of depenetration for each body and net.
 
 use super::{Scene, extent};
 use crate::{nets::Link, obstacles::Exit};

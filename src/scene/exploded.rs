@@ -1,4 +1,4 @@
-//! What has exploded: energies that no forces in balance store.
+//! Detects exploded bodies by their elastic energy.
 
 use super::Scene;
 

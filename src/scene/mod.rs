@@ -1,20 +1,20 @@
 //! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
-mod alone;
+mod constrained;
 mod effects;
 mod exits;
 mod exploded;
-mod held;
 mod names;
 mod net;
 mod order;
 mod start;
+mod sub_scene;
 mod warnings;
 
-pub use alone::Alone;
-use held::{on_edge, pinned, sliding};
+use constrained::{on_edge, pinned, sliding};
 pub use net::Net;
+pub use sub_scene::SubScene;
 
 use crate::{
     effects::{Effect, Motion},
@@ -69,7 +69,7 @@ pub struct Scene {
     /// Whether what has come to rest sleeps until something happens to it.
     pub sleep: bool,
     /// Each body and then each net by itself, where each may go at its own pace; nothing elsewhere.
-    pub alone: Vec<Arc<Alone>>,
+    pub alone: Vec<Arc<SubScene>>,
     /// What was repaired while building, and other things worth knowing.
     pub messages: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! Nets made ready for stepping.
+//! Builds the nets of a scene.
 
 use super::{Scene, order, pinned};
 use crate::{elements::Springs, level::NetLevel, meshes::Numbering};

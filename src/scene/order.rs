@@ -1,4 +1,4 @@
-//! An order in which a body or net is stepped quickly: what is near in it is near in memory.
+//! Renumbering of vertices for locality (reverse Cuthill-McKee).
 //!
 //! Meshes that are made here have one, as long as they are small. Those from files, and nets, have the numbers that somebody gave them: on
 //! a shuffled mesh every corner of a triangle would be fetched from far away. And in large ones that follow a curve through the plane,

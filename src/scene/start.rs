@@ -1,9 +1,9 @@
-//! Shapes that a body may start in.
+//! Start shapes of bodies.
 
 use super::extent;
-use crate::{chance, level::StartShape, meshes::Numbering};
+use crate::{level::StartShape, meshes::Numbering, random};
 
-/// Puts the free vertices of a body, flat [m], where its start shape says. Chance goes through them as they are listed.
+/// Puts the free vertices of a body, flat [m], where its start shape says. Random numbers are drawn in the order in which they are listed.
 pub(super) fn reshape(
     shape: StartShape,
     (pins, slides): (&[u32], &[(u32, usize)]),
@@ -21,10 +21,10 @@ pub(super) fn reshape(
     match shape {
         StartShape::Rest => return,
         StartShape::Scrambled { seed } => {
-            let mut chance = chance::stream(seed);
+            let mut random = random::stream(seed);
             for vertex in listed(numbering, x.len() / 2) {
                 for axis in 0..2 {
-                    x[2 * vertex + axis] = middle[axis] + half[axis] * chance.next().unwrap_or(0.0);
+                    x[2 * vertex + axis] = middle[axis] + half[axis] * random.next().unwrap_or(0.0);
                 }
             }
         }
@@ -52,8 +52,8 @@ fn size([width, height]: [f64; 2]) -> f64 {
 /// Multiplies what lies along a direction of the seed and what lies across it, both seen from the middle; then adds noise of up
 /// to so many metres along each axis.
 fn map(x: &mut [f64], numbering: &Numbering, middle: [f64; 2], factors: [f64; 2], (seed, noise): (u32, f64)) {
-    let mut chance = chance::stream(seed);
-    let angle = std::f64::consts::PI * chance.next().unwrap_or(0.0);
+    let mut random = random::stream(seed);
+    let angle = std::f64::consts::PI * random.next().unwrap_or(0.0);
     let (c, s) = (libm::cos(angle), libm::sin(angle));
     for vertex in listed(numbering, x.len() / 2) {
         let point = &mut x[2 * vertex..2 * vertex + 2];
@@ -61,7 +61,7 @@ fn map(x: &mut [f64], numbering: &Numbering, middle: [f64; 2], factors: [f64; 2]
         let along = factors[0] * (c * away[0] + s * away[1]);
         let across = factors[1] * (c * away[1] - s * away[0]);
         for (axis, moved) in [c * along - s * across, s * along + c * across].into_iter().enumerate() {
-            point[axis] = middle[axis] + moved + noise * chance.next().unwrap_or(0.0);
+            point[axis] = middle[axis] + moved + noise * random.next().unwrap_or(0.0);
         }
     }
 }

@@ -1,3 +1,5 @@
+//! Warnings about the start of a scene.
+
 use super::Scene;
 use crate::state::State;
 

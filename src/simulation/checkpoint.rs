@@ -1,4 +1,4 @@
-//! Moments to go back to when a step fails.
+//! Checkpoints that a refused step is taken again from.
 
 use super::Simulation;
 use crate::{

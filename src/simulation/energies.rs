@@ -1,4 +1,5 @@
-//! Energies of a running scene. That of deformation is the dear one: it is computed once for each shape, whoever asks for it.
+//! Energies of a running scene, computed once for each state. That of deformation is the dear one: it is computed once for each shape,
+//! whoever asks for it.
 
 use super::Simulation;
 use crate::{effects::Grab, report::Energies};

@@ -1,8 +1,8 @@
-//! Bodies and nets that go at their own pace: a stiff pea does not slow a soft cake.
+//! Multirate stepping: each body and net divides a step by itself.
 //!
 //! Bodies and nets do not touch each other, so that each may take a step of the scene, of length h, in as many equal parts as it
 //! needs; at the end of the step all meet again. Each needs n = h / ([`SHARE`] `h_critical`) parts, rounded up: one if its step is
-//! short enough as it is. What is stepped is a scene of its own with its own part of the state ([`Alone`]), so that its motion has
+//! short enough as it is. What is stepped is a scene of its own with its own part of the state ([`SubScene`]), so that its motion has
 //! every bit that it would have alone with n times as many steps, and costs no more. Time is cut into equal parts of h, so what
 //! depends on time, which is only obstacles that move, has it to round-off.
 //!
@@ -23,7 +23,7 @@ use crate::{
     level::Substeps,
     obstacles::Inside,
     report::Pace,
-    scene::{Alone, Scene},
+    scene::{Scene, SubScene},
     stability::critical_step,
     state::State,
 };
@@ -44,7 +44,7 @@ pub(super) struct Paces {
 
 /// A body or net that goes at its own pace.
 struct Walker {
-    alone: Arc<Alone>,
+    alone: Arc<SubScene>,
     pace: Pace,
     /// Its part of the state.
     state: State,
@@ -123,7 +123,7 @@ impl Paces {
 }
 
 impl Walker {
-    fn new(whole: &Scene, alone: &Arc<Alone>) -> Self {
+    fn new(whole: &Scene, alone: &Arc<SubScene>) -> Self {
         let limit = alone.limit(|scene| {
             let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
             critical_step(scene, &rest)

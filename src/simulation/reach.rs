@@ -51,7 +51,7 @@ impl Simulation {
     ///
     /// Where the energy of motion comes along with a step nobody has to look at every vertex: none can have gone farther than with
     /// all that energy for itself.
-    pub(super) fn lands(&mut self) -> bool {
+    pub(super) fn validates(&mut self) -> bool {
         if self.scratch.room >= 0.0 {
             return true;
         }

@@ -1,4 +1,4 @@
-//! Everything that a run needs to continue bit for bit: in memory for rewinding and undoing, in level files for saving.
+//! Restart data: everything that a run needs to continue bit for bit.
 
 use super::{BATCH, Simulation, checkpoint::Checkpoint, stretch::MOST_BETWEEN};
 use crate::{

@@ -1,4 +1,4 @@
-//! Scripted actions: what a level says is done to its scene at which times.
+//! Performs the scripted actions of a level.
 //!
 //! What has been done at a time follows from the level alone, but for the vertex that is pulled. So a run can be saved, continued and
 //! turned back at any time.
@@ -6,7 +6,7 @@
 use super::Simulation;
 use crate::{
     effects::{EffectKind, Grab},
-    level::{Act, Deed, Level, RunMode, Side},
+    level::{Action, Level, RunMode, ScriptedAction, Side},
     meshes::NoFiles,
     quantity::{Gravity, Point},
     report::Energies,
@@ -40,7 +40,7 @@ struct Changes {
 impl Script {
     /// The first frame from this one on in which there is something to do.
     fn next(&self, from: u64) -> Option<u64> {
-        self.level.acts.iter().filter_map(|act| act.next(from)).min()
+        self.level.actions.iter().filter_map(|scripted| scripted.next(from)).min()
     }
 
     fn set_due(&mut self, frame: u64) {
@@ -50,23 +50,26 @@ impl Script {
     /// What all actions before a frame have changed.
     fn changes_before(&self, frame: u64) -> Changes {
         let Some(last) = frame.checked_sub(1) else { return Changes::default() };
-        let count = |act: &Act| act.count(last);
-        let flips = self.level.acts.iter().filter(|act| act.act == Deed::FlipGravity).map(count).sum::<u64>();
-        let freed = self.level.acts.iter().any(|act| act.act == Deed::Free && count(act) > 0);
+        let count = |scripted: &ScriptedAction| scripted.count(last);
+        let flips =
+            self.level.actions.iter().filter(|scripted| scripted.action == Action::FlipGravity).map(count).sum::<u64>();
+        let freed = self.level.actions.iter().any(|scripted| scripted.action == Action::Free && count(scripted) > 0);
         Changes { flipped: flips % 2 == 1, freed }
     }
 
     /// Where the vertex was taken hold of that is held by what has been performed, and where it is pulled to [m].
     fn hold(&self) -> Option<([f64; 2], [f64; 2])> {
         let last = self.due.checked_sub(1)?;
-        let latest = |act: &Act| act.count(last).checked_sub(1).map(|count| act.begin(count));
-        let holds = self.level.acts.iter().filter(|act| matches!(act.act, Deed::Grab(_) | Deed::Release));
-        let (begun, act) = holds.filter_map(|act| Some((latest(act)?, act))).max_by_key(|(begun, _)| *begun)?;
-        let Deed::Grab(point) = act.act else { return None };
+        let latest = |scripted: &ScriptedAction| scripted.count(last).checked_sub(1).map(|count| scripted.begin(count));
+        let holds =
+            self.level.actions.iter().filter(|scripted| matches!(scripted.action, Action::Grab(_) | Action::Release));
+        let (begun, scripted) =
+            holds.filter_map(|scripted| Some((latest(scripted)?, scripted))).max_by_key(|(begun, _)| *begun)?;
+        let Action::Grab(point) = scripted.action else { return None };
         let (mut target, mut frame) = (point.get(), begun);
         while let Some(next) = self.next(frame).filter(|next| *next <= last) {
             for (left, deed) in self.going_on(next) {
-                if let Deed::Pull { to, .. } = deed {
+                if let Action::Pull { to, .. } = deed {
                     target = pulled(target, to.get(), left);
                 }
             }
@@ -94,12 +97,17 @@ impl Script {
     }
 
     /// The actions that go on in a frame, the earlier begun first: each with the number of frames left for it, this one included.
-    fn going_on(&self, frame: u64) -> Vec<(u64, &Deed)> {
+    fn going_on(&self, frame: u64) -> Vec<(u64, &Action)> {
         let mut found = Vec::new();
-        for act in self.level.acts.iter().filter(|act| matches!(act.act, Deed::Pull { .. } | Deed::Turn { .. })) {
-            let length = act.length();
-            let begun = act.begins(frame.saturating_sub(length - 1)..=frame);
-            found.extend(begun.map(|begin| (begin, begin + length - frame, &act.act)));
+        for scripted in self
+            .level
+            .actions
+            .iter()
+            .filter(|scripted| matches!(scripted.action, Action::Pull { .. } | Action::Turn { .. }))
+        {
+            let length = scripted.length();
+            let begun = scripted.begins(frame.saturating_sub(length - 1)..=frame);
+            found.extend(begun.map(|begin| (begin, begin + length - frame, &scripted.action)));
         }
         found.sort_by_key(|(begin, ..)| *begin);
         found.into_iter().map(|(_, left, deed)| (left, deed)).collect()
@@ -114,7 +122,7 @@ impl Simulation {
     /// earlier times count as performed.
     pub fn follow(&mut self, level: &Level, mode: RunMode) {
         self.script = None;
-        if level.acts.is_empty() {
+        if level.actions.is_empty() {
             return;
         }
         let level = Level { state: None, ..level.clone() };
@@ -206,39 +214,39 @@ impl Simulation {
 
     /// Does a frame's part of all actions: what takes no time in the order of the level, then what goes on.
     fn perform(&mut self, script: &mut Script, frame: u64, book: Book<'_>) {
-        for number in 0..script.level.acts.len() {
-            let act = &script.level.acts[number];
-            if act.begins(frame..=frame).next().is_none() {
+        for number in 0..script.level.actions.len() {
+            let scripted = &script.level.actions[number];
+            if scripted.begins(frame..=frame).next().is_none() {
                 continue;
             }
-            match act.act {
-                Deed::Grab(point) => {
+            match scripted.action {
+                Action::Grab(point) => {
                     if let Some(vertex) = nearest_vertex(&self.state.x, point.get()) {
                         let target = [self.state.x[2 * vertex], self.state.x[2 * vertex + 1]];
                         self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
-                Deed::Release => self.change(book, |own| own.set_grab(None)),
-                Deed::FlipGravity => {
+                Action::Release => self.change(book, |own| own.set_grab(None)),
+                Action::FlipGravity => {
                     script.changes.flipped ^= true;
                     self.change(book, |own| own.rebuild(script));
                 }
-                Deed::Free => {
+                Action::Free => {
                     script.changes.freed = true;
                     self.change(book, |own| own.rebuild(script));
                 }
-                Deed::Pull { .. } | Deed::Turn { .. } => {}
+                Action::Pull { .. } | Action::Turn { .. } => {}
             }
         }
         for (left, deed) in script.going_on(frame) {
             match *deed {
-                Deed::Pull { to, .. } => {
+                Action::Pull { to, .. } => {
                     if let Some(Grab { vertex, target }) = self.grab {
                         let target = pulled(target, to.get(), left);
                         self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
-                Deed::Turn { side, by, over } => {
+                Action::Turn { side, by, over } => {
                     let angle = by.get().to_radians() / crate::level::frame(over).max(1) as f64;
                     let (state, grab) = (turned(&self.scene, &self.state, side, angle), self.grab);
                     self.change(book, |own| {

@@ -10,7 +10,7 @@ use super::{
     system::{System, shrunk},
 };
 use crate::{
-    elements::{Board, Caches, Everywhere, Looks, More, Outcome, Parts, Triangles, Walker, Way},
+    elements::{Board, Caches, Looks, More, Outcome, Parts, Triangles, UniformForce, Walker, Way},
     integrators::{IntegratorKind, StepCounts},
 };
 use std::sync::Arc;
@@ -115,17 +115,17 @@ impl Simulation {
     }
 
     /// The body that alone is to be moved, and what acts on it everywhere, if there is nothing else to do.
-    fn only_work(&self) -> Option<(usize, Arc<Triangles>, Everywhere)> {
+    fn only_work(&self) -> Option<(usize, Arc<Triangles>, UniformForce)> {
         let &[number] = self.scratch.plan.elements.as_slice() else { return None };
         let plain = matches!(self.scene.integrator, IntegratorKind::SymplecticEuler(_)) && !self.paces.differ();
         let free = self.scratch.plan.constraints.is_empty() || self.scratch.free.is_some();
         let body = self.scene.bodies.get(number).filter(|_| plain && free && self.guard.level() == 0)?;
         let motion = self.scene.motion(&self.state, self.grab);
-        let everywhere = self.scratch.everywhere(&self.scene, motion)?;
+        let uniform_force = self.scratch.uniform_force(&self.scene, motion)?;
         // What is not asked while nothing moves is asked from the next step on.
         let starts = self.scratch.plan.forces.iter().any(|number| self.scene.effects[*number].idle(motion).is_some())
             && motion.stillness().is_some();
-        (!starts).then(|| (number, Arc::clone(&body.elements), everywhere))
+        (!starts).then(|| (number, Arc::clone(&body.elements), uniform_force))
     }
 
     /// Takes a stretch of up to so many steps from a checkpoint, as long as there is `more` to do, if that is only to move the vertices of
@@ -135,7 +135,7 @@ impl Simulation {
         if self.state.steps < self.team.plain_until {
             return None;
         }
-        let (number, body, everywhere) = self.only_work()?;
+        let (number, body, uniform_force) = self.only_work()?;
         let parts = if self.team.threads < 2 { None } else { body.parts() };
         let steps = most.min(LONGEST);
         let most_kinetic = if self.is_guarded() { self.guard.unsuspicious() } else { f64::INFINITY };
@@ -153,7 +153,7 @@ impl Simulation {
             steps: steps as u32,
             wave: self.team.caches.unwrap_or_else(Caches::here).steps_at_once(body.bytes()),
             step: self.scene.step,
-            everywhere,
+            uniform_force,
             most_kinetic,
             looks: self.looks(number),
             start: Outcome { steps: 0, room: self.scratch.room, ..known.unwrap_or_default() },

@@ -1,8 +1,8 @@
-//! A scene as the integrator sees it.
+//! A scene as a system for integrators.
 
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    elements::{Everywhere, Kicking, make_room},
+    elements::{Kicking, UniformForce, make_room},
     integrators::{Class, Dynamics, Work, kick_and_drift},
     obstacles::{Encounter, Inside, Noted, Start, Surface, find_ways},
     report::{Counts, EffectCost},
@@ -55,7 +55,7 @@ impl Plan {
             if !asleep && let Some(body) = scene.bodies.get(number) {
                 plan.triangles += body.mesh.triangles().len();
             }
-            effect.coat(&mut plan.surface);
+            effect.set_surface(&mut plan.surface);
         }
         plan
     }
@@ -138,10 +138,10 @@ impl Scratch {
     }
 
     /// What acts everywhere just now, if nothing else does beside the elements, and nobody wants to know what each effect costs.
-    pub fn everywhere(&self, scene: &Scene, motion: Motion<'_>) -> Option<Everywhere> {
+    pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
-        let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].everywhere());
-        let all = acting.try_fold(Everywhere::default(), |all, next| all.and(next?));
+        let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].uniform_force());
+        let all = acting.try_fold(UniformForce::default(), |all, next| all.and(next?));
         all.filter(|_| !self.timed)
     }
 
@@ -283,7 +283,7 @@ impl Dynamics for System<'_> {
 
     /// Where nothing acts but elements and what does the same everywhere, the vertices are moved while the elements are swept over.
     fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
-        let Some(everywhere) = self.scratch.everywhere(self.scene, self.motion(x, v)) else {
+        let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(x, v)) else {
             self.force(x, v, force);
             return kick_and_drift(x, v, force, self.inverse_mass(), h);
         };
@@ -291,7 +291,8 @@ impl Dynamics for System<'_> {
         let scene = self.scene;
         let Scratch { plan, held, effects, .. } = &mut *self.scratch;
         let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
-        let mut vertices = Kicking { x, v, mass: &scene.mass, inverse_mass, everywhere, step: h, twice_kinetic: 0.0 };
+        let mut vertices =
+            Kicking { x, v, mass: &scene.mass, inverse_mass, uniform_force, step: h, twice_kinetic: 0.0 };
         for number in &plan.elements {
             scene.effects[*number].kick(&mut vertices, effects);
         }

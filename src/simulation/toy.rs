@@ -1,4 +1,4 @@
-//! A toy as the integrator sees it.
+//! A toy as a system for integrators.
 
 use crate::{integrators::Ode, report::Counts, toys::Toy};
 

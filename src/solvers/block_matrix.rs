@@ -1,3 +1,5 @@
+//! Symmetric sparse matrix of 2 x 2 blocks.
+
 use nalgebra::Matrix2;
 
 /// What the entries of a stiffness matrix are multiplied by when they are added to a [`BlockMatrix`]: an implicit step

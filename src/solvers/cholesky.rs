@@ -1,9 +1,11 @@
+//! Multifrontal Cholesky factorisation.
+
 use super::{
     BlockMatrix,
     dense::{Columns, add_products, dot, eliminate},
     elimination::{Elimination, Front},
 };
-use crate::lanes::{SPARE, lined};
+use crate::simd::{SPARE, lined};
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 

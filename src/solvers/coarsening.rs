@@ -1,4 +1,4 @@
-//! Groups of coupled vertices, and how what is said of groups is spread over their vertices.
+//! Groups of coupled vertices for the two-level preconditioner.
 
 use super::BlockMatrix;
 use nalgebra::Matrix2;

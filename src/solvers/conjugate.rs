@@ -1,9 +1,11 @@
+//! Conjugate gradients.
+
 use super::{BlockMatrix, Factor, NewtonCounts, Tangent, dense::dot, two_level::TwoLevel};
 use pulp::Arch;
 
 /// How exact a solution has to be.
 #[derive(Clone, Copy)]
-pub struct Aim {
+pub struct SolveTolerance {
     /// The share of the error that may be left, measured as energy.
     pub share: f64,
     /// An error of any vertex that is small enough in any case.
@@ -73,7 +75,7 @@ impl Iterative {
         &mut self,
         (matrix, tangent, inverse_weight): (&mut BlockMatrix, Tangent, &[f64]),
         (g, x): (&[f64], &mut [f64]),
-        aim: Aim,
+        aim: SolveTolerance,
         counts: &mut NewtonCounts,
     ) -> Outcome {
         if self.is_off {
@@ -116,7 +118,7 @@ impl Iterative {
         &mut self,
         matrix: &BlockMatrix,
         (g, x): (&[f64], &mut [f64]),
-        aim: Aim,
+        aim: SolveTolerance,
         counts: &mut NewtonCounts,
     ) -> Outcome {
         let Self { levels, r, z, direction, product, .. } = self;

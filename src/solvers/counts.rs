@@ -1,3 +1,5 @@
+//! Counts of a Newton solve.
+
 /// What solving took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NewtonCounts {

@@ -1,7 +1,7 @@
 //! Factorising dense panels and what they take from others. Every number goes through the same operations in the same order,
 //! however many the processor works on at a time.
 
-use crate::lanes::LANES;
+use crate::simd::LANES;
 use pulp::Simd;
 
 /// Columns that are worked on together.
@@ -207,7 +207,7 @@ pub fn dot(one: &[f64], other: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Columns, eliminate};
-    use crate::{chance::irregular, lanes::LANES};
+    use crate::{random::irregular, simd::LANES};
     use pulp::{Arch, Scalar, Simd, WithSimd};
 
     /// A panel and its update, of a matrix of this many rows whose first `width` columns are eliminated.

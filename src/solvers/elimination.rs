@@ -1,7 +1,7 @@
-//! In which order vertices are eliminated, and what that fills: settled once for a topology.
+//! Elimination order and fill of a sparse factorisation.
 
 use super::BlockMatrix;
-use crate::lanes::LANES;
+use crate::simd::LANES;
 use faer::sparse::{
     SymbolicSparseColMatRef,
     linalg::{

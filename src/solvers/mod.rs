@@ -14,4 +14,4 @@ mod two_level;
 pub use block_matrix::{BlockMatrix, Tangent, Weights};
 pub use cholesky::Factor;
 pub use counts::NewtonCounts;
-pub use newton::{Equations, Newton, Path};
+pub use newton::{Equations, LinearSolver, Newton};

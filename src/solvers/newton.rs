@@ -1,6 +1,8 @@
+//! Newton's method with line search.
+
 use super::{
     BlockMatrix, Factor, NewtonCounts, Tangent,
-    conjugate::{Aim, Iterative, Outcome, greatest},
+    conjugate::{Iterative, Outcome, SolveTolerance, greatest},
 };
 
 /// Equations `g(z) = 0` whose matrix of derivatives is symmetric, or taken to be.
@@ -38,7 +40,7 @@ pub trait Equations {
 
 /// How linear systems are solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Path {
+pub enum LinearSolver {
     /// The cheaper way for the size and the pattern of the matrix.
     #[default]
     Chosen,
@@ -60,13 +62,13 @@ pub enum Path {
 /// It stops when the steps, shrinking as they did last, cannot add up to more than the tolerance any more
 /// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.8).
 ///
-/// Large systems are solved by iterations ([`Path`]), each step as far as is of use so far from the solution (Eisenstat and Walker,
+/// Large systems are solved by iterations ([`LinearSolver`]), each step as far as is of use so far from the solution (Eisenstat and Walker,
 /// *Choosing the forcing terms in an inexact Newton method*, SIAM Journal on Scientific Computing 17, 1996, choice 2), and all of
 /// it no further than a thousandth of what the equations are off by themselves.
 #[derive(Default)]
 pub struct Newton {
     system: Option<System>,
-    path: Path,
+    path: LinearSolver,
     /// The norm of g at the last step, and the share of its error that step was allowed to leave, while there was one.
     forced: Option<(f64, f64)>,
     /// The share of its error that the step at hand has left.
@@ -101,7 +103,7 @@ impl Newton {
     const INNER: f64 = 0.1;
 
     /// Solves linear systems in this way.
-    pub fn new(path: Path) -> Self {
+    pub fn new(path: LinearSolver) -> Self {
         Self { path, ..Self::default() }
     }
 
@@ -121,7 +123,7 @@ impl Newton {
         self.prepare(equations, z.len());
         self.start(equations, z);
         let mut last = f64::INFINITY;
-        let mut least = Caution::EXACT;
+        let mut least = Regularisation::EXACT;
         for _ in 0..Self::ITERATIONS {
             if self.g.iter().all(|g| *g == 0.0) {
                 return counts;
@@ -130,7 +132,7 @@ impl Newton {
             let Some(caution) = self.find_step(equations, z, least, aim, &mut counts) else { break };
             counts.iterations += 1;
             let size = greatest(&self.step);
-            let tolerance = if self.left > 0.0 && caution == Caution::EXACT {
+            let tolerance = if self.left > 0.0 && caution == Regularisation::EXACT {
                 Self::loose(equations, z)
             } else {
                 equations.tolerance(z)
@@ -159,8 +161,8 @@ impl Newton {
         let mut counts = NewtonCounts::NONE;
         self.prepare(equations, z.len());
         self.g.copy_from_slice(g);
-        let aim = Aim { share: Self::ONLY, error: 0.0 };
-        if self.find_step(equations, at, Caution::EXACT, aim, &mut counts).is_some() {
+        let aim = SolveTolerance { share: Self::ONLY, error: 0.0 };
+        if self.find_step(equations, at, Regularisation::EXACT, aim, &mut counts).is_some() {
             z.copy_from_slice(&self.step);
         } else {
             z.fill(f64::NAN);
@@ -191,7 +193,7 @@ impl Newton {
     }
 
     /// How exact the next step has to be.
-    fn aim(&mut self, equations: &dyn Equations, z: &[f64]) -> Aim {
+    fn aim(&mut self, equations: &dyn Equations, z: &[f64]) -> SolveTolerance {
         let norm = weighted(&self.g, equations.inverse_weight()).sqrt();
         let share = self.forced.map_or(Self::FORCING, |(last, share)| {
             let fast = Self::GAMMA * (norm / last) * (norm / last);
@@ -201,7 +203,7 @@ impl Newton {
             forced.min(Self::FORCING)
         });
         self.forced = Some((norm, share));
-        Aim { share, error: Self::INNER * Self::loose(equations, z) }
+        SolveTolerance { share, error: Self::INNER * Self::loose(equations, z) }
     }
 
     /// Chooses between the two starts.
@@ -228,16 +230,16 @@ impl Newton {
         &mut self,
         equations: &mut dyn Equations,
         z: &[f64],
-        least: Caution,
-        aim: Aim,
+        least: Regularisation,
+        aim: SolveTolerance,
         counts: &mut NewtonCounts,
-    ) -> Option<Caution> {
+    ) -> Option<Regularisation> {
         let System { matrix, factor, iterative } = self.system.as_mut()?;
         if !z.iter().all(|z| z.is_finite()) {
             return None;
         }
         let mut filled = None;
-        for caution in (least.0..=Caution::MOST).map(Caution) {
+        for caution in (least.0..=Regularisation::MOST).map(Regularisation) {
             let tangent = caution.tangent();
             if filled.replace(tangent) != Some(tangent) {
                 matrix.clear();
@@ -246,7 +248,7 @@ impl Newton {
             let weight = equations.inverse_weight();
             if let Some(iterative) = iterative.as_mut().filter(|_| !caution.shifts()) {
                 let error = Self::INNER * equations.tolerance(z);
-                let aim = if caution == Caution::EXACT { aim } else { Aim { error, ..aim } };
+                let aim = if caution == Regularisation::EXACT { aim } else { SolveTolerance { error, ..aim } };
                 match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), aim, counts) {
                     Outcome::Solved(share) => {
                         self.left = share;
@@ -300,9 +302,9 @@ impl Newton {
 /// How a step is found, from bold to careful. Each next way is taken where the one before finds no step, or one that leads
 /// too far.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
-struct Caution(i32);
+struct Regularisation(i32);
 
-impl Caution {
+impl Regularisation {
     /// With the true derivative.
     const EXACT: Self = Self(0);
     /// With its definite part, then with the absolute values of its eigenvalues: where the first leads far away along
@@ -353,7 +355,7 @@ struct System {
 }
 
 /// What the couples of the equations need: what there was, if it was for the same.
-fn analyse(before: Option<System>, equations: &dyn Equations, vertices: usize, path: Path) -> Option<System> {
+fn analyse(before: Option<System>, equations: &dyn Equations, vertices: usize, path: LinearSolver) -> Option<System> {
     let mut couples = Vec::new();
     equations.couples(&mut |a, b| couples.push([a, b]));
     if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &couples)) {
@@ -362,9 +364,9 @@ fn analyse(before: Option<System>, equations: &dyn Equations, vertices: usize, p
     let matrix = BlockMatrix::new(vertices, &couples);
     let factor = Factor::new(&matrix)?;
     let iterative = match path {
-        Path::Chosen => Iterative::by_size(&matrix, &factor),
-        Path::Direct => None,
-        Path::Iterative => Iterative::new(&matrix, &factor),
+        LinearSolver::Chosen => Iterative::by_size(&matrix, &factor),
+        LinearSolver::Direct => None,
+        LinearSolver::Iterative => Iterative::new(&matrix, &factor),
     };
     Some(System { matrix, factor, iterative })
 }

@@ -1,3 +1,5 @@
+//! Two-level preconditioner: Gauss-Seidel sweeps and an exact coarse solve.
+
 use super::{BlockMatrix, Factor, coarsening::Coarsening};
 use nalgebra::Matrix2;
 

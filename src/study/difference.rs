@@ -1,4 +1,4 @@
-//! How far two runs of one level are apart. They may differ in scheme, step, model and mesh.
+//! Difference of two runs of one level. They may differ in scheme, step, model and mesh.
 
 use crate::{
     meshes::Locator,

@@ -1,4 +1,4 @@
-//! What schemes do to energy and momentum over time.
+//! Drift study: energy and momentum over time for every integrator.
 
 use super::{
     Limits, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, Trial,

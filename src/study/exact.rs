@@ -1,4 +1,4 @@
-//! Closed forms: scenes whose solution is known.
+//! Closed-form solutions of scenes.
 
 use super::{strip, trial::Trial};
 use crate::{

@@ -1,4 +1,4 @@
-//! Tables to take away: CSV with a head that says where the numbers come from.
+//! Head lines of exported tables: level, commit and machine.
 
 use super::{
     CLOCK, Drift, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy, Outcome, Status, Trial, WorkPrecision,

@@ -1,4 +1,4 @@
-//! How much too stiff linear triangles are when the area can hardly change.
+//! Measures volumetric locking of linear triangles.
 
 use super::{Measure, Progress, StudyError, refine::with_triangles, statics};
 use crate::{

@@ -1,4 +1,4 @@
-//! A simulation taken frame by frame, against the clock.
+//! Advances a simulation frame by frame and measures its time.
 
 use super::{Setting, stopwatch::Stopwatch};
 use crate::{scene::Scene, simulation::Simulation, state::State};

@@ -1,4 +1,4 @@
-//! Numbers by which meshes are compared.
+//! Quantities that are compared between meshes.
 
 use crate::scene::Scene;
 

@@ -1,4 +1,4 @@
-//! The price of spatial accuracy: a quantity on coarser and finer meshes of the same level.
+//! Mesh study: convergence of a quantity under refinement.
 
 use super::{
     Limits, Measure, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,

@@ -1,4 +1,4 @@
-//! The order of convergence that errors show, or the reason why they show none: one rule for time steps, for meshes and for drift.
+//! Estimates the order of convergence, or says why there is none.
 
 /// What an error must exceed, and what it must not, to tell something about an order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

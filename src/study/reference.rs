@@ -1,4 +1,4 @@
-//! What errors are measured against: an exact solution, or a run so fine that its own error does not matter.
+//! Reference solutions: closed forms, or runs with a much finer step.
 
 use super::{
     ClosedForm, Limits, Progress, Setting, StudyError,

@@ -1,4 +1,4 @@
-//! The same level on another mesh.
+//! Refines the mesh of a level.
 
 use super::StudyError;
 use crate::{

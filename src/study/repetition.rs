@@ -1,5 +1,4 @@
-//! Repeated runs: the price of a short run is the least of several, taken in turns, as the first one pays for cold memory and any
-//! one may be disturbed.
+//! Repeats short runs to measure their processor time.
 
 use std::time::Duration;
 

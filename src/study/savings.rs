@@ -1,4 +1,4 @@
-//! What it saves to pass effects over: the scene as it is beside the same scene with everything asked for in every step.
+//! Measures the time that skipping effects saves.
 
 use super::{Progress, StudyError, march::Deadline, stopwatch::Stopwatch};
 use crate::{

@@ -1,4 +1,4 @@
-//! How a scene is stepped: a scheme with its parameters and a number of steps per frame; and which settings are worth a try.
+//! A setting of a study: integrator and steps per frame.
 
 use crate::{
     command::Command,

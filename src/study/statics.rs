@@ -1,4 +1,4 @@
-//! Where a scene comes to rest: the positions at which the forces on every free vertex vanish.
+//! Static equilibrium of a scene.
 
 use crate::{
     effects::Motion,

@@ -1,4 +1,4 @@
-//! The uniaxial strip: the one large deformation whose shape at rest is known in closed form for every model.
+//! Closed form of the uniaxial strip for every model.
 
 use super::exact::only;
 use crate::{

@@ -1,4 +1,4 @@
-//! The cheapest measured setting that is accurate enough.
+//! Finds the cheapest setting below an error.
 
 use super::{Outcome, Reference, Setting, Status, WorkPrecision};
 use crate::command::Command;

@@ -1,4 +1,4 @@
-//! The work-precision diagram: one trial with many settings.
+//! Work-precision diagram: one trial with many settings.
 
 use super::{
     MeasuredOrder, NoErrors, NoOrder, Outcome, Progress, Reference, ReferenceJob, Run, Sample, Setting, Status,

@@ -1,4 +1,4 @@
-//! One run of a scene with one setting: what error it makes and what it costs.
+//! One run with one setting: its error and its cost.
 
 use super::{
     Reference, Setting, StudyError,

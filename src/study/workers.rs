@@ -1,4 +1,4 @@
-//! Independent tasks on several threads, where there are any.
+//! Runs independent tasks on several threads.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::sync::{Mutex, PoisonError};

@@ -1,3 +1,5 @@
+//! Toy: rotation on a circle.
+
 use super::{Reading, Toy, relative_error};
 use crate::quantity::{Quantity, Radius};
 use std::f64::consts::TAU;

@@ -1,5 +1,4 @@
-//! First-order toys: small systems whose solution is known exactly, to see what an integrator makes of them.
-//! Each kind is one file; [`ToyKind`] lists them all.
+//! Toys: small first-order systems with closed-form solutions. Each kind is one file; [`ToyKind`] lists them all.
 
 mod circle;
 mod pendulum;

@@ -1,3 +1,5 @@
+//! Toy: the mathematical pendulum.
+
 use super::{Reading, Toy, relative_error};
 use crate::quantity::{Length, Quantity, Swing, Weight};
 use std::f64::consts::{FRAC_PI_2, PI};

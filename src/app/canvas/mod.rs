@@ -1,6 +1,6 @@
-//! The stage: draws a snapshot and turns the pointer into commands. It knows nothing of the simulation.
+//! The stage: draws a snapshot and turns pointer input into commands. It knows nothing of the simulation.
 
-mod hold;
+mod pointer_state;
 mod scenery;
 #[cfg(test)]
 mod tests;
@@ -13,12 +13,13 @@ use super::{
         body::Bodies,
         colour_bar,
         fill::Fill,
-        ink::Ink,
         net,
         night::{self, Snow},
         picked::Picked,
         pins::Pins,
-        slides, strip_numbers,
+        rollers,
+        shape_buffer::ShapeBuffer,
+        strip_numbers,
         toy::Trail,
     },
     theme::Theme,
@@ -30,7 +31,7 @@ use crate::{
 use eframe::egui::{
     self, Align2, Area, CursorIcon, Order, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2,
 };
-use hold::Hold;
+use pointer_state::PointerState;
 use scenery::Scenery;
 use std::time::Duration;
 
@@ -62,7 +63,7 @@ pub struct Options {
 /// The stage with everything it remembers from frame to frame; none of it is physics.
 #[derive(Default)]
 pub struct Canvas {
-    hold: Hold,
+    pointer_state: PointerState,
     bodies: Bodies,
     trail: Trail,
     pins: Pins,
@@ -73,9 +74,9 @@ pub struct Canvas {
     /// Until when it is said that nothing can be dragged in edit mode [s].
     told_until: f64,
     /// Layers of the drawing: behind the scenery, the bodies, and what lies on top.
-    behind: Ink,
-    middle: Ink,
-    front: Ink,
+    behind: ShapeBuffer,
+    middle: ShapeBuffer,
+    front: ShapeBuffer,
 }
 
 /// What this frame is drawn with.
@@ -102,8 +103,8 @@ impl Canvas {
         let frame = Frame { snapshot, options, canvas, view, now, dt };
 
         self.bodies.place(snapshot, view);
-        let before = self.hold;
-        self.hold.follow(&response, snapshot, camera, self.bodies.points(), commands);
+        let before = self.pointer_state;
+        self.pointer_state.follow(&response, snapshot, camera, self.bodies.points(), commands);
         if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
             self.told_until = now + TOLD;
         }
@@ -136,9 +137,11 @@ impl Canvas {
     fn animate(&mut self, response: &Response, frame: &Frame<'_>) {
         let (snapshot, dt) = (frame.snapshot, frame.dt);
         let live = snapshot.running && snapshot.mode != Mode::Edit && !snapshot.is_asleep();
-        let wanted = match self.hold.vertex() {
+        let wanted = match self.pointer_state.vertex() {
             Some(vertex) => Some(vertex),
-            None if self.hold.is_free() => response.hover_pos().and_then(|at| hold::nearest(self.bodies.points(), at)),
+            None if self.pointer_state.is_free() => {
+                response.hover_pos().and_then(|at| pointer_state::nearest(self.bodies.points(), at))
+            }
             None => None,
         };
         self.picked.follow(wanted, dt);
@@ -157,7 +160,7 @@ impl Canvas {
             response.ctx.request_repaint();
         }
         if wanted.is_some() {
-            let pulling = self.hold.is_pulling();
+            let pulling = self.pointer_state.is_pulling();
             let free = if snapshot.mode == Mode::Edit { CursorIcon::PointingHand } else { CursorIcon::Grab };
             response.ctx.set_cursor_icon(if pulling { CursorIcon::Grabbing } else { free });
         }
@@ -191,9 +194,9 @@ impl Canvas {
         let Frame { snapshot, options, canvas, view, now, .. } = *frame;
         let points = self.bodies.points();
         self.front.clear(painter.pixels_per_point());
-        let free = pointer.filter(|_| self.hold.is_free());
+        let free = pointer.filter(|_| self.pointer_state.is_free());
         self.picked.draw(&mut self.front, view, points, free);
-        slides::slides(&mut self.front, view, snapshot, points);
+        rollers::rollers(&mut self.front, view, snapshot, points);
         self.pins.draw(&mut self.front, view, points, now);
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, *points.get(pull.vertex)?)));
         if let Some((pull, from)) = pull {

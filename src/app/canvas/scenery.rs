@@ -1,8 +1,7 @@
-//! What stands on the stage beside the bodies: the shapes of the effects that act in this mode. It changes rarely, so
-//! its drawing is kept.
+//! Scenery: the shapes of the active effects, drawn behind the bodies. It changes rarely, so its drawing is kept.
 
 use crate::{
-    app::draw::{View, candy, house, ink::Ink},
+    app::draw::{View, candy, house, shape_buffer::ShapeBuffer},
     command::Mode,
     effects::Shape,
     level::{EffectLevel, Switch, When},
@@ -23,8 +22,8 @@ pub struct Scenery {
     /// The shapes of each effect, and their presence from 0 to 1.
     effects: Vec<(Vec<Shape>, f32)>,
     moving: bool,
-    ink: Ink,
-    /// What the ink shows: to be drawn again when it differs.
+    buffer: ShapeBuffer,
+    /// What the buffer shows; redrawn when it differs.
     drawn: Option<(View, Rect, u32, Option<[usize; 2]>)>,
     changed: bool,
 }
@@ -72,10 +71,10 @@ impl Scenery {
     ) -> egui::Shape {
         let wanted = Some((view, canvas, pixels_per_point.to_bits(), pointed));
         if !self.changed && self.drawn == wanted {
-            return self.ink.again();
+            return self.buffer.again();
         }
         (self.drawn, self.changed) = (wanted, false);
-        self.ink.clear(pixels_per_point);
+        self.buffer.clear(pixels_per_point);
         let there = self.effects.iter().filter(|(_, presence)| *presence > 0.02);
         let mut shapes: Vec<(&Shape, f32)> =
             there.flat_map(|(shapes, presence)| shapes.iter().map(move |shape| (shape, *presence))).collect();
@@ -86,9 +85,9 @@ impl Scenery {
         });
         for (number, (shape, presence)) in shapes.into_iter().enumerate() {
             match shape {
-                Shape::Edges(least, greatest) => candy::edges(&mut self.ink, view, [*least, *greatest], presence),
-                Shape::Room(room) => house::house(&mut self.ink, view, canvas, room, presence),
-                Shape::Solid(outline) => candy::gumdrop(&mut self.ink, view, outline, number, presence),
+                Shape::Edges(least, greatest) => candy::edges(&mut self.buffer, view, [*least, *greatest], presence),
+                Shape::Room(room) => house::house(&mut self.buffer, view, canvas, room, presence),
+                Shape::Solid(outline) => candy::gumdrop(&mut self.buffer, view, outline, number, presence),
             }
         }
         let pointed = pointed.and_then(|[effect, solid]| {
@@ -98,9 +97,9 @@ impl Scenery {
             Some((solids.nth(solid)?, *presence))
         });
         if let Some((outline, presence)) = pointed {
-            candy::ring(&mut self.ink, view, outline, presence);
+            candy::ring(&mut self.buffer, view, outline, presence);
         }
-        self.ink.finish()
+        self.buffer.finish()
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a press on the stage asks for, frame by frame.
+//! Tests of pointer input on the stage, frame by frame.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 use super::{Canvas, Options, camera};

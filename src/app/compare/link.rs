@@ -1,4 +1,4 @@
-//! What is done to one pane, in terms of the other: its vertices have other numbers if its mesh is another.
+//! Translates commands between two panes whose meshes may differ.
 
 use crate::{command::Command, sandbox::Sandbox, study::counterpart, untangle::Tangle};
 

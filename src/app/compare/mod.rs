@@ -1,5 +1,5 @@
-//! Two panes of one experiment, computed in two ways. A is the window's own sandbox; B is a second one that is done to what
-//! is done to A, but for scheme, step, model and mesh. Both are at the same simulated time whenever they are looked at.
+//! Comparison of two panes: the same scene under two settings. A is the window's own sandbox; B is a second one that is done to what is
+//! done to A, but for scheme, step, model and mesh. Both are at the same simulated time whenever they are looked at.
 
 mod link;
 mod record;
@@ -11,7 +11,7 @@ mod tests;
 pub use record::{Moment, Record};
 pub use stage::{Split, Stage};
 
-use super::{lab::Lab, panels::History, theme::Theme};
+use super::{jobs::Jobs, panels::History, theme::Theme};
 use crate::{
     command::{About, Command},
     sandbox::{Refused, Sandbox},
@@ -60,7 +60,7 @@ pub const fn color(theme: &Theme, pane: Pane) -> Color32 {
 
 /// What the window may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum PaneRequest {
     /// Splits the stage, or joins it and keeps A.
     Toggle,
     /// Lets the panels edit this pane.
@@ -74,7 +74,7 @@ pub struct Comparison {
     pub(super) b: Sandbox,
     pub(super) snapshot: Snapshot,
     pub(super) history: History,
-    pub(super) lab: Lab,
+    pub(super) jobs: Jobs,
     pub(super) stage: Stage,
     chosen: Pane,
     past: Vec<Change>,
@@ -101,7 +101,7 @@ impl Comparison {
             b: a.fork(),
             snapshot: Snapshot::default(),
             history: History::default(),
-            lab: Lab::default(),
+            jobs: Jobs::default(),
             stage: Stage::default(),
             chosen: Pane::B,
             past: Vec::new(),

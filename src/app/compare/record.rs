@@ -1,4 +1,4 @@
-//! What was measured between the panes in the last seconds.
+//! Recorded differences between the two panes.
 
 use crate::{
     app::panels::WINDOW,

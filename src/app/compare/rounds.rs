@@ -1,4 +1,4 @@
-//! Time for two panes whose steps differ: it runs in rounds, after which both are at the end of a step.
+//! Synchronises two panes with different step lengths.
 
 use crate::{sandbox::Sandbox, simulation::Restart};
 use web_time::Instant;

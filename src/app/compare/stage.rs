@@ -1,6 +1,6 @@
-//! The split stage: two canvases with a head above each that says how it is computed.
+//! The split stage: two canvases, each with a title.
 
-use super::{Pane, Wish};
+use super::{Pane, PaneRequest};
 use crate::{
     app::{
         canvas::{self, Canvas, Options},
@@ -79,7 +79,13 @@ impl Stage {
     }
 
     /// Fills what is left of `ui` with both panes; `first` is the canvas of pane A.
-    pub fn show(&mut self, ui: &mut Ui, first: &mut Canvas, split: &Split<'_>, options: &Options) -> Option<Wish> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        first: &mut Canvas,
+        split: &Split<'_>,
+        options: &Options,
+    ) -> Option<PaneRequest> {
         let whole = ui.available_rect_before_wrap();
         ui.allocate_rect(whole, Sense::hover());
         let parts = split_rect(whole, split.seen[0]);
@@ -87,11 +93,11 @@ impl Stage {
         let texts = texts(ui, split, parts[0].width());
         let height = texts.iter().map(|text| text.size().y + 2.0 * 4.0).fold(BADGE + 6.0, f32::max);
         canvas::share_scale(first, &mut self.canvas);
-        let mut wish = None;
+        let mut request = None;
         let canvases = [first, &mut self.canvas];
         for ((pane, part), (canvas, text)) in Pane::BOTH.into_iter().zip(parts).zip(canvases.into_iter().zip(texts)) {
             let (top, rest) = part.split_top_bottom_at_y(part.top() + height);
-            wish = head(ui, top, pane, text, split).or(wish);
+            request = head(ui, top, pane, text, split).or(request);
             let builder = UiBuilder::new().id_salt(pane.letter()).max_rect(rest);
             let mut commands = Vec::new();
             let name = if pane == Pane::A { "Stage A" } else { "Stage B" };
@@ -103,7 +109,7 @@ impl Stage {
             });
             self.asked.extend(commands.into_iter().map(|command| (pane, command)));
         }
-        wish
+        request
     }
 }
 
@@ -146,7 +152,7 @@ fn texts(ui: &Ui, split: &Split<'_>, width: f32) -> [Arc<Galley>; 2] {
 }
 
 /// A head: the letter, how the pane is computed, and a button that keeps it alone. A click chooses it.
-fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_>) -> Option<Wish> {
+fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_>) -> Option<PaneRequest> {
     let theme = Theme::of(ui.ctx());
     let chosen = split.chosen == pane;
     let words = settings(split.seen[pane as usize]).join(" · ");
@@ -176,7 +182,7 @@ fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_
     });
     let response = response.on_hover_text(format!("{name}\nClick: the panels show and change this pane."));
     if keep {
-        return Some(Wish::Keep(pane));
+        return Some(PaneRequest::Keep(pane));
     }
-    response.clicked().then_some(Wish::Choose(pane))
+    response.clicked().then_some(PaneRequest::Choose(pane))
 }

@@ -1,4 +1,4 @@
-//! What the two panes promise, without a window.
+//! Tests of the comparison without a window.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 use super::*;

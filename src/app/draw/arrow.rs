@@ -1,6 +1,6 @@
-//! The drag: a red arrow from the vertex to where it is pulled, with its force.
+//! Draws the mouse spring: an arrow with its force.
 
-use super::{View, card, ink::Ink};
+use super::{View, card, shape_buffer::ShapeBuffer};
 use crate::{app::numbers::si_fixed, snapshot::Pull};
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, vec2};
 
@@ -11,30 +11,30 @@ struct Size {
 }
 
 /// Draws the arrow from its vertex.
-pub fn arrow(ink: &mut Ink, view: View, from: Pos2, pull: &Pull) {
+pub fn arrow(buffer: &mut ShapeBuffer, view: View, from: Pos2, pull: &Pull) {
     let to = view.camera.screen_from_world(pull.target);
     let length = from.distance(to);
     let width = (view.size(0.006, 2.5, 14.0) + 0.012 * length).min(view.size(0.013, 5.0, 30.0));
     let head = (0.35 * length).clamp(0.0, 5.0 * width);
     let outline = view.theme.icing.gamma_multiply(0.9);
-    stroke(ink, from, to, &Size { width: width + 3.0, head: head + 4.0 }, outline);
-    stroke(ink, from, to, &Size { width, head }, view.theme.pull);
+    stroke(buffer, from, to, &Size { width: width + 3.0, head: head + 4.0 }, outline);
+    stroke(buffer, from, to, &Size { width, head }, view.theme.pull);
 }
 
-fn stroke(ink: &mut Ink, from: Pos2, to: Pos2, size: &Size, color: Color32) {
-    ink.disc(from, 0.9 * size.width, color);
+fn stroke(buffer: &mut ShapeBuffer, from: Pos2, to: Pos2, size: &Size, color: Color32) {
+    buffer.disc(from, 0.9 * size.width, color);
     if size.head < 1.5 * size.width {
-        return ink.line(&[from, to], false, size.width, color);
+        return buffer.line(&[from, to], false, size.width, color);
     }
     let along = (to - from).normalized();
     // The outline's head is longer by what sticks out behind; its tip sticks out in front.
     let tip = to + along * (0.5 * size.width);
     let neck = tip - along * size.head;
-    ink.line(&[from, neck], false, size.width, color);
+    buffer.line(&[from, neck], false, size.width, color);
     let aside = along.rot90() * (0.48 * size.head);
     let notch = neck + along * (0.18 * size.head);
-    ink.area(&[tip, neck + aside, notch, neck - aside], color);
-    ink.line(&[tip, neck + aside, notch, neck - aside], true, 0.4 * size.width, color);
+    buffer.area(&[tip, neck + aside, notch, neck - aside], color);
+    buffer.line(&[tip, neck + aside, notch, neck - aside], true, 0.4 * size.width, color);
 }
 
 /// Writes the force beside the arrow's head.

@@ -1,10 +1,10 @@
-//! Bodies: dough with a baked rim, or coloured by a field; icing on top; mesh lines for those who want to see them.
+//! Draws bodies: filled triangles, rim, icing and mesh lines.
 
 use super::{
     View,
     fill::{Detail, Fill},
     icing::{self, Look},
-    ink::Ink,
+    shape_buffer::ShapeBuffer,
 };
 use crate::{
     app::{canvas::Options, colour::Scale},
@@ -78,7 +78,7 @@ impl Bodies {
     /// Draws all bodies, in the order of the level, as far as the area that they fill allows.
     pub fn draw(
         &mut self,
-        (ink, fill): (&mut Ink, &mut Fill),
+        (buffer, fill): (&mut ShapeBuffer, &mut Fill),
         view: View,
         snapshot: &Snapshot,
         options: &Options,
@@ -91,37 +91,37 @@ impl Bodies {
             match fill.choose(part.areas(fill, (body, points), snapshot.inverted > 0, options.wireframe, view)) {
                 Detail::Full => {}
                 Detail::Outline => {
-                    part.outline(ink, view, points, &mut self.line);
+                    part.outline(buffer, view, points, &mut self.line);
                     continue;
                 }
                 Detail::Points => {
-                    dots(ink, points, view.theme.dough);
+                    dots(buffer, points, view.theme.dough);
                     continue;
                 }
             }
             match values {
-                Some(values) => ink.facets(points, body.mesh.triangles(), scale.colors(values)),
-                None => ink.sheet(points, body.mesh.triangles(), view.theme.dough),
+                Some(values) => buffer.facets(points, body.mesh.triangles(), scale.colors(values)),
+                None => buffer.sheet(points, body.mesh.triangles(), view.theme.dough),
             }
-            part.rim(ink, view, points, &mut self.line, values.is_none());
+            part.rim(buffer, view, points, &mut self.line, values.is_none());
             if options.wireframe {
-                part.wireframe(ink, view, points, values.is_some());
+                part.wireframe(buffer, view, points, values.is_some());
             }
             if values.is_none() {
-                part.specks(ink, view, body, points);
+                part.specks(buffer, view, body, points);
             }
-            let inverted = if snapshot.inverted > 0 { inside_out(ink, view, body, points) } else { 0 };
+            let inverted = if snapshot.inverted > 0 { inside_out(buffer, view, body, points) } else { 0 };
             let opacity = if values.is_some() || options.wireframe { 0.55 } else { 1.0 };
             let look = Look { opacity, scale: part.scale };
             if inverted * CRUMBLED > body.triangles.len() {
                 // Icing would only hide what is left of the body.
             } else if body.mesh.icing().is_empty() {
-                icing::edge(ink, view, &part.loops, points, &mut self.line, look);
+                icing::edge(buffer, view, &part.loops, points, &mut self.line, look);
             } else {
-                icing::strokes(ink, view, &body.mesh, points, &mut self.line, look);
+                icing::strokes(buffer, view, &body.mesh, points, &mut self.line, look);
             }
             if options.vertices {
-                vertices(ink, view, points);
+                vertices(buffer, view, points);
             }
         }
     }
@@ -163,36 +163,36 @@ impl Part {
         view.size(RIM * self.scale, 2.0, 40.0)
     }
 
-    fn outline(&self, ink: &mut Ink, view: View, points: &[Pos2], line: &mut Vec<Pos2>) {
+    fn outline(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], line: &mut Vec<Pos2>) {
         for vertices in &self.loops {
             gather(line, points, vertices);
-            ink.line(line, true, OUTLINE, view.theme.dough);
+            buffer.line(line, true, OUTLINE, view.theme.dough);
         }
     }
 
-    fn rim(&self, ink: &mut Ink, view: View, points: &[Pos2], line: &mut Vec<Pos2>, baked: bool) {
-        let (width, pixel) = (self.rim_width(view), ink.pixel());
+    fn rim(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], line: &mut Vec<Pos2>, baked: bool) {
+        let (width, pixel) = (self.rim_width(view), buffer.pixel());
         for vertices in &self.loops {
             gather(line, points, vertices);
             if baked {
                 let distances = [-0.5 * pixel, 0.5 * pixel, 0.25 * width, 0.6 * width, width];
-                ink.bands(line, true, &distances, &[0.0, 1.0, 0.9, 0.4, 0.0], view.theme.crust);
+                buffer.bands(line, true, &distances, &[0.0, 1.0, 0.9, 0.4, 0.0], view.theme.crust);
             } else {
-                ink.line(line, true, 1.5, view.theme.crust);
+                buffer.line(line, true, 1.5, view.theme.crust);
             }
         }
     }
 
-    fn wireframe(&self, ink: &mut Ink, view: View, points: &[Pos2], colored: bool) {
+    fn wireframe(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], colored: bool) {
         let color = if colored { Color32::from_black_alpha(120) } else { view.theme.crust };
-        ink.threads(points, &self.edges, ink.pixel(), color.gamma_multiply(0.9));
+        buffer.threads(points, &self.edges, buffer.pixel(), color.gamma_multiply(0.9));
     }
 
-    fn specks(&self, ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) {
+    fn specks(&self, buffer: &mut ShapeBuffer, view: View, body: &BodySnapshot, points: &[Pos2]) {
         let size = view.size(0.0022, 0.7, 4.0);
         for (number, speck) in self.specks.iter().enumerate() {
             let color = if number % 3 == 0 { view.theme.icing.gamma_multiply(0.35) } else { view.theme.crust };
-            ink.dot(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
+            buffer.dot(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
         }
     }
 }
@@ -220,15 +220,15 @@ pub(super) fn gather(line: &mut Vec<Pos2>, points: &[Pos2], vertices: &[u32]) {
 }
 
 /// Triangles that are inside out, which run the other way round on the screen too. Returns how many there are.
-fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) -> usize {
+fn inside_out(buffer: &mut ShapeBuffer, view: View, body: &BodySnapshot, points: &[Pos2]) -> usize {
     let mut count = 0;
     for triangle in body.mesh.triangles() {
         let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
         let (u, v) = (b - a, c - a);
         // The screen's y points down: what runs counter-clockwise has a negative cross product here.
         if u.x * v.y - u.y * v.x >= 0.0 {
-            let [a, b, c] = [a, b, c].map(|corner| ink.vertex(corner, view.theme.pull));
-            ink.triangle(a, b, c);
+            let [a, b, c] = [a, b, c].map(|corner| buffer.vertex(corner, view.theme.pull));
+            buffer.triangle(a, b, c);
             count += 1;
         }
     }
@@ -236,15 +236,15 @@ fn inside_out(ink: &mut Ink, view: View, body: &BodySnapshot, points: &[Pos2]) -
 }
 
 /// Small points for vertices of what would fill too much.
-pub(super) fn dots(ink: &mut Ink, points: &[Pos2], color: Color32) {
+pub(super) fn dots(buffer: &mut ShapeBuffer, points: &[Pos2], color: Color32) {
     for &point in points {
-        ink.dot(point, 1.2, color);
+        buffer.dot(point, 1.2, color);
     }
 }
 
-fn vertices(ink: &mut Ink, view: View, points: &[Pos2]) {
+fn vertices(buffer: &mut ShapeBuffer, view: View, points: &[Pos2]) {
     let size = view.size(0.0028, 1.7, 6.0);
     for &point in points {
-        ink.dot(point, size, view.theme.ink);
+        buffer.dot(point, size, view.theme.ink);
     }
 }

@@ -1,10 +1,10 @@
-//! Obstacles as candy, and the edges of the world.
+//! Draws obstacles and the domain boundary.
 
-use super::{View, ink::Ink, scatter};
+use super::{View, scatter, shape_buffer::ShapeBuffer};
 use eframe::egui::{Color32, Pos2, Rect, vec2};
 
 /// A solid as a gumdrop: lighter on top, sugared, with a dark foot. `number` chooses its colour.
-pub fn gumdrop(ink: &mut Ink, view: View, outline: &[[f64; 2]], number: usize, presence: f32) {
+pub fn gumdrop(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], number: usize, presence: f32) {
     let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
     if points.len() < 3 {
         return;
@@ -13,26 +13,26 @@ pub fn gumdrop(ink: &mut Ink, view: View, outline: &[[f64; 2]], number: usize, p
     let candy = view.theme.candy[number % 2];
     let bounds = Rect::from_points(&points);
     let (bright, dark) = (candy.lerp_to_gamma(Color32::WHITE, 0.22), candy.lerp_to_gamma(Color32::BLACK, 0.3));
-    ink.shaded(&points, |at| color(bright.lerp_to_gamma(dark, (at.y - bounds.top()) / bounds.height().max(1.0))));
-    ink.line(&points, true, view.size(0.005, 1.5, 20.0), color(dark));
-    sugar(ink, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
+    buffer.shaded(&points, |at| color(bright.lerp_to_gamma(dark, (at.y - bounds.top()) / bounds.height().max(1.0))));
+    buffer.line(&points, true, view.size(0.005, 1.5, 20.0), color(dark));
+    sugar(buffer, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
 }
 
 /// A line around a solid that is meant just now.
-pub fn ring(ink: &mut Ink, view: View, outline: &[[f64; 2]], presence: f32) {
+pub fn ring(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], presence: f32) {
     let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
-    ink.line(&points, true, view.size(0.009, 3.0, 20.0), view.theme.accent_line.gamma_multiply(presence));
+    buffer.line(&points, true, view.size(0.009, 3.0, 20.0), view.theme.accent_line.gamma_multiply(presence));
 }
 
 /// Sugar grains inside an outline.
-fn sugar(ink: &mut Ink, view: View, outline: &[Pos2], bounds: Rect, color: Color32) {
+fn sugar(buffer: &mut ShapeBuffer, view: View, outline: &[Pos2], bounds: Rect, color: Color32) {
     let size = view.size(0.0028, 0.8, 8.0);
     let world = view.camera.length(1.0);
     let count = (1800.0 * bounds.area() / (world * world)).clamp(8.0, 300.0) as usize;
     for grain in 0..count {
         let at = bounds.min + vec2(scatter(grain, 11), scatter(grain, 12)) * bounds.size();
         if is_inside(outline, at) {
-            ink.disc(at, size * (0.6 + 0.6 * scatter(grain, 13)), color.gamma_multiply(0.8));
+            buffer.disc(at, size * (0.6 + 0.6 * scatter(grain, 13)), color.gamma_multiply(0.8));
         }
     }
 }
@@ -50,9 +50,9 @@ fn is_inside(outline: &[Pos2], at: Pos2) -> bool {
 }
 
 /// The rectangle that nothing leaves: a thread of icing.
-pub fn edges(ink: &mut Ink, view: View, [least, greatest]: [[f64; 2]; 2], presence: f32) {
+pub fn edges(buffer: &mut ShapeBuffer, view: View, [least, greatest]: [[f64; 2]; 2], presence: f32) {
     let corners = [least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
     let points = corners.map(|corner| view.camera.screen_from_world(corner));
     let color = view.theme.world_edge.gamma_multiply(presence);
-    ink.line(&points, true, view.size(0.003, 1.5, 8.0), color);
+    buffer.line(&points, true, view.size(0.003, 1.5, 8.0), color);
 }

@@ -1,6 +1,6 @@
-//! The colour bar: which colour means what, with ticks and unit, at the right edge of the stage.
+//! Draws the colour bar with ticks and unit.
 
-use super::{View, card, ink::Ink};
+use super::{View, card, shape_buffer::ShapeBuffer};
 use crate::{
     app::{
         colour::{Scale, ticks},
@@ -38,11 +38,11 @@ impl Layout {
 }
 
 /// Draws the bar for a field and its scale.
-pub fn colour_bar(painter: &Painter, ink: &mut Ink, view: View, canvas: Rect, field: Field, scale: &Scale) {
+pub fn colour_bar(painter: &Painter, buffer: &mut ShapeBuffer, view: View, canvas: Rect, field: Field, scale: &Scale) {
     let (theme, layout, range) = (view.theme, Layout::new(canvas, view.camera.world()), scale.range());
     let size = layout.font.size;
     painter.rect_filled(layout.card, CornerRadius::same(10), theme.card);
-    gradient(ink, layout.bar, scale, field == Field::Volume);
+    gradient(buffer, layout.bar, scale, field == Field::Volume);
     let (count, unit) = unit_for(range[1], field.unit());
     let title = pos2(layout.card.center().x, layout.card.top() + 0.5 * size);
     painter.text(title, Align2::CENTER_TOP, short_title(field), FontId::proportional(1.05 * size), theme.ink);
@@ -66,19 +66,19 @@ const fn short_title(field: Field) -> &'static str {
 }
 
 /// The colours, and beyond an end a tip for values that lie further out.
-fn gradient(ink: &mut Ink, bar: Rect, scale: &Scale, both_ways: bool) {
+fn gradient(buffer: &mut ShapeBuffer, bar: Rect, scale: &Scale, both_ways: bool) {
     let steps = 64;
     for i in 0..steps {
         let shares = [i, i + 1].map(|i| i as f32 / steps as f32);
         let [bottom, top] = shares.map(|share| bar.bottom() - bar.height() * share);
         let step = Rect::from_min_max(Pos2::new(bar.left(), top), Pos2::new(bar.right(), bottom));
-        ink.gradient(step, [scale.at(shares[1]), scale.at(shares[0])]);
+        buffer.gradient(step, [scale.at(shares[1]), scale.at(shares[0])]);
     }
     let tip = vec2(0.5 * bar.width(), -0.6 * bar.width());
-    ink.area(&[bar.left_top(), bar.left_top() + tip, bar.right_top()], scale.at(1.0));
+    buffer.area(&[bar.left_top(), bar.left_top() + tip, bar.right_top()], scale.at(1.0));
     if both_ways {
         let tip = vec2(tip.x, -tip.y);
-        ink.area(&[bar.left_bottom(), bar.left_bottom() + tip, bar.right_bottom()], scale.at(0.0));
+        buffer.area(&[bar.left_bottom(), bar.left_bottom() + tip, bar.right_bottom()], scale.at(0.0));
     }
 }
 

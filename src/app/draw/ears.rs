@@ -1,4 +1,4 @@
-//! Cuts an outline into triangles.
+//! Ear clipping: cuts a polygon into triangles.
 
 use eframe::egui::Pos2;
 

@@ -1,5 +1,4 @@
-//! A budget of filled area: an exploded body has thousands of triangles as large as the stage, and painting them all would take
-//! seconds in every frame.
+//! Limits the area that is filled in a frame.
 
 use eframe::egui::{Pos2, Rect};
 

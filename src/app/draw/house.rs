@@ -1,6 +1,6 @@
-//! The gingerbread house around a room: its inner faces are exactly where bodies touch.
+//! Draws the gingerbread house; its inner faces are the contact surfaces.
 
-use super::{View, ink::Ink, roof};
+use super::{View, roof, shape_buffer::ShapeBuffer};
 use eframe::egui::{Color32, Pos2, Rect, lerp, pos2};
 
 /// Thickness of walls, floor and roof [m].
@@ -37,7 +37,7 @@ pub struct Side {
 
 /// A pen in world coordinates, with the colours of the theme.
 pub struct Baker<'a> {
-    pub(super) ink: &'a mut Ink,
+    pub(super) buffer: &'a mut ShapeBuffer,
     pub(super) view: View,
     pub(super) presence: f32,
 }
@@ -53,17 +53,17 @@ impl Baker<'_> {
 
     pub(super) fn area(&mut self, points: &[[f64; 2]], color: Color32) {
         let (points, color) = (self.points(points), self.color(color));
-        self.ink.area(&points, color);
+        self.buffer.area(&points, color);
     }
 
     pub(super) fn line(&mut self, points: &[[f64; 2]], width: f32, color: Color32) {
         let (points, color) = (self.points(points), self.color(color));
-        self.ink.line(&points, false, self.view.size(width, 1.2, 100.0), color);
+        self.buffer.line(&points, false, self.view.size(width, 1.2, 100.0), color);
     }
 
     pub(super) fn disc(&mut self, at: [f64; 2], radius: f32, color: Color32) {
         let (at, color) = (self.view.camera.screen_from_world(at), self.color(color));
-        self.ink.disc(at, self.view.camera.length(radius), color);
+        self.buffer.disc(at, self.view.camera.length(radius), color);
     }
 
     /// A candy button with a light.
@@ -86,9 +86,9 @@ pub(super) fn moved(point: [f64; 2], direction: [f64; 2], by: f64) -> [f64; 2] {
 }
 
 /// Draws the house around a convex room, standing in snow that reaches across the canvas.
-pub fn house(ink: &mut Ink, view: View, canvas: Rect, room: &[[f64; 2]], presence: f32) {
+pub fn house(buffer: &mut ShapeBuffer, view: View, canvas: Rect, room: &[[f64; 2]], presence: f32) {
     let sides = sides(room);
-    let mut baker = Baker { ink, view, presence };
+    let mut baker = Baker { buffer, view, presence };
     let floor = sides.iter().find(|side| side.kind == Kind::Floor).map(|side| side.ends[0][1]);
     if let Some(floor) = floor {
         ground(&mut baker, canvas, floor - HILLS[0], 0.4);
@@ -160,10 +160,10 @@ fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64, shift: f32) {
         let along = baker.view.camera.world_from_screen(pos2(x, 0.0))[0] as f32;
         let y = base - height * ((3.1 * along + shift).sin() + 0.6 * (7.3 * along + 5.0 * shift).sin());
         let [top, bottom] =
-            [(y, near), (canvas.bottom().max(y), far)].map(|(y, color)| baker.ink.vertex(pos2(x, y), color));
+            [(y, near), (canvas.bottom().max(y), far)].map(|(y, color)| baker.buffer.vertex(pos2(x, y), color));
         if i > 0 {
-            baker.ink.triangle(top - 2, top, bottom);
-            baker.ink.triangle(top - 2, bottom, bottom - 2);
+            baker.buffer.triangle(top - 2, top, bottom);
+            baker.buffer.triangle(top - 2, bottom, bottom - 2);
         }
     }
 }
@@ -173,7 +173,7 @@ fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     let points = baker.points(room);
     let [top, bottom] = baker.view.theme.inside.map(|color| baker.color(color));
     let bounds = Rect::from_points(&points);
-    baker.ink.shaded(&points, |at| top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0)));
+    baker.buffer.shaded(&points, |at| top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0)));
 }
 
 /// Two windows in the wall behind, quiet enough not to compete with a body in front of them.

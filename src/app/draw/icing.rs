@@ -1,6 +1,6 @@
-//! Icing that lies on the dough and moves with it.
+//! Draws icing that moves with the body.
 
-use super::{View, body::gather, ink::Ink};
+use super::{View, body::gather, shape_buffer::ShapeBuffer};
 use crate::meshes::{Embedded, IcingColor, Mesh};
 use eframe::egui::{Pos2, vec2};
 
@@ -23,7 +23,7 @@ pub struct Look {
 }
 
 /// The strokes that came with the mesh, each with a little shade below that lifts it off the dough.
-pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &mut Vec<Pos2>, look: Look) {
+pub fn strokes(buffer: &mut ShapeBuffer, view: View, mesh: &Mesh, points: &[Pos2], line: &mut Vec<Pos2>, look: Look) {
     let theme = view.theme;
     let lift = vec2(0.0, view.size(0.0025 * look.scale, 0.7, 6.0));
     let shade = theme.crust.gamma_multiply(0.7 * look.opacity);
@@ -41,22 +41,29 @@ pub fn strokes(ink: &mut Ink, view: View, mesh: &Mesh, points: &[Pos2], line: &m
                 *point += back;
             }
             if stroke.filled {
-                ink.area(line, color);
+                buffer.area(line, color);
             } else {
-                ink.line(line, stroke.closed, width, color);
+                buffer.line(line, stroke.closed, width, color);
             }
         }
     }
 }
 
 /// A plain line of icing along the boundary, for bodies that nobody has decorated.
-pub fn edge(ink: &mut Ink, view: View, loops: &[Vec<u32>], points: &[Pos2], line: &mut Vec<Pos2>, look: Look) {
+pub fn edge(
+    buffer: &mut ShapeBuffer,
+    view: View,
+    loops: &[Vec<u32>],
+    points: &[Pos2],
+    line: &mut Vec<Pos2>,
+    look: Look,
+) {
     let (inset, half, pixel) =
-        (view.size(0.016 * look.scale, 3.0, 60.0), view.size(0.003 * look.scale, 0.9, 12.0), ink.pixel());
+        (view.size(0.016 * look.scale, 3.0, 60.0), view.size(0.003 * look.scale, 0.9, 12.0), buffer.pixel());
     for vertices in loops {
         gather(line, points, vertices);
         let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
         let color = view.theme.icing.gamma_multiply(look.opacity);
-        ink.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
+        buffer.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
     }
 }

@@ -1,4 +1,4 @@
-//! What the stage looks like: one file for each thing on it, drawn back to front by the canvas.
+//! Drawing of the stage: one file for each thing on it.
 
 pub mod arrow;
 pub mod body;
@@ -8,13 +8,13 @@ mod ears;
 pub mod fill;
 pub mod house;
 mod icing;
-pub mod ink;
 pub mod net;
 pub mod night;
 pub mod picked;
 pub mod pins;
+pub mod rollers;
 mod roof;
-pub mod slides;
+pub mod shape_buffer;
 pub mod strip_numbers;
 pub mod toy;
 

@@ -1,11 +1,11 @@
-//! Nets: springs as candy strings, coiled where there are few, and particles as small candies.
+//! Draws nets: springs and particles.
 
 use super::{
     View,
     body::dots,
     fill::{Detail, Fill},
-    ink::Ink,
     scatter,
+    shape_buffer::ShapeBuffer,
 };
 use crate::{
     app::canvas::Options,
@@ -22,7 +22,13 @@ const FEW: usize = 24;
 const STRAIN: f64 = 0.25;
 
 /// Draws all nets on the vertices' places.
-pub fn nets((ink, fill): (&mut Ink, &mut Fill), view: View, snapshot: &Snapshot, options: &Options, points: &[Pos2]) {
+pub fn nets(
+    (buffer, fill): (&mut ShapeBuffer, &mut Fill),
+    view: View,
+    snapshot: &Snapshot,
+    options: &Options,
+    points: &[Pos2],
+) {
     for net in &snapshot.nets {
         let ends = net.springs.links().iter().map(|link| link.ends);
         let length = fill.lines(points, ends, 1.0);
@@ -33,12 +39,12 @@ pub fn nets((ink, fill): (&mut Ink, &mut Fill), view: View, snapshot: &Snapshot,
                 let structural = net.springs.links().iter().filter(|link| link.role == Role::Structural);
                 for link in structural {
                     let [Some(&from), Some(&to)] = link.ends.map(|end| points.get(end as usize)) else { continue };
-                    string(ink, [from, to], 1.0, view.theme.icing);
+                    string(buffer, [from, to], 1.0, view.theme.icing);
                 }
                 continue;
             }
             Detail::Points => {
-                dots(ink, points.get(net.vertices.clone()).unwrap_or_default(), view.theme.icing);
+                dots(buffer, points.get(net.vertices.clone()).unwrap_or_default(), view.theme.icing);
                 continue;
             }
         }
@@ -50,14 +56,14 @@ pub fn nets((ink, fill): (&mut Ink, &mut Fill), view: View, snapshot: &Snapshot,
                 let [Some(&from), Some(&to)] = link.ends.map(|end| points.get(end as usize)) else { continue };
                 let color = color(view, link, &snapshot.positions);
                 match role {
-                    Role::Structural if coiled => coil(ink, view, [from, to], link, color),
-                    Role::Structural => string(ink, [from, to], view.size(0.0042, 1.6, 9.0), color),
-                    Role::Shear => string(ink, [from, to], view.size(0.0022, 1.0, 5.0), color.gamma_multiply(0.4)),
-                    Role::Flexion => string(ink, [from, to], 1.0, color.gamma_multiply(0.3)),
+                    Role::Structural if coiled => coil(buffer, view, [from, to], link, color),
+                    Role::Structural => string(buffer, [from, to], view.size(0.0042, 1.6, 9.0), color),
+                    Role::Shear => string(buffer, [from, to], view.size(0.0022, 1.0, 5.0), color.gamma_multiply(0.4)),
+                    Role::Flexion => string(buffer, [from, to], 1.0, color.gamma_multiply(0.3)),
                 }
             }
         }
-        candies(ink, view, net, points);
+        candies(buffer, view, net, points);
     }
 }
 
@@ -71,14 +77,14 @@ fn color(view: View, link: &Link, positions: &[f64]) -> Color32 {
 }
 
 /// A straight string.
-fn string(ink: &mut Ink, ends: [Pos2; 2], width: f32, color: Color32) {
-    let (half, soft) = (0.5 * width, 0.5 * ink.pixel());
+fn string(buffer: &mut ShapeBuffer, ends: [Pos2; 2], width: f32, color: Color32) {
+    let (half, soft) = (0.5 * width, 0.5 * buffer.pixel());
     let distances = [half + soft, (half - soft).max(0.0), -(half - soft).max(0.0), -half - soft];
-    ink.bands(&ends, false, &distances, &[0.0, 1.0, 1.0, 0.0], color);
+    buffer.bands(&ends, false, &distances, &[0.0, 1.0, 1.0, 0.0], color);
 }
 
 /// A coil that opens as the spring gets longer, with straight ends.
-fn coil(ink: &mut Ink, view: View, [from, to]: [Pos2; 2], link: &Link, color: Color32) {
+fn coil(buffer: &mut ShapeBuffer, view: View, [from, to]: [Pos2; 2], link: &Link, color: Color32) {
     const SMOOTH: u16 = 10;
     let (along, aside) = (to - from, (to - from).normalized().rot90());
     let turns = (link.rest / 0.028).clamp(4.0, 30.0) as u16;
@@ -91,28 +97,28 @@ fn coil(ink: &mut Ink, view: View, [from, to]: [Pos2; 2], link: &Link, color: Co
     }));
     line.push(to);
     let width = view.size(0.0046, 2.0, 11.0);
-    ink.line(&line, false, width + 2.0, view.theme.crust);
-    ink.line(&line, false, width, color);
+    buffer.line(&line, false, width + 2.0, view.theme.crust);
+    buffer.line(&line, false, width, color);
 }
 
 /// A candy for each particle, as large as the springs leave room for.
-fn candies(ink: &mut Ink, view: View, net: &NetSnapshot, points: &[Pos2]) {
+fn candies(buffer: &mut ShapeBuffer, view: View, net: &NetSnapshot, points: &[Pos2]) {
     let lengths = net.springs.links().iter().map(|link| link.rest).filter(|rest| *rest > 0.0);
     let room = lengths.fold(f64::INFINITY, f64::min).min(0.1) as f32;
     let radius = view.size((0.13 * room).clamp(0.004, 0.022), 2.0, 46.0);
     let colors = [view.theme.candy[0], view.theme.candy[1], view.theme.icing];
     for (number, &at) in points.get(net.vertices.clone()).unwrap_or_default().iter().enumerate() {
-        candy(ink, at, radius, colors[(scatter(number, 21) * 2.999) as usize]);
+        candy(buffer, at, radius, colors[(scatter(number, 21) * 2.999) as usize]);
     }
 }
 
 /// A round sweet, lit from above.
-pub(super) fn candy(ink: &mut Ink, at: Pos2, radius: f32, color: Color32) {
-    ink.disc(at + vec2(0.0, 0.14 * radius), 1.12 * radius, Color32::from_black_alpha(100));
-    ink.disc(at, radius, color.lerp_to_gamma(Color32::BLACK, 0.25));
-    ink.disc(at - vec2(0.0, 0.1 * radius), 0.84 * radius, color);
+pub(super) fn candy(buffer: &mut ShapeBuffer, at: Pos2, radius: f32, color: Color32) {
+    buffer.disc(at + vec2(0.0, 0.14 * radius), 1.12 * radius, Color32::from_black_alpha(100));
+    buffer.disc(at, radius, color.lerp_to_gamma(Color32::BLACK, 0.25));
+    buffer.disc(at - vec2(0.0, 0.1 * radius), 0.84 * radius, color);
     if radius > 3.5 {
         let light = Color32::WHITE.gamma_multiply(0.75);
-        ink.disc(at - Vec2::splat(0.34 * radius), 0.2 * radius, light);
+        buffer.disc(at - Vec2::splat(0.34 * radius), 0.2 * radius, light);
     }
 }

@@ -1,6 +1,6 @@
-//! What is behind the world: the sky and its snow, or a morning's paper.
+//! Draws the background: sky and snow, or paper in the light theme.
 
-use super::{View, ink::Ink, scatter};
+use super::{View, scatter, shape_buffer::ShapeBuffer};
 use eframe::egui::{CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2};
 
 /// Slow sparse snow. It only falls while time runs.
@@ -17,7 +17,7 @@ impl Snow {
     }
 
     /// Draws the flakes.
-    pub fn draw(&self, ink: &mut Ink, canvas: Rect, view: View) {
+    pub fn draw(&self, buffer: &mut ShapeBuffer, canvas: Rect, view: View) {
         let count = (canvas.area() / 9000.0).clamp(24.0, 240.0) as usize;
         let unit = (canvas.height() / 700.0).clamp(0.8, 2.5);
         for flake in 0..count {
@@ -25,14 +25,14 @@ impl Snow {
             let across = scatter(flake, 2) + 0.012 * (self.time * (0.3 + 0.4 * near) + 40.0 * near).sin();
             let down = (scatter(flake, 3) + self.time * (0.006 + 0.016 * near)).fract();
             let at = pos2(canvas.left() + canvas.width() * across, canvas.top() + canvas.height() * down);
-            ink.disc(at, unit * (0.7 + 1.5 * near * near), view.theme.snow.gamma_multiply(0.2 + 0.55 * near));
+            buffer.disc(at, unit * (0.7 + 1.5 * near * near), view.theme.snow.gamma_multiply(0.2 + 0.55 * near));
         }
     }
 }
 
 /// The sky.
-pub fn sky(ink: &mut Ink, canvas: Rect, view: View) {
-    ink.gradient(canvas, view.theme.sky);
+pub fn sky(buffer: &mut ShapeBuffer, canvas: Rect, view: View) {
+    buffer.gradient(canvas, view.theme.sky);
 }
 
 /// The world, where no house stands in it.

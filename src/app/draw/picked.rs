@@ -1,6 +1,6 @@
-//! The vertex that a click would hit, glowing before the click.
+//! Highlights the vertex that a click would select.
 
-use super::{View, ink::Ink};
+use super::{View, shape_buffer::ShapeBuffer};
 use eframe::egui::Pos2;
 
 /// How long a glow takes to come up or go out [s].
@@ -34,16 +34,16 @@ impl Picked {
     }
 
     /// Draws the glow, and a hair from a pointer that is far away.
-    pub fn draw(&self, ink: &mut Ink, view: View, points: &[Pos2], pointer: Option<Pos2>) {
+    pub fn draw(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], pointer: Option<Pos2>) {
         let Some(&at) = self.vertex.and_then(|vertex| points.get(vertex)) else { return };
         let (radius, color) = (view.size(0.011, 5.5, 20.0), view.theme.glow.gamma_multiply(self.strength));
         if let Some(pointer) = pointer.filter(|pointer| pointer.distance(at) > 4.0 * radius) {
             let hair = [pointer, at + (pointer - at).normalized() * radius];
-            ink.line(&hair, false, 1.2, color.gamma_multiply(0.45));
+            buffer.line(&hair, false, 1.2, color.gamma_multiply(0.45));
         }
-        ink.halo(at, 3.6 * radius, color.gamma_multiply(0.55));
+        buffer.halo(at, 3.6 * radius, color.gamma_multiply(0.55));
         let ring: Vec<Pos2> = (0..24).map(|i| at + eframe::egui::Vec2::angled(0.2618 * i as f32) * radius).collect();
-        ink.line(&ring, true, 3.5, view.theme.crust.gamma_multiply(0.5 * self.strength));
-        ink.line(&ring, true, 2.0, color);
+        buffer.line(&ring, true, 3.5, view.theme.crust.gamma_multiply(0.5 * self.strength));
+        buffer.line(&ring, true, 2.0, color);
     }
 }

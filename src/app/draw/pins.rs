@@ -1,6 +1,6 @@
-//! Pins: peppermint dots that pop in.
+//! Draws pins.
 
-use super::{View, ink::Ink};
+use super::{View, shape_buffer::ShapeBuffer};
 use crate::snapshot::Snapshot;
 use eframe::egui::{Color32, Pos2, Vec2, vec2};
 use std::f32::consts::TAU;
@@ -39,12 +39,17 @@ impl Pins {
     }
 
     /// Draws them on the vertices' places.
-    pub fn draw(&self, ink: &mut Ink, view: View, points: &[Pos2], now: f64) {
+    pub fn draw(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], now: f64) {
         let full = view.size(0.0115, 5.5, 22.0);
         for (place, &(vertex, since)) in self.since.iter().enumerate() {
             let Some(&at) = points.get(vertex as usize) else { continue };
             let room = 0.56 * self.room(place, points);
-            peppermint(ink, view, at, room.clamp(0.5 * full, full) * pop(((now - since) / POP).clamp(0.0, 1.0) as f32));
+            peppermint(
+                buffer,
+                view,
+                at,
+                room.clamp(0.5 * full, full) * pop(((now - since) / POP).clamp(0.0, 1.0) as f32),
+            );
         }
     }
 
@@ -65,20 +70,20 @@ fn pop(share: f32) -> f32 {
     1.0 + back * back * (2.7 * back + 1.7)
 }
 
-fn peppermint(ink: &mut Ink, view: View, at: Pos2, radius: f32) {
+fn peppermint(buffer: &mut ShapeBuffer, view: View, at: Pos2, radius: f32) {
     let [red, _] = view.theme.candy;
-    ink.disc(at + vec2(0.0, 0.12 * radius), 1.14 * radius, Color32::from_black_alpha(110));
-    ink.disc(at, radius, Color32::WHITE);
-    ink.disc(at, 0.74 * radius, red);
+    buffer.disc(at + vec2(0.0, 0.12 * radius), 1.14 * radius, Color32::from_black_alpha(110));
+    buffer.disc(at, radius, Color32::WHITE);
+    buffer.disc(at, 0.74 * radius, red);
     // Below this size a swirl is only noise.
     if radius < 8.0 {
-        ink.disc(at - Vec2::splat(0.2 * radius), 0.17 * radius, Color32::WHITE);
+        buffer.disc(at - Vec2::splat(0.2 * radius), 0.17 * radius, Color32::WHITE);
         return;
     }
     for arm in 0..5 {
         let arc = |turn: f32, share: f32| at + Vec2::angled(TAU * (arc_of(arm) + turn)) * (share * radius);
         let outline = [at, arc(0.05, 0.42), arc(0.12, 0.75), arc(0.21, 0.75), arc(0.15, 0.42)];
-        ink.area(&outline, Color32::WHITE);
+        buffer.area(&outline, Color32::WHITE);
     }
 }
 

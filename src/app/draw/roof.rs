@@ -1,4 +1,4 @@
-//! The roof of the house: shingles of dough, a blanket of icing with scallops, a gumdrop on the ridge.
+//! Draws the roof of the house.
 
 use super::house::{Baker, Kind, Side, THICKNESS, between, moved};
 use eframe::egui::Color32;

@@ -1,4 +1,4 @@
-//! What a test level says about each strip, below it: numbers that a projector shows, and where not to trust a model.
+//! Draws the stretch and force of each strip of a test level.
 
 use super::View;
 use crate::{

@@ -1,4 +1,4 @@
-//! What the plots have in common: axes of powers of ten, the colours of the schemes, and names written beside their lines.
+//! Shared parts of plots: logarithmic axes, colours and labels of integrators.
 
 use crate::{app::theme::Theme, integrators::IntegratorKind};
 use eframe::egui::{Align2, Color32, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};

@@ -1,10 +1,10 @@
-//! What went wrong, over the stage, with buttons that mend it.
+//! Banner over the stage: faults and their remedies.
 
 use super::{Desk, Notice, View};
 use crate::{
     app::{
         advice::{Facts, Trouble},
-        compare::{Pane, Wish},
+        compare::{Pane, PaneRequest},
         numbers,
         theme::Theme,
     },
@@ -40,7 +40,7 @@ pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, comman
             card(ui, width, Theme::of(ctx).bad, &title, &fault.to_string(), |ui| {
                 let help = "The panels show this pane, and the remedies are offered here.";
                 if ui.button(format!("Edit {}", pane.letter())).on_hover_text(help).clicked() {
-                    view.panes.push(Wish::Choose(pane));
+                    view.panes.push(PaneRequest::Choose(pane));
                 }
             });
         }
@@ -86,7 +86,7 @@ fn remedies(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
         commands.push(Command::Reset);
     }
     let Some(fault) = &now.fault else { return };
-    let advice = Facts::of(now, desk.lab.limit_at_rest(), view).advise(Trouble::Fault(fault.cause));
+    let advice = Facts::of(now, desk.jobs.limit_at_rest(), view).advise(Trouble::Fault(fault.cause));
     for (number, remedy) in advice.remedies.iter().enumerate() {
         let help = format!("{} Starts over.", remedy.help());
         if ui.button(remedy.label()).on_hover_text(help).clicked() {

@@ -1,4 +1,4 @@
-//! What a body is made of.
+//! Panel of a body: material, mass and mesh.
 
 use super::{
     Notice, View, heading, net,

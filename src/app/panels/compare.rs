@@ -1,4 +1,4 @@
-//! Two panes: the switch in the strip, which of them the panels edit, and how far they are apart.
+//! Panel of the comparison: which pane is edited, and the differences.
 
 use super::{
     Desk, Side, View, axes,
@@ -11,7 +11,7 @@ use super::{
     segmented::{HEIGHT, Segment, segmented},
 };
 use crate::app::{
-    compare::{Comparison, Moment, Pane, Record, Wish, color},
+    compare::{Comparison, Moment, Pane, PaneRequest, Record, color},
     numbers,
     theme::Theme,
 };
@@ -35,14 +35,14 @@ pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         "Two panes of this scene with the same pull of the mouse, and a different scheme, step, model or mesh in each. [B]"
     };
     if ui.add(button).on_hover_text(help).accessible_name("Compare").clicked() {
-        view.panes.push(Wish::Toggle);
+        view.panes.push(PaneRequest::Toggle);
     }
     if let Some(panes) = desk.comparison {
         let about = "The panels, and the model beside, show and change this pane.";
         let part = |pane: Pane, name| Segment { text: pane.letter(), name, about, on: panes.chosen() == pane };
         let parts = [part(Pane::A, "Edit pane A"), part(Pane::B, "Edit pane B")];
         let chosen = segmented(ui, "pane", &parts, false).and_then(|clicked| Pane::BOTH.get(clicked));
-        view.panes.extend(chosen.map(|pane| Wish::Choose(*pane)));
+        view.panes.extend(chosen.map(|pane| PaneRequest::Choose(*pane)));
     }
     ui.add_space(8.0);
 }

@@ -1,4 +1,4 @@
-//! What is shown, and what it costs.
+//! Panel of display options and costs.
 
 use super::{
     Desk, View, count, fixed, heading, row,

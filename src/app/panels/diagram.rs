@@ -1,4 +1,4 @@
-//! The diagram of accuracy against cost: error against time for every scheme.
+//! Plot of error against processor time for every integrator.
 
 use super::{
     Desk, View,
@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     app::{
-        lab::{Diagram, SECONDS, TARGETS},
+        jobs::{Diagram, SECONDS, TARGETS},
         numbers,
         theme::Theme,
     },
@@ -38,7 +38,7 @@ const TOP: f64 = 1.0;
 pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let invitation = "Every scheme runs the next second from the present state, without the mouse, with many steps; each run \
                       is a point.";
-    let Some(diagram) = results(ui, desk.lab.accuracy.findings(), invitation) else { return };
+    let Some(diagram) = results(ui, desk.jobs.accuracy.findings(), invitation) else { return };
     if let Some(why) = &diagram.no_errors {
         ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).caution));
     } else {

@@ -1,4 +1,4 @@
-//! What schemes do to energy and momentum over time: a line for every scheme.
+//! Plot of energy and momentum over time for every integrator.
 
 use super::{
     Desk, View,
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     app::{
-        lab::{Course, Courses},
+        jobs::{Course, Courses},
         numbers,
         theme::Theme,
     },
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     choose(ui, &mut view.studies.drift);
     let invitation = "Every scheme runs from the present state, without the mouse: which schemes conserve energy and momentum, \
                       and which gain or lose some?";
-    let Some(courses) = results(ui, desk.lab.drift.findings(), invitation) else { return };
+    let Some(courses) = results(ui, desk.jobs.drift.findings(), invitation) else { return };
     let number = view.studies.drift.invariant;
     let (Some(invariant), Some((reasons, nothing))) = (Invariant::ALL.get(number), courses.words.get(number)) else {
         return;

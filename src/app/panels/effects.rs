@@ -1,4 +1,4 @@
-//! What acts on the bodies: a switch and sliders for every effect of the level, whatever effects there are.
+//! Panel of effects: a switch and sliders for each.
 
 use super::{View, heading, settle, slider, sliders};
 use crate::{

@@ -1,4 +1,4 @@
-//! Where the energy is, now and in the last seconds.
+//! Plot of energies over time.
 
 use super::{
     Desk, View, axes,

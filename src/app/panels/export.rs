@@ -1,6 +1,6 @@
-//! Every plot can be taken away: its numbers as CSV, and its own pixels as PNG.
+//! Exports plots: numbers as CSV, picture as PNG.
 
-use super::{FileWish, Notice, View};
+use super::{FileRequest, Notice, View};
 use crate::app::dialogs::stem;
 use eframe::egui::{Button, ColorImage, Context, Rect, RichText, Ui, Vec2, style::ScrollAnimation};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -74,7 +74,7 @@ pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table:
     let help =
         "Saves the numbers behind the plot as comma-separated values, with a header that says how they were computed.";
     if button(ui, "CSV", help).clicked() {
-        view.file = Some(FileWish::Export(Export { name: name("csv"), bytes: table().into_bytes() }));
+        view.file = Some(FileRequest::Export(Export { name: name("csv"), bytes: table().into_bytes() }));
     }
 }
 
@@ -116,7 +116,9 @@ impl View {
             _ => return,
         };
         match file {
-            Ok(bytes) => self.file = Some(FileWish::Export(Export { name: std::mem::take(&mut sitting.name), bytes })),
+            Ok(bytes) => {
+                self.file = Some(FileRequest::Export(Export { name: std::mem::take(&mut sitting.name), bytes }));
+            }
             Err(why) => self.notice = Some(Notice::Trouble(format!("The plot could not be drawn into a file: {why}"))),
         }
         self.sitting = None;

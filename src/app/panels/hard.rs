@@ -1,14 +1,13 @@
-//! The gallery of hard cases in a window of its own: every case with what it tries, and how it goes with the chosen materials and
-//! methods. They run in the background while the scene goes on.
+//! Window of hard cases. They run in the background while the scene goes on.
 
 use super::{
-    Desk, FileWish, View,
+    Desk, FileRequest, View,
     export::Export,
     segmented::{Segment, segmented},
 };
 use crate::{
     app::{
-        lab::{Choice, Known, Wish},
+        jobs::{Choice, JobRequest, Known},
         theme::Theme,
     },
     hard::{Case, Entry, Method, Trial},
@@ -64,7 +63,7 @@ pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View) {
         .constrain(true)
         .show(ctx, |ui| {
             let nothing = Known::default();
-            let known = desk.lab.hard.findings().map_or(&nothing, |findings| &findings.results);
+            let known = desk.jobs.hard.findings().map_or(&nothing, |findings| &findings.results);
             top(ui, desk, view, known);
             ui.separator();
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
@@ -104,18 +103,18 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, known: &Known) {
     });
     let choice = *choice;
     ui.horizontal(|ui| {
-        if desk.lab.hard.is_running() {
+        if desk.jobs.hard.is_running() {
             if ui.button("Cancel").on_hover_text("Stops; what is known stays.").clicked() {
-                view.wishes.push(Wish::Cancel);
+                view.requests.push(JobRequest::Cancel);
             }
-            let done = desk.lab.hard.findings().map_or(0.0, |findings| findings.progress.done);
+            let done = desk.jobs.hard.findings().map_or(0.0, |findings| findings.progress.done);
             ui.add(ProgressBar::new(done as f32).desired_width(90.0));
         } else if ui
             .button("Run all")
             .on_hover_text("Runs every case with what is chosen, in the background.")
             .clicked()
         {
-            view.wishes.push(Wish::Hard(choice));
+            view.requests.push(JobRequest::Hard(choice));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if known.runs.iter().any(|(_, entry)| entry.verdict.is_some()) {
@@ -123,7 +122,7 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, known: &Known) {
                 let help = "Saves everything that is known as comma-separated values.";
                 if ui.add(button).on_hover_text(help).accessible_name("Hard cases as CSV").clicked() {
                     let (name, bytes) = ("hard-cases.csv".to_owned(), known.csv().into_bytes());
-                    view.file = Some(FileWish::Export(Export { name, bytes }));
+                    view.file = Some(FileRequest::Export(Export { name, bytes }));
                 }
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -165,7 +164,7 @@ fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
 
 /// One case.
 fn row(ui: &mut Ui, (name, case): (&'static str, &Case), desk: &Desk<'_>, view: &mut View, known: &Known) {
-    let running = desk.lab.hard.is_running();
+    let running = desk.jobs.hard.is_running();
     let choice = Choice { case: Some(name), ..view.hard.choice };
     let runs: Vec<_> = chosen(known, &choice).collect();
     let marks: Vec<_> = runs.iter().map(|(trial, entry)| mark(trial, entry, running)).collect();
@@ -221,11 +220,11 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
         method.title()
     );
     if ui.add(button("Open")).on_hover_text(help).accessible_name(format!("Open {title}")).clicked() {
-        view.file = choice.case.map(|name| FileWish::Hard(name, model, method));
+        view.file = choice.case.map(|name| FileRequest::Hard(name, model, method));
     }
     let help = "Runs this case alone with what is chosen.";
     if ui.add(button("Run")).on_hover_text(help).accessible_name(format!("Run {title}")).clicked() {
-        view.wishes.push(Wish::Hard(*choice));
+        view.requests.push(JobRequest::Hard(*choice));
     }
 }
 

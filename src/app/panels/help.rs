@@ -1,4 +1,4 @@
-//! The list of keys over the window.
+//! Overlay with the list of keys.
 
 use super::{View, icons::Icon, segmented::icon_button};
 use crate::{

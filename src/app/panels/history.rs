@@ -1,4 +1,4 @@
-//! Energies of the last seconds, for the plot.
+//! Energies of the last seconds.
 
 use crate::{
     level::Level,

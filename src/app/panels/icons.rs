@@ -1,4 +1,4 @@
-//! Small pictures for buttons, drawn with lines so that they are crisp at every scale and need no font.
+//! Icons of buttons, drawn with lines.
 
 use eframe::egui::{self, Color32, Mesh, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};

@@ -1,8 +1,8 @@
-//! What each effect costs, what is passed over and why, and what that saves.
+//! Table of the cost of each effect, with reasons where it was skipped.
 
 use super::{Desk, View, count, numbers};
 use crate::{
-    app::{lab::Wish, meter::Use},
+    app::{jobs::JobRequest, meter::Use},
     report::EffectCost,
     study::Saving,
 };
@@ -84,7 +84,7 @@ fn state(cost: &EffectCost, used: Option<&Use>) -> String {
 }
 
 fn saving(desk: &Desk<'_>, number: usize, cost: &EffectCost) -> Option<Saving> {
-    let measured = desk.lab.savings.findings()?.results.each.get(number).copied();
+    let measured = desk.jobs.savings.findings()?.results.each.get(number).copied();
     // What was measured was another scene if its effects are not these.
     measured.filter(|saving| saving.name == cost.name && saving.own < saving.forced && cost.auto)
 }
@@ -104,12 +104,12 @@ fn off(ui: &mut Ui, desk: &Desk<'_>) {
 fn savings(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let help = "Runs one second of a copy of this scene twice from the present state: as it is, and with every effect evaluated \
                 in every step and no body asleep.";
-    let running = desk.lab.savings.is_running();
+    let running = desk.jobs.savings.is_running();
     let text = if running { "Measuring …" } else { "Measure what skipping saves" };
     if ui.add_enabled(!running, egui::Button::new(text)).on_hover_text(help).clicked() {
-        view.wishes.push(Wish::Savings);
+        view.requests.push(JobRequest::Savings);
     }
-    let Some(findings) = desk.lab.savings.findings() else { return };
+    let Some(findings) = desk.jobs.savings.findings() else { return };
     if let Some(trouble) = &findings.trouble {
         ui.label(RichText::new(trouble).small().color(ui.visuals().warn_fg_color));
     }

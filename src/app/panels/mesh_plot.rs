@@ -1,4 +1,4 @@
-//! The price of spatial accuracy: error against time for coarser and finer meshes, and how much triangles lock.
+//! Plot of error against processor time for several meshes, and locking.
 
 use super::{
     Desk, View,
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     app::{
-        lab::{Mesh, MeshFindings, SECONDS},
+        jobs::{Mesh, MeshFindings, SECONDS},
         numbers,
         theme::Theme,
     },
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         "The level from its start, on meshes of 1/64 to 4 times as many triangles: at rest if pins hold it, else after \
          {SECONDS} s. Each mesh is a point."
     );
-    let Some(study) = results(ui, desk.lab.meshes.findings(), &invitation) else { return };
+    let Some(study) = results(ui, desk.jobs.meshes.findings(), &invitation) else { return };
     if let Some(Err(why)) = study.reference {
         ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).caution));
     }

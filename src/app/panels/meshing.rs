@@ -1,4 +1,4 @@
-//! A mesh that is being made: how large, for how long, and the way to give it up.
+//! Progress of meshing in the background, with a cancel button.
 
 use super::{View, count};
 use eframe::egui::{Align2, Area, Context, Frame, Id, Order, Rect, Spinner, vec2};

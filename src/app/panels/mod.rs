@@ -41,8 +41,8 @@ use super::{
     clock::Rates,
     compare::{self as panes, Comparison},
     gallery::Gallery,
+    jobs::{JobRequest, Jobs},
     keys::{Act, Binding},
-    lab::{Lab, Wish},
     meshing::Progress,
     meter::Meter,
     numbers,
@@ -78,17 +78,17 @@ pub struct View {
     /// Keys that were pressed, or clicked in the line at the bottom.
     pub pressed: Vec<&'static Binding>,
     /// What is wanted of the file system.
-    pub file: Option<FileWish>,
+    pub file: Option<FileRequest>,
     /// How the hard cases are looked at.
     pub hard: hard::Look,
     /// What is wanted of the studies.
-    pub wishes: Vec<Wish>,
+    pub requests: Vec<JobRequest>,
     /// How the studies are looked at.
     pub studies: studies::Look,
     /// The plot whose picture is being taken.
     pub sitting: Option<export::Sitting>,
     /// What is wanted of the two panes.
-    pub panes: Vec<panes::Wish>,
+    pub panes: Vec<panes::PaneRequest>,
     /// Whether the ledger of effects is open: only then they are timed.
     pub ledger: bool,
     /// A question that waits for text, where there are no native dialogs.
@@ -134,7 +134,7 @@ pub enum Side {
 
 /// What is wanted of the file system.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FileWish {
+pub enum FileRequest {
     /// A level of the gallery, by number.
     BuiltIn(usize),
     /// A hard case, by its name, with a model and a method.
@@ -151,7 +151,7 @@ pub enum FileWish {
     Close,
 }
 
-impl FileWish {
+impl FileRequest {
     /// Whether the level that is shown goes away.
     pub const fn replaces_level(&self) -> bool {
         matches!(self, Self::BuiltIn(_) | Self::Hard(..) | Self::Open | Self::File(..) | Self::Close)
@@ -169,7 +169,7 @@ pub struct Desk<'a> {
     /// Energies of the last seconds.
     pub history: &'a History,
     /// What is measured beside the scene.
-    pub lab: &'a Lab,
+    pub jobs: &'a Jobs,
     /// What effects cost in a frame, while the ledger is open.
     pub meter: &'a Meter,
     /// The two panes, if there are two; all the rest is about the one that is chosen.
@@ -296,7 +296,7 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
             None
         }
         Act::ToggleComparison => {
-            view.panes.push(panes::Wish::Toggle);
+            view.panes.push(panes::PaneRequest::Toggle);
             None
         }
         Act::Mouse => None,

@@ -1,4 +1,4 @@
-//! What a net is made of.
+//! Panel of a net.
 
 use super::{View, settle, sliders};
 use crate::{command::Command, level::NetLevel, quantity::Quantity};

@@ -1,4 +1,4 @@
-//! Questions that are answered with text, where there are no native file dialogs.
+//! Text input where there are no native file dialogs.
 
 use super::View;
 use crate::app::dialogs::Purpose;

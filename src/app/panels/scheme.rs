@@ -1,8 +1,8 @@
-//! How time is stepped: the scheme, and how far its step is from what it can bear.
+//! Panel of time stepping: integrator, step and stability limit.
 
 use super::{Desk, View, count, fixed, heading, row, settle, slider};
 use crate::{
-    app::{lab::Wish, numbers, theme::Theme},
+    app::{jobs::JobRequest, numbers, theme::Theme},
     command::Command,
     integrators::{Class, IntegratorKind, Scheme},
     level::Toggle,
@@ -59,7 +59,7 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
     let scene = desk.now.level.substeps.step();
     let step = desk.now.paces.iter().map(|pace| pace.step).fold(scene, f64::min);
     let theme = Theme::of(ui.ctx());
-    let (words, share) = match (integrator.class(), desk.lab.limit()) {
+    let (words, share) = match (integrator.class(), desk.jobs.limit()) {
         (Class::Implicit, _) => {
             // A vibration of h w = 0.5 loses a tenth of its swing in every step of implicit Euler.
             let unresolved = numbers::si(0.5 / (std::f64::consts::TAU * step), "Hz");
@@ -171,14 +171,14 @@ fn bar(ui: &mut Ui, share: f64, color: Color32) {
 
 /// A twin with a fine step, and how far the scene is from it.
 fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let mut on = desk.lab.twin().is_some();
+    let mut on = desk.jobs.twin().is_some();
     let help = "Compares positions with the exact solution where one is known; otherwise with a reference: a second run of the same \
                 scene with far shorter steps and the same pull of the mouse. The error is sqrt(mean |x − x_ref|²) over the root mean \
                 square of the displacements.";
     if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
-        view.wishes.push(Wish::Twin(on));
+        view.requests.push(JobRequest::Twin(on));
     }
-    let Some(twin) = desk.lab.twin() else { return };
+    let Some(twin) = desk.jobs.twin() else { return };
     let still = if twin.age() > 0.0 { "nothing moves" } else { "–" };
     let error = twin.error().map_or_else(|| still.to_owned(), percent);
     row(ui, "Error now", &error, help);

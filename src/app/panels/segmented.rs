@@ -1,4 +1,4 @@
-//! Buttons that belong together, and buttons that are a picture.
+//! Segmented buttons and icon buttons.
 
 use super::icons::Icon;
 use eframe::egui::{

@@ -1,4 +1,4 @@
-//! One number that a person can drag or type, drawn from its description alone.
+//! A slider with a number field for one quantity.
 
 use crate::{app::numbers, quantity::Quantity};
 use eframe::egui::{self, DragValue, Slider, SliderClamping, Ui, vec2};

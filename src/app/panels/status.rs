@@ -1,4 +1,4 @@
-//! The line at the bottom: the keys that matter now, or one warning in words with a button that mends it.
+//! Status line: keys of the present mode, or one warning with its remedies.
 
 use super::{Desk, View};
 use crate::{
@@ -141,7 +141,7 @@ fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
     }
     let factor = desk.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
-    let facts = Facts::of(now, desk.lab.limit_at_rest(), view);
+    let facts = Facts::of(now, desk.jobs.limit_at_rest(), view);
     let mut all = Vec::new();
     all.extend(exploded(now, &facts));
     all.extend(inside(now.inside));

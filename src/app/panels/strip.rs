@@ -1,7 +1,7 @@
-//! The strip at the top: level, mode, time, model, history, and what is shown.
+//! Toolbar: level, mode, time, model, history and panels.
 
 use super::{
-    Desk, FileWish, Side, View, compare,
+    Desk, FileRequest, Side, View, compare,
     icons::Icon,
     segmented::{HEIGHT, Lit, Segment, icon_button, segmented},
 };
@@ -84,7 +84,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
                 for (index, entry) in desk.gallery.entries().iter().enumerate() {
                     let button = Button::selectable(entry.name == *name, entry.name.as_str());
                     if ui.add(button).on_hover_text(&entry.about).clicked() {
-                        view.file = Some(FileWish::BuiltIn(index));
+                        view.file = Some(FileRequest::BuiltIn(index));
                     }
                 }
             });
@@ -97,10 +97,10 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
             view.drawer = None;
         }
         if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
-            view.file = Some(FileWish::Open);
+            view.file = Some(FileRequest::Open);
         }
         if ui.button("Save…").on_hover_text("Save the level with everything as it is now.").clicked() {
-            view.file = Some(FileWish::Save);
+            view.file = Some(FileRequest::Save);
         }
     });
 }

@@ -1,5 +1,5 @@
-//! The studies in a window of their own over the stage: accuracy, meshes, drift. Each is worked on in the background while the scene
-//! goes on, and shows what it has so far.
+//! Window of the studies: accuracy, meshes and drift. Each is worked on in the background while the scene goes on, and shows what it has so
+//! far.
 
 use super::{
     Desk, View, diagram, drift_plot,
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     app::{
-        lab::{Findings, Topic, Wish},
+        jobs::{Findings, JobRequest, Topic},
         theme::Theme,
     },
     command::Command,
@@ -101,24 +101,24 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
             view.studies.topic = *topic;
         }
         let topic = view.studies.topic;
-        if desk.lab.is_running(topic) {
+        if desk.jobs.is_running(topic) {
             if ui.button("Cancel").on_hover_text("Stops; what is measured stays.").clicked() {
-                view.wishes.push(Wish::Cancel);
+                view.requests.push(JobRequest::Cancel);
             }
-            let done = desk.lab.done(topic).unwrap_or(0.0);
+            let done = desk.jobs.done(topic).unwrap_or(0.0);
             ui.add(ProgressBar::new(done as f32).desired_width(110.0));
             ui.label(format!("{:.0} %", 100.0 * done));
             return;
         }
-        let (wish, help) = match topic {
-            Topic::Accuracy => (Wish::Accuracy, diagram::HELP),
-            Topic::Meshes => (Wish::Meshes(view.studies.meshes.measure), mesh_plot::HELP),
-            Topic::Drift => (Wish::Drift(view.studies.drift.seconds()), drift_plot::HELP),
+        let (request, help) = match topic {
+            Topic::Accuracy => (JobRequest::Accuracy, diagram::HELP),
+            Topic::Meshes => (JobRequest::Meshes(view.studies.meshes.measure), mesh_plot::HELP),
+            Topic::Drift => (JobRequest::Drift(view.studies.drift.seconds()), drift_plot::HELP),
         };
         if ui.button("Measure").on_hover_text(help).clicked() {
-            view.wishes.push(wish);
+            view.requests.push(request);
         }
-        if !desk.now.level.acts.is_empty() {
+        if !desk.now.level.actions.is_empty() {
             ui.label(RichText::new("The scripted actions of this level are not performed in a study.").small().weak());
         }
     });

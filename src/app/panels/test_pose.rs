@@ -1,4 +1,4 @@
-//! The controls that only test levels have.
+//! Controls of test levels.
 
 use super::{
     heading,

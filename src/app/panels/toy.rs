@@ -1,4 +1,4 @@
-//! The toy: its equation, its numbers, and how far it is from the exact solution.
+//! Panel of a toy: equation, parameters and error.
 
 use super::{View, fixed, heading, row, settle, sliders};
 use crate::{command::Command, snapshot::Snapshot};

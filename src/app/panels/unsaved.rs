@@ -1,13 +1,13 @@
-//! The question about changes that are not saved.
+//! Dialog about unsaved changes.
 
-use super::{FileWish, View};
+use super::{FileRequest, View};
 use eframe::egui::{Button, Context, Id, Modal, RichText, vec2};
 
-/// Unsaved changes that a wish would lose.
+/// Unsaved changes that a request would lose.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsaved {
     /// What waits for the decision.
-    pub wish: FileWish,
+    pub request: FileRequest,
     /// The decision, once it is made.
     pub choice: Option<Choice>,
 }
@@ -15,9 +15,9 @@ pub struct Unsaved {
 /// What is to become of unsaved changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// They are saved; then the wish goes on.
+    /// They are saved; then the request goes on.
     Save,
-    /// They are lost, and the wish goes on.
+    /// They are lost, and the request goes on.
     Discard,
     /// Everything stays as it is.
     Cancel,
@@ -28,8 +28,8 @@ pub fn show(ctx: &Context, name: &str, view: &mut View) {
     let modal = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
         ui.label(RichText::new("Save the changes?").heading());
-        let then = match unsaved.wish {
-            FileWish::Close => "If the window closes now, they are lost.",
+        let then = match unsaved.request {
+            FileRequest::Close => "If the window closes now, they are lost.",
             _ => "If another level is opened now, they are lost.",
         };
         let name = if name.is_empty() { "This level" } else { name };

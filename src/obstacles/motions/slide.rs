@@ -1,3 +1,5 @@
+//! Motion: uniform translation.
+
 use super::{Motion, Rigid};
 use crate::quantity::{Quantity, Time, VelocityX, VelocityY};
 use serde::{Deserialize, Serialize};

@@ -1,3 +1,5 @@
+//! Motion: harmonic oscillation along a line.
+
 use super::{Motion, Rigid};
 use crate::quantity::{Angle, Coordinate, Period, Point, Quantity};
 use serde::{Deserialize, Serialize};

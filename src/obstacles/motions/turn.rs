@@ -1,3 +1,5 @@
+//! Motion: rotation about a point.
+
 use super::{Motion, Rigid};
 use crate::quantity::{Coordinate, Point, Quantity, Spin};
 use serde::{Deserialize, Serialize};

@@ -1,15 +1,15 @@
-//! Two of the same formula, operation by operation.
+//! Two evaluations of one formula, interleaved instruction by instruction.
 
-use super::{Real, Square};
+use super::{Mat2, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number, or lanes, of one formula and of another of the same kind: each operation is done for both before the next is. While a result
 /// of one is waited for the processor has the other's at hand, and need not look as far ahead for work as where one formula follows the
 /// other.
 #[derive(Clone, Copy, Debug)]
-pub struct Abreast<R>(pub R, pub R);
+pub struct Interleaved<R>(pub R, pub R);
 
-impl<R: Real> Neg for Abreast<R> {
+impl<R: Real> Neg for Interleaved<R> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -20,7 +20,7 @@ impl<R: Real> Neg for Abreast<R> {
 /// An operator between the numbers of both, and between them and a constant.
 macro_rules! operator {
     ($Trait:ident, $function:ident) => {
-        impl<R: Real> $Trait for Abreast<R> {
+        impl<R: Real> $Trait for Interleaved<R> {
             type Output = Self;
             #[inline(always)]
             fn $function(self, other: Self) -> Self {
@@ -28,7 +28,7 @@ macro_rules! operator {
             }
         }
 
-        impl<R: Real> $Trait<f64> for Abreast<R> {
+        impl<R: Real> $Trait<f64> for Interleaved<R> {
             type Output = Self;
             #[inline(always)]
             fn $function(self, other: f64) -> Self {
@@ -43,7 +43,7 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl<R: Real> Real for Abreast<R> {
+impl<R: Real> Real for Interleaved<R> {
     #[inline(always)]
     fn of(self, constant: f64) -> Self {
         Self(self.0.of(constant), self.1.of(constant))
@@ -72,25 +72,25 @@ impl<R: Real> Real for Abreast<R> {
     }
 }
 
-impl<R: Real> Square<Abreast<R>> {
+impl<R: Real> Mat2<Interleaved<R>> {
     /// Two matrices.
     #[inline(always)]
-    pub const fn abreast(one: Square<R>, other: Square<R>) -> Self {
+    pub const fn abreast(one: Mat2<R>, other: Mat2<R>) -> Self {
         Self {
-            m11: Abreast(one.m11, other.m11),
-            m12: Abreast(one.m12, other.m12),
-            m21: Abreast(one.m21, other.m21),
-            m22: Abreast(one.m22, other.m22),
+            m11: Interleaved(one.m11, other.m11),
+            m12: Interleaved(one.m12, other.m12),
+            m21: Interleaved(one.m21, other.m21),
+            m22: Interleaved(one.m22, other.m22),
         }
     }
 
     /// The two of them.
     #[inline(always)]
-    pub const fn both(self) -> [Square<R>; 2] {
+    pub const fn both(self) -> [Mat2<R>; 2] {
         let Self { m11, m12, m21, m22 } = self;
         [
-            Square { m11: m11.0, m12: m12.0, m21: m21.0, m22: m22.0 },
-            Square { m11: m11.1, m12: m12.1, m21: m21.1, m22: m22.1 },
+            Mat2 { m11: m11.0, m12: m12.0, m21: m21.0, m22: m22.0 },
+            Mat2 { m11: m11.1, m12: m12.1, m21: m21.1, m22: m22.1 },
         ]
     }
 }

@@ -1,4 +1,4 @@
-//! Each body and net of a scene as a scene of its own, for steps that only it takes.
+//! Sub-scenes: each body and net of a scene by itself.
 
 use super::{Scene, SceneError};
 use crate::{
@@ -13,7 +13,7 @@ use std::{
 };
 
 /// A body or net by itself, with everything that acts on it.
-pub struct Alone {
+pub struct SubScene {
     /// What it was built from.
     level: Level,
     /// The scene in which there is nothing else.
@@ -26,7 +26,7 @@ pub struct Alone {
     limit: OnceLock<Option<f64>>,
 }
 
-impl Alone {
+impl SubScene {
     /// Its longest stable step at rest [s], if anything in it is stiff; found by `measure` where nobody has asked before.
     pub fn limit(&self, measure: impl FnOnce(&Scene) -> Option<f64>) -> Option<f64> {
         *self.limit.get_or_init(|| measure(&self.scene))
@@ -65,13 +65,13 @@ impl Scene {
             let own = Level { mode, effects: listed, ..own };
             let known = previous.and_then(|scene| scene.alone.get(number));
             let same =
-                |known: &&Arc<Alone>| (&known.level, &known.vertices, &known.effects) == (&own, &vertices, &effects);
+                |known: &&Arc<SubScene>| (&known.level, &known.vertices, &known.effects) == (&own, &vertices, &effects);
             if let Some(known) = known.filter(same) {
                 alone.push(Arc::clone(known));
                 continue;
             }
             let scene = Self::build(&own, mode, files, Some(self))?;
-            alone.push(Arc::new(Alone { level: own, scene, vertices, effects, limit: OnceLock::new() }));
+            alone.push(Arc::new(SubScene { level: own, scene, vertices, effects, limit: OnceLock::new() }));
         }
         self.alone = alone;
         Ok(())

@@ -1,4 +1,4 @@
-//! Numbers that look like chance and are the same on every run and every machine.
+//! Pseudo-random numbers with a fixed seed, the same on every machine.
 
 /// A 64-bit mix in which every bit of the number tells on every bit of the result
 /// (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).

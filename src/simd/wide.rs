@@ -1,3 +1,5 @@
+//! SIMD vectors of eight numbers.
+
 use super::{Real, logarithm};
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -6,8 +6,8 @@ mod common;
 use common::{Random, level, one_by_one, rotation, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
-    lanes::{LANES, Order, Quads, Real, Square, Wide, sets},
     materials::{Material, Model, Parts, Visitor, with_eigenvalues},
+    simd::{LANES, Mat2, Order, Quads, Real, Wide, sets},
     simulation::Simulation,
     solvers::{BlockMatrix, Tangent, Weights},
 };
@@ -251,7 +251,7 @@ const NUMBERS: usize = 15;
 
 /// Stress, energy and moduli, these also without their negative part.
 #[inline(always)]
-fn numbers_of<M: Material, R: Real>(material: &M, f: Square<R>) -> [R; NUMBERS] {
+fn numbers_of<M: Material, R: Real>(material: &M, f: Mat2<R>) -> [R; NUMBERS] {
     let p = material.piola(f);
     let moduli = material.moduli(&Parts::of(f));
     let positive = moduli.with_negative_times(0.0);
@@ -272,7 +272,7 @@ fn stress_and_stiffness_in_lanes_have_the_bits_of_those_of_one_gradient() {
             for (out, f) in out.iter_mut().zip(self.1) {
                 for part in 0..Wide::<S>::PARTS {
                     let [m11, m12, m21, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &f[entry], part));
-                    let f = Square::new(m11, m12, m21, m22);
+                    let f = Mat2::new(m11, m12, m21, m22);
                     let results = numbers_of(self.0, f);
                     results.iter().zip(out.iter_mut()).for_each(|(result, out)| result.store(out, part));
                 }
@@ -299,7 +299,7 @@ fn stress_and_stiffness_in_lanes_have_the_bits_of_those_of_one_gradient() {
                 .collect();
             let found: Vec<_> = sets().iter().map(|set| set.dispatch(Stresses(material, &blocks))).collect();
             for (number, f) in gradients.iter().enumerate() {
-                let expected = numbers_of(material, Square::from(f));
+                let expected = numbers_of(material, Mat2::from(f));
                 let p = material.stress(f);
                 let same = |(a, b): (&f64, f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
                 assert!(expected.iter().zip([p.m11, p.m12, p.m21, p.m22, material.energy(f)]).all(same));

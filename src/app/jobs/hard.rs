@@ -1,4 +1,4 @@
-//! The hard cases that a window runs in the background.
+//! Background job: runs of hard cases.
 
 use super::{job::Work, studies::threads};
 use crate::{

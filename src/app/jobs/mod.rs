@@ -1,5 +1,4 @@
-//! What is measured beside the running scene: the stability limit, the error now, the studies of accuracy, meshes and drift, and the
-//! hard cases.
+//! Study jobs: everything that is measured beside the running scene.
 
 mod hard;
 mod job;
@@ -42,7 +41,7 @@ pub enum Topic {
 
 /// What the panels may ask for. There is one study at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wish {
+pub enum JobRequest {
     /// Measure the work-precision diagram from the present state.
     Accuracy,
     /// Compare meshes by this.
@@ -61,7 +60,7 @@ pub enum Wish {
 
 /// All studies of a window.
 #[derive(Default)]
-pub struct Lab {
+pub struct Jobs {
     probe: StabilityProbe,
     limit: Option<f64>,
     /// Frames since the probe was last worked on.
@@ -92,7 +91,7 @@ struct RestLimit {
     settled: bool,
 }
 
-impl Lab {
+impl Jobs {
     /// Longest stable step of the scheme at rest, once it is known.
     pub const fn limit_at_rest(&self) -> Limit {
         match (self.rest.settled, self.rest.limit) {
@@ -167,35 +166,35 @@ impl Lab {
     }
 
     /// Does what a panel asked for.
-    pub fn grant(&mut self, wish: Wish, sandbox: &Sandbox) {
-        if !matches!(wish, Wish::Twin(_)) {
+    pub fn grant(&mut self, request: JobRequest, sandbox: &Sandbox) {
+        if !matches!(request, JobRequest::Twin(_)) {
             // Two at once would disturb each other's times.
             self.cancel();
         }
         let level = || sandbox.saved();
-        match wish {
-            Wish::Accuracy => {
+        match request {
+            JobRequest::Accuracy => {
                 let level = level();
                 self.accuracy.start(move || studies::accuracy(&level));
             }
-            Wish::Meshes(measure) => {
+            JobRequest::Meshes(measure) => {
                 let level = level();
                 self.meshes.start(move || studies::meshes(&level, measure));
             }
-            Wish::Drift(seconds) => {
+            JobRequest::Drift(seconds) => {
                 let level = level();
                 self.drift.start(move || studies::drift(&level, seconds));
             }
-            Wish::Hard(choice) => {
+            JobRequest::Hard(choice) => {
                 let known = self.hard.findings().map(|findings| findings.results.clone()).unwrap_or_default();
                 self.hard.start(move || Hard::new(choice, known));
             }
-            Wish::Savings => {
+            JobRequest::Savings => {
                 let level = level();
                 self.savings.start(move || studies::savings(&level));
             }
-            Wish::Cancel => {}
-            Wish::Twin(on) => self.twin = on.then(|| Twin::new(sandbox.simulation())),
+            JobRequest::Cancel => {}
+            JobRequest::Twin(on) => self.twin = on.then(|| Twin::new(sandbox.simulation())),
         }
     }
 

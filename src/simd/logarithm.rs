@@ -1,4 +1,4 @@
-//! The natural logarithm without branches.
+//! Natural logarithm without branches.
 
 use super::Real;
 

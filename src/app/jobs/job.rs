@@ -1,4 +1,4 @@
-//! Any study, worked on in the background while the scene goes on: started, looked at as far as it is, and cancelled.
+//! A study in the background: started, polled and cancelled.
 
 use crate::study::{Progress, StudyError};
 use std::{

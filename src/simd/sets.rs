@@ -1,4 +1,4 @@
-//! The instruction sets that lanes can be run in.
+//! Instruction sets: chosen at run time.
 
 use pulp::{Arch, Simd, WithSimd};
 

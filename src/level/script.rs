@@ -7,20 +7,21 @@ use serde::{Deserialize, Serialize};
 /// A scripted action: something that is done to a scene while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Act {
-    /// When, rounded to frames of 1/60 s [s].
+pub struct ScriptedAction {
+    /// Time of its beginning, rounded to frames of 1/60 s [s].
     pub at: Time,
-    /// Again and again after this time, to the end [s].
+    /// Period of repetition, to the end of the run [s].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every: Option<Time>,
-    /// What.
-    pub act: Deed,
+    /// The action; also read under the earlier key `act`.
+    #[serde(alias = "act")]
+    pub action: Action,
 }
 
-/// What can be done.
+/// Kinds of actions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Deed {
+pub enum Action {
     /// Takes hold of the vertex nearest to a point [m].
     Grab(Point),
     /// Moves the point that the vertex is pulled to, straight and evenly.
@@ -47,11 +48,11 @@ pub enum Deed {
     Free,
 }
 
-impl Act {
+impl ScriptedAction {
     /// Number of frames that it takes, from the one that it begins at.
     pub fn length(&self) -> u64 {
-        match self.act {
-            Deed::Pull { over, .. } | Deed::Turn { over, .. } => frame(over).max(1),
+        match self.action {
+            Action::Pull { over, .. } | Action::Turn { over, .. } => frame(over).max(1),
             _ => 1,
         }
     }

@@ -1,12 +1,12 @@
-//! One look at all triangles of a body: energy, shape, and what they are coloured by.
+//! Diagnostics of triangles: energy, least det F and fields.
 
 use super::{
     Field, Triangles,
     triangle::{Rest, edges},
 };
 use crate::{
-    lanes::{LANES, Lanes, Real, Square, Wide},
     materials::{Material, Visitor, WHOLE},
+    simd::{LANES, Lanes, Mat2, Real, Wide},
 };
 use pulp::{Arch, Simd, WithSimd};
 
@@ -16,7 +16,7 @@ const RUN: usize = 4;
 
 /// What a sweep over triangles has found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Survey {
+pub struct Diagnostics {
     /// Elastic energy [J].
     pub energy: f64,
     /// Least det F; infinite if there are none.
@@ -30,16 +30,16 @@ pub struct Survey {
 impl Triangles {
     /// Energy and shape of the triangles; in the same sweep adds one value a triangle to `values`, in their order, but nothing
     /// for [`Field::None`].
-    pub fn survey(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Survey {
+    pub fn diagnose(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
         self.survey_knowing(None, field, x, values)
     }
 
     /// The same, where the energy [J] may be known already and is not computed then.
-    pub fn survey_knowing(&self, energy: Option<f64>, field: Field, x: &[f64], values: &mut Vec<f64>) -> Survey {
+    pub fn survey_knowing(&self, energy: Option<f64>, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
         struct Visit<'a>(&'a Triangles, Option<f64>, Field, &'a [f64], &'a mut Vec<f64>);
         impl Visitor for Visit<'_> {
-            type Output = Survey;
-            fn visit<M: Material>(self, material: &M) -> Survey {
+            type Output = Diagnostics;
+            fn visit<M: Material>(self, material: &M) -> Diagnostics {
                 let Self(of, energy, field, x, out) = self;
                 Arch::new().dispatch(Sweep { of, material, energy, field, x, out })
             }
@@ -72,10 +72,10 @@ impl Eight {
 
     /// Part of the deformation gradients, and of the areas.
     #[inline(always)]
-    fn part<S: Simd>(&self, set: S, part: usize) -> (Square<Wide<S>>, Wide<S>) {
+    fn part<S: Simd>(&self, set: S, part: usize) -> (Mat2<Wide<S>>, Wide<S>) {
         let square = |of: &[Lanes; 4]| {
             let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of[entry], part));
-            Square::new(m11, m12, m21, m22)
+            Mat2::new(m11, m12, m21, m22)
         };
         (square(&self.edges).times(square(&self.inverse)), Wide::load(set, &self.area, part))
     }
@@ -91,17 +91,17 @@ struct Sweep<'a, M> {
 }
 
 impl<M: Material> WithSimd for Sweep<'_, M> {
-    type Output = Survey;
+    type Output = Diagnostics;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, set: S) -> Survey {
+    fn with_simd<S: Simd>(self, set: S) -> Diagnostics {
         let Self { of, material, energy, field, x, out } = self;
         let x = x.as_chunks().0;
         // Energies wait behind the values until they are summed in the order of the fans, as they are when nothing else is asked for.
         let end = out.len() + if field == Field::None { 0 } else { of.corners().len() };
         let mut next = out.len();
         out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
-        let mut found = Survey { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
+        let mut found = Diagnostics { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
         let mut eights = [Eight::default(); RUN];
         let [mut ratios, mut energies, mut values] = [Lanes::default(); 3];
         for (run, corners) in of.corners().chunks(RUN * LANES).enumerate() {
@@ -152,7 +152,7 @@ impl<M: Material> WithSimd for Sweep<'_, M> {
 /// Von Mises equivalent of the Cauchy stress `sigma = P Fᵀ / J` [Pa]:
 /// `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`, where `sz = P33/J` in plane strain and 0 in plane stress.
 #[inline(always)]
-fn von_mises<M: Material, R: Real>(material: &M, f: Square<R>, plane_stress: bool) -> R {
+fn von_mises<M: Material, R: Real>(material: &M, f: Mat2<R>, plane_stress: bool) -> R {
     let j = f.determinant();
     let sigma = material.piola(f).times(f.transpose());
     let (x, y, xy) = (sigma.m11 / j, sigma.m22 / j, (sigma.m12 + sigma.m21) / j * 0.5);

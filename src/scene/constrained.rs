@@ -1,4 +1,4 @@
-//! Which vertices do not move, or only along a side.
+//! Pinned vertices and rollers.
 
 use super::{extent, nearest};
 use crate::{

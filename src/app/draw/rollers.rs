@@ -1,11 +1,11 @@
-//! Sides that slide: little wheels on a rail.
+//! Draws rollers: vertices of which one coordinate is fixed.
 
-use super::{View, ink::Ink};
+use super::{View, shape_buffer::ShapeBuffer};
 use crate::snapshot::Snapshot;
 use eframe::egui::{Color32, Pos2, Rect, vec2};
 
 /// Draws a wheel at every vertex that slides, and a rail for every side.
-pub fn slides(ink: &mut Ink, view: View, snapshot: &Snapshot, points: &[Pos2]) {
+pub fn rollers(buffer: &mut ShapeBuffer, view: View, snapshot: &Snapshot, points: &[Pos2]) {
     let radius = view.size(0.007, 3.0, 12.0);
     let held = |slide: &(u32, usize)| {
         let at = points.get(slide.0 as usize).copied().unwrap_or_default();
@@ -17,10 +17,10 @@ pub fn slides(ink: &mut Ink, view: View, snapshot: &Snapshot, points: &[Pos2]) {
         let along = if side[0].1 == 0 { vec2(0.0, 1.0) } else { vec2(1.0, 0.0) };
         let reach = wheels().fold(Rect::from_pos(first), |reach, at| reach.union(Rect::from_pos(at)));
         let beyond = along * (4.0 * radius);
-        ink.line(&[reach.min - beyond, reach.max + beyond], false, 0.6 * radius, view.theme.ink);
+        buffer.line(&[reach.min - beyond, reach.max + beyond], false, 0.6 * radius, view.theme.ink);
         for at in wheels() {
-            ink.disc(at, radius, view.theme.ink);
-            ink.disc(at, 0.62 * radius, Color32::WHITE);
+            buffer.disc(at, radius, view.theme.ink);
+            buffer.disc(at, 0.62 * radius, Color32::WHITE);
         }
     }
 }

@@ -4,17 +4,17 @@
 //! Only operations that IEEE 754 rounds in one way are used (`+ - * /` and the square root, no contraction), so every lane
 //! holds the bits that `f64` would, and a run is the same on every processor.
 
-mod abreast;
+mod interleaved;
 mod lines;
 mod logarithm;
+mod mat2;
 mod sets;
-mod square;
 mod wide;
 
-pub use abreast::Abreast;
+pub use interleaved::Interleaved;
 pub use lines::{Lined, NEAR, Near, SPARE, lined, vector};
+pub use mat2::Mat2;
 pub use sets::{sets, width};
-pub use square::Square;
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

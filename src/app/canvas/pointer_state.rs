@@ -1,4 +1,4 @@
-//! What the pointer holds: a press pins in edit mode, and pulls otherwise.
+//! Pointer state: a press pins in edit mode and pulls otherwise.
 
 use crate::{
     app::camera::Camera,
@@ -12,7 +12,7 @@ const STILL: f32 = 14.0;
 
 /// A press from its beginning to its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Hold {
+pub enum PointerState {
     /// Nothing is pressed.
     #[default]
     Nothing,
@@ -48,7 +48,7 @@ impl Pointer {
     }
 }
 
-impl Hold {
+impl PointerState {
     /// The vertex in question.
     pub const fn vertex(&self) -> Option<usize> {
         match *self {
@@ -133,22 +133,28 @@ impl Hold {
 }
 
 /// What a press means: the vertex nearest to where it began counts, however far it has moved since.
-fn begin(pointer: &Pointer, snapshot: &Snapshot, camera: Camera, points: &[Pos2], commands: &mut Vec<Command>) -> Hold {
+fn begin(
+    pointer: &Pointer,
+    snapshot: &Snapshot,
+    camera: Camera,
+    points: &[Pos2],
+    commands: &mut Vec<Command>,
+) -> PointerState {
     let generation = snapshot.generation;
     let begun = pointer.origin.and_then(|origin| Some((origin, nearest(points, origin)?)));
     match begun {
-        None => Hold::Spent,
-        Some((origin, vertex)) if snapshot.mode == Mode::Edit => Hold::Pin { vertex, origin, generation },
+        None => PointerState::Spent,
+        Some((origin, vertex)) if snapshot.mode == Mode::Edit => PointerState::Pin { vertex, origin, generation },
         Some((origin, vertex)) => {
             let target = camera.world_from_screen(pointer.at.unwrap_or(origin));
             commands.push(Command::Grab(vertex, target));
-            Hold::Pull { vertex, of: points.len(), target, generation }
+            PointerState::Pull { vertex, of: points.len(), target, generation }
         }
     }
 }
 
-const fn spent(pointer: &Pointer) -> Hold {
-    if pointer.down { Hold::Spent } else { Hold::Nothing }
+const fn spent(pointer: &Pointer) -> PointerState {
+    if pointer.down { PointerState::Spent } else { PointerState::Nothing }
 }
 
 /// The vertex nearest to a point of the screen, however far away; the first of several.

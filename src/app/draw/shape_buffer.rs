@@ -1,11 +1,11 @@
-//! Smooth shapes collected into one triangle mesh: egui copies it as it is, so thousands of triangles a frame stay cheap.
+//! Shape buffer: collects smooth shapes in one triangle mesh, which egui copies as it is.
 
 use super::ears;
 use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, epaint::Vertex, vec2};
 use std::{f32::consts::TAU, sync::Arc};
 
 /// A layer of the drawing. Later shapes cover earlier ones; edges fade out over one pixel.
-pub struct Ink {
+pub struct ShapeBuffer {
     mesh: Mesh,
     shown: Arc<Mesh>,
     pixel: f32,
@@ -13,13 +13,13 @@ pub struct Ink {
     across: Vec<Vec2>,
 }
 
-impl Default for Ink {
+impl Default for ShapeBuffer {
     fn default() -> Self {
         Self { mesh: Mesh::default(), shown: Arc::default(), pixel: 1.0, across: Vec::new() }
     }
 }
 
-impl Ink {
+impl ShapeBuffer {
     /// Begins again with nothing, keeping the memory.
     pub fn clear(&mut self, pixels_per_point: f32) {
         self.mesh.indices.clear();

@@ -1,4 +1,4 @@
-//! The studies that a window can ask for, and what is known of each.
+//! The studies that the window offers and their results.
 
 use super::job::Work;
 use crate::{

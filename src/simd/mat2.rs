@@ -1,10 +1,12 @@
+//! 2 x 2 matrices of SIMD vectors.
+
 use super::Real;
 use nalgebra::Matrix2;
 use std::ops::{Add, Mul, Sub};
 
 /// A 2 x 2 matrix of numbers or lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Square<R> {
+pub struct Mat2<R> {
     /// First row, first column.
     pub m11: R,
     /// First row, second column.
@@ -15,7 +17,7 @@ pub struct Square<R> {
     pub m22: R,
 }
 
-impl<R: Real> Square<R> {
+impl<R: Real> Mat2<R> {
     /// Row by row.
     #[inline(always)]
     pub const fn new(m11: R, m12: R, m21: R, m22: R) -> Self {
@@ -81,7 +83,7 @@ impl<R: Real> Square<R> {
     }
 }
 
-impl<R: Real> Add for Square<R> {
+impl<R: Real> Add for Mat2<R> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -89,7 +91,7 @@ impl<R: Real> Add for Square<R> {
     }
 }
 
-impl<R: Real> Sub for Square<R> {
+impl<R: Real> Sub for Mat2<R> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -98,7 +100,7 @@ impl<R: Real> Sub for Square<R> {
 }
 
 /// Every entry times a factor, a constant or one that differs from lane to lane.
-impl<R: Real + Mul<K, Output = R>, K: Copy> Mul<K> for Square<R> {
+impl<R: Real + Mul<K, Output = R>, K: Copy> Mul<K> for Mat2<R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: K) -> Self {
@@ -106,16 +108,16 @@ impl<R: Real + Mul<K, Output = R>, K: Copy> Mul<K> for Square<R> {
     }
 }
 
-impl From<&Matrix2<f64>> for Square<f64> {
+impl From<&Matrix2<f64>> for Mat2<f64> {
     #[inline(always)]
     fn from(of: &Matrix2<f64>) -> Self {
         Self::new(of.m11, of.m12, of.m21, of.m22)
     }
 }
 
-impl From<Square<f64>> for Matrix2<f64> {
+impl From<Mat2<f64>> for Matrix2<f64> {
     #[inline(always)]
-    fn from(of: Square<f64>) -> Self {
+    fn from(of: Mat2<f64>) -> Self {
         Self::new(of.m11, of.m12, of.m21, of.m22)
     }
 }

@@ -1,4 +1,4 @@
-//! Numbers as the processor likes to find them in memory.
+//! Memory aligned to cache lines.
 
 /// Bytes in a line.
 const LINE: usize = 64;

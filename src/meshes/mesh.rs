@@ -2,9 +2,8 @@
 
 use super::{Fan, Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, fans::fans, topology::Topology};
 
-/// Smallest area of a triangle, as a share of its longest side squared. Below it steps would have to be a million times as short as those
-/// of a good triangle, and F is lost in round-off.
-const FLATTEST: f64 = 1e-6;
+/// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
+const FLATTEST: f64 = 1e-12;
 
 /// Points nearer than this share of the size of a shape are taken for one point that was written twice.
 pub(crate) const NEAR: f64 = 2e-5;

@@ -204,6 +204,13 @@ fn outline_points_far_below_the_mesh_size_are_merged_and_the_body_runs() {
 }
 
 #[test]
+fn an_outline_with_a_very_sharp_corner_is_filled() {
+    let corners = [[0.756304796750995, 0.0], [0.5986641344860626, 0.9035024647743715], [0.0, 0.6646980630415358]];
+    let mesh = outline(&[&corners[..], &[[0.26479036903281433, 0.7700588298789994]]].concat()).build(&Disk).unwrap();
+    assert!(mesh.messages().iter().any(|message| message.contains("sharp corners")), "{:?}", mesh.messages());
+}
+
+#[test]
 fn mesh_vertices_far_below_the_mesh_size_are_named() {
     let folder = Folder::new("near");
     for gap in [1e-12, 1e-9, 1e-7, 1e-6, 1e-5] {

@@ -30,18 +30,19 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`] if the triangles cannot be a body; it names the vertex or triangle.
     pub fn new(points: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
-        Self::counted_from(0, points, triangles)
+        Self::counted_from((0, NEAR), points, triangles)
     }
 
-    /// As [`Mesh::new`], with vertices counted from `base` in errors and messages. Triangles always count from 0 here.
+    /// As [`Mesh::new`], with vertices counted from `base` in errors and messages. Triangles always count from 0 here. Two vertices of
+    /// a needle that are nearer than the share `near` of the mesh's size are refused.
     pub(super) fn counted_from(
-        base: usize,
+        (base, near): (usize, f64),
         points: Vec<[f64; 2]>,
         mut triangles: Vec<[u32; 3]>,
     ) -> Result<Self, MeshError> {
         check_points(base, &points)?;
         let mut messages = Vec::new();
-        let turned = wind(base, &points, &mut triangles)?;
+        let turned = wind((base, near), &points, &mut triangles)?;
         if turned > 0 {
             messages.push(match turned {
                 1 => "1 triangle was clockwise and has been turned over".to_owned(),
@@ -204,7 +205,7 @@ fn check_points(base: usize, points: &[[f64; 2]]) -> Result<(), MeshError> {
 }
 
 /// Checks numbers and areas, turns clockwise triangles over and returns how many there were.
-fn wind(base: usize, points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<usize, MeshError> {
+fn wind((base, near): (usize, f64), points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<usize, MeshError> {
     if triangles.is_empty() {
         return Err(MeshError::Empty);
     }
@@ -224,7 +225,7 @@ fn wind(base: usize, points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<
         let longest = sides.into_iter().fold(0.0, f64::max);
         let least = if sides[0] <= sides[1].min(sides[2]) { 0 } else { 1 + usize::from(sides[2] < sides[1]) };
         let vertices = [corners[least], corners[(least + 1) % 3]].map(|vertex| vertex as usize + base);
-        let limit = (NEAR * size).min(NEEDLE * longest.sqrt());
+        let limit = (near * size).min(NEEDLE * longest.sqrt());
         if sides[least] < limit * limit && vertices[0] != vertices[1] {
             return Err(MeshError::Near { triangle, vertices, distance: sides[least].sqrt() });
         }

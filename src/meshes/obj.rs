@@ -3,7 +3,7 @@
 //! A reader of our own, because errors name the line, faces with a dent are cut inside it and a face may stand before its vertices: the
 //! crate tobj 4.0 keeps no line numbers and cuts faces into fans.
 
-use super::{Files, Mesh, MeshError, MeshSource, error::MOST_TRIANGLES, flatness, polygon};
+use super::{Files, Mesh, MeshError, MeshSource, NEAR, error::MOST_TRIANGLES, flatness, polygon};
 use crate::text;
 use std::path::{Path, PathBuf};
 
@@ -169,7 +169,7 @@ impl Reader {
             triangles.extend(cut.iter().map(|triangle| triangle.map(|index| corners[index])));
         }
         let point_lines = self.point_lines;
-        let mesh = Mesh::counted_from(1, flat.points, triangles).map_err(|error| {
+        let mesh = Mesh::counted_from((1, NEAR), flat.points, triangles).map_err(|error| {
             let line = match error {
                 MeshError::Unused { vertex, .. } | MeshError::BowTie { vertex } => point_lines.get(vertex - 1),
                 MeshError::NoArea { triangle, .. } | MeshError::Near { triangle, .. } => triangle_lines.get(triangle),

@@ -107,7 +107,9 @@ impl MeshSource for Outline {
         }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
         let (points, triangles) = ordering::by_place(&points, &triangles);
-        let mesh = Mesh::new(points.clone(), triangles).map_err(|error| named(error, &points, &given))?;
+        // The points given are apart; in a sharp corner those that are added may be near each other.
+        let mesh =
+            Mesh::counted_from((0, 0.0), points.clone(), triangles).map_err(|error| named(error, &points, &given))?;
         let angle = mesh.min_angle();
         if angle < triangulate::GOOD_ANGLE {
             messages.push(format!("the outline's sharp corners leave triangles with an angle of {angle:.1}°"));

@@ -205,8 +205,13 @@ fn outline_points_far_below_the_mesh_size_are_merged_and_the_body_runs() {
 
 #[test]
 fn an_outline_with_a_very_sharp_corner_is_filled() {
-    let corners = [[0.756304796750995, 0.0], [0.5986641344860626, 0.9035024647743715], [0.0, 0.6646980630415358]];
-    let mesh = outline(&[&corners[..], &[[0.26479036903281433, 0.7700588298789994]]].concat()).build(&Disk).unwrap();
+    let corners = [
+        [0.756_304_796_750_995, 0.0],
+        [0.598_664_134_486_062_6, 0.903_502_464_774_371_5],
+        [0.0, 0.664_698_063_041_535_8],
+    ];
+    let mesh =
+        outline(&[&corners[..], &[[0.264_790_369_032_814_33, 0.770_058_829_878_999_4]]].concat()).build(&Disk).unwrap();
     assert!(mesh.messages().iter().any(|message| message.contains("sharp corners")), "{:?}", mesh.messages());
 }
 

@@ -55,7 +55,7 @@ impl Mesh {
         if pieces > 1 {
             messages.push(format!("the mesh is {pieces} separate pieces"));
         }
-        messages.extend(coincident(base, &points));
+        messages.extend(coincident((base, near), &points));
         Ok(Self { points, triangles, fans, icing: Vec::new(), messages, numbering: Numbering::default() })
     }
 
@@ -262,9 +262,10 @@ pub(super) fn size(points: &[[f64; 2]]) -> f64 {
     (high[0] - low[0]).max(high[1] - low[1])
 }
 
-/// A sentence about vertices at the same place, within [`NEAR`], which leave a crack between triangles that seem to touch.
-fn coincident(base: usize, points: &[[f64; 2]]) -> Option<String> {
-    let near = NEAR * size(points);
+/// A sentence about vertices at the same place, within the share `near` of the size, which leave a crack between triangles that seem to
+/// touch.
+fn coincident((base, near): (usize, f64), points: &[[f64; 2]]) -> Option<String> {
+    let near = near * size(points);
     let close = |a: usize, b: usize| (0..2).all(|axis| (points[a][axis] - points[b][axis]).abs() <= near);
     let mut pairs = Vec::new();
     // Columns as wide as what is near, and again with their limits moved by half: any two near points share a column once.

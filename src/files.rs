@@ -92,7 +92,7 @@ const fn place(error: &ron::error::SpannedError) -> (usize, usize) {
     (error.span.start.line, error.span.start.col)
 }
 
-/// A hard case as far as a level goes: what decides about it is for [`crate::hard`] to read.
+/// The level and the actions of a hard case; [`crate::hard`] reads the rest.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Scripted {

@@ -286,19 +286,8 @@ const INTO: &str = "GINGERBREAD_TEST_SAVES_INTO";
 fn long_ones() -> [Level; 2] {
     let long = |number: f64| {
         let point = Point(Coordinate::new(number).unwrap(), Coordinate::new(1.0 / 3.0).unwrap());
-        let (steps, time) = (3, gingerbread::quantity::Time::new(0.1).unwrap());
-        let state = SavedState {
-            steps,
-            time,
-            positions: vec![point; 60_000],
-            velocities: vec![point; 60_000],
-            memory: Vec::new(),
-            calm: Vec::new(),
-            pulled: None,
-            guard: None,
-            checkpoints: Vec::new(),
-            batched: false,
-        };
+        let time = gingerbread::quantity::Time::new(0.1).unwrap();
+        let state = SavedState::new((3, time), vec![point; 60_000], vec![point; 60_000]);
         Level { state: Some(state), ..released("") }
     };
     [long(0.1), long(0.7)]

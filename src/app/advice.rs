@@ -20,13 +20,13 @@ use crate::{
 /// Stepping that takes this long in a frame slows simulated time down [s].
 const MUCH: f64 = 0.009;
 
-/// Work over that of undivided steps at which the guard's dividing counts.
+/// Ratio of the steps computed to undivided steps above which the guard is the cause of slowness.
 const DIVIDED: f64 = 1.2;
 
-/// By how much recommended steps stay below the stability limit.
+/// Safety factor between recommended steps and the stability limit.
 const MARGIN: f64 = 1.2;
 
-/// What goes wrong.
+/// Kinds of problem that a remedy is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trouble {
     /// Triangles are inside out.
@@ -39,12 +39,12 @@ pub enum Trouble {
     Slow(Load),
 }
 
-/// What a frame costs.
+/// Cost of stepping in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// Time spent on stepping in a frame [s].
     pub physics: f64,
-    /// Work done over that of undivided steps: above 1 the guard divides steps or takes them again.
+    /// Ratio of the steps computed to undivided steps: above 1 the guard divides steps or takes them again.
     pub effort: f64,
 }
 
@@ -55,11 +55,11 @@ pub enum Limit {
     Unknown,
     /// There is none.
     Nothing,
-    /// So long [s]; 0 if no step is stable.
+    /// The limit [s]; 0 if no step is stable.
     Step(f64),
 }
 
-/// What is known of a scene.
+/// Facts about a scene that a cause is found from.
 #[derive(Clone, Debug)]
 pub struct Facts {
     /// Steps of the level in 1/60 s.
@@ -84,7 +84,7 @@ pub struct Facts {
     pub decorated: bool,
 }
 
-/// Why it goes wrong.
+/// Causes of problems.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
     /// The step is above the stability limit.
@@ -98,9 +98,9 @@ pub enum Cause {
     NeverStable,
     /// A model does not resist inversion: St. Venant-Kirchhoff.
     NoResistance,
-    /// A model has no energy where a triangle was pressed to.
+    /// A triangle is inverted, and its model is undefined there.
     Crushed,
-    /// Equations were not solved.
+    /// The equations of an implicit step were not solved.
     Unsolved,
     /// The guard divides steps that are below the stability limit.
     Guard,
@@ -108,16 +108,16 @@ pub enum Cause {
     Cost,
     /// Painting takes most of a frame.
     Painting,
-    /// Forces that none of the settings explains: a pull, a wall, the start.
+    /// Large forces, such as a pull, a wall or the start shape; no setting is the cause.
     Forces,
 }
 
-/// What removes a cause.
+/// Remedies: changes that remove a cause.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remedy {
-    /// So many times as many steps.
+    /// Shorter steps: the present number and the factor by which it grows.
     ShorterSteps(Substeps, u32),
-    /// Half as many steps.
+    /// Longer steps: the present number, which is halved.
     LongerSteps(Substeps),
     /// Another constitutive model for all bodies.
     Model(Model),
@@ -137,12 +137,12 @@ pub enum Remedy {
     PlainDrawing,
 }
 
-/// A cause and what removes it, the best first.
+/// A cause with its remedies, the best first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
-    /// Why it goes wrong.
+    /// The cause.
     pub cause: Cause,
-    /// What removes the cause.
+    /// Its remedies.
     pub remedies: Vec<Remedy>,
     /// Whether the scene has to start over as well.
     restart: bool,
@@ -190,14 +190,14 @@ impl Facts {
         }
     }
 
-    /// So many more steps that they are below a limit [s].
+    /// Steps so much shorter that they are below a limit [s].
     fn shorter(&self, limit: f64) -> Option<Remedy> {
         let factor = (MARGIN * self.substeps.step() / limit).ceil().max(2.0);
         let fits = f64::from(self.substeps.get()) * factor <= f64::from(Substeps::MAX);
         (limit > 0.0 && fits).then_some(Remedy::ShorterSteps(self.substeps, factor as u32))
     }
 
-    /// Half as many steps, if they are still stable and cost less.
+    /// Steps twice as long, if they are stable and cost less.
     fn longer(&self) -> Option<Remedy> {
         let half = Substeps::new(self.substeps.get() / 2).ok()?;
         let stable = match (self.class, self.limit) {
@@ -208,7 +208,7 @@ impl Facts {
         (stable && !self.multirate).then_some(Remedy::LongerSteps(self.substeps))
     }
 
-    /// A model that resists inversion, and the effect that does.
+    /// The remedies against inversion: a model that resists it, and the compression effect.
     fn resistance(&self) -> impl Iterator<Item = Remedy> {
         self.other_model().into_iter().chain([Remedy::Compression])
     }
@@ -413,7 +413,7 @@ fn compression(now: &Snapshot) -> Command {
     }
 }
 
-/// A title within a sentence: names of people keep their capital.
+/// A title within a sentence: small, but for names of people.
 fn lower(title: &str) -> String {
     let mut letters = title.chars();
     let first = letters.next().map(|first| first.to_lowercase().collect::<String>()).unwrap_or_default();

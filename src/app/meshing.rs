@@ -28,7 +28,7 @@ pub struct Wanted {
     since: Instant,
 }
 
-/// What can be said of a mesh on its way.
+/// Progress of a mesh that is being made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
     /// The body.
@@ -48,7 +48,7 @@ pub struct Meshing {
     job: Option<Job>,
 }
 
-/// A thread that makes a mesh. It cannot be stopped; what nobody wants any more is dropped when it is done.
+/// A thread that makes a mesh. It cannot be stopped; a cancelled mesh is dropped when it is done.
 struct Job {
     mesh: MeshKind,
     result: Receiver<Result<Body, String>>,

@@ -8,7 +8,7 @@ use super::{
 use eframe::egui::{Context, ViewportCommand};
 
 impl App {
-    /// Whether the level differs from what was opened or saved last, in either pane. What time did is no change: it can be had again.
+    /// Whether the level differs from what was opened or saved last, in either pane. Stepping is no change: it can be repeated.
     pub fn is_unsaved(&self) -> bool {
         let b = self.comparison.as_ref().map(|panes| panes.sandbox());
         std::iter::once(&self.sandbox).chain(b).any(|sandbox| *sandbox.document() != self.kept)

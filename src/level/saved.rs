@@ -37,6 +37,24 @@ pub struct SavedState {
     pub batched: bool,
 }
 
+impl SavedState {
+    /// Positions and velocities at a time, without anything that a run remembers of earlier steps.
+    pub const fn new((steps, time): (u64, Time), positions: Vec<Point>, velocities: Vec<Point>) -> Self {
+        Self {
+            steps,
+            time,
+            positions,
+            velocities,
+            memory: Vec::new(),
+            calm: Vec::new(),
+            pulled: None,
+            guard: None,
+            checkpoints: Vec::new(),
+            batched: false,
+        }
+    }
+}
+
 /// What the guard against unstable steps knew when a level was saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -257,7 +257,7 @@ fn check_used(base: usize, vertices: usize, triangles: &[[u32; 3]]) -> Result<()
 }
 
 /// The greater side of the smallest box that holds the points [m].
-pub(super) fn size(points: &[[f64; 2]]) -> f64 {
+pub(crate) fn size(points: &[[f64; 2]]) -> f64 {
     let [low, high] = bounds(points);
     (high[0] - low[0]).max(high[1] - low[1])
 }
@@ -273,7 +273,8 @@ fn coincident((base, near): (usize, f64), points: &[[f64; 2]]) -> Option<String>
         let column = |vertex: usize| if near > 0.0 { (points[vertex][0] / near + shift).floor() } else { 0.0 };
         let mut order: Vec<(f64, usize)> = (0..points.len()).map(|vertex| (column(vertex), vertex)).collect();
         order.sort_unstable_by(|a, b| {
-            a.0.total_cmp(&b.0).then(points[a.1][1].total_cmp(&points[b.1][1])).then(a.1.cmp(&b.1))
+            let [p, q] = [points[a.1], points[b.1]];
+            a.0.total_cmp(&b.0).then(p[1].total_cmp(&q[1])).then(p[0].total_cmp(&q[0])).then(a.1.cmp(&b.1))
         });
         let neighbours = order.windows(2).map(|pair| (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1)));
         pairs.extend(neighbours.filter(|&(a, b)| close(a, b)));

@@ -33,7 +33,7 @@ pub use gingerbread::Gingerbread;
 pub use icing::{Embedded, IcingColor, Stroke};
 pub use locate::Locator;
 pub use mesh::Mesh;
-pub(crate) use mesh::NEAR;
+pub(crate) use mesh::{NEAR, size};
 pub use numbering::Numbering;
 pub use obj::Obj;
 pub use outline::Outline;

@@ -1,6 +1,6 @@
 //! A net of particles and springs, checked.
 
-use crate::meshes::{NEAR, Numbering};
+use crate::meshes::{NEAR, Numbering, size};
 
 /// Particles at their start, and the springs between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,13 +140,7 @@ impl Net {
 
     /// What the user should know about the net although it can be used.
     pub fn messages(&self) -> Vec<String> {
-        let size = [0, 1].map(|axis| {
-            let along = self.points.iter().map(|point| point[axis]);
-            let (low, high) =
-                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)));
-            high - low
-        });
-        let near = NEAR * size[0].max(size[1]);
+        let near = NEAR * size(&self.points);
         let flat = self.points.as_flattened();
         // A spring without a rest length pulls two particles together, wherever they are.
         let short = |link: &&Link| link.length(flat) < near && link.rest > near;

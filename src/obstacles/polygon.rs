@@ -2,7 +2,7 @@
 
 use super::{Obstacle, ObstacleParameters, solid::Solid};
 use crate::{
-    meshes::merged,
+    meshes::{merged, size},
     quantity::{Coordinate, Point, Quantity, Reach},
 };
 use parry2d::{
@@ -38,12 +38,7 @@ impl Polygon {
     /// The corners as they are given, those at the place of the one before left out, with the number of each.
     fn apart(&self) -> Vec<(usize, [f64; 2])> {
         let given: Vec<_> = self.points.iter().map(|point| point.get()).collect();
-        let extents = [0, 1].map(|axis| {
-            let along = given.iter().map(|point| point[axis]);
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (value.min(low), value.max(high)))
-        });
-        let size = extents.into_iter().map(|(low, high)| high - low).fold(0.0, f64::max);
-        merged(&given, ROUND_OFF * size).into_iter().map(|number| (number, given[number])).collect()
+        merged(&given, ROUND_OFF * size(&given)).into_iter().map(|number| (number, given[number])).collect()
     }
 
     /// The corners counter-clockwise.

@@ -175,16 +175,9 @@ impl Simulation {
             |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
         let state = self.scene.listed_state(state);
         Some(SavedState {
-            steps: state.steps,
-            time: Time::new(state.time).ok()?,
-            positions: points(&state.x)?,
-            velocities: points(&state.v)?,
             calm: state.calm.clone(),
             memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
-            pulled: None,
-            guard: None,
-            checkpoints: Vec::new(),
-            batched: false,
+            ..SavedState::new((state.steps, Time::new(state.time).ok()?), points(&state.x)?, points(&state.v)?)
         })
     }
 }

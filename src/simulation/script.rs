@@ -68,8 +68,8 @@ impl Script {
         let Action::Grab(point) = scripted.action else { return None };
         let (mut target, mut frame) = (point.get(), begun);
         while let Some(next) = self.next(frame).filter(|next| *next <= last) {
-            for (left, deed) in self.going_on(next) {
-                if let Action::Pull { to, .. } = deed {
+            for (left, action) in self.going_on(next) {
+                if let Action::Pull { to, .. } = action {
                     target = pulled(target, to.get(), left);
                 }
             }
@@ -110,7 +110,7 @@ impl Script {
             found.extend(begun.map(|begin| (begin, begin + length - frame, &scripted.action)));
         }
         found.sort_by_key(|(begin, ..)| *begin);
-        found.into_iter().map(|(_, left, deed)| (left, deed)).collect()
+        found.into_iter().map(|(_, left, action)| (left, action)).collect()
     }
 }
 
@@ -238,8 +238,8 @@ impl Simulation {
                 Action::Pull { .. } | Action::Turn { .. } => {}
             }
         }
-        for (left, deed) in script.going_on(frame) {
-            match *deed {
+        for (left, action) in script.going_on(frame) {
+            match *action {
                 Action::Pull { to, .. } => {
                     if let Some(Grab { vertex, target }) = self.grab {
                         let target = pulled(target, to.get(), left);

@@ -105,18 +105,8 @@ fn scattered(size: f64) -> gingerbread::level::Level {
         let chance = |salt: usize| ((i * 7919 + salt) * 104_729 % 10_007) as f64 / 10_007.0 - 0.5;
         Point::new([0.5 + size * chance(1), 0.5 + size * chance(5000)]).unwrap()
     };
-    level.state = Some(SavedState {
-        steps: 0,
-        time: Time::new(0.0).unwrap(),
-        positions: (0..count).map(place).collect(),
-        velocities: vec![Point::new([0.0; 2]).unwrap(); count],
-        memory: Vec::new(),
-        calm: Vec::new(),
-        pulled: None,
-        guard: None,
-        checkpoints: Vec::new(),
-        batched: false,
-    });
+    let velocities = vec![Point::new([0.0; 2]).unwrap(); count];
+    level.state = Some(SavedState::new((0, Time::new(0.0).unwrap()), (0..count).map(place).collect(), velocities));
     level
 }
 
@@ -174,18 +164,7 @@ fn a_body_that_lies_over_itself_is_told_and_untangled_by_key_or_button() {
         // Laid over itself: mirrored about its middle.
         let mirrored = scene.rest.chunks_exact(2).map(|at| Point::new([1.0 - at[0], at[1]]).unwrap());
         let velocities = vec![Point::new([0.0; 2]).unwrap(); scene.rest.len() / 2];
-        tangled.state = Some(SavedState {
-            steps: 0,
-            time: Time::new(0.0).unwrap(),
-            positions: mirrored.collect(),
-            velocities,
-            memory: Vec::new(),
-            calm: Vec::new(),
-            pulled: None,
-            guard: None,
-            checkpoints: Vec::new(),
-            batched: false,
-        });
+        tangled.state = Some(SavedState::new((0, Time::new(0.0).unwrap()), mirrored.collect(), velocities));
         let mut window = open_level(tangled, 1280.0, 800.0);
         let triangles = window.state().snapshot().triangles.len();
         assert_eq!(window.state().snapshot().inverted, triangles);

@@ -38,10 +38,10 @@ use std::time::Duration;
 /// Longest frame that animations believe in [s].
 const LONGEST_FRAME: f32 = 0.1;
 
-/// For how long a drag in edit mode is answered [s].
+/// Duration of the hint after a drag in edit mode [s].
 const TOLD: f64 = 5.0;
 
-/// The answer.
+/// The hint.
 const NOTHING_MOVES: &str =
     "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag.";
 
@@ -71,7 +71,7 @@ pub struct Canvas {
     scale: Scale,
     scenery: Scenery,
     snow: Snow,
-    /// Until when it is said that nothing can be dragged in edit mode [s].
+    /// Time until which the hint is shown [s].
     told_until: f64,
     /// Layers of the drawing: behind the scenery, the bodies, and what lies on top.
     behind: ShapeBuffer,
@@ -115,7 +115,7 @@ impl Canvas {
         }
     }
 
-    /// Says what to do after a drag that could move nothing.
+    /// Shows a hint after a drag in edit mode, which moves nothing.
     fn tell(&mut self, response: &Response, snapshot: &Snapshot, now: f64) {
         if snapshot.mode != Mode::Edit {
             self.told_until = 0.0;

@@ -16,14 +16,14 @@ pub enum Detail {
     Points,
 }
 
-/// What is left of the budget in a frame.
+/// Area that may still be filled in a frame.
 pub struct Fill {
     stage: Rect,
     left: f32,
 }
 
 impl Fill {
-    /// A whole budget.
+    /// The area for a whole frame.
     pub fn new(stage: Rect) -> Self {
         Self { stage, left: MOST * stage.area() }
     }

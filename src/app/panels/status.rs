@@ -126,10 +126,10 @@ fn complain(ui: &mut Ui, warning: &Warning, now: &Snapshot, view: &mut View, com
     });
 }
 
-/// What the clock says while everything that moves is at rest.
+/// Status while everything is at rest.
 pub const AT_REST: &str = "at rest: clock paused";
 
-/// The same in full.
+/// Explanation of [`AT_REST`].
 pub const AT_REST_HELP: &str = "All bodies and nets are at rest, so nothing would change. Time goes on with the next pull or change. \
                                 Switch Sleep off to let it run.";
 

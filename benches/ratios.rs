@@ -12,6 +12,7 @@ mod sheet;
 
 use gingerbread::{materials::Model, simulation::Simulation};
 use plain::Plain;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use sheet::{Lap, simulation, strip};
 
 /// Quads along a side: the second is what the others are compared with.
@@ -38,11 +39,7 @@ struct Case {
 
 impl Case {
     fn new(n: u32, model: Model) -> Self {
-        let whole = [1, 2].map(|threads| {
-            let mut whole = sheet::sheet(n, model);
-            whole.set_threads(threads);
-            whole
-        });
+        let whole = [(); 2].map(|()| sheet::sheet(n, model));
         let plain = Plain::new(whole[0].scene());
         // The guard looks often until all have once been as fast as they get; the time for that grows with their number.
         let lead = 10 * u64::from(n);
@@ -56,7 +53,7 @@ impl Case {
         }
     }
 
-    fn measure(&mut self) {
+    fn measure(&mut self, pool: &ThreadPool) {
         let Self { triangles, lap, whole: [one, two], halves, plain, times } = self;
         // From one checkpoint to another.
         let steps = |each: f64| ((SLICE / (each * *triangles)) as u64).next_multiple_of(10).max(20);
@@ -66,7 +63,7 @@ impl Case {
             1e9 * run(steps) / steps as f64 / *triangles
         };
         times[0].push(per_step(steps(3.5e-9), &mut |steps| lap.time(one, steps).as_secs_f64()));
-        times[1].push(per_step(steps(1.8e-9), &mut |steps| lap.time(two, steps).as_secs_f64()));
+        times[1].push(per_step(steps(1.8e-9), &mut |steps| pool.install(|| lap.time(two, steps)).as_secs_f64()));
         times[2].push(per_step(steps(1.8e-9), &mut |steps| lap.time_apart(halves, steps).as_secs_f64()));
         times[3].push(per_step(steps(12e-9), &mut |steps| plain.time(steps).as_secs_f64()));
     }
@@ -97,6 +94,7 @@ fn main() {
         panic!("there is no model {name}; there are {}", known.join(", "));
     }
     let wanted = |model: &&Model| names.is_empty() || names.iter().any(|name| name == model.name());
+    let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     println!(
         "| model | triangles | ns, least | ns, median | of {}'s | two threads | two halves apart | plain, ns | than plain |",
         { 2 * SIDES[USUAL].pow(2) }
@@ -105,7 +103,9 @@ fn main() {
     for model in Model::ALL.iter().filter(wanted) {
         let mut cases = SIDES.map(|n| Case::new(n, *model));
         for _ in 0..ROUNDS {
-            cases.iter_mut().for_each(Case::measure);
+            for case in &mut cases {
+                case.measure(&pool);
+            }
         }
         for case in &cases {
             let [one, two, apart, plain] = &case.times;
@@ -113,7 +113,11 @@ fn main() {
             let to_usual = ratio(one, &cases[USUAL].times[0]);
             let faster =
                 |one: &Times, other: &Times| format!("{:.3}; {}", least(one) / least(other), ratio(one, other));
-            let shared = if case.whole[1].steps_together() > 0 { faster(one, two) } else { "-".to_owned() };
+            let shared = if case.whole[1].scene().bodies[0].elements.partitions() > 1 {
+                faster(one, two)
+            } else {
+                "-".to_owned()
+            };
             println!(
                 "| {} | {} | {:.2} | {median:.2} | {to_usual} | {shared} | {} | {:.2} | {} |",
                 model.name(),

@@ -21,6 +21,8 @@ use crate::{level::SavedGuard, report::Energies, scene::Scene};
 pub struct Guard {
     /// What was put in so far, from the energies' zero [J]; found when it is first needed.
     put_in: Option<f64>,
+    /// The energy at the start, and what changes from outside have added since [J].
+    start: f64,
     /// Kinetic energy up to which nothing is looked at [J].
     unsuspicious: f64,
     /// Mechanical energy and total after the last step, where every step is looked at [J].
@@ -56,10 +58,11 @@ impl Guard {
     pub fn saved(&self, state: u64) -> Option<SavedGuard> {
         let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
         let (mechanical, total) = last.unwrap_or_default();
-        let finite = [supplied, self.unsuspicious, mechanical, total].into_iter().all(f64::is_finite);
+        let finite = [supplied, self.start, self.unsuspicious, mechanical, total].into_iter().all(f64::is_finite);
         finite.then_some(SavedGuard {
             state,
             supplied,
+            start: self.start,
             threshold: self.unsuspicious,
             last,
             level: self.level,
@@ -86,6 +89,7 @@ impl Guard {
     /// Takes note of the energies at the start.
     pub fn begin(&mut self, energies: Energies) {
         self.put_in = Some(energies.total());
+        self.start = energies.total();
     }
 
     /// What was put in so far, if it is known [J].
@@ -112,10 +116,15 @@ impl Guard {
     }
 
     /// Whether something in a scene can have supplied energy up to this total [J]: not more than a hundred times what its elements
-    /// store at a stretch of one, or what was there before.
+    /// store at a stretch of one, or what was there at the start.
     pub fn is_possible(&self, scene: &Scene, total: f64) -> bool {
-        let before = self.put_in.unwrap_or(0.0).abs();
-        total <= 100.0 * scale(scene).max(before)
+        total <= 100.0 * scale(scene).max(self.start.abs())
+    }
+
+    /// Whether nothing at all can have: not even an obstacle that moves faster than anything that is modelled here. What such an
+    /// obstacle seems to have supplied to a body that explodes is no work.
+    fn is_absurd(&self, scene: &Scene, total: f64) -> bool {
+        total > 1e6 * scale(scene).max(self.start.abs())
     }
 
     /// Takes note of a change from outside, such as a pull: what it added to the energies, or took, was put in.
@@ -123,6 +132,7 @@ impl Guard {
         if let Some(put_in) = &mut self.put_in {
             // What was dissipated since is gone, but an excess stays one.
             *put_in = put_in.min(before.total()) + after.total() - before.total();
+            self.start += after.total() - before.total();
         }
         (self.unsuspicious, self.last) = (0.0, None);
     }
@@ -140,6 +150,9 @@ impl Guard {
     /// Judges a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);
+        if self.put_in.is_some() && self.is_absurd(scene, after.total()) {
+            return Verdict::Unstable;
+        }
         let mechanical = after.kinetic + after.elastic;
         let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
         if mechanical <= 2.0 * available.max(0.0) + slack {
@@ -200,6 +213,7 @@ impl From<&SavedGuard> for Guard {
     fn from(saved: &SavedGuard) -> Self {
         Self {
             put_in: Some(saved.supplied),
+            start: saved.start,
             unsuspicious: saved.threshold,
             last: saved.last.map(|(mechanical, total)| [mechanical, total]),
             level: saved.level.min(Self::MOST),

@@ -30,7 +30,7 @@ use crate::{
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
-    study::threads,
+    study::{share_partitions, threads},
     table::{Table, remark},
     terminal,
     untangle::untangled,
@@ -59,7 +59,7 @@ pub struct Run {
     /// Constitutive model for every body, instead of the level's own.
     #[arg(long, value_parser = model)]
     pub model: Option<Model>,
-    /// Number of threads for one large body, at most two; as many as there are if not given. The same bits come of any number.
+    /// Number of threads that share large bodies; as many as there are cores if not given. The same bits come of any number.
     #[arg(long, value_parser = thread_count)]
     pub threads: Option<usize>,
     /// Write the last positions and velocities here, as CSV: vertex,x,y,vx,vy. Of a toy: time, its two numbers and the exact ones.
@@ -140,7 +140,7 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
     ending::warn(&request.level.display().to_string(), &warnings);
     Interrupt::watch();
     let beginning = Beginning::of(&simulation);
-    simulation.set_threads(request.threads.unwrap_or_else(threads));
+    share_partitions(request.threads.unwrap_or_else(threads));
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
     let begin = Instant::now();

@@ -375,11 +375,6 @@ impl Sandbox {
         self.simulation.set_timed(timed);
     }
 
-    /// How many threads may step one large body.
-    pub const fn set_threads(&mut self, threads: usize) {
-        self.simulation.set_threads(threads);
-    }
-
     /// Whether time should run now: running, not in edit mode, no fault.
     pub const fn is_live(&self) -> bool {
         self.running && self.simulation.fault().is_none()

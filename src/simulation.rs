@@ -2,20 +2,17 @@
 
 mod books;
 mod checkpoint;
-mod companion;
 mod energies;
 mod paces;
 mod reach;
 mod restart;
 mod script;
 mod sleep;
-mod stretch;
 mod system;
 mod toy;
 
 use crate::{
     effects::Grab,
-    elements::More,
     fault::Fault,
     guard::{Guard, Verdict},
     integrators::{Class, Scheme, StepCounts},
@@ -31,7 +28,6 @@ pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
 use std::cell::RefCell;
-use stretch::Team;
 use system::{Scratch, System};
 use toy::ToySystem;
 
@@ -49,7 +45,6 @@ pub struct Simulation {
     scratch: Scratch,
     islands: Islands,
     paces: Paces,
-    team: Team,
     grab: Option<Grab>,
     script: Option<Script>,
     guard: Guard,
@@ -63,7 +58,7 @@ pub struct Simulation {
     elastic: RefCell<Elastic>,
 }
 
-/// Steps between two checkpoints, and between two looks at the clock, where they are not taken at a stretch.
+/// Steps between two checkpoints, and between two looks at the clock.
 const BATCH: u64 = 10;
 
 impl Simulation {
@@ -80,7 +75,6 @@ impl Simulation {
             stale: true,
             islands: Islands::new(&scene),
             paces: Paces::new(&scene),
-            team: Team::default(),
             scene,
             state,
             scratch,
@@ -131,7 +125,6 @@ impl Simulation {
         self.guard.reset();
         self.fault = None;
         self.seek();
-        self.team.stand_anew();
         self.settle_sleepers();
     }
 
@@ -260,38 +253,33 @@ impl Simulation {
                 self.pass(steps - taken);
                 return steps;
             }
-            taken += self.take_steps(steps - taken, more);
+            taken += u64::from(self.take_step());
         }
         taken
     }
 
-    /// Takes a step if it can be taken, or a stretch of up to so many while there is `more` to do; a fault otherwise. Returns how many were
-    /// taken.
-    fn take_steps(&mut self, most: u64, more: More<'_>) -> u64 {
+    /// Takes a step if it can be taken; a fault otherwise. Returns whether it was taken.
+    fn take_step(&mut self) -> bool {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
-            if self.stale || !self.team.has_seen(self.state.steps) {
+            // A checkpoint that a run continues from has seen this step already.
+            if self.stale || self.checkpoint.state.steps != self.state.steps {
                 self.look_who_is_calm();
                 self.set_checkpoint();
             }
             self.fall_asleep();
             if self.is_asleep() {
-                self.checkpoint.keep(&self.state);
                 self.pass(1);
-                return 1;
+                return true;
             }
             self.look_for_room();
-            if let Some(taken) = self.stride(most, more) {
-                return taken;
-            }
-            self.checkpoint.keep(&self.state);
         }
         self.step();
         if !self.is_sound() {
-            return if self.was_plain() { u64::from(self.retake()) } else { self.step_plainly(1) };
+            return self.retake();
         }
         // Going back relies on all steps since the checkpoint being of one length.
         self.stale |= self.guard.calm_down();
-        1
+        true
     }
 
     /// One step, in as many shorter ones as the guard wants.

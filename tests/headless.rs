@@ -54,7 +54,7 @@ fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
     assert_eq!((&off["switch"], &off["calls"], off["saved_ms_per_frame"].is_null()), (&"Off".into(), &0.into(), true));
 }
 
-/// Clocks in the effects would send every step another, slower way, on which threads do not share the work either.
+/// Clocks in the effects would send every step another, slower way.
 #[test]
 fn a_report_tells_what_a_run_without_clocks_costs_and_what_each_effect_does_from_a_run_of_its_own() {
     let folder = Folder::new("clocks");
@@ -69,7 +69,6 @@ fn a_report_tells_what_a_run_without_clocks_costs_and_what_each_effect_does_from
     };
     assert_eq!(run(&["--report", &report]), run(&[]), "the same bits come of both");
     let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
-    assert!(report["steps_together"].as_u64().unwrap() >= 50, "{}", report["steps_together"]);
     let seconds = |name: &str| report[name].as_f64().unwrap();
     let each = seconds("wall_seconds") * 1e9 / (300.0 * 10_082.0);
     assert!((seconds("ns_per_triangle_step") / each - 1.0).abs() < 1e-9);

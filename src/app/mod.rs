@@ -29,7 +29,7 @@ use crate::{
     meshes::Files,
     sandbox::{Refused, Sandbox},
     snapshot::Snapshot,
-    study::threads,
+    study::{share_partitions, threads},
 };
 use canvas::Canvas;
 use clock::{Clock, Spent};
@@ -78,8 +78,6 @@ pub struct App {
     last: Option<f64>,
     /// Time for stepping in a frame [s].
     budget: f64,
-    /// How many threads this machine has.
-    threads: usize,
 }
 
 impl App {
@@ -125,7 +123,6 @@ impl App {
             leaves: false,
             last: None,
             budget: BUDGET,
-            threads: threads(),
         })
     }
 
@@ -385,12 +382,11 @@ impl App {
         }
     }
 
-    /// Reads the clock around each effect only while somebody looks at what it says. Otherwise threads may share the work.
+    /// Reads the clock around each effect only while the ledger is shown.
     fn time_effects(&mut self) {
         let timed = self.view.ledger;
         for sandbox in [&mut self.sandbox].into_iter().chain(self.comparison.as_mut().map(|panes| &mut panes.b)) {
             sandbox.set_timed(timed);
-            sandbox.set_threads(self.threads);
         }
         if !timed {
             self.meter.stop();
@@ -475,6 +471,7 @@ fn keep_freed_memory() {
 /// If the level cannot be built, or there is no display to open a window on.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
+    share_partitions(threads());
     let viewport = ViewportBuilder::default()
         .with_title("Gingerbread")
         .with_app_id("gingerbread")

@@ -129,7 +129,7 @@ impl Effect for Resistance {
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         for body in &self.bodies {
             let mut forces = Adding { x: motion.x, v: &[], force: &mut *force };
-            body.sweep(self.law(body), &mut forces, &mut scratch[..body.scratch()]);
+            body.assemble(self.law(body), &mut forces, &mut scratch[..body.scratch()]);
         }
     }
 

@@ -161,7 +161,7 @@ impl Effect for Damping {
         for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
             let law = Viscous::new(self.beta, body.lame());
             let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
-            body.sweep(law, &mut forces, &mut scratch[..body.scratch()]);
+            body.assemble(law, &mut forces, &mut scratch[..body.scratch()]);
         }
         for net in self.nets.iter().filter(|net| !is_still(motion.v, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);

@@ -37,7 +37,7 @@ struct Shapes {
 pub struct Block([Shapes; 2]);
 
 /// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
-pub trait Law: Copy {
+pub trait Law: Copy + Send + Sync {
     /// Whether it asks for dF/dt; if not, `rate` is not to be used.
     const RATE: bool;
 
@@ -46,7 +46,7 @@ pub trait Law: Copy {
 }
 
 /// Several stresses of the same triangles, whose forces are summed up each by itself.
-pub trait StressModel<const N: usize>: Copy {
+pub trait StressModel<const N: usize>: Copy + Send + Sync {
     /// Whether any asks for dF/dt; if not, `rate` is not to be used.
     const RATE: bool;
 

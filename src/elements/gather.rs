@@ -10,7 +10,7 @@ use std::{iter::repeat_n, ops::Range};
 pub const STAGE: usize = 32;
 
 /// The same in elements.
-pub const STRETCH: usize = LANES * STAGE;
+pub const STAGE_ELEMENTS: usize = LANES * STAGE;
 
 /// For each vertex the corners that meet there.
 ///
@@ -22,26 +22,22 @@ pub const STRETCH: usize = LANES * STAGE;
 pub struct Gather {
     /// Vertices that are summed over as many places as each other.
     runs: Vec<Run>,
-    /// The vertices, counted from the first of the body or net.
+    /// The vertices, counted from the first of the body, net or partition.
     vertices: Vec<u32>,
     /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another: in a buffer so small that 16 bits reach
     /// everywhere,
     near: Vec<u16>,
     /// or else.
     far: Vec<u32>,
-    /// The first vertex of the body or net.
-    first: usize,
     /// How many stages the buffer of corners holds.
     window: usize,
-    /// How many corners each vertex that lies in several parts has in each of them, one vertex after another.
-    shares: Vec<u32>,
     /// How many blocks of elements there are.
     blocks: usize,
     /// What the forces are computed with.
     set: Arch,
 }
 
-/// Vertices that are summed over as many places as each other; one vertex, if that lies in several parts.
+/// Vertices that are summed over as many places as each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// When they have all their forces.
@@ -52,8 +48,6 @@ pub struct Run {
     pub count: u32,
     /// Whether their numbers follow each other.
     pub dense: bool,
-    /// In how many parts they lie.
-    pub parts: u32,
 }
 
 /// A place among [`Near`](crate::lanes::Near) numbers where there is no force: at the end, where no corner is.
@@ -67,24 +61,19 @@ const WASTE: f64 = 1.25;
 const LONG: usize = 8;
 
 impl Gather {
-    /// `corners` holds the scene vertex numbers of each element's corners, whose forces are stored in an order. The sum at a vertex
-    /// that lies in several parts is one of sums over the parts; the elements at which parts begin are the `cuts`. Sums begin with
-    /// the first element that meets there or, where elements are in reverse and sums are to be as if they were not, with the last.
-    pub fn new<const N: usize>(
-        corners: &[[u32; N]],
-        vertices: &Range<usize>,
-        (cuts, last_first): (&[usize], bool),
-        order: &Order,
-    ) -> Self {
+    /// `corners` holds the numbers of each element's corners, whose forces are stored in an order; only the vertices that are `summed`,
+    /// ascending, are given their sums. In the scene the first of them is a vertex of its own number, by which lines of memory begin.
+    pub fn new<const N: usize>(corners: &[[u32; N]], summed: Vec<u32>, first: usize, order: &Order) -> Self {
         let blocks = corners.len().div_ceil(LANES);
-        let mut meeting = vec![Vec::new(); vertices.len()];
+        let count = corners.as_flattened().iter().chain(&summed).max().map_or(0, |most| *most as usize + 1);
+        let mut meeting = vec![Vec::new(); count];
         for (element, corners) in corners.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
-                meeting[corner as usize - vertices.start].push((element, number));
+                meeting[corner as usize].push((element, number));
             }
         }
         let ends = |all: &[(usize, usize)]| {
-            let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STRETCH);
+            let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STAGE_ELEMENTS);
             (stage(all.first()), stage(all.last()))
         };
         // Until a vertex has all its forces they have to stay in the buffer.
@@ -94,30 +83,25 @@ impl Gather {
             let block = element / LANES % (window * STAGE);
             2 * ((block * N + number) * LANES + order.place[element % LANES])
         };
-        let part = |element: usize| cuts.partition_point(|cut| *cut <= element);
-        let same_part = |one: &(usize, usize), other: &(usize, usize)| part(one.0) == part(other.0);
-        let parts = |vertex: u32| meeting[vertex as usize].chunk_by(same_part);
         let near = window * STAGE * LANES * 2 * N <= NOTHING.into();
         // A vertex is summed in the stage of its last corner.
         let stage = |vertex: u32| ends(&meeting[vertex as usize]).1;
-        let alone = |vertex: &u32| near && parts(*vertex).count() == 1;
-        let all_alone = (0..vertices.len() as u32).filter(alone);
-        let degrees =
-            degrees(blocks.div_ceil(STAGE), all_alone.map(|vertex| (stage(vertex), meeting[vertex as usize].len())));
+        let met = |vertex: &&u32| near && !meeting[**vertex as usize].is_empty();
+        let of_met = summed.iter().filter(met).map(|vertex| (stage(*vertex), meeting[*vertex as usize].len()));
+        let degrees = degrees(blocks.div_ceil(STAGE), of_met);
         let degree = |vertex: u32| {
-            let alike = if alone(&vertex) { degrees[stage(vertex)] } else { None };
+            let alike = if met(&&vertex) { degrees[stage(vertex)] } else { None };
             alike.unwrap_or(meeting[vertex as usize].len())
         };
-        let key = |vertex: &u32| (stage(*vertex) as u32, parts(*vertex).count() as u32, degree(*vertex) as u32);
-        let mut ordered: Vec<_> = (0..vertices.len() as u32).collect();
+        let key = |vertex: &u32| (stage(*vertex) as u32, degree(*vertex) as u32);
+        let mut ordered = summed;
         ordered.sort_by_cached_key(key);
         let runs = ordered.chunk_by(|one, other| key(one) == key(other)).flat_map(|alike| {
-            let (stage, parts, degree) = key(&alike[0]);
+            let (stage, degree) = key(&alike[0]);
             let follows = |one: &u32, other: &u32| one + 1 == *other;
             let dense = LONG * alike.chunk_by(follows).count() <= alike.len();
-            let joins = move |one: &u32, other: &u32| parts <= 1 && (!dense || follows(one, other));
-            let run = move |run: &[u32]| Run { stage, degree, count: run.len() as u32, dense, parts };
-            let first = vertices.start;
+            let joins = move |one: &u32, other: &u32| !dense || follows(one, other);
+            let run = move |run: &[u32]| Run { stage, degree, count: run.len() as u32, dense };
             alike.chunk_by(joins).flat_map(move |all| {
                 // Fours begin where a line of memory may.
                 let head = (4 - (first + all[0] as usize) % 4) % 4;
@@ -126,13 +110,9 @@ impl Gather {
             })
         });
         let runs = runs.collect();
-        let shared = ordered.iter().filter(|vertex| parts(**vertex).count() > 1);
-        let shares = shared.flat_map(|vertex| parts(*vertex).map(|corners| corners.len() as u32)).collect();
         let places = ordered.iter().flat_map(|&vertex| {
             let all = &meeting[vertex as usize];
-            let number = |at: usize| if last_first { all.len() - 1 - at } else { at };
-            let of_corners = (0..all.len()).map(move |at| place(&all[number(at)]));
-            of_corners.chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
+            all.iter().map(place).chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
         });
         let (mut of_near, mut far) = (Vec::new(), Vec::new());
         if near {
@@ -140,27 +120,12 @@ impl Gather {
         } else {
             far.extend(places.map(|place| place as u32));
         }
-        Self {
-            runs,
-            vertices: ordered,
-            near: of_near,
-            far,
-            first: vertices.start,
-            window,
-            shares,
-            blocks,
-            set: order.set,
-        }
+        Self { runs, vertices: ordered, near: of_near, far, window, blocks, set: order.set }
     }
 
     /// The instruction set.
     pub const fn set(&self) -> Arch {
         self.set
-    }
-
-    /// How many bytes tell what is summed where.
-    pub const fn bytes(&self) -> usize {
-        size_of_val(self.vertices.as_slice()) + size_of_val(self.near.as_slice()) + size_of_val(self.far.as_slice())
     }
 
     /// How many blocks of elements the buffer of corners has to hold.
@@ -178,11 +143,6 @@ impl Gather {
         stage * STAGE..((stage + 1) * STAGE).min(self.blocks)
     }
 
-    /// After how many stages more than these all their vertices have their forces.
-    pub const fn lag(&self) -> usize {
-        self.window - 1
-    }
-
     /// The first block in the buffer that the elements of a stage write to: what they overwrite was summed before.
     pub const fn slot(&self, stage: usize) -> usize {
         stage % self.window * STAGE
@@ -195,8 +155,6 @@ impl Gather {
             vertices: self.vertices.as_slice(),
             near: self.near.as_slice(),
             far: self.far.as_slice(),
-            shares: self.shares.as_slice(),
-            first: self.first,
             stage: 0,
             set: self.set,
         }

@@ -1,36 +1,26 @@
 //! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
 
 mod blocks;
-mod board;
-mod caches;
-mod claim;
 mod corners;
 mod diagnostics;
 mod fields;
 mod gather;
 mod kick;
-mod parts;
-mod patience;
+mod partitions;
 mod spring;
 mod stages;
-mod sweep;
 mod tangent;
 mod target;
 mod triangle;
-mod walk;
 
 pub(crate) use blocks::Law;
-pub(crate) use board::Board;
-pub use caches::{Bytes, Caches};
 pub use diagnostics::Diagnostics;
 pub use fields::Field;
-pub(crate) use gather::{STRETCH, make_room};
-pub(crate) use parts::{Parts, Walker};
+pub(crate) use gather::{STAGE_ELEMENTS, make_room};
 pub use spring::Springs;
 pub(crate) use tangent::Isotropic;
-pub use target::{Adding, Kicking, Target, UniformForce};
+pub use target::{Accumulator, Adding, Kicking, Scatter, UniformForce};
 pub use triangle::Triangles;
-pub(crate) use walk::{Looks, More, Outcome, Way};
 
 use std::sync::Arc;
 

@@ -1,15 +1,14 @@
 //! Spring elements.
 
 use super::{
-    Adding, Kicking, Target,
+    Accumulator, Adding, Kicking,
     corners::{Corners, RUN},
     gather::{Gather, pairs, room},
-    sweep::copy,
 };
 use crate::{
     effects::{Effect, Motion},
     nets::{Link, Net},
-    simd::{LANES, Lanes, Order, Pairs, Real, Wide},
+    simd::{LANES, Lanes, NEAR, Order, Pairs, Real, Wide},
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::Matrix2;
@@ -52,7 +51,7 @@ impl Springs {
     }
 
     fn of_links(links: Vec<Link>, vertices: Range<usize>, set: Arch) -> Self {
-        let ends: Vec<_> = links.iter().map(|link| link.ends).collect();
+        let ends: Vec<_> = links.iter().map(|link| link.ends.map(|end| end - vertices.start as u32)).collect();
         let order = Order::of_pairs(set);
         let pack = |links: &[Link]| {
             let mut block = Block::default();
@@ -62,9 +61,9 @@ impl Springs {
             block
         };
         Self {
-            ends: Corners::new(&ends, vertices.start),
+            ends: Corners::new(&ends, 0),
             blocks: links.chunks(LANES).map(pack).collect(),
-            gather: Gather::new(&ends, &vertices, (&[], false), &order),
+            gather: Gather::new(&ends, (0..vertices.len() as u32).collect(), vertices.start, &order),
             links,
             vertices,
         }
@@ -95,28 +94,32 @@ impl Springs {
         self.links.iter().map(stored).sum()
     }
 
-    /// Computes the forces on the particles and hands them out.
-    fn sweep(&self, target: &mut impl Target, scratch: &mut [f64]) {
-        let (copy, scratch) = scratch.split_at_mut(copy(&self.vertices));
-        let values = 2 * self.vertices.start..2 * self.vertices.end;
-        if !copy.is_empty() {
-            copy[..values.len()].copy_from_slice(&target.motion()[0][values.clone()]);
-        }
+    /// Computes the forces on the particles and hands them to the vertices of a scene. Returns what these have
+    /// [summed](Accumulator::sum).
+    fn assemble(&self, target: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
+        let mut target = target.part(self.vertices.clone());
+        let (copy, scratch) = scratch.split_at_mut(self.copy());
+        copy[..2 * self.vertices.len()].copy_from_slice(target.motion()[0]);
         let (gather, pairs) = (&self.gather, pairs(scratch));
         let mut stages = gather.stages();
         for stage in 0..gather.count() {
             let span = gather.span(stage);
             let out = pairs[2 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0;
-            let x = if copy.is_empty() { &target.motion()[0][values.clone()] } else { &*copy };
             gather.set().dispatch(Pulls {
                 ends: &self.ends,
                 first: span.start / RUN,
                 blocks: &self.blocks[span],
-                x,
+                x: copy,
                 out,
             });
-            stages.add([&*pairs], target);
+            stages.add([&*pairs], &mut target);
         }
+        target.sum()
+    }
+
+    /// How many numbers a copy of the positions takes, with enough after them to be read as [`Near`](crate::simd::Near) ones.
+    fn copy(&self) -> usize {
+        2 * self.vertices.len() + NEAR
     }
 
     /// Adds dampers beside the springs, `c = beta k` [N s/m]: each slows the change of its spring's length and nothing
@@ -257,15 +260,15 @@ impl Effect for Springs {
     }
 
     fn scratch(&self) -> usize {
-        copy(&self.vertices) + room(2 * self.gather.buffer())
+        self.copy() + room(2 * self.gather.buffer())
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
-        self.sweep(&mut Adding { x: motion.x, v: motion.v, force }, scratch);
+        self.assemble(&mut Adding { x: motion.x, v: &[], force }, scratch);
     }
 
     fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
-        self.sweep(vertices, &mut scratch[..self.scratch()]);
+        vertices.twice_kinetic += self.assemble(vertices, &mut scratch[..self.scratch()]);
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _: &mut [f64], product: &mut [f64]) {

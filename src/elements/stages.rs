@@ -1,6 +1,6 @@
 //! Sums of the forces at the corners that meet at each vertex, stage by stage.
 
-use super::{Target, gather::Run};
+use super::{Scatter, gather::Run};
 use crate::simd::{Near, Pairs, vector};
 use pulp::{Arch, Simd, WithSimd};
 use std::iter::repeat_n;
@@ -12,8 +12,6 @@ pub struct Stages<'a> {
     pub vertices: &'a [u32],
     pub near: &'a [u16],
     pub far: &'a [u32],
-    pub shares: &'a [u32],
-    pub first: usize,
     pub stage: u32,
     pub set: Arch,
 }
@@ -21,10 +19,10 @@ pub struct Stages<'a> {
 impl<'a> Stages<'a> {
     /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
     #[inline(always)]
-    pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Target<N>) {
+    pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Scatter<N>) {
         /// A closure might stay a call, without the instruction set.
         struct Next<'a, 'b, T, const N: usize>(&'a mut Stages<'b>, [&'a [Pairs]; N], &'a mut T);
-        impl<T: Target<N>, const N: usize> WithSimd for Next<'_, '_, T, N> {
+        impl<T: Scatter<N>, const N: usize> WithSimd for Next<'_, '_, T, N> {
             type Output = ();
 
             #[inline(always)]
@@ -40,8 +38,8 @@ impl<'a> Stages<'a> {
     }
 
     #[inline(always)]
-    fn add_next<S: Simd, C: Buffer<'a, N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Target<N>) {
-        while let Some((&Run { stage, degree, count, dense, parts }, runs)) = self.runs.split_first()
+    fn add_next<S: Simd, C: Buffer<'a, N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Scatter<N>) {
+        while let Some((&Run { stage, degree, count, dense }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
             let (now, vertices) = self.vertices.split_at(count as usize);
@@ -49,25 +47,18 @@ impl<'a> Stages<'a> {
             let places = C::places(self);
             let (of_now, others) = places.split_at((degree * count) as usize);
             *places = others;
-            if parts > 1 {
-                let (shares, others) = self.shares.split_at(parts as usize);
-                self.shares = others;
-                let forces = sum_by_parts(of_now, shares, corners);
-                to.take(now.iter().map(|vertex| (self.first + *vertex as usize, forces)));
-                continue;
-            }
             /// One loop for each of these numbers of corners, with nothing to count or check inside; one for all others.
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
                         $($DEGREE if C::NEAR && dense => {
                             let (fours, rest) = of_now.as_chunks::<$DEGREE>().0.as_chunks();
-                            let first = self.first + now[0] as usize;
+                            let first = now[0] as usize;
                             to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
                         })+
-                        $($DEGREE if C::NEAR => scatter(self.first, now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
-                        0 => scatter(self.first, now, repeat_n([f64x2::ZERO; N], now.len()), to),
-                        _ => scatter(self.first, now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
+                        $($DEGREE if C::NEAR => scatter(now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
+                        0 => scatter(now, repeat_n([f64x2::ZERO; N], now.len()), to),
+                        _ => scatter(now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
                     }
                 };
             }
@@ -135,23 +126,6 @@ fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]>
     Some(all)
 }
 
-/// The sums of the sums over the places in each part.
-fn sum_by_parts<'a, C: Buffer<'a, N>, const N: usize>(
-    mut places: &[C::Place],
-    shares: &[u32],
-    corners: C,
-) -> [f64x2; N] {
-    let mut sums = [f64x2::ZERO; N];
-    for &share in shares {
-        let (now, others) = places.split_at(share as usize);
-        for (sum, of_part) in sums.iter_mut().zip(sum_at(now, corners)) {
-            *sum += of_part;
-        }
-        places = others;
-    }
-    sums
-}
-
 /// The sums over these places.
 #[inline(always)]
 fn sum_at<'a, C: Buffer<'a, N>, const N: usize>(places: &[C::Place], corners: C) -> [f64x2; N] {
@@ -174,13 +148,8 @@ fn sum_at_four<'a, C: Buffer<'a, N>, const D: usize, const N: usize>(
     [sum_at(a, corners), sum_at(b, corners), sum_at(c, corners), sum_at(d, corners)]
 }
 
-/// Hands out forces on these vertices, counted from the first of the body or net.
+/// Hands out forces on these vertices.
 #[inline(always)]
-fn scatter<const N: usize>(
-    first: usize,
-    vertices: &[u32],
-    forces: impl Iterator<Item = [f64x2; N]>,
-    to: &mut impl Target<N>,
-) {
-    to.take(vertices.iter().map(|vertex| first + *vertex as usize).zip(forces));
+fn scatter<const N: usize>(vertices: &[u32], forces: impl Iterator<Item = [f64x2; N]>, to: &mut impl Scatter<N>) {
+    to.take(vertices.iter().map(|vertex| *vertex as usize).zip(forces));
 }

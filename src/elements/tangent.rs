@@ -18,7 +18,7 @@ use pulp::{Simd, WithSimd};
 const RUN: usize = 8;
 
 /// The second derivative of an isotropic energy density.
-pub trait Isotropic: Copy {
+pub trait Isotropic: Copy + Send + Sync {
     /// See [`Moduli`] [Pa].
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 }
@@ -78,7 +78,7 @@ impl Triangles {
         product: &mut [f64],
         law: impl Isotropic,
     ) {
-        self.sweep(Change(law), &mut Adding { x, v: d, force: product }, scratch);
+        self.assemble(Change(law), &mut Adding { x, v: d, force: product }, scratch);
     }
 
     /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.

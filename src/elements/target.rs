@@ -1,17 +1,13 @@
-//! What becomes of the forces that elements sum up at their vertices. The elements are swept over in the same way for all of
-//! it: forces may be added to others, or move the vertices at once, while everything is still near the processor.
+//! Accumulators: what becomes of the forces that are assembled at vertices. They are added to others, or move the vertices at once.
 
 use super::kick::{Kick, Masses, Moving};
 use pulp::Simd;
+use std::ops::Range;
 use wide::f64x2;
 
-/// Positions and velocities that forces are computed from, and what is done with the forces. Vertices are numbered as in the
-/// scene. Each of N stresses has its own forces.
-pub trait Target<const N: usize = 1> {
-    /// Positions [m], and velocities [m/s] if a stress depends on them; flat.
-    fn motion(&self) -> [&[f64]; 2];
-
-    /// Takes the forces on some vertices [N]. Each vertex comes once, after everything that depends on where it is.
+/// Takes the forces on vertices; each of N stresses has its own.
+pub trait Scatter<const N: usize = 1> {
+    /// Takes the forces on some vertices [N]. Each vertex comes once.
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>);
 
     /// The same for vertices whose numbers follow each other from `first` on: four at a time, and what is left.
@@ -24,22 +20,67 @@ pub trait Target<const N: usize = 1> {
     );
 }
 
+/// The vertices of a scene, a body or a partition: positions and velocities that forces are computed from, and what is done with the
+/// forces. Vertices are counted from its first.
+pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
+    /// The same for some of the vertices.
+    type Part<'a>: Accumulator<N>
+    where
+        Self: 'a;
+
+    /// Positions [m], and velocities [m/s] if a stress depends on them; flat.
+    fn motion(&self) -> [&[f64]; 2];
+
+    /// A range of the vertices.
+    fn part(&mut self, vertices: Range<usize>) -> Self::Part<'_>;
+
+    /// The vertices before a number, and those from it on.
+    fn split(self, vertex: usize) -> (Self, Self);
+
+    /// What was summed up over the vertices; see the accumulator.
+    fn sum(&self) -> f64 {
+        0.0
+    }
+}
+
 /// Adds the forces to others.
 pub struct Adding<'a> {
     /// Positions, flat [m].
     pub x: &'a [f64],
-    /// Velocities, flat [m/s].
+    /// Velocities, flat [m/s]; empty if no stress depends on them.
     pub v: &'a [f64],
     /// Forces so far [N].
     pub force: &'a mut [f64],
 }
 
-impl Target for Adding<'_> {
+impl Accumulator for Adding<'_> {
+    type Part<'a>
+        = Adding<'a>
+    where
+        Self: 'a;
+
     #[inline(always)]
     fn motion(&self) -> [&[f64]; 2] {
         [self.x, self.v]
     }
 
+    fn part(&mut self, vertices: Range<usize>) -> Adding<'_> {
+        let range = 2 * vertices.start..2 * vertices.end;
+        Adding {
+            x: &self.x[range.clone()],
+            v: self.v.get(range.clone()).unwrap_or_default(),
+            force: &mut self.force[range],
+        }
+    }
+
+    fn split(self, vertex: usize) -> (Self, Self) {
+        let ((x, other_x), (force, other_force)) = (self.x.split_at(2 * vertex), self.force.split_at_mut(2 * vertex));
+        let (v, other_v) = self.v.split_at_checked(2 * vertex).unwrap_or_default();
+        (Self { x, v, force }, Self { x: other_x, v: other_v, force: other_force })
+    }
+}
+
+impl Scatter for Adding<'_> {
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; 1])>) {
         let so_far: &mut [[f64; 2]] = self.force.as_chunks_mut().0;
@@ -115,12 +156,54 @@ pub struct Kicking<'a> {
     pub twice_kinetic: f64,
 }
 
-impl<const N: usize> Target<N> for Kicking<'_> {
+impl<const N: usize> Accumulator<N> for Kicking<'_> {
+    type Part<'a>
+        = Kicking<'a>
+    where
+        Self: 'a;
+
     #[inline(always)]
     fn motion(&self) -> [&[f64]; 2] {
         [self.x, self.v]
     }
 
+    fn part(&mut self, vertices: Range<usize>) -> Kicking<'_> {
+        let range = 2 * vertices.start..2 * vertices.end;
+        Kicking {
+            x: &mut self.x[range.clone()],
+            v: &mut self.v[range.clone()],
+            mass: &self.mass[range.clone()],
+            inverse_mass: &self.inverse_mass[range],
+            twice_kinetic: 0.0,
+            ..*self
+        }
+    }
+
+    fn split(self, vertex: usize) -> (Self, Self) {
+        let at = 2 * vertex;
+        let ((x, other_x), (v, other_v)) = (self.x.split_at_mut(at), self.v.split_at_mut(at));
+        let (mass, other_mass) = self.mass.split_at(at);
+        let (inverse_mass, other_inverse) = self.inverse_mass.split_at(at);
+        let Self { uniform_force, step, .. } = self;
+        let other = Self {
+            x: other_x,
+            v: other_v,
+            mass: other_mass,
+            inverse_mass: other_inverse,
+            uniform_force,
+            step,
+            twice_kinetic: 0.0,
+        };
+        (Self { x, v, mass, inverse_mass, uniform_force, step, twice_kinetic: self.twice_kinetic }, other)
+    }
+
+    /// Twice the kinetic energy of what was moved [J].
+    fn sum(&self) -> f64 {
+        self.twice_kinetic
+    }
+}
+
+impl<const N: usize> Scatter<N> for Kicking<'_> {
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
         let ([x, v], [mass, inverse_mass], kick) = self.parts();

@@ -1,14 +1,9 @@
 //! Linear triangle elements.
 
 use super::{
-    Adding, Kicking, Target, UniformForce,
+    Accumulator, Adding, Kicking,
     blocks::{self, Blocks, Both, Elastic, StressModel},
-    caches::Bytes,
-    corners::Corners,
-    gather::Gather,
-    parts::{self, Parts, Walker},
-    sweep::Piece,
-    walk::{More, Way},
+    partitions::Partitions,
 };
 use crate::{
     effects::{Effect, Motion, Viscous},
@@ -19,7 +14,7 @@ use crate::{
 };
 use nalgebra::Matrix2;
 use pulp::Arch;
-use std::{ops::Range, sync::OnceLock};
+use std::ops::Range;
 
 /// The linear triangles of one body, all of one material and unit thickness.
 ///
@@ -35,16 +30,12 @@ pub struct Triangles {
     corners: Vec<[u32; 3]>,
     /// In which fan each triangle is: twice its number, and one more for the second there.
     slots: Vec<u32>,
-    /// The vertices of the fans,
-    fans: Corners<4>,
-    /// and their rest shapes.
+    /// The rest shapes of the fans.
     blocks: Blocks,
+    partitions: Partitions,
     model: Model,
     lame: Lame,
     plane: Plane,
-    gather: Gather,
-    /// For those who share the work; found when it is first wanted.
-    parts: OnceLock<Option<Parts>>,
 }
 
 /// The rest shape of a triangle.
@@ -101,9 +92,9 @@ impl Triangles {
         (model, lame, plane): (Model, Lame, Plane),
         set: Arch,
     ) -> Self {
-        let gather = Gather::new(&fans, &vertices, (&parts::cuts(&fans), false), &Order::of_pairs(set));
-        let (blocks, fans) = (Blocks::new(&shapes, set), Corners::new(&fans, vertices.start));
-        Self { vertices, corners, slots, fans, blocks, model, lame, plane, gather, parts: OnceLock::new() }
+        let fans: Vec<_> = fans.iter().map(|fan| fan.map(|corner| corner - vertices.start as u32)).collect();
+        let partitions = Partitions::new(&fans, (vertices.start, vertices.len()), &Order::of_pairs(set));
+        Self { corners, slots, blocks: Blocks::new(&shapes, set), partitions, model, lame, plane, vertices }
     }
 
     /// The vertices of each fan, as [`Fan::corners`] has them.
@@ -200,28 +191,28 @@ impl Triangles {
     }
 
     /// Computes the elastic forces on this body's vertices and hands them out.
-    fn scatter(&self, target: &mut impl Target, scratch: &mut [f64]) {
+    fn scatter(&self, target: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
         struct Visit<'a, T>(&'a Triangles, &'a mut T, &'a mut [f64]);
-        impl<T: Target> Visitor for Visit<'_, T> {
-            type Output = ();
-            fn visit<M: Material>(self, material: &M) {
-                self.0.sweep(Elastic(*material), self.1, self.2);
+        impl<T: Accumulator> Visitor for Visit<'_, T> {
+            type Output = f64;
+            fn visit<M: Material>(self, material: &M) -> f64 {
+                self.0.assemble(Elastic(*material), self.1, self.2)
             }
         }
-        self.visit(Visit(self, target, scratch));
+        self.visit(Visit(self, target, scratch))
     }
 
     /// Moves this body's vertices by its elastic and its viscous forces, both of which need scratch.
-    fn kick_damped(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+    fn kick_damped(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) -> f64 {
         struct Visit<'a, 'b>(&'a Triangles, &'a mut Kicking<'b>, &'a mut [f64]);
         impl Visitor for Visit<'_, '_> {
-            type Output = ();
-            fn visit<M: Material>(self, material: &M) {
+            type Output = f64;
+            fn visit<M: Material>(self, material: &M) -> f64 {
                 let viscous = Viscous::new(self.1.uniform_force.stiffness_damping, self.0.lame);
-                self.0.sweep(Both(Elastic(*material), viscous), self.1, self.2);
+                self.0.assemble(Both(Elastic(*material), viscous), self.1, self.2)
             }
         }
-        self.visit(Visit(self, vertices, scratch));
+        self.visit(Visit(self, vertices, scratch))
     }
 
     /// Stored energy at these positions [J].
@@ -230,60 +221,29 @@ impl Triangles {
         impl Visitor for Visit<'_> {
             type Output = f64;
             fn visit<M: Material>(self, material: &M) -> f64 {
-                let Self(Triangles { vertices, fans: corners, blocks, .. }, x) = self;
+                let Self(Triangles { vertices, partitions, blocks, .. }, x) = self;
+                let corners = partitions.corners();
                 blocks.set().dispatch(blocks::Energy { material, corners, blocks, x: &x[2 * vertices.start..] })
             }
         }
         self.visit(Visit(self, x))
     }
 
-    /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them out. Each needs scratch.
-    pub(crate) fn sweep<const N: usize>(
+    /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them to the vertices of a scene. Each
+    /// needs scratch. Returns what these have [summed](Accumulator::sum).
+    pub(crate) fn assemble<const N: usize>(
         &self,
         laws: impl StressModel<N>,
-        target: &mut impl Target<N>,
+        target: &mut impl Accumulator<N>,
         scratch: &mut [f64],
-    ) {
-        self.piece().sweep(laws, target, scratch);
+    ) -> f64 {
+        let mut own = target.part(self.vertices.clone());
+        self.partitions.assemble(laws, &self.blocks, &mut own, scratch)
     }
 
-    fn piece(&self) -> Piece<'_> {
-        Piece { vertices: self.vertices.clone(), corners: &self.fans, blocks: self.blocks.all(), gather: &self.gather }
-    }
-
-    /// The body in parts, if it is large enough for several to share the work.
-    pub(crate) fn parts(&self) -> Option<&Parts> {
-        self.parts
-            .get_or_init(|| Parts::new(&self.fans(), &self.vertices, |fan| self.blocks.fan(fan), self.set()))
-            .as_ref()
-    }
-
-    /// What a step of the whole has to do with, with one stress.
-    pub(crate) fn bytes(&self) -> Bytes {
-        self.piece().bytes()
-    }
-
-    /// Takes a walker on its way through a number of steps, together with those of the other parts if there are any.
-    pub(crate) fn walk(&self, walker: &mut Walker, parts: Option<&Parts>, way: &Way, more: More<'_>) {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut Walker, Option<&'a Parts>, (&'a Way, More<'b>));
-        impl Visitor for Visit<'_, '_> {
-            type Output = ();
-            fn visit<M: Material>(self, material: &M) {
-                let Self(of, walker, parts, way) = self;
-                let (elastic, ground) = (Elastic(*material), (of.piece(), parts));
-                match of.viscous(way.0.uniform_force) {
-                    None => walker.walk::<_, 1>(elastic, ground, way),
-                    Some(viscous) => walker.walk::<_, 2>(Both(elastic, viscous), ground, way),
-                }
-            }
-        }
-        self.visit(Visit(self, walker, parts, (way, more)));
-    }
-
-    /// The viscous stress, if there is one.
-    fn viscous(&self, uniform_force: UniformForce) -> Option<Viscous> {
-        let beta = uniform_force.stiffness_damping;
-        (beta != 0.0).then(|| Viscous::new(beta, self.lame))
+    /// How many partitions several cores can share the work by.
+    pub const fn partitions(&self) -> usize {
+        self.partitions.count()
     }
 
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
@@ -334,7 +294,7 @@ impl Effect for Triangles {
     }
 
     fn scratch(&self) -> usize {
-        self.piece().scratch()
+        self.partitions.scratch()
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
@@ -347,11 +307,11 @@ impl Effect for Triangles {
 
     fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
         let size = self.scratch();
-        if vertices.uniform_force.stiffness_damping == 0.0 {
-            self.scatter(vertices, &mut scratch[..size]);
+        vertices.twice_kinetic += if vertices.uniform_force.stiffness_damping == 0.0 {
+            self.scatter(vertices, &mut scratch[..size])
         } else {
-            self.kick_damped(vertices, &mut scratch[..2 * size]);
-        }
+            self.kick_damped(vertices, &mut scratch[..2 * size])
+        };
     }
 
     /// Of a body in which no triangle is turned over none shall be, if its material has a barrier.

@@ -91,8 +91,6 @@ pub struct RunReport {
     pub seconds_per_step: Option<f64>,
     /// Time per computed triangle and step [ns]; null if none was computed.
     pub ns_per_triangle_step: Option<f64>,
-    /// Steps that several threads took together.
-    pub steps_together: u64,
     /// What each effect cost, its times measured in a second run of the same steps; empty where no report is written.
     pub effects: Vec<EffectReport>,
     /// Fingerprint of the last positions and velocities, equal on every machine.
@@ -145,7 +143,6 @@ impl RunReport {
             wall_seconds,
             seconds_per_step: ratio(wall_seconds, counts.computed() as f64),
             ns_per_triangle_step: ratio(wall_seconds * 1e9, counts.triangle_steps as f64),
-            steps_together: simulation.steps_together(),
             effects: Vec::new(),
             state_hash: format!("{:016x}", state.hash()),
             fault: simulation.fault().map(ToString::to_string),

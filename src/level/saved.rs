@@ -32,9 +32,9 @@ pub struct SavedState {
     /// Up to two earlier states, the latest first, that a step which the guard refuses is taken again from. They have none themselves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub checkpoints: Vec<SavedState>,
-    /// Of a checkpoint: whether the steps after it were taken in one batch.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub batched: bool,
+    /// A mark that earlier versions wrote to checkpoints: read, and of no effect.
+    #[serde(default, skip_serializing)]
+    pub batched: serde::de::IgnoredAny,
 }
 
 impl SavedState {
@@ -50,7 +50,7 @@ impl SavedState {
             pulled: None,
             guard: None,
             checkpoints: Vec::new(),
-            batched: false,
+            batched: serde::de::IgnoredAny,
         }
     }
 }
@@ -64,6 +64,9 @@ pub struct SavedGuard {
     /// Energy supplied so far [J].
     #[serde(deserialize_with = "finite")]
     pub supplied: f64,
+    /// Energy at the start, with what changes from outside have added [J].
+    #[serde(default, deserialize_with = "finite")]
+    pub start: f64,
     /// Kinetic energy up to which the other energies are not computed [J].
     #[serde(deserialize_with = "finite")]
     pub threshold: f64,

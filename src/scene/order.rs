@@ -7,7 +7,7 @@
 //! Nobody outside needs to know: levels, saved states, tables and messages go on with the names from the file ([`Numbering`]).
 
 use crate::{
-    elements::STRETCH,
+    elements::STAGE_ELEMENTS,
     meshes::{Mesh, Numbering},
     nets::Net,
 };
@@ -153,7 +153,7 @@ fn by_stretches<const N: usize>(vertices: usize, elements: &[[u32; N]], order: &
     let mut names: Vec<_> = (0..vertices as u32).collect();
     names.sort_by_key(|name| {
         let (count, last) = (count[*name as usize], last[*name as usize]);
-        (last / STRETCH, count, last)
+        (last / STAGE_ELEMENTS, count, last)
     });
     names
 }

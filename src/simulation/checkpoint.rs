@@ -10,10 +10,7 @@ use crate::{
 /// A moment to go back to.
 #[derive(Clone, Default)]
 pub(super) struct Checkpoint {
-    /// Its positions and velocities may be [`due`](Self::due).
     pub state: State,
-    /// Whether positions and velocities are still only where everything is, and nothing has moved since.
-    due: bool,
     /// What had been counted and booked then.
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
@@ -24,34 +21,7 @@ pub(super) struct Checkpoint {
 impl Checkpoint {
     /// One of an earlier part of the run, of which nothing was counted here.
     pub fn new(state: State, guard: Guard, (counts, costs): (Counts, &[EffectCost])) -> Self {
-        Self { state, due: false, counts, costs: costs.to_vec(), guard }
-    }
-
-    /// Writes its state to another one, where everything is now.
-    pub fn write_state(&self, now: &State, to: &mut State) {
-        to.clone_from(&self.state);
-        if self.due {
-            to.x.clone_from(&now.x);
-            to.v.clone_from(&now.v);
-        }
-    }
-
-    /// Takes positions and velocities from where everything is, if they are due.
-    pub fn keep(&mut self, state: &State) {
-        if std::mem::take(&mut self.due) {
-            self.state.x.clone_from(&state.x);
-            self.state.v.clone_from(&state.v);
-        }
-    }
-
-    /// Takes positions and velocities themselves, if they are due, and leaves others to be written over.
-    pub fn take_over(&mut self, state: &mut State) {
-        if std::mem::take(&mut self.due) {
-            for (own, moving) in [(&mut self.state.x, &mut state.x), (&mut self.state.v, &mut state.v)] {
-                std::mem::swap(own, moving);
-                moving.resize(own.len(), 0.0);
-            }
-        }
+        Self { state, counts, costs: costs.to_vec(), guard }
     }
 }
 
@@ -60,13 +30,7 @@ impl Simulation {
     pub(super) fn set_checkpoint(&mut self) {
         std::mem::swap(&mut self.checkpoint, &mut self.older);
         self.joined = !std::mem::take(&mut self.stale);
-        self.team.pass_checkpoint();
-        let State { x: _, v: _, time, steps, memory, calm } = &self.state;
-        let kept = &mut self.checkpoint.state;
-        (kept.time, kept.steps) = (*time, *steps);
-        kept.memory.clone_from(memory);
-        kept.calm.clone_from(calm);
-        self.checkpoint.due = true;
+        self.checkpoint.state.clone_from(&self.state);
         self.checkpoint.counts = self.scratch.counts;
         self.checkpoint.costs.clone_from(&self.scratch.costs);
         self.checkpoint.guard = self.guard.clone();

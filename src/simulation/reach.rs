@@ -88,7 +88,7 @@ impl Simulation {
     pub(super) fn measure_room(&mut self) {
         let inner = extents(&self.state.x);
         let outer = self.scratch.free.unwrap_or_else(|| surroundings(inner));
-        (self.scratch.room, self.scratch.reach) = (room(inner, outer), greatest(outer));
+        self.scratch.room = room(inner, outer);
     }
 }
 

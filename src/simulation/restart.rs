@@ -1,6 +1,6 @@
 //! Restart data: everything that a run needs to continue bit for bit.
 
-use super::{BATCH, Simulation, checkpoint::Checkpoint, stretch::MOST_BETWEEN};
+use super::{BATCH, Simulation, checkpoint::Checkpoint};
 use crate::{
     effects::Grab,
     guard::Guard,
@@ -31,8 +31,6 @@ pub struct Restart {
 struct Earlier {
     state: State,
     guard: Guard,
-    /// Whether the steps after it were taken in one batch, without checkpoints between them.
-    batched: bool,
 }
 
 impl Restart {
@@ -53,14 +51,14 @@ impl Restart {
         let mut last = saved.steps;
         for checkpoint in &saved.checkpoints {
             // Steps are taken again from it, so it can be neither later nor long ago.
-            if checkpoint.steps > last || last - checkpoint.steps > MOST_BETWEEN {
+            if checkpoint.steps > last || last - checkpoint.steps > BATCH {
                 restart.checkpoints.clear();
                 break;
             }
             last = checkpoint.steps;
             let state = scene.first_state(Some(checkpoint))?;
             let guard = checkpoint.guard.as_ref().map(Guard::from).unwrap_or_default();
-            restart.checkpoints.push(Earlier { state, guard, batched: checkpoint.batched });
+            restart.checkpoints.push(Earlier { state, guard });
         }
         Ok(restart)
     }
@@ -109,7 +107,6 @@ impl Simulation {
     pub fn write_restart(&self, restart: &mut Restart) {
         restart.state.clone_from(&self.state);
         (restart.grab, restart.guard) = (self.grab, self.guard.clone());
-        let walked = self.team.walked();
         let kept = if self.stale || !self.is_guarded() {
             0
         } else {
@@ -118,11 +115,9 @@ impl Simulation {
             1 + usize::from(self.joined && !is_due)
         };
         restart.checkpoints.resize_with(kept, Earlier::default);
-        let both = [&self.checkpoint, &self.older].into_iter().zip(walked);
-        for (earlier, (checkpoint, batched)) in restart.checkpoints.iter_mut().zip(both) {
-            checkpoint.write_state(&self.state, &mut earlier.state);
+        for (earlier, checkpoint) in restart.checkpoints.iter_mut().zip([&self.checkpoint, &self.older]) {
+            earlier.state.clone_from(&checkpoint.state);
             earlier.guard.clone_from(&checkpoint.guard);
-            earlier.batched = batched;
         }
     }
 
@@ -132,7 +127,7 @@ impl Simulation {
         // Where nothing is known to be pulled, what scripted actions pull at this time is.
         (self.grab, self.guard) = (from.grab.or(self.grab), from.guard.clone());
         let mut both = from.checkpoints.iter().map(|earlier| {
-            let Earlier { state, guard, .. } = earlier.clone();
+            let Earlier { state, guard } = earlier.clone();
             Checkpoint::new(state, guard, (self.scratch.counts, &self.scratch.costs))
         });
         if let Some(latest) = both.next() {
@@ -140,9 +135,6 @@ impl Simulation {
             self.joined = older.is_some();
             (self.checkpoint, self.older) = (latest, older.unwrap_or_default());
             self.stale = false;
-            let batched = |number: usize| from.checkpoints.get(number).is_some_and(|earlier| earlier.batched);
-            let seen = (self.checkpoint.state.steps == self.state.steps).then_some(self.state.steps);
-            self.team.recall([batched(0), batched(1)], seen);
         }
     }
 
@@ -159,11 +151,7 @@ impl Simulation {
             saved.guard = restart.guard.saved(hash(&saved));
             for earlier in &restart.checkpoints {
                 let guard = earlier.guard.saved(0);
-                saved.checkpoints.push(SavedState {
-                    guard,
-                    batched: earlier.batched,
-                    ..self.saved_state(&earlier.state)?
-                });
+                saved.checkpoints.push(SavedState { guard, ..self.saved_state(&earlier.state)? });
             }
         }
         Some(saved)

@@ -85,13 +85,6 @@ impl Island {
     }
 }
 
-impl Islands {
-    /// Steps between two looks at who is calm; as many as there are where nobody looks.
-    pub const fn every(&self) -> u64 {
-        if self.possible { self.every } else { u64::MAX }
-    }
-}
-
 impl Simulation {
     /// Which bodies, and after them which nets, sleep.
     pub fn sleeping(&self) -> impl Iterator<Item = bool> {
@@ -183,21 +176,6 @@ impl Simulation {
         }
     }
 
-    /// With more energy of motion than this [J] a body or net is not calm, if it lies no farther from the origin than so far along an axis
-    /// [m]: a mass m of which nothing is faster than v along either axis has m v² at most.
-    pub(super) fn calm_energy(&self, number: usize, reach: f64) -> f64 {
-        self.islands.all.get(number).map_or(f64::INFINITY, |island| {
-            let speed = island.calm_speed(reach, self.scene.step);
-            1.000_001 * island.mass * speed * speed
-        })
-    }
-
-    /// Books looks that would have found nobody calm.
-    pub(super) fn book_looks(&mut self) {
-        self.state.calm.resize(self.islands.all.len(), 0);
-        self.state.calm.iter_mut().filter(|calm| **calm != ASLEEP).for_each(|calm| *calm = 0);
-    }
-
     /// Lets those fall asleep that have been calm for long enough and stay where they are when let go; call it after the
     /// checkpoint of a step was set.
     pub(super) fn fall_asleep(&mut self) {
@@ -208,7 +186,6 @@ impl Simulation {
         if !self.state.calm.iter().any(|calm| *calm >= looks && *calm != ASLEEP) {
             return;
         }
-        self.checkpoint.keep(&self.state);
         self.let_go();
         let islands = std::mem::take(&mut self.islands.all);
         for (number, island) in islands.iter().enumerate() {

@@ -83,8 +83,6 @@ pub(super) struct Scratch {
     pub free: Option<Bounds>,
     /// How far every vertex may still go before it has to be looked where they are; negative if it is not known [m].
     pub room: f64,
-    /// How far from the origin along an axis no vertex is as long as there is room [m].
-    pub reach: f64,
     /// The energy of motion after the step [J], if it came along.
     pub kinetic: Option<f64>,
     /// The least mass of what can move [kg].
@@ -132,9 +130,10 @@ impl Scratch {
     }
 
     /// Takes off from the room what the fastest vertex may have gone in a step of length h [s]: its energy was not above all there
-    /// was, and round-off is far below what is added for it.
+    /// was, and round-off is far below what is added for it. Less than nothing is left where that is not known.
     pub fn shrink_room(&mut self, h: f64) {
-        self.room = shrunk(self.room, self.kinetic.unwrap_or(f64::NAN), self.lightest, h);
+        let speed = (2.0 * self.kinetic.unwrap_or(f64::NAN) / self.lightest).sqrt();
+        self.room = if speed <= State::LIMIT { self.room - 1.000_001 * h * speed } else { -1.0 };
     }
 
     /// What acts everywhere just now, if nothing else does beside the elements, and nobody wants to know what each effect costs.
@@ -169,13 +168,6 @@ impl Scratch {
             if cost.auto { cost.pass_over(NO_CONTACT) } else { cost.call(0) }
         }
     }
-}
-
-/// What is left of the room after a step of length h [s] with this energy of motion at its end [J]: none of the vertices, of which the
-/// lightest has this mass [kg], can have gone farther than with all that energy for itself. Less than nothing if there is no telling.
-pub(super) fn shrunk(room: f64, kinetic: f64, lightest: f64, h: f64) -> f64 {
-    let speed = (2.0 * kinetic / lightest).sqrt();
-    if speed <= State::LIMIT { room - 1.000_001 * h * speed } else { -1.0 }
 }
 
 /// A scene as the integrator sees it.

@@ -49,7 +49,7 @@ pub use suggestion::{NoErrors, Price, Suggestion, USUAL_ERRORS};
 pub use sweep::{Curve, Plan, Point, WorkPrecision};
 pub use trial::{Outcome, Run, Status, Trial};
 pub use twin::Twin;
-pub use workers::threads;
+pub use workers::{share_partitions, threads};
 pub(crate) use {march::Deadline, refine::with_triangles, workers::spread};
 
 use crate::{fault::Fault, scene::SceneError};

@@ -15,13 +15,18 @@ const FRAMES: u32 = 60;
 /// Longest time for one of the two [s].
 const LONGEST: f64 = 2.0;
 
-/// Two runs from the same state, frame by frame in turns: one as the level says, one with every effect that is switched on
+/// A turn that takes longer is not made longer still [s].
+const TURN: f64 = 1e-3;
+
+/// Two runs from the same state, in turns: one as the level says, one with every effect that is switched on
 /// forced and nobody asleep. Both come to the same bits but for sleep; what differs is the time they take.
 pub struct Savings {
     runs: [Simulation; 2],
     /// Processor time spent on all of a run [s].
     spent: [f64; 2],
-    frames: u32,
+    /// Steps that each has taken, and how many they take in turn: as many as take a short time, a frame of them at most.
+    steps: u64,
+    turn: u64,
     substeps: u64,
 }
 
@@ -60,7 +65,7 @@ impl Savings {
         for run in &mut runs {
             run.set_timed(true);
         }
-        Ok(Self { runs, spent: [0.0; 2], frames: 0, substeps: u64::from(level.substeps.get()) })
+        Ok(Self { runs, spent: [0.0; 2], steps: 0, turn: 1, substeps: u64::from(level.substeps.get()) })
     }
 
     /// Works for about `budget`.
@@ -69,28 +74,41 @@ impl Savings {
         loop {
             let slowest = self.spent[0].max(self.spent[1]);
             let stopped = self.runs.iter().any(|run| run.fault().is_some());
-            if self.frames >= FRAMES || slowest > LONGEST || stopped {
+            let most = u64::from(FRAMES) * self.substeps;
+            if self.steps >= most || slowest > LONGEST || stopped {
                 return Progress::FINISHED;
             }
             // Who goes first finds cold caches.
-            let first = self.frames as usize % 2;
+            let turn = self.turn.min(most - self.steps);
+            let first = (self.steps / turn) as usize % 2;
+            let mut longest = 0.0_f64;
             for number in [first, 1 - first] {
                 let stopwatch = Stopwatch::start();
-                self.runs[number].advance(self.substeps, &mut || true);
-                self.spent[number] += stopwatch.elapsed().as_secs_f64();
+                self.runs[number].advance(turn, &mut || true);
+                let spent = stopwatch.elapsed().as_secs_f64();
+                longest = longest.max(spent);
+                self.spent[number] += spent;
             }
-            self.frames += 1;
+            self.steps += turn;
+            if longest < TURN {
+                self.turn = (2 * self.turn).min(self.substeps);
+            }
             if deadline.passed() {
-                let done = f64::from(self.frames) / f64::from(FRAMES);
+                let done = self.steps as f64 / most as f64;
                 return Progress { done: done.max(slowest / LONGEST).min(1.0), finished: false };
             }
         }
     }
 
-    /// What each effect takes, in the order of the scene; nothing before the first frame.
+    /// How many frames of 1/60 s each has simulated.
+    fn frames(&self) -> f64 {
+        self.steps as f64 / self.substeps as f64
+    }
+
+    /// What each effect takes, in the order of the scene; nothing before the first step.
     pub fn each(&self) -> Vec<Saving> {
-        let frames = f64::from(self.frames);
-        let costs = self.runs[0].costs().iter().zip(self.runs[1].costs()).filter(|_| self.frames > 0);
+        let frames = self.frames();
+        let costs = self.runs[0].costs().iter().zip(self.runs[1].costs()).filter(|_| self.steps > 0);
         let saving = costs.map(|(own, forced)| {
             let [own_time, forced_time] = [own, forced].map(|cost| cost.time.as_secs_f64() / frames);
             Saving { name: own.name, own: own_time, forced: forced_time }
@@ -100,7 +118,7 @@ impl Savings {
 
     /// What a whole frame takes, as it is and forced [s]; nothing before the first.
     pub fn whole(&self) -> Option<[f64; 2]> {
-        (self.frames > 0).then(|| self.spent.map(|spent| spent / f64::from(self.frames)))
+        (self.steps > 0).then(|| self.spent.map(|spent| spent / self.frames()))
     }
 
     /// The two runs: as it is, and forced.

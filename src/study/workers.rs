@@ -11,6 +11,16 @@ pub fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
+/// Lets large bodies be stepped on several cores wherever this thread steps them: it becomes the first of a pool of so many threads, which
+/// share the partitions of a body. The same bits come of any number. Call it once in a process; further calls change nothing. Elsewhere,
+/// step inside of [`rayon::ThreadPool::install`].
+pub fn share_partitions(threads: usize) {
+    if threads > 1 {
+        // Where there are no threads to be had, and in a second call, all goes on with those that there are.
+        let _as_it_is = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global();
+    }
+}
+
 /// Hands out tasks in their order, each to the next thread that is free. `work` returns false to hand out no more.
 /// Tasks know nothing of each other, so what comes out does not depend on the number of threads.
 #[cfg(not(target_arch = "wasm32"))]

@@ -1,0 +1,338 @@
+//! Partitions of a body: ranges of fans whose forces are assembled independently, on as many cores as there are.
+//!
+//! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions, and gives those
+//! vertices their forces that no other partition has to do with. At an interface vertex the sums of the partitions are added in the
+//! order of the partitions afterwards. So any number of threads gives the same bits.
+
+use super::{
+    Accumulator, Scatter,
+    blocks::{Block, Blocks, Collected, Forces, StressModel},
+    corners::{Corners, RUN},
+    gather::{Gather, STAGE, pairs, room},
+};
+use crate::simd::{LANES, NEAR, Order, Pairs};
+use pulp::Simd;
+use std::{array::from_fn, ops::Range};
+use wide::f64x2;
+
+/// A stage begins with a run.
+const _: () = assert!(STAGE.is_multiple_of(RUN));
+
+/// The fewest fans of a partition: fewer take less time than it takes to hand them to another core.
+const FANS: usize = 2048;
+
+/// The greatest share of vertices that may lie on interfaces, as one core adds them up; else there are fewer partitions.
+const INTERFACE: f64 = 0.05;
+
+/// All partitions of a body. Vertices are counted from the first of the body.
+#[derive(Debug)]
+pub struct Partitions {
+    all: Vec<Partition>,
+    vertices: usize,
+    /// The vertices of all fans, where there are several partitions.
+    whole: Option<Corners<4>>,
+    /// The interface vertices, each with the end of its slots.
+    interface: Vec<(u32, u32)>,
+    /// Where the partial sums of each interface vertex are, in the order of the partitions.
+    slots: Vec<u32>,
+}
+
+/// A range of fans and the range of vertices that it owns.
+#[derive(Debug)]
+struct Partition {
+    owned: Range<usize>,
+    blocks: Range<usize>,
+    /// The interface vertices that its fans have, ascending. In the partition's numbering they come after the owned ones.
+    shared: Vec<u32>,
+    corners: Corners<4>,
+    gather: Gather,
+}
+
+/// The first fan of each partition, the vertices that each owns, and the interface vertices.
+struct Cut {
+    fans: Vec<usize>,
+    owned: Vec<Range<usize>>,
+    interface: Vec<u32>,
+}
+
+impl Cut {
+    /// Cuts fans into equal parts. A vertex between the fans of two partitions belongs to the interface if both have to do with it, or
+    /// if the one that has does not own it.
+    fn new(fans: &[[u32; 4]], vertices: usize, count: usize) -> Self {
+        let begin = |part: usize| fans.len() * part / count / LANES * LANES;
+        let begins: Vec<_> = (0..count).map(begin).collect();
+        let mut touching = vec![None; vertices];
+        for (fan, corners) in fans.iter().enumerate() {
+            let part = begins.partition_point(|begin| *begin <= fan) - 1;
+            for &corner in corners {
+                let (_, last) = touching[corner as usize].get_or_insert((part, part));
+                *last = part;
+            }
+        }
+        let mut bounds = vec![0];
+        for part in 1..count {
+            let later = touching.iter().position(|parts| parts.is_some_and(|(_, last)| last >= part));
+            let earlier = touching.iter().rposition(|parts| parts.is_some_and(|(first, _)| first < part));
+            let middle = later.unwrap_or(vertices).midpoint(earlier.map_or(0, |last| last + 1));
+            bounds.push((middle / 4 * 4).max(bounds[part - 1]));
+        }
+        bounds.push(vertices);
+        let owned: Vec<_> = bounds.windows(2).map(|ends| ends[0]..ends[1]).collect();
+        let is_shared = |&vertex: &u32| {
+            touching[vertex as usize]
+                .is_some_and(|(first, last)| first != last || !owned[first].contains(&(vertex as usize)))
+        };
+        let interface = (0..vertices as u32).filter(is_shared).collect();
+        Self { fans: begins, owned, interface }
+    }
+}
+
+impl Partitions {
+    /// The partitions of a body with these fans and a number of vertices, the first of which is a vertex of the scene.
+    pub fn new(fans: &[[u32; 4]], (first, vertices): (usize, usize), order: &Order) -> Self {
+        let mut cut = Cut::new(fans, vertices, (fans.len() / FANS).max(1));
+        while cut.fans.len() > 1 && cut.interface.len() as f64 > INTERFACE * vertices as f64 {
+            cut = Cut::new(fans, vertices, cut.fans.len() / 2);
+        }
+        let Cut { fans: begins, owned, interface } = cut;
+        let ends = begins.iter().skip(1).copied().chain([fans.len()]);
+        let all: Vec<_> = begins
+            .iter()
+            .zip(ends)
+            .zip(owned)
+            .map(|((begin, end), owned)| Partition::new(&fans[*begin..end], *begin, owned, (first, &interface), order))
+            .collect();
+        let mut places = vec![Vec::new(); interface.len()];
+        let shared = all.iter().flat_map(|partition| &partition.shared);
+        for (slot, vertex) in shared.enumerate() {
+            places[interface.partition_point(|other| other < vertex)].push(slot as u32);
+        }
+        let slots = places.concat();
+        let ends = places.iter().scan(0, |end, places| {
+            *end += places.len() as u32;
+            Some(*end)
+        });
+        let interface = interface.into_iter().zip(ends).collect();
+        Self { whole: (all.len() > 1).then(|| Corners::new(fans, 0)), all, vertices, interface, slots }
+    }
+
+    /// The vertices of all fans.
+    pub fn corners(&self) -> &Corners<4> {
+        self.whole.as_ref().unwrap_or_else(|| &self.all[0].corners)
+    }
+
+    /// How many partitions there are.
+    pub const fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    /// How many numbers of scratch the assembly needs for each stress.
+    pub fn scratch(&self) -> usize {
+        2 * self.slots.len() + self.all.iter().map(|partition| partition.scratch(1)).sum::<usize>()
+    }
+
+    /// Computes the forces of stresses on all fans, and hands the sums at their vertices to a target. Returns what the target has
+    /// [summed](Accumulator::sum).
+    pub fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
+        &self,
+        laws: L,
+        blocks: &Blocks,
+        target: &mut T,
+        scratch: &mut [f64],
+    ) -> f64 {
+        let (partial, copies) = scratch.split_at_mut(2 * N * self.slots.len());
+        let partial = partial.as_chunks_mut().0;
+        if self.all.len() > 1 {
+            let [x, v] = target.motion();
+            let mut left = &mut *copies;
+            for partition in &self.all {
+                let own = left.split_off_mut(..partition.scratch(N)).unwrap_or_default();
+                partition.copy_shared([x, if L::RATE { v } else { &[] }], own);
+            }
+        }
+        let job = Job { laws, blocks: blocks.all() };
+        let sum = job.run(&self.all, target.part(0..self.vertices), copies, partial);
+        let mut begin = 0;
+        target.take(self.interface.iter().map(|&(vertex, end)| {
+            let slots = &self.slots[begin..end as usize];
+            begin = end as usize;
+            let mut forces = [f64x2::ZERO; N];
+            for &slot in slots {
+                for (law, force) in forces.iter_mut().enumerate() {
+                    *force += f64x2::new(partial[slot as usize * N + law]);
+                }
+            }
+            (vertex as usize, forces)
+        }));
+        sum + target.sum()
+    }
+}
+
+/// What is the same for all partitions.
+#[derive(Clone, Copy)]
+struct Job<'a, L> {
+    laws: L,
+    blocks: &'a [Block],
+}
+
+impl<L> Job<'_, L> {
+    /// Assembles the forces of some partitions; the target holds the vertices that they own. The halves of the list are added as a
+    /// tree, whoever computes them.
+    fn run<T: Accumulator<N>, const N: usize>(
+        self,
+        partitions: &[Partition],
+        target: T,
+        scratch: &mut [f64],
+        partial: &mut [[f64; 2]],
+    ) -> f64
+    where
+        L: StressModel<N>,
+    {
+        let (first, second) = match partitions {
+            [] => return 0.0,
+            [partition] => return partition.assemble(self, target, scratch, partial),
+            _ => partitions.split_at(partitions.len() / 2),
+        };
+        let sizes = |partition: &Partition| [partition.owned.len(), partition.scratch(N), N * partition.shared.len()];
+        let [vertices, numbers, slots] =
+            first.iter().map(sizes).fold([0; 3], |sums, sizes| from_fn(|which| sums[which] + sizes[which]));
+        let (one, other) = target.split(vertices);
+        let (scratch, other_scratch) = scratch.split_at_mut(numbers);
+        let (partial, other_partial) = partial.split_at_mut(slots);
+        let sums =
+            join(|| self.run(first, one, scratch, partial), || self.run(second, other, other_scratch, other_partial));
+        sums.0 + sums.1
+    }
+}
+
+/// Runs both: at once, if this thread belongs to a pool of several.
+fn join(one: impl FnOnce() -> f64 + Send, other: impl FnOnce() -> f64 + Send) -> (f64, f64) {
+    if rayon::current_thread_index().is_some() { rayon::join(one, other) } else { (one(), other()) }
+}
+
+impl Partition {
+    fn new(
+        fans: &[[u32; 4]],
+        begin: usize,
+        owned: Range<usize>,
+        (first, interface): (usize, &[u32]),
+        order: &Order,
+    ) -> Self {
+        let is_shared = |vertex: &u32| interface.binary_search(vertex).is_ok();
+        let mut shared: Vec<_> = fans.as_flattened().iter().copied().filter(is_shared).collect();
+        shared.sort_unstable();
+        shared.dedup();
+        let renumbered = |vertex: u32| match shared.binary_search(&vertex) {
+            Ok(at) => owned.len() + at,
+            Err(_) => vertex as usize - owned.start,
+        };
+        let corners: Vec<_> = fans.iter().map(|fan| fan.map(|vertex| renumbered(vertex) as u32)).collect();
+        let is_summed = |vertex: u32| vertex as usize >= owned.len() || !is_shared(&(vertex + owned.start as u32));
+        let summed = (0..(owned.len() + shared.len()) as u32).filter(|vertex| is_summed(*vertex)).collect();
+        let gather = Gather::new(&corners, summed, first + owned.start, order);
+        let begin = begin / LANES;
+        let blocks = begin..begin + fans.len().div_ceil(LANES);
+        Self { owned, blocks, shared, corners: Corners::new(&corners, 0), gather }
+    }
+
+    /// How many numbers a copy of the positions takes, with so many after them that from any of them on there are
+    /// [`Near`](crate::simd::Near) ones.
+    fn copy(&self) -> usize {
+        2 * (self.owned.len() + self.shared.len()) + NEAR
+    }
+
+    /// How many numbers of scratch it needs for N stresses.
+    fn scratch(&self, stresses: usize) -> usize {
+        2 * self.copy() + stresses * room(4 * self.gather.buffer())
+    }
+
+    /// Copies what its fans have to do with at the interface.
+    fn copy_shared(&self, motion: [&[f64]; 2], scratch: &mut [f64]) {
+        for (values, copy) in motion.into_iter().zip(scratch.chunks_mut(self.copy())) {
+            let values: &[[f64; 2]] = values.as_chunks().0;
+            let copy: &mut [[f64; 2]] = &mut copy.as_chunks_mut().0[self.owned.len()..];
+            for (to, vertex) in copy.iter_mut().zip(&self.shared) {
+                if let Some(value) = values.get(*vertex as usize) {
+                    *to = *value;
+                }
+            }
+        }
+    }
+
+    /// Assembles the forces on its fans. The target holds the vertices that it owns; the forces at the interface are written to
+    /// `partial`.
+    fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
+        &self,
+        Job { laws, blocks }: Job<'_, L>,
+        target: T,
+        scratch: &mut [f64],
+        partial: &mut [[f64; 2]],
+    ) -> f64 {
+        let (x, scratch) = scratch.split_at_mut(self.copy());
+        let (v, mut scratch) = scratch.split_at_mut(self.copy());
+        let own = 2 * self.owned.len();
+        let [from_x, from_v] = target.motion();
+        x[..own].copy_from_slice(&from_x[..own]);
+        if L::RATE {
+            v[..own].copy_from_slice(&from_v[..own]);
+        }
+        let each = room(4 * self.gather.buffer());
+        let mut forces: [&mut [Pairs]; N] = from_fn(|_| pairs(scratch.split_off_mut(..each).unwrap_or_default()));
+        let mut collected = Collected::default();
+        let mut target = Local { target, owned: self.owned.len(), partial };
+        let mut stages = self.gather.stages();
+        for stage in 0..self.gather.count() {
+            let span = self.gather.span(stage);
+            let slot = 4 * self.gather.slot(stage);
+            let out = forces.each_mut().map(|forces| forces[slot..].as_chunks_mut().0.as_chunks_mut().0);
+            self.gather.set().dispatch(Forces {
+                laws,
+                corners: &self.corners,
+                first: span.start / RUN,
+                blocks: &blocks[self.blocks.clone()][span],
+                x,
+                v,
+                collected: &mut collected,
+                out,
+            });
+            stages.add(forces.each_ref().map(|forces| &**forces), &mut target);
+        }
+        target.target.sum()
+    }
+}
+
+/// The target of a partition, and the partial sums at the interface.
+struct Local<'a, T> {
+    target: T,
+    /// How many vertices come before those of the interface.
+    owned: usize,
+    partial: &'a mut [[f64; 2]],
+}
+
+impl<T: Scatter<N>, const N: usize> Scatter<N> for Local<'_, T> {
+    #[inline(always)]
+    fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
+        let Self { target, owned, partial } = self;
+        target.take(forces.filter(|&(vertex, forces)| {
+            let Some(at) = vertex.checked_sub(*owned) else { return true };
+            for (law, force) in forces.iter().enumerate() {
+                partial[at * N + law] = force.to_array();
+            }
+            false
+        }));
+    }
+
+    #[inline(always)]
+    fn take_run<S: Simd>(
+        &mut self,
+        set: S,
+        first: usize,
+        fours: impl ExactSizeIterator<Item = [[f64x2; N]; 4]>,
+        rest: impl ExactSizeIterator<Item = [f64x2; N]>,
+    ) {
+        if first + 4 * fours.len() + rest.len() > self.owned {
+            return self.take((first..).zip(fours.flatten().chain(rest)));
+        }
+        self.target.take_run(set, first, fours, rest);
+    }
+}

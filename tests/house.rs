@@ -175,18 +175,3 @@ fn files_speak_of_nothing_outside() {
         );
     }
 }
-
-#[test]
-fn the_readme_names_every_level_and_every_key() {
-    let readme = fs::read_to_string("README.md").unwrap();
-    for (file, _) in gingerbread::levels::BUILT_IN {
-        assert!(readme.contains(&format!("`{}`", file.trim_end_matches(".ron"))), "the README lacks {file}");
-    }
-    for binding in gingerbread::app::keys::TABLE {
-        let named = readme.lines().filter(|line| line.starts_with("| ")).any(|line| {
-            let cell = line.trim_start_matches("| ").split(" |").next().unwrap_or_default();
-            cell.split(", ").any(|key| key == binding.label)
-        });
-        assert!(named, "the README lacks {}", binding.label);
-    }
-}

@@ -49,9 +49,12 @@
 //! | [`study`] | what accuracy costs in time: references, work-precision diagrams, mesh studies, drift |
 //! | [`levels`], [`files`] | the levels that come along; reading and saving |
 //! | [`hard`] | what is hard to hold: the gallery of hard cases, and what decides them |
-//! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers) |
-//! | [`app`] | the window; the one room that says egui |
+//! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
+//! | `app` | the window; the one room that says egui; feature `window` |
+//!
+//! Without both features the crate is the simulation alone.
 
+#![forbid(unsafe_code)]
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod text;
@@ -108,7 +111,8 @@ pub mod levels;
 
 pub mod hard;
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "cli", not(target_arch = "wasm32")))]
 pub mod headless;
 
+#[cfg(feature = "window")]
 pub mod app;

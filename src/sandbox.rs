@@ -125,6 +125,7 @@ impl Sandbox {
     }
 
     /// Takes a mesh that was made elsewhere for when a command asks for its recipe.
+    #[cfg(feature = "window")]
     pub(crate) fn prepare(&mut self, body: Body) {
         self.shelve([body]);
     }

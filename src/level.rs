@@ -3,6 +3,7 @@
 //! Levels are RON. Unknown fields, wrong types and numbers out of range are refused with the line and column
 //! (see [`crate::files`]). The level is also the document that the window edits, undoes and saves.
 
+mod builders;
 mod saved;
 mod script;
 mod steps;

@@ -35,6 +35,12 @@ macro_rules! registry {
                 match self { $(Self::$Kind(kind) => kind),+ }
             }
         }
+
+        $(impl From<$Type> for $Name {
+            fn from(kind: $Type) -> Self {
+                Self::$Kind(kind)
+            }
+        })+
     };
     ($(#[$attribute:meta])* $vis:vis enum $Name:ident: static $Trait:ident($Parameters:ty) via $Visitor:ident
         { $($Kind:ident($Type:ty)),+ $(,)? }) => {

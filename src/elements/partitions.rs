@@ -71,10 +71,15 @@ impl Cut {
         }
         let mut bounds = vec![0];
         for part in 1..count {
-            let later = touching.iter().position(|parts| parts.is_some_and(|(_, last)| last >= part));
-            let earlier = touching.iter().rposition(|parts| parts.is_some_and(|(first, _)| first < part));
-            let middle = later.unwrap_or(vertices).midpoint(earlier.map_or(0, |last| last + 1));
-            bounds.push((middle / 4 * 4).max(bounds[part - 1]));
+            // How many more vertices of later partitions than of earlier ones come before a vertex: least where they part best.
+            let (mut balance, mut best) = (0_i64, (0, 0));
+            for (vertex, parts) in touching.iter().enumerate() {
+                if vertex % 4 == 0 && balance < best.0 {
+                    best = (balance, vertex);
+                }
+                balance += parts.map_or(0, |(first, last)| i64::from(first >= part) - i64::from(last < part));
+            }
+            bounds.push(best.1.max(bounds[part - 1]));
         }
         bounds.push(vertices);
         let owned: Vec<_> = bounds.windows(2).map(|ends| ends[0]..ends[1]).collect();

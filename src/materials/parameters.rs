@@ -76,6 +76,14 @@ pub enum BadMaterial {
     NotExact(Model),
 }
 
+impl Default for MaterialParameters {
+    /// Soft gingerbread: corotated, E = 1000 Pa, nu = 0.3, plane strain.
+    fn default() -> Self {
+        let (young, poisson) = (Young::literal(1000.0), Poisson::literal(0.3));
+        Self { model: Model::Corotated, young, poisson, plane: Plane::Strain }
+    }
+}
+
 impl MaterialParameters {
     /// Checked parameters.
     ///

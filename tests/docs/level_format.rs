@@ -139,7 +139,8 @@ fn members(body: &[&str]) -> Vec<Item> {
         } else if text.starts_with("#[") {
             next.default |= text.contains("default");
         } else if let Some((name, kind)) = text.strip_prefix("pub ").and_then(|field| field.split_once(": ")) {
-            (next.name, next.kind) = (name.to_owned(), kind.trim_end_matches(',').to_owned());
+            name.clone_into(&mut next.name);
+            kind.trim_end_matches(',').clone_into(&mut next.kind);
             items.push(std::mem::take(&mut next));
         } else if text.starts_with(|first: char| first.is_ascii_uppercase()) {
             let end = text.find(['(', ' ', ',']).unwrap_or(text.len());

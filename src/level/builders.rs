@@ -1,0 +1,111 @@
+//! Levels built in code.
+
+use super::{BodyLevel, EffectLevel, Level, MassLevel, NetLevel, no_spin, no_velocity, unstretched};
+use crate::{
+    effects::EffectKind, integrators::IntegratorKind, materials::MaterialParameters, meshes::MeshKind, nets::NetKind,
+    quantity::ParticleMass,
+};
+
+impl Level {
+    /// A level without bodies and effects, with the defaults of a level file.
+    ///
+    /// ```
+    /// use gingerbread::{
+    ///     effects::Gravity,
+    ///     integrators::ImplicitEuler,
+    ///     level::{BodyLevel, Level, MassLevel, Pin},
+    ///     materials::MaterialParameters,
+    ///     meshes::{Disk, NoFiles},
+    ///     quantity::Density,
+    ///     scene::Scene,
+    ///     simulation::Simulation,
+    /// };
+    ///
+    /// let jelly = MaterialParameters::default();
+    /// let density = MassLevel::Density(Density::new(100.0)?);
+    /// let disk = BodyLevel { pins: vec![Pin::Top], ..BodyLevel::new("disk", Disk::default(), jelly, density) };
+    /// let level = Level::new("Hanging disk").with_body(disk).with_effect(Gravity::default());
+    /// let level = Level { integrator: ImplicitEuler::default().into(), ..level };
+    ///
+    /// let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+    /// let mut simulation = Simulation::open(scene, &level, level.mode)?;
+    /// simulation.advance(10, &mut || true);
+    /// assert!(simulation.energies().elastic > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            about: String::new(),
+            mode: super::RunMode::default(),
+            substeps: super::Substeps::default(),
+            paces: super::Paces::default(),
+            integrator: IntegratorKind::default(),
+            guard: super::Toggle::default(),
+            sleep: super::Toggle::default(),
+            bodies: Vec::new(),
+            nets: Vec::new(),
+            toy: None,
+            effects: Vec::new(),
+            test: None,
+            actions: Vec::new(),
+            state: None,
+        }
+    }
+
+    /// The level with one more body.
+    #[must_use]
+    pub fn with_body(mut self, body: BodyLevel) -> Self {
+        self.bodies.push(body);
+        self
+    }
+
+    /// The level with one more net.
+    #[must_use]
+    pub fn with_net(mut self, net: NetLevel) -> Self {
+        self.nets.push(net);
+        self
+    }
+
+    /// The level with one more effect, which acts in every mode.
+    #[must_use]
+    pub fn with_effect(mut self, effect: impl Into<EffectKind>) -> Self {
+        self.effects.push(EffectLevel {
+            effect: effect.into(),
+            switch: super::Switch::Auto,
+            when: super::When::Always,
+        });
+        self
+    }
+}
+
+impl BodyLevel {
+    /// A body at rest, free and in its rest shape.
+    pub fn new(
+        name: impl Into<String>,
+        mesh: impl Into<MeshKind>,
+        material: MaterialParameters,
+        mass: MassLevel,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            mesh: mesh.into(),
+            place: super::Place::default(),
+            material,
+            mass,
+            stretch: unstretched(),
+            start: super::StartShape::default(),
+            velocity: no_velocity(),
+            spin: no_spin(),
+            pins: Vec::new(),
+            slides: Vec::new(),
+        }
+    }
+}
+
+impl NetLevel {
+    /// A net at rest and free, each of whose particles has a mass.
+    pub fn new(name: impl Into<String>, net: impl Into<NetKind>, mass: ParticleMass) -> Self {
+        Self { name: name.into(), net: net.into(), mass, velocity: no_velocity(), pins: Vec::new() }
+    }
+}

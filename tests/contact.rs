@@ -49,7 +49,7 @@ const ALL: &str =
     Polygon(points: [(0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.5, 0.4), (0.2, 0.8)], eps: 0.02)";
 
 #[test]
-fn near_a_wall_velocity_inwards_is_removed_and_every_other_part_stays() {
+fn a_wall_removes_only_the_inward_velocity() {
     let mut random = Random(1);
     for obstacle in obstacles(ALL) {
         let mut near = 0;
@@ -111,7 +111,7 @@ fn obstacles_without_a_shape_are_refused_with_a_reason() {
 }
 
 #[test]
-fn a_vertex_beyond_an_edge_of_the_world_is_put_back_and_loses_its_velocity_outwards() {
+fn domain_edges_stop_vertices_and_outward_velocity() {
     let mut simulation = simulation(&sheet(
         "Corotated",
         "velocity: (40, -3)",
@@ -128,7 +128,7 @@ fn a_vertex_beyond_an_edge_of_the_world_is_put_back_and_loses_its_velocity_outwa
 
 /// The drop in the house, from rest, for every model: finite, whole, and never more energy than at the start.
 #[test]
-fn all_models_survive_ten_seconds_in_the_house_without_an_inverted_triangle_or_a_gain_of_energy() {
+fn all_models_survive_the_drop_in_the_house() {
     let mut level = files::parse(levels::built_in("gingerbread_house").unwrap(), "gingerbread_house.ron").unwrap();
     for (&model, name) in gingerbread::materials::Model::ALL.iter().zip(models()) {
         level.bodies[0].material = level.bodies[0].material.with_model(model);
@@ -191,7 +191,7 @@ fn a_vertex_pushed_out_of_a_flat_side_goes_on_sliding() {
 }
 
 #[test]
-fn the_distance_and_direction_of_a_ball_and_a_box_are_those_of_geometry() {
+fn distance_and_normal_of_ball_and_plane_match_geometry() {
     let mut random = Random(3);
     let ball = &obstacles("Ball(centre: (0.5, 0.5), radius: 0.2, eps: 0.05)")[0];
     let plane = &obstacles("Plane(point: (0, 0.4), normal: (0, 3), eps: 0.05)")[0];

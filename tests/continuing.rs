@@ -124,8 +124,9 @@ fn scripted(integrator: IntegratorKind, guard: Toggle) -> Level {
     Level { integrator, guard, ..common::level(text) }
 }
 
+/// Saving, rewinding and undoing change no bit.
 #[test]
-fn scripted_actions_go_on_bit_equal_after_saving_rewinding_and_undoing() {
+fn scripted_actions_continue_bit_equal() {
     const STEPS: u64 = 240;
     let mut unstable = Vec::new();
     for (number, integrator) in (0_u64..).zip(IntegratorKind::all()) {
@@ -169,7 +170,7 @@ fn scripted_actions_go_on_bit_equal_after_saving_rewinding_and_undoing() {
 }
 
 #[test]
-fn every_hard_case_runs_as_a_level_with_its_actions_and_goes_on_after_saving() {
+fn hard_cases_run_as_levels_and_continue_bit_equal() {
     let mut with_actions = 0;
     for (file, text) in gingerbread::levels::HARD {
         let mut level = files::parse(text, file).unwrap();

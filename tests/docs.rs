@@ -151,8 +151,9 @@ fn the_level_that_is_explained_is_the_one_that_ships() {
     assert!(read("docs/levels.md").contains(level), "docs/levels.md should contain levels/cantilever.ron as it is");
 }
 
+/// Each line has the key, its mode and its words.
 #[test]
-fn the_page_of_keys_lists_every_key_with_its_mode_and_its_words() {
+fn the_page_of_keys_lists_every_key() {
     let page = read("docs/keys.md");
     for binding in TABLE {
         let row = format!("| {} | {} | {} |", binding.label, binding.when.title(), binding.words);
@@ -161,7 +162,7 @@ fn the_page_of_keys_lists_every_key_with_its_mode_and_its_words() {
 }
 
 #[test]
-fn the_page_of_the_command_line_names_every_option_and_every_field_of_a_report() {
+fn the_command_line_page_names_options_and_report_fields() {
     let page = read("docs/command-line.md");
     let options = |command: &Command| {
         let longs = command.get_arguments().filter_map(Arg::get_long);

@@ -94,8 +94,9 @@ fn modes(level: &Level) -> &'static [RunMode] {
     if differ { &MODES } else { &MODES[..1] }
 }
 
+/// Each level runs ten seconds under a hand.
 #[test]
-fn what_passes_itself_over_leaves_every_bit_as_it_is_in_every_level_under_a_hand_for_ten_seconds() {
+fn skipping_idle_effects_changes_no_bit_in_any_level() {
     let one = |(file, text): &(&str, &str)| {
         let mut skipped = 0;
         let level = coarse(text, file);
@@ -127,8 +128,9 @@ fn with(effect: &str) -> Simulation {
     simulation(&sheet("Corotated", "", &format!("substeps: 20, sleep: Off, effects: [{effect}]")))
 }
 
+/// Obstacles of one kind are numbered.
 #[test]
-fn numbers_of_walls_are_named_by_their_obstacle_and_those_of_a_kind_are_numbered() {
+fn wall_parameters_are_named_by_their_obstacle() {
     let ball = || ObstacleKind::Ball(Ball::default());
     let cuboid = Box::new(ObstacleKind::Cuboid(Cuboid::default()));
     let moving = Moving { obstacle: cuboid, ..Moving::default() };
@@ -146,7 +148,7 @@ fn numbers_of_walls_are_named_by_their_obstacle_and_those_of_a_kind_are_numbered
 }
 
 #[test]
-fn every_effect_can_say_why_it_has_nothing_to_do_and_is_not_called_then() {
+fn an_idle_effect_is_not_called_and_says_why() {
     for kind in EffectKind::all() {
         let mut level = sheet("Corotated", "", "substeps: 20, sleep: Off");
         let mut effect = kind.clone();
@@ -173,7 +175,7 @@ fn every_effect_can_say_why_it_has_nothing_to_do_and_is_not_called_then() {
 }
 
 #[test]
-fn a_scene_without_walls_asks_no_wall_and_one_without_damping_damps_nothing() {
+fn effects_not_listed_or_off_are_never_evaluated() {
     let mut bare = with("(effect: Gravity(down: 1))");
     bare.advance(200, &mut || true);
     let names: Vec<_> = bare.costs().iter().map(|cost| cost.name).collect();
@@ -184,8 +186,9 @@ fn a_scene_without_walls_asks_no_wall_and_one_without_damping_damps_nothing() {
     assert_eq!((off.costs(), off.state()), (bare.costs(), bare.state()), "what is off is as if it were not listed");
 }
 
+/// Walls are evaluated within reach, friction from the first contact on.
 #[test]
-fn a_wall_is_asked_from_when_it_is_within_reach_and_friction_from_when_something_touches() {
+fn walls_and_friction_are_evaluated_only_when_near() {
     let wall = "(effect: Walls(obstacles: [Plane(point: (0, 0.2), normal: (0, 1), eps: 0.01)])), (effect: Friction(coefficient: 0.5)),";
     let mut run = with(&format!("{wall} (effect: Gravity(down: 1))"));
     // It falls 9 cm: sqrt(2 * 0.09) s.
@@ -203,7 +206,7 @@ fn a_wall_is_asked_from_when_it_is_within_reach_and_friction_from_when_something
 
 /// A body in a bowl is inside the box around the bowl, but not near its surface.
 #[test]
-fn an_obstacle_of_many_sides_is_out_of_reach_where_none_of_its_sides_is_near() {
+fn a_polygon_is_out_of_reach_far_from_all_its_sides() {
     let bowl = "(effect: Walls(obstacles: [Polygon(points: [(-1, -1), (2, -1), (2, 2), (1.9, 2), (1.9, 0), (-0.9, 0), (-0.9, 2.1), (-1, 2.2)], eps: 0.01)])),";
     let mut run = with(bowl);
     run.advance(100, &mut || true);
@@ -215,7 +218,7 @@ fn an_obstacle_of_many_sides_is_out_of_reach_where_none_of_its_sides_is_near() {
 }
 
 #[test]
-fn implicit_and_error_controlled_schemes_pass_over_walls_too_and_a_nan_is_still_found() {
+fn every_scheme_skips_walls_out_of_reach() {
     let wall = "effects: [(effect: Gravity(down: 3)), (effect: Walls(obstacles: [Plane(point: (0, 0.2), normal: (0, 1), eps: 0.01)]))]";
     for kind in IntegratorKind::all() {
         let level = Level { integrator: kind.clone(), ..sheet("Corotated", "", &format!("substeps: 20, {wall}")) };
@@ -230,7 +233,7 @@ fn implicit_and_error_controlled_schemes_pass_over_walls_too_and_a_nan_is_still_
 }
 
 #[test]
-fn a_level_that_lists_an_effect_twice_where_it_makes_no_sense_says_so() {
+fn an_effect_listed_twice_is_refused_or_warned_about() {
     let refused = |effects: &str| {
         let level = sheet("Corotated", "", &format!("effects: [{effects}]"));
         Scene::build(&level, level.mode, &NoFiles, None).err().map(|error| error.to_string()).unwrap_or_default()
@@ -252,7 +255,7 @@ fn a_level_that_lists_an_effect_twice_where_it_makes_no_sense_says_so() {
 }
 
 #[test]
-fn what_skipping_saves_is_measured_against_the_same_run_with_everything_forced() {
+fn savings_compare_with_a_run_of_all_effects_forced() {
     let wall = "effects: [(effect: Gravity(down: 1)), (effect: MouseSpring(stiffness: 9)), (effect: Walls(obstacles: [Plane(point: (0, -9), normal: (0, 1), eps: 0.01)]))]";
     let level = sheet("Corotated", "", &format!("substeps: 20, {wall}"));
     let mut savings = Savings::new(&level, &NoFiles).unwrap();
@@ -274,8 +277,9 @@ fn what_skipping_saves_is_measured_against_the_same_run_with_everything_forced()
     assert!(own.counts().force_evaluations < forced.counts().force_evaluations);
 }
 
+/// A position or velocity that is not a number is in no box.
 #[test]
-fn a_state_is_within_a_box_if_every_vertex_is_and_all_are_numbers() {
+fn a_state_is_in_a_box_only_if_every_vertex_is() {
     let bounds = [[0.0, -1.0], [1.0, 2.0]];
     // More than are looked at side by side, and some left over.
     for vertices in [0, 1, 7, 8, 21] {

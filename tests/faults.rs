@@ -65,8 +65,9 @@ fn flipped(state: &State, random: &mut Random) -> Vec<State> {
     all
 }
 
+/// A fault keeps the last good state.
 #[test]
-fn a_bit_that_flips_in_a_running_state_ends_in_numbers_or_in_a_fault_that_keeps_the_last_good_state() {
+fn a_flipped_bit_ends_in_finite_numbers_or_a_fault() {
     let (mut random, mut faults, mut went_on) = (Random(21), 0, 0);
     for level in swinging() {
         let mut good = simulation(&level);
@@ -107,8 +108,9 @@ fn all(sandbox: &Sandbox) -> (Level, bool, bool, Mode, State) {
     (sandbox.saved(), seen.can_undo, seen.can_redo, seen.mode, sandbox.simulation().state().clone())
 }
 
+/// Reset, rewind and undo lead on from there.
 #[test]
-fn a_level_saved_with_a_flipped_bit_is_refused_or_runs_and_reset_rewind_and_undo_lead_on() {
+fn a_saved_level_with_a_flipped_bit_is_refused_or_runs() {
     let mut random = Random(22);
     let (mut refused, mut opened) = (0, 0);
     for level in swinging() {
@@ -180,7 +182,7 @@ fn mesh(text: &str) -> MeshKind {
 }
 
 #[test]
-fn an_edit_that_would_leave_a_triangle_without_area_is_refused_and_changes_nothing() {
+fn an_edit_to_a_triangle_without_area_changes_nothing() {
     let base = released("effects: [(effect: Gravity(down: 9.8))]");
     let placed = |place: &str| {
         let text = files::write(&base).unwrap();
@@ -242,7 +244,7 @@ fn entries(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_save_that_fails_anywhere_leaves_the_old_file_and_nothing_else() {
+fn a_failed_save_leaves_only_the_old_file() {
     let folder = folder("failing");
     let path = folder.join("level.ron");
     let (old, new) = (released(""), Level { name: "new".to_owned(), ..released("") });
@@ -306,9 +308,10 @@ fn child_that_saves() {
     }
 }
 
+/// It also fills a pipe.
 #[test]
 #[cfg(unix)]
-fn what_is_saved_goes_where_a_link_leads_keeps_its_permissions_and_fills_a_pipe() {
+fn saving_follows_links_and_keeps_permissions() {
     use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
     let folder = folder("special");
     let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.join(name));
@@ -330,7 +333,7 @@ fn what_is_saved_goes_where_a_link_leads_keeps_its_permissions_and_fills_a_pipe(
 }
 
 #[test]
-fn a_save_that_is_killed_leaves_the_whole_old_file_or_the_whole_new_one() {
+fn a_killed_save_leaves_the_old_or_the_new_file_whole() {
     let folder = folder("killed");
     let path = folder.join("level.ron");
     let levels = long_ones();
@@ -355,7 +358,7 @@ fn a_save_that_is_killed_leaves_the_whole_old_file_or_the_whole_new_one() {
 }
 
 #[test]
-fn a_running_simulation_is_none_the_worse_for_a_grab_that_is_not_there() {
+fn a_simulation_recovers_from_a_grab_at_nan() {
     let mut run: Simulation = simulation(&released("effects: [(effect: MouseSpring(stiffness: 50))]"));
     run.set_grab(Some(gingerbread::effects::Grab { vertex: 0, target: [f64::NAN, 0.0] }));
     run.advance(10, &mut || true);

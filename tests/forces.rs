@@ -159,7 +159,7 @@ fn a_turned_scene_moves_as_the_scene_turned() {
 
 /// Every effect's force is minus the derivative of its energy, with whatever its defaults are.
 #[test]
-fn the_force_of_every_effect_with_energy_is_minus_its_derivative() {
+fn effect_forces_are_minus_the_derivative_of_energy() {
     let simulation = simulation(&sheet("Corotated", "", ""));
     let scene: &Scene = simulation.scene();
     let bodies = of(scene);
@@ -194,8 +194,9 @@ fn damping_force(mass: f64, stiffness: f64, x: &[f64], v: &[f64], simulation: &S
     force
 }
 
+/// The body is under stress.
 #[test]
-fn a_rigid_motion_is_not_damped_by_stiffness_however_stressed_the_body_is() {
+fn stiffness_damping_does_not_damp_a_rigid_motion() {
     let simulation = simulation(&sheet("NeoHookean", "", ""));
     let x = mapped(&simulation.scene().rest, Matrix2::new(1.4, 0.2, 0.0, 0.7), Vector2::zeros());
     let spinning: Vec<_> = x.chunks_exact(2).flat_map(|p| [2.0 - 5.0 * p[1], 1.0 + 5.0 * p[0]]).collect();

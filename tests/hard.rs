@@ -53,7 +53,7 @@ fn differences(known: &[String], table: &[String]) -> [String; 3] {
 }
 
 #[test]
-fn what_got_worse_is_told_from_what_got_better_and_from_what_only_moved() {
+fn worse_better_and_moved_results_are_told_apart() {
     let table = |lines: &[&str]| lines.iter().map(|line| (*line).to_owned()).collect::<Vec<_>>();
     let known = table(&["a,M,I,held,1", "b,M,I,held,1", "c,M,I,not held,1", "d,M,I,held,1"]);
     let now = table(&["a,M,I,held,1", "b,M,I,not held,2", "c,M,I,held,3", "d,M,I,held,4", "e,M,I,not held,5"]);
@@ -109,15 +109,16 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], record: &str) {
     );
 }
 
+/// If a case is not held, its file says why.
 #[test]
-fn every_hard_case_is_held_or_its_file_says_why_it_cannot_be() {
+fn every_hard_case_is_held_or_explained() {
     compare(Case::names().map(|name| (name, case(name))).collect(), &Method::ALL, "tests/hard_cases.csv");
 }
 
 /// The same on meshes of 2000 triangles and for twice the time, for what is hardest; takes minutes.
 #[test]
 #[ignore = "takes minutes: cargo test --test hard -- --ignored"]
-fn what_is_hardest_is_held_on_fine_meshes_too_or_its_file_says_why_it_cannot_be() {
+fn the_hardest_cases_are_held_on_fine_meshes_or_explained() {
     let names = [
         "corner",
         "dragged_through",
@@ -138,7 +139,7 @@ fn what_is_hardest_is_held_on_fine_meshes_too_or_its_file_says_why_it_cannot_be(
 }
 
 #[test]
-fn every_case_says_what_it_tries_and_reads_back_as_it_was_written() {
+fn every_case_is_described_and_reads_back_as_written() {
     for (file, text) in HARD {
         let case: Case = files::parse_as(text, file).unwrap();
         assert!(!case.level.name.is_empty() && case.level.about.len() > 30, "{file} should say what it tries");
@@ -220,7 +221,7 @@ fn what_leaves_the_box_of_its_case_is_outside() {
 }
 
 #[test]
-fn a_sweep_comes_to_the_same_in_small_parts_and_on_any_number_of_threads() {
+fn a_sweep_does_not_depend_on_budget_or_threads() {
     let case = Arc::new(case("stiff"));
     let trials: Vec<_> = Model::ALL
         .iter()

@@ -108,7 +108,7 @@ fn told(part: &str, mistake: &str) -> (usize, usize, String) {
 }
 
 #[test]
-fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
+fn a_mistake_is_told_with_place_and_expectation() {
     let cases = [
         ("name: \"a\"", "nme: \"a\"", (2, 3), "nme"),
         ("mass: Total(25)", "mass: Total(25), colour: 3", (6, 22), "colour"),
@@ -185,7 +185,7 @@ fn refused(level: &Level) -> String {
 }
 
 #[test]
-fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
+fn a_level_that_cannot_be_built_names_the_wrong_part() {
     let empty = Level { bodies: Vec::new(), ..sheet("Corotated", "", "") };
     assert_eq!(refused(&empty), SceneError::Nothing.to_string());
     let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));

@@ -54,7 +54,7 @@ fn assert_counter_clockwise(mesh: &Mesh) {
 }
 
 #[test]
-fn every_kind_survives_a_level_file_and_is_made_of_counter_clockwise_triangles() {
+fn every_kind_round_trips_and_is_counter_clockwise() {
     let files = Memory([("woody.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_owned())].into());
     for kind in MeshKind::all() {
         let text = ron::to_string(&kind).unwrap();
@@ -66,8 +66,9 @@ fn every_kind_survives_a_level_file_and_is_made_of_counter_clockwise_triangles()
     }
 }
 
+/// The number of triangles is within a tenth of the resolution, and no angle is below 25 degrees.
 #[test]
-fn the_gingerbread_man_has_about_the_triangles_asked_for_and_no_angle_below_25_degrees() {
+fn gingerbread_meshes_meet_their_size_and_angle() {
     for resolution in [100, 137, 200, 500, 583, 1000, 2000, 2677, 5000, 8000, 20_000] {
         let mesh = gingerbread(resolution);
         let ratio = mesh.triangles().len() as f64 / f64::from(resolution);
@@ -79,7 +80,7 @@ fn the_gingerbread_man_has_about_the_triangles_asked_for_and_no_angle_below_25_d
 }
 
 #[test]
-fn the_gingerbread_man_fills_the_middle_of_the_world_and_is_the_same_left_and_right() {
+fn the_gingerbread_man_is_centred_and_symmetric() {
     let mesh = gingerbread(2000);
     let [low, high] = mesh.bounds();
     for (side, expected) in low.into_iter().chain(high).zip([0.22, 0.175, 0.78, 0.825]) {
@@ -92,7 +93,7 @@ fn the_gingerbread_man_fills_the_middle_of_the_world_and_is_the_same_left_and_ri
 }
 
 #[test]
-fn the_outline_of_the_gingerbread_man_does_not_depend_on_the_resolution() {
+fn the_gingerbread_area_does_not_depend_on_resolution() {
     let areas = [500, 2000, 8000].map(|resolution| gingerbread(resolution).area());
     for area in areas {
         assert!((area / areas[2] - 1.0).abs() < 0.005, "{areas:?}");
@@ -125,7 +126,7 @@ fn neighbours_in_the_plane_are_near_in_memory() {
 }
 
 #[test]
-fn a_strip_of_19_by_39_crossed_cells_has_20_by_40_vertices_and_a_crossing_in_each_cell() {
+fn crossed_cells_add_a_vertex_in_each_middle() {
     let strip =
         "Rectangle(width: 0.2375, height: 0.4875, columns: 19, rows: 39, diagonals: Crossed, corner: (0.375, 0))";
     let mesh = build(strip).unwrap();
@@ -146,7 +147,7 @@ fn the_corner_of_a_rectangle_is_the_origin_unless_it_is_given() {
 }
 
 #[test]
-fn a_disk_has_six_times_its_rings_squared_triangles_with_good_angles() {
+fn a_disk_of_n_rings_has_six_n_squared_good_triangles() {
     for rings in [1, 2, 7, 40] {
         let mesh = build(&format!("Disk(radius: 0.3, rings: {rings})")).unwrap();
         assert_eq!(mesh.triangles().len(), 6 * rings * rings);
@@ -159,7 +160,7 @@ fn a_disk_has_six_times_its_rings_squared_triangles_with_good_angles() {
 }
 
 #[test]
-fn an_outline_keeps_its_corners_and_its_area_in_either_direction() {
+fn an_outline_keeps_corners_and_area_in_either_direction() {
     let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let mut backwards = square;
     backwards.reverse();
@@ -172,8 +173,9 @@ fn an_outline_keeps_its_corners_and_its_area_in_either_direction() {
     }
 }
 
+/// A small angle is told.
 #[test]
-fn a_sharp_or_thin_outline_is_filled_and_its_small_angle_is_told() {
+fn a_sharp_or_thin_outline_is_filled() {
     let spike = build("Outline(points: [(0, 0), (1, 0), (1, 0.2)], resolution: 300)").unwrap();
     assert!(spike.messages()[0].contains("11.3°"), "{:?} {}", spike.messages(), spike.min_angle());
     assert!((spike.area() - 0.1).abs() < 1e-12);
@@ -317,8 +319,9 @@ proptest! {
         }
     }
 
+    /// Only an outline that crosses itself and a needle may be refused.
     #[test]
-    fn any_outline_is_filled_unless_it_crosses_itself_or_is_a_needle(
+    fn any_simple_outline_is_filled(
         corners in prop::collection::vec((0.0..1.0, 0.0..1.0), 3..8),
     ) {
         let sides: Vec<_> = corners.iter().copied().zip(corners.iter().copied().cycle().skip(1)).collect();

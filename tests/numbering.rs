@@ -80,7 +80,7 @@ fn as_listed(mesh: &str) -> bool {
 }
 
 #[test]
-fn what_is_in_order_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
+fn only_shuffled_meshes_are_renumbered() {
     for size in [2, 20, 71, 150, 400] {
         for diagonals in ["Grid", "Alternating", "Crossed"] {
             let shape = format!("columns: {size}, rows: {}, diagonals: {diagonals}", size / 2 + 1);
@@ -112,7 +112,7 @@ fn what_is_in_order_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
 
 /// Forces wait in a buffer until all at their vertex are known: it has to stay small on meshes of any size.
 #[test]
-fn triangles_that_meet_at_a_vertex_are_near_each_other_in_large_meshes_too() {
+fn triangles_of_a_vertex_are_near_in_large_meshes() {
     let man = |resolution: u32| format!("Gingerbread(resolution: {resolution})");
     let disk = "Disk(radius: 1, rings: 400)".to_owned();
     let square = |columns: u32, rows: u32| format!("Rectangle(width: 1, height: 1, columns: {columns}, rows: {rows})");
@@ -133,7 +133,7 @@ fn triangles_that_meet_at_a_vertex_are_near_each_other_in_large_meshes_too() {
 }
 
 #[test]
-fn a_large_man_is_saved_as_he_is_listed_and_goes_on_bit_for_bit() {
+fn a_large_mesh_is_saved_as_listed_and_resumes_exactly() {
     let level = with("Gingerbread(resolution: 12000)", "pins: [Vertex(17)], stretch: (1.1, 1),", "substeps: 100,");
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
     assert!(!whole.scene().bodies[0].mesh.numbering().is_as_listed());
@@ -167,8 +167,9 @@ fn a_shuffled_mesh_moves_as_the_ordered_one_does_to_round_off() {
     }
 }
 
+/// Pins, places and starts are those of the file.
 #[test]
-fn pins_places_and_starts_of_a_shuffled_mesh_are_those_of_the_file() {
+fn a_shuffled_mesh_uses_the_numbers_of_its_file() {
     let ([_, mixed], names) = meshes();
     let run = simulation(&with(&mixed, "pins: [Vertex(17), Vertex(1234)], start: Scrambled(seed: 3),", ""));
     let scene = run.scene();
@@ -198,7 +199,7 @@ fn pins_places_and_starts_of_a_shuffled_mesh_are_those_of_the_file() {
 }
 
 #[test]
-fn a_shuffled_mesh_is_saved_as_it_is_listed_and_goes_on_bit_for_bit() {
+fn a_shuffled_mesh_is_saved_as_listed_and_resumes_exactly() {
     let ([_, mixed], _) = meshes();
     let level = with(&mixed, "stretch: (1.1, 1),", "substeps: 2, integrator: Bdf2(),");
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
@@ -257,8 +258,9 @@ fn a_fault_names_the_triangle_as_the_file_does() {
     assert!((area(&x) / area(&rest) - volume_ratio).abs() < 1e-9 * volume_ratio.abs(), "{volume_ratio}");
 }
 
+/// Its particles keep their numbers.
 #[test]
-fn a_shuffled_net_moves_as_the_ordered_one_does_and_keeps_its_names() {
+fn a_shuffled_net_moves_as_the_ordered_one_does() {
     let row = SIDE + 1;
     let points: Vec<_> = (0..row * row).map(|i| [i % row, i / row].map(|k| f64::from(k) / f64::from(SIDE))).collect();
     let along = |i: u32| (i % row < SIDE).then_some([i, i + 1]);

@@ -139,7 +139,7 @@ proptest! {
     #![proptest_config(config(1000, 1))]
 
     #[test]
-    fn no_level_and_no_hand_makes_anything_panic_vanish_or_leave_the_world((level, drags) in scene()) {
+    fn random_levels_stay_finite_and_in_the_world((level, drags) in scene()) {
         pull(level, drags)?;
     }
 }
@@ -157,7 +157,7 @@ proptest! {
     #![proptest_config(config(300, 1))]
 
     #[test]
-    fn nor_does_one_whose_bodies_go_at_their_own_pace((level, drags) in scene()) {
+    fn random_multirate_levels_stay_finite_and_in_the_world((level, drags) in scene()) {
         // Bodies that take 100,000 steps a frame take them, but not in a test.
         let soft = level.bodies.iter().all(|body| body.material.lame().mu < 1e4);
         pull(Level { paces: if soft { Paces::Own } else { Paces::Same }, ..level }, drags)?;

@@ -60,7 +60,7 @@ fn force_is_minus_the_derivative_of_energy() {
 }
 
 #[test]
-fn stiffness_times_a_displacement_is_the_change_of_force_and_symmetric() {
+fn spring_stiffness_matches_differences_and_is_symmetric() {
     for (name, springs, x) in nets() {
         let mut random = Random(4);
         let mut shaken = || x.iter().map(|_| random.between(-1.0, 1.0)).collect::<Vec<_>>();
@@ -97,8 +97,9 @@ fn forces_of_springs_have_no_sum_and_no_torque() {
     }
 }
 
+/// All numbers stay finite.
 #[test]
-fn a_spring_whose_ends_coincide_gives_no_force_and_finite_numbers() {
+fn a_spring_of_length_zero_gives_no_force() {
     for rest in [0.0, 0.3] {
         let link = Link { ends: [0, 1], stiffness: 7.0, rest, role: Role::Structural };
         let net = Net::new(vec![[0.5, 0.5]; 2], vec![link]).unwrap();
@@ -228,7 +229,7 @@ fn pinned_particles_keep_every_bit() {
 }
 
 #[test]
-fn saving_reading_back_and_going_on_equals_never_having_stopped() {
+fn saving_and_resuming_is_exact() {
     let mut straight = simulation(&level(SWINGING));
     straight.advance(900, &mut || true);
     let mut first = simulation(&level(SWINGING));
@@ -248,8 +249,9 @@ fn a_spring_that_is_too_stiff_for_the_step_is_named() {
     assert!(fault.contains("of wire failed first") && fault.contains("above the stability limit"), "{fault}");
 }
 
+/// They come back after a period.
 #[test]
-fn the_exact_solution_of_every_toy_satisfies_its_equation_and_comes_back_after_a_period() {
+fn exact_solutions_of_toys_satisfy_their_equations() {
     for kind in ToyKind::all() {
         let (toy, name) = (kind.kind(), kind.name());
         for time in [0.0, 0.3, 0.77, 2.0, 5.1] {
@@ -284,7 +286,7 @@ fn a_wide_swing_takes_longer() {
 }
 
 #[test]
-fn a_point_on_a_stiffer_and_stiffer_spring_approaches_the_pendulum() {
+fn a_stiff_spring_pendulum_approaches_the_rigid_one() {
     let gap = |stiffness: f64| {
         let text = format!(
             "(name: \"\", substeps: 500, nets: [(name: \"p\", net: Chain(from: (0.5, 0.5), to: (0.9, 0.5), springs: 1,
@@ -316,7 +318,7 @@ fn toy(kind: &ToyKind, integrator: &IntegratorKind) -> Level {
 
 /// What treats positions and velocities differently is refused in a sentence; all else goes around once, nearly.
 #[test]
-fn every_integrator_that_needs_only_rates_advances_every_toy_and_the_others_are_refused() {
+fn first_order_schemes_advance_toys_others_are_refused() {
     for integrator in IntegratorKind::all() {
         for kind in ToyKind::all() {
             let level = toy(&kind, &integrator);
@@ -353,7 +355,7 @@ fn a_toy_stands_alone() {
 
 /// In a net after another; with ends that 16 bits do not reach; and with so many particles that no copy is made of them.
 #[test]
-fn springs_have_the_forces_of_each_by_itself_summed_in_their_order() {
+fn spring_forces_are_summed_in_the_order_of_the_springs() {
     let sheet = |columns: u32, rows: u32| {
         format!(
             "(name: \"net\", mass: 0.001, net: Sheet(width: 1, height: 1, columns: {columns}, rows: {rows}, structural: 100, shear: 50,

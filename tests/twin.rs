@@ -18,8 +18,9 @@ fn frames(live: &mut Simulation, twin: &mut Twin, count: u64) {
     }
 }
 
+/// Halving the step halves the error.
 #[test]
-fn the_twin_tells_the_error_of_a_live_simulation_and_halving_the_step_halves_it() {
+fn the_twin_measures_an_error_of_first_order() {
     let errors = [100, 200].map(|count| {
         let mut level = released("");
         level.substeps = Substeps::new(count).unwrap();
@@ -80,8 +81,9 @@ fn the_error_now_is_against_the_closed_form_where_there_is_one() {
     assert!(error > 1e-5 && error < 1e-2 && words.contains("free fall"), "{error} {words}");
 }
 
+/// This holds for every model.
 #[test]
-fn a_strip_on_rollers_comes_to_rest_as_wide_as_its_closed_form_says_under_every_model() {
+fn a_strip_on_rollers_rests_at_its_closed_form() {
     let text = gingerbread::levels::built_in("uniaxial_strip").unwrap();
     for model in gingerbread::materials::Model::ALL {
         for stretch in ["(1, 1.25)", "(1, 0.8)"] {
@@ -111,7 +113,7 @@ fn a_pull_leaves_the_closed_form_and_a_twin_takes_over() {
 }
 
 #[test]
-fn the_twin_is_pulled_along_and_begins_anew_where_the_live_one_is_put() {
+fn the_twin_follows_pulls_and_restarts() {
     let level = released("effects: [(effect: MouseSpring(stiffness: 50))]");
     let mut live = simulation(&level);
     let mut twin = Twin::new(&live);

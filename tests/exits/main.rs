@@ -76,7 +76,7 @@ fn leave(simulation: &mut Simulation, seconds: f64) -> (f64, f64) {
 }
 
 #[test]
-fn what_begins_inside_an_obstacle_comes_out_in_its_own_shape_under_every_scheme() {
+fn every_scheme_leads_a_body_out_of_an_obstacle_in_shape() {
     for scheme in schemes() {
         for (what, effects) in overlapped() {
             let mut simulation = simulation(&disk([0.5, 0.5], scheme, "Corotated", &effects));
@@ -109,9 +109,10 @@ fn every_model_keeps_its_shape_on_the_way_out() {
     }
 }
 
+/// It comes in at a tenth of its wave speed.
 /// Put on the edges at once, all of it would be in one point.
 #[test]
-fn a_body_that_begins_far_beyond_the_world_comes_in_whole_and_at_its_own_speed() {
+fn a_body_far_outside_the_domain_comes_in_whole() {
     let effects = "effects: [(effect: Boundary(least: (0, 0), greatest: (1, 1)))]";
     let mut simulation = simulation(&disk([2.0, 0.5], ("SymplecticEuler", 20), "NeoHookean", effects));
     let start = simulation.state().x.clone();
@@ -151,7 +152,7 @@ fn the_way_out_does_not_depend_on_the_step() {
 }
 
 #[test]
-fn a_body_at_its_own_pace_comes_out_as_it_does_at_the_common_one() {
+fn multirate_stepping_leads_out_as_common_steps_do() {
     let (_, effects) = overlapped().swap_remove(1);
     let common = disk([0.5, 0.5], ("SymplecticEuler", 20), "Corotated", &effects);
     let own = Level { paces: Paces::Own, ..common.clone() };
@@ -219,7 +220,7 @@ fn a_body_put_over_an_obstacle_slips_off_it_whole() {
 
 /// Only from behind may the rest follow: the other sides of the same obstacle stop it as ever.
 #[test]
-fn what_comes_out_of_a_wall_does_not_fall_through_the_floor_that_belongs_to_it() {
+fn a_body_leaving_a_wall_stays_above_its_floor() {
     let corner = "Polygon(points: [(-1, -0.2), (2, -0.2), (2, 0), (0, 0), (0, 3), (-1, 3)], eps: 0.003)";
     let mut level = disk([0.18, 0.6], ("SymplecticEuler", 40), "NeoHookean", &walls(corner));
     let velocity = |value: f64| gingerbread::quantity::Velocity::new(value).unwrap();

@@ -32,8 +32,9 @@ fn wait(window: &mut Window) {
     panic!("the hard cases do not end");
 }
 
+/// The gallery says what cannot be held, and why.
 #[test]
-fn a_case_is_run_with_every_material_while_the_scene_goes_on_and_says_what_cannot_be_held_and_why() {
+fn a_case_runs_with_every_material_beside_the_scene() {
     let mut window = in_mode("chain", Mode::Simulate);
     let time = window.state().snapshot().time;
     open_gallery(&mut window);
@@ -55,8 +56,9 @@ fn a_case_is_run_with_every_material_while_the_scene_goes_on_and_says_what_canno
     assert!(window.state().snapshot().time > time, "time goes on");
 }
 
+/// Materials and method are chosen.
 #[test]
-fn materials_and_method_are_chosen_and_what_was_run_before_stays_known() {
+fn results_stay_known_when_the_choice_changes() {
     let mut window = open("circle");
     open_gallery(&mut window);
     click(&mut window, "Neo-Hookean");
@@ -73,7 +75,7 @@ fn materials_and_method_are_chosen_and_what_was_run_before_stays_known() {
 }
 
 #[test]
-fn all_cases_can_be_begun_and_cancelled_and_one_can_be_watched_on_the_stage() {
+fn all_cases_can_be_cancelled_and_one_watched() {
     let mut window = open("gingerbread");
     open_gallery(&mut window);
     click(&mut window, "Run all");
@@ -100,8 +102,9 @@ fn all_cases_can_be_begun_and_cancelled_and_one_can_be_watched_on_the_stage() {
     press(&mut window, Key::Space);
 }
 
+/// Every widget has a name.
 #[test]
-fn the_gallery_fits_into_a_small_window_with_a_name_on_every_widget() {
+fn the_gallery_fits_into_a_small_window() {
     for (width, height) in [(1280.0, 800.0), (420.0, 480.0)] {
         let mut window = open_level(level("circle"), width, height);
         open_gallery(&mut window);

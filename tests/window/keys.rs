@@ -123,7 +123,7 @@ fn the_overlay_lists_every_key_of_the_table() {
 }
 
 #[test]
-fn the_overlay_opens_and_closes_again_and_again_also_for_who_lets_go_of_shift_first() {
+fn the_overlay_toggles_even_if_shift_is_released_first() {
     let mut window = open("gingerbread");
     let question_mark =
         |pressed, modifiers, key| Event::Key { key, physical_key: Some(Key::Slash), pressed, repeat: false, modifiers };

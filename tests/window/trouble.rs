@@ -10,8 +10,9 @@ use gingerbread::materials::Model;
 use gingerbread::quantity::{Point, Time};
 use gingerbread::scene::Scene;
 
+/// The old scene goes on.
 #[test]
-fn a_broken_level_file_shows_file_line_and_column_and_the_old_scene_goes_on() {
+fn a_broken_level_file_is_told_with_its_place() {
     let folder = std::env::temp_dir().join(format!("gingerbread-window-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("broken.ron");
@@ -156,8 +157,9 @@ fn an_exploded_body_fills_no_more_than_some_times_the_stage() {
     }
 }
 
+/// A key and a button untangle it.
 #[test]
-fn a_body_that_lies_over_itself_is_told_and_untangled_by_key_or_button() {
+fn a_mirrored_body_is_told_and_untangled() {
     for by_key in [true, false] {
         let mut tangled = level("gingerbread");
         let scene = Scene::build(&tangled, tangled.mode, &Disk, None).unwrap();

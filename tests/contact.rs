@@ -13,7 +13,7 @@ use std::cell::Cell;
 
 fn obstacles(list: &str) -> Vec<Box<dyn Obstacle>> {
     let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{list}]))])");
-    let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { return Vec::new() };
+    let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { unreachable!("{text}") };
     walls.obstacles.iter().map(|kind| kind.kind().build().unwrap()).collect()
 }
 
@@ -100,7 +100,7 @@ fn a_vertex_inside_is_put_on_the_surface_without_gaining_speed() {
 fn obstacles_without_a_shape_are_refused_with_a_reason() {
     let refused = |kind: &str| {
         let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{kind}]))])");
-        let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { return String::new() };
+        let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { unreachable!("{text}") };
         let kind: &ObstacleKind = &walls.obstacles[0];
         kind.kind().build().err().unwrap()
     };
@@ -126,7 +126,7 @@ fn domain_edges_stop_vertices_and_outward_velocity() {
     assert!(simulation.counts().constrained > 0);
 }
 
-/// The drop in the house, from rest, for every model: finite, whole, and never more energy than at the start.
+/// The drop in the house, from rest, for every model and five seconds: finite, whole, and never more energy than at the start.
 #[test]
 fn all_models_survive_the_drop_in_the_house() {
     let mut level = files::parse(levels::built_in("gingerbread_house").unwrap(), "gingerbread_house.ron").unwrap();
@@ -135,7 +135,7 @@ fn all_models_survive_the_drop_in_the_house() {
         let mut simulation = simulation(&level);
         let start = simulation.energies().total();
         let mut least = f64::INFINITY;
-        for _ in 0..2000 {
+        for _ in 0..1000 {
             simulation.advance(30, &mut || true);
             assert!(simulation.fault().is_none(), "{name}: {:?}", simulation.fault());
             least = least.min(simulation.inversion().0);

@@ -3,11 +3,11 @@
 
 mod common;
 
-use common::{seen, sheet, simulation};
+use common::{coarse, seen, sheet, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
-    integrators::IntegratorKind,
+    integrators::{Class, IntegratorKind, Scheme},
     level::{Level, Paces, Substeps, Toggle},
     levels::BUILT_IN,
     materials::MaterialParameters,
@@ -70,12 +70,13 @@ fn compare(level: &Level, seed: u64) -> u64 {
 fn saved_runs_continue_bit_equal_with_every_integrator() {
     let (mut retaken, mut seed) = (0, 0_u64);
     for (file, text) in BUILT_IN {
-        let level = files::parse(text, file).unwrap();
+        let (fine, coarse) = (files::parse(text, file).unwrap(), coarse(text, file));
         for integrator in IntegratorKind::all() {
-            if level.toy.is_some() && !matches!(integrator.kind().scheme(), gingerbread::integrators::Scheme::First(_))
-            {
+            if fine.toy.is_some() && !matches!(integrator.kind().scheme(), Scheme::First(_)) {
                 continue;
             }
+            // What implicit schemes remember does not depend on the mesh, and their steps are dear.
+            let level = if integrator.kind().class() == Class::Implicit { &coarse } else { &fine };
             seed += 1;
             let guard = Toggle::from(!seed.is_multiple_of(4));
             let substeps = Substeps::new([2, 8, 30][seed as usize % 3]).unwrap();
@@ -84,7 +85,7 @@ fn saved_runs_continue_bit_equal_with_every_integrator() {
             retaken += compare(&level, seed);
         }
     }
-    assert!(retaken > 100, "the guard took only {retaken} steps again");
+    assert!(retaken > 50, "the guard took only {retaken} steps again");
 }
 
 /// A stretched sheet with a step above the stability limit, without end in shorter ones.

@@ -54,8 +54,8 @@ fn mean(simulation: &Simulation, values: &[f64], axis: usize) -> f64 {
 
 #[test]
 fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
-    for kind in IntegratorKind::all() {
-        for piston in PISTONS {
+    for (number, kind) in IntegratorKind::all().into_iter().enumerate() {
+        for (piston_number, piston) in PISTONS.into_iter().enumerate() {
             let effects = walls(piston, "Slide(velocity: (2, 0))");
             let mut hit = particle(kind.name(), 20, [0.05, 0.5], [-0.3, 0.4], &effects);
             hit.advance(100, &mut || true);
@@ -63,6 +63,10 @@ fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
             assert!((v[0] - 2.0).abs() < 1e-9 && (v[1] - 0.4).abs() < 1e-9, "{} {piston}: {v:?}", kind.name());
             let place = 2.0 * hit.state().time;
             assert!((0.0..0.002).contains(&(hit.state().x[0] - place)), "{} {piston}", kind.name());
+            // Many implicit steps of a body are dear: there each scheme has one piston, and each piston a scheme.
+            if kind.kind().class() == Class::Implicit && number % PISTONS.len() != piston_number {
+                continue;
+            }
             // Air brakes a body, so that it stays at the piston.
             let air = format!("{effects}, (effect: Rayleigh(mass: 20, stiffness: 0.0003))");
             let mut body = simulation(&block(kind.name(), 200, [0.01, 0.4], [0.0, 0.0], &air));
@@ -108,11 +112,9 @@ fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
-/// What is drawn of the first wall at a time, without its reach: it must be where the wall is.
-fn outline(level: &Level, time: f64) -> Vec<[f64; 2]> {
-    let bare = files::write(level).unwrap().replace("eps: 0.002", "eps: 0");
-    let shapes = self::level(&bare).effects[0].effect.kind().shapes(time);
-    let Some(Shape::Solid(outline)) = shapes.into_iter().next() else { return Vec::new() };
+/// What is drawn of a wall at a time.
+fn outline(wall: &EffectKind, time: f64) -> Vec<[f64; 2]> {
+    let Some(Shape::Solid(outline)) = wall.kind().shapes(time).into_iter().next() else { unreachable!("{wall:?}") };
     assert!(outline.len() > 2);
     outline
 }
@@ -131,6 +133,10 @@ fn nothing_passes_through_a_moving_obstacle() {
                 let (slide, turn) =
                     (format!("Slide(velocity: ({speed}, 0))"), format!("Turn(about: (0, -0.5), spin: {speed})"));
                 for (motion, at) in [(slide, [0.05, -0.107]), (turn, [-0.3, -0.29])] {
+                    // Without its reach it is drawn where it is.
+                    let bare =
+                        format!("(name: \"\", effects: [{}])", walls(shape, &motion).replace("eps: 0.002", "eps: 0"));
+                    let wall = level(&bare).effects.remove(0).effect;
                     let substeps: &[u32] = if kind.kind().class() == Class::Implicit { &[1] } else { &[1, 200] };
                     for &substeps in substeps {
                         let level = block(kind.name(), substeps, at, [0.0, 0.0], &walls(shape, &motion));
@@ -142,7 +148,7 @@ fn nothing_passes_through_a_moving_obstacle() {
                             if run.fault().is_some() || x.iter().any(|x| x.abs() > 1e5) {
                                 break;
                             }
-                            let outline = outline(&level, run.state().time);
+                            let outline = outline(&wall, run.state().time);
                             // The drawn circle has corners, and lies inside the true one.
                             let sides = (0..outline.len()).map(|i| [outline[i], outline[(i + 1) % outline.len()]]);
                             for &edge in run.scene().boundary.iter() {
@@ -318,7 +324,7 @@ fn the_velocity_of_a_motion_is_the_rate_of_its_place() {
     let EffectKind::Walls(walls) =
         level(&format!("(name: \"\", bodies: [], effects: [{}])", walls(PISTONS[0], text))).effects.remove(0).effect
     else {
-        return;
+        unreachable!("{text}")
     };
     let motions: Vec<MotionKind> = walls.obstacles[0].kind().motions();
     assert_eq!(motions.len(), 4);

@@ -53,6 +53,23 @@ pub fn level(text: &str) -> Level {
     files::parse(text, "test.ron").unwrap()
 }
 
+/// A level that ships, of fewer triangles, so that it runs quickly.
+pub fn coarse(text: &str, file: &str) -> Level {
+    const FEWER: [(&str, &str); 9] = [
+        ("resolution: 2000", "resolution: 150"),
+        ("resolution: 1000", "resolution: 250"),
+        ("resolution: 700", "resolution: 100"),
+        ("radius: 0.045, rings: 5", "radius: 0.045, rings: 3"),
+        ("resolution: 500", "resolution: 100"),
+        ("columns: 64, rows: 8", "columns: 16, rows: 2"),
+        ("columns: 60, rows: 6", "columns: 15, rows: 2"),
+        ("columns: 19, rows: 39", "columns: 5, rows: 10"),
+        ("rings: 14", "rings: 5"),
+    ];
+    let text = FEWER.iter().fold(text.to_owned(), |text, (many, few)| text.replace(many, few));
+    files::parse(&text, file).unwrap()
+}
+
 /// A simulation of a level in its own mode.
 pub fn simulation(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();

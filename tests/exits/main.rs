@@ -63,12 +63,14 @@ fn mass(simulation: &Simulation) -> f64 {
     simulation.scene().mass.iter().step_by(2).sum()
 }
 
-/// Runs until nothing is inside any more; the least J and the greatest energy of motion and deformation on the way.
+/// Runs for a time; the least J and the greatest energy of motion and deformation on the way, looked at 1200 times a second, which is
+/// ten times while a wave crosses a triangle.
 fn leave(simulation: &mut Simulation, seconds: f64) -> (f64, f64) {
     let steps = (seconds / simulation.scene().step) as u64;
+    let bunch = (1.0 / (1200.0 * simulation.scene().step)).round().max(1.0) as u64;
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for _ in 0..steps {
-        simulation.advance(1, &mut || true);
+    for _ in 0..steps / bunch {
+        simulation.advance(bunch, &mut || true);
         let energies = simulation.energies();
         (least, most) = (least.min(simulation.inversion().0), most.max(energies.kinetic + energies.elastic));
     }
@@ -77,8 +79,11 @@ fn leave(simulation: &mut Simulation, seconds: f64) -> (f64, f64) {
 
 #[test]
 fn every_scheme_leads_a_body_out_of_an_obstacle_in_shape() {
-    for scheme in schemes() {
-        for (what, effects) in overlapped() {
+    for (number, scheme) in schemes().enumerate() {
+        // The way out is found before the first step, whatever the scheme: one explicit and one implicit scheme take all of them.
+        let all = ["SymplecticEuler", "ImplicitEuler"].contains(&scheme.0);
+        let count = if all { overlapped().len() } else { 2 };
+        for (what, effects) in overlapped().into_iter().cycle().skip(number).take(count) {
             let mut simulation = simulation(&disk([0.5, 0.5], scheme, "Corotated", &effects));
             let inside = simulation.count_inside();
             assert!(inside > 10, "{what}: only {inside} vertices begin inside");
@@ -255,7 +260,8 @@ fn no_implicit_scheme_stops_on_its_way_out_of_a_floor() {
                         material: (model: NeoHookean, young: {young}, poisson: 0.4, plane: Strain))], {floor})",
                     kind.name()
                 )));
-                simulation.advance(120 * u64::from(substeps), &mut || true);
+                // The softest is out after 0.15 s.
+                simulation.advance(45 * u64::from(substeps), &mut || true);
                 let what = format!("{} with {substeps} steps a frame, {young} Pa", kind.name());
                 assert!(simulation.fault().is_none(), "{what}: {:?}", simulation.fault());
                 assert!(simulation.count_inside() == 0 && simulation.counts().guarded == 0, "{what}");

@@ -144,8 +144,9 @@ proptest! {
 
     #[test]
     fn random_multirate_levels_stay_finite_and_in_the_world((level, drags) in scene()) {
-        // Bodies that take 100,000 steps a frame take them, but not in a test.
-        let soft = level.bodies.iter().all(|body| body.material.lame().mu < 1e4);
-        pull(Level { paces: if soft { Paces::Own } else { Paces::Same }, ..level }, drags)?;
+        // Bodies that take 100,000 steps a frame take them, but not in a test; with common steps all are in the test above.
+        if level.bodies.iter().all(|body| body.material.lame().mu < 1e4) {
+            pull(Level { paces: Paces::Own, ..level }, drags)?;
+        }
     }
 }

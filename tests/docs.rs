@@ -98,17 +98,20 @@ fn the_reference_of_level_files_is_that_of_the_code() {
 
 #[test]
 fn every_link_leads_to_a_file_or_a_heading() {
+    let mut headings = 0;
     for page in pages() {
         for target in targets(&read(&page)).iter().filter(|target| !target.contains("://")) {
             let (file, heading) = target.split_once('#').unwrap_or((target.as_str(), ""));
             let path = if file.is_empty() { page.clone() } else { page.with_file_name(file) };
             assert!(path.exists(), "{}: there is no {target}", page.display());
             if !heading.is_empty() {
+                headings += 1;
                 let known = anchors(&read(&path));
                 assert!(known.iter().any(|name| name == heading), "{}: no heading for {target}", page.display());
             }
         }
     }
+    assert!(headings > 10, "only {headings} links to a heading were found");
 }
 
 #[test]

@@ -66,7 +66,7 @@ fn substeps(kind: &IntegratorKind) -> &'static [u32] {
 
 #[test]
 fn nothing_gets_through_anything_at_any_speed_under_any_scheme() {
-    let mut random = Random(5);
+    let (mut random, mut touched) = (Random(5), 0);
     for kind in IntegratorKind::all() {
         for (target, outline) in targets() {
             for cells in [1, 5] {
@@ -86,11 +86,13 @@ fn nothing_gets_through_anything_at_any_speed_under_any_scheme() {
                             }
                             assert_apart(&simulation, &outline, &what);
                         }
+                        touched += u32::from(simulation.counts().constrained > 0);
                     }
                 }
             }
         }
     }
+    assert!(touched > 150, "only {touched} blocks touched anything");
 }
 
 /// One particle on a spring without stiffness, at a height above the floor of the world or a plane at y = 0.

@@ -121,6 +121,7 @@ fn outline(wall: &EffectKind, time: f64) -> Vec<[f64; 2]> {
 
 #[test]
 fn nothing_passes_through_a_moving_obstacle() {
+    let (mut looked, mut touched) = (0, 0);
     let shapes = [
         "Cuboid(centre: (0, 0), width: 0.002, height: 0.9, eps: 0.002)",
         "Ball(centre: (0, 0), radius: 0.012, eps: 0.002)",
@@ -155,12 +156,15 @@ fn nothing_passes_through_a_moving_obstacle() {
                                 let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
                                 assert!(sides.clone().all(|side| !cross(ends, side)), "{what}: {ends:?}");
                             }
+                            looked += 1;
                         }
+                        touched += u32::from(run.counts().constrained > 0);
                     }
                 }
             }
         }
     }
+    assert!(looked > 1000 && touched > 100, "{looked} looks, {touched} blocks touched the obstacle");
 }
 
 #[test]

@@ -3,17 +3,15 @@
 
 mod common;
 
-use common::{coarse, seen, sheet, simulation};
+use common::{coarse, running, seen, sheet, simulation};
 use gingerbread::{
-    command::{Command, Mode},
+    command::Command,
     files,
     integrators::{Class, IntegratorKind, Scheme},
     level::{Level, Paces, Substeps, Toggle},
     levels::BUILT_IN,
     materials::MaterialParameters,
-    meshes::NoFiles,
     quantity::Young,
-    sandbox::Sandbox,
     simulation::Simulation,
 };
 
@@ -207,12 +205,6 @@ fn saving_after_a_batch_of_steps_changes_no_bit() {
         run.advance(2000 - split, &mut || true);
         assert!(run.state() == straight.state(), "{split}: {}", difference(&run, &straight));
     }
-}
-
-fn running(level: Level) -> Sandbox {
-    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
-    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox
 }
 
 #[test]

@@ -4,8 +4,8 @@
 mod common;
 
 use common::{
-    level, released, released_of,
-    studies::{WHOLE, built_in, setting, trial, without_times},
+    built_in, level, released, released_of,
+    studies::{RESTING, WHOLE, setting, trial, without_times},
 };
 use gingerbread::{
     level::Level,
@@ -242,11 +242,6 @@ fn what_takes_energy_and_momentum_by_right_is_named() {
     let still = drift(&level(RESTING), 0.1, settings(), 1, WHOLE);
     assert!(still.nothing_of(Invariant::Energy).is_some_and(|words| words.contains("Almost nothing moves")));
 }
-
-/// A sheet on which nothing acts.
-const RESTING: &str = "(name: \"resting\", substeps: 20, bodies: [(name: \"sheet\", mass: Density(1),
-    mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
-    material: (model: NeoHookean, young: 100, poisson: 0.3))])";
 
 #[test]
 fn a_mesh_study_says_in_words_where_it_has_nothing_to_say() {

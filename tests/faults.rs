@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, level, released, seen, simulation};
+use common::{Random, folder::Folder, level, released, seen, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
@@ -228,14 +228,6 @@ fn an_edit_to_a_triangle_without_area_changes_nothing() {
     }
 }
 
-/// A folder of its own for a test, emptied first.
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn entries(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -245,15 +237,15 @@ fn entries(folder: &Path) -> Vec<String> {
 
 #[test]
 fn a_failed_save_leaves_only_the_old_file() {
-    let folder = folder("failing");
-    let path = folder.join("level.ron");
+    let folder = Folder::new("failing");
+    let path = folder.0.join("level.ron");
     let (old, new) = (released(""), Level { name: "new".to_owned(), ..released("") });
     files::save(&path, &old).unwrap();
-    let part = folder.join(format!("level.ron.{}.part", std::process::id()));
+    let part = folder.0.join(format!("level.ron.{}.part", std::process::id()));
     let refused = |before: &[&str]| {
         let why = files::save(&path, &new).unwrap_err().to_string();
         assert!(why.contains("level.ron: "), "{why}");
-        assert_eq!(entries(&folder), before);
+        assert_eq!(entries(&folder.0), before);
         assert_eq!(files::read(&path).unwrap(), old);
     };
     // Nothing can be begun.
@@ -269,16 +261,15 @@ fn a_failed_save_leaves_only_the_old_file() {
     // A half from before, of a process of the same number, is in nobody's way.
     fs::write(&part, "(name: \"ha").unwrap();
     files::save(&path, &new).unwrap();
-    assert_eq!((files::read(&path).unwrap(), entries(&folder)), (new.clone(), vec!["level.ron".to_owned()]));
+    assert_eq!((files::read(&path).unwrap(), entries(&folder.0)), (new.clone(), vec!["level.ron".to_owned()]));
     // The name is taken by something that no file can replace.
-    let taken = folder.join("taken.ron");
+    let taken = folder.0.join("taken.ron");
     fs::create_dir_all(taken.join("inside")).unwrap();
     assert!(files::save(&taken, &new).is_err());
     assert_eq!(
-        (entries(&folder), entries(&taken)),
+        (entries(&folder.0), entries(&taken)),
         (vec!["level.ron".to_owned(), "taken.ron".to_owned()], vec!["inside".to_owned()])
     );
-    fs::remove_dir_all(&folder).unwrap();
 }
 
 /// Tells the child where to save.
@@ -313,8 +304,8 @@ fn child_that_saves() {
 #[cfg(unix)]
 fn saving_follows_links_and_keeps_permissions() {
     use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
-    let folder = folder("special");
-    let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.join(name));
+    let folder = Folder::new("special");
+    let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.0.join(name));
     fs::write(&file, "old").unwrap();
     fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
     symlink("file", &link).unwrap();
@@ -328,14 +319,13 @@ fn saving_follows_links_and_keeps_permissions() {
         assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
         assert_eq!(reader.join().unwrap(), "through");
     });
-    assert_eq!(fs::read_dir(&folder).unwrap().count(), 3, "nothing is left over");
-    fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 3, "nothing is left over");
 }
 
 #[test]
 fn a_killed_save_leaves_the_old_or_the_new_file_whole() {
-    let folder = folder("killed");
-    let path = folder.join("level.ron");
+    let folder = Folder::new("killed");
+    let path = folder.0.join("level.ron");
     let levels = long_ones();
     for saves in 2..8 {
         let mut child = Process::new(std::env::current_exe().unwrap())
@@ -354,7 +344,6 @@ fn a_killed_save_leaves_the_old_or_the_new_file_whole() {
         files::save(&path, &levels[saves % 2]).unwrap();
         assert_eq!(files::read(&path).unwrap(), levels[saves % 2]);
     }
-    fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]

@@ -3,16 +3,14 @@
 
 mod common;
 
-use common::{level, models, sheet, simulation};
+use common::{level, models, running, sheet, simulation};
 use gingerbread::{
-    command::{Command, Mode},
+    command::Command,
     files,
     integrators::IntegratorKind,
     level::{Level, Toggle},
     levels::BUILT_IN,
-    meshes::NoFiles,
     rewind::Rewind,
-    sandbox::Sandbox,
     simulation::Simulation,
     stability::critical_step,
 };
@@ -153,12 +151,6 @@ fn a_hard_pull_is_not_mistaken_for_an_explosion() {
         }
         assert_eq!(run.counts().guarded, 0, "{}", level.integrator.name());
     }
-}
-
-fn running(level: Level) -> Sandbox {
-    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
-    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, simulation};
+use common::{Random, assert_apart, level, simulation};
 use gingerbread::{
     files,
     integrators::{Class, IntegratorKind},
@@ -20,24 +20,6 @@ fn block(integrator: &str, substeps: u32, cells: u32, [x, y]: [f64; 2], [vx, vy]
             material: (model: Corotated, young: 100000, poisson: 0.3, plane: Strain), mass: Density(100),
             velocity: ({vx}, {vy}))], effects: [{effects}])"
     ))
-}
-
-/// Whether two segments cross.
-fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
-    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
-}
-
-/// No edge of a boundary crosses a side of an outline.
-fn assert_apart(simulation: &Simulation, outline: &[[f64; 2]], what: &str) {
-    let x = &simulation.state().x;
-    for &edge in simulation.scene().boundary.iter() {
-        let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
-        for (i, &corner) in outline.iter().enumerate() {
-            let next = outline[(i + 1) % outline.len()];
-            assert!(!cross(ends, [corner, next]), "{what}: edge {edge:?} at {ends:?} crosses {corner:?} to {next:?}");
-        }
-    }
 }
 
 /// What a block falls on from above, and the outline of it.

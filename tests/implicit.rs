@@ -3,10 +3,9 @@
 
 mod common;
 
-use common::{Random, models, sheet};
+use common::{Random, models, named, sheet};
 use gingerbread::{
     effects::{Grab, Motion},
-    integrators::IntegratorKind,
     level::{Level, Substeps},
     meshes::NoFiles,
     scene::Scene,
@@ -201,8 +200,7 @@ fn newton_converges_quadratically_at_the_end() {
 }
 
 fn under(level: Level, integrator: &str) -> Level {
-    let named = |kind: &IntegratorKind| kind.name() == integrator;
-    Level { integrator: IntegratorKind::all().into_iter().find(named).unwrap(), ..level }
+    Level { integrator: named(integrator), ..level }
 }
 
 #[test]

@@ -4,8 +4,8 @@
 mod common;
 
 use common::{
-    Random, sheet,
-    systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control},
+    Random, named, sheet,
+    systems::{Oscillator, Rate, advance, built, particle, run, swinging, without_control},
 };
 use gingerbread::{
     effects::Grab,

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{level, simulation};
+use common::{assert_apart, level, simulation};
 use gingerbread::{
     command::{Command, Mode},
     effects::{EffectKind, Shape},
@@ -106,12 +106,6 @@ fn a_belt_accelerates_with_mu_g_up_to_its_own_speed() {
     }
 }
 
-/// Whether two segments cross.
-fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
-    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
-}
-
 /// What is drawn of a wall at a time.
 fn outline(wall: &EffectKind, time: f64) -> Vec<[f64; 2]> {
     let Some(Shape::Solid(outline)) = wall.kind().shapes(time).into_iter().next() else { unreachable!("{wall:?}") };
@@ -149,13 +143,8 @@ fn nothing_passes_through_a_moving_obstacle() {
                             if run.fault().is_some() || x.iter().any(|x| x.abs() > 1e5) {
                                 break;
                             }
-                            let outline = outline(&wall, run.state().time);
                             // The drawn circle has corners, and lies inside the true one.
-                            let sides = (0..outline.len()).map(|i| [outline[i], outline[(i + 1) % outline.len()]]);
-                            for &edge in run.scene().boundary.iter() {
-                                let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
-                                assert!(sides.clone().all(|side| !cross(ends, side)), "{what}: {ends:?}");
-                            }
+                            assert_apart(&run, &outline(&wall, run.state().time), &what);
                             looked += 1;
                         }
                         touched += u32::from(run.counts().constrained > 0);

@@ -3,7 +3,10 @@
 
 mod common;
 
-use common::systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control};
+use common::{
+    named,
+    systems::{Oscillator, Rate, advance, built, particle, run, swinging, without_control},
+};
 use gingerbread::{
     files,
     integrators::{Dynamics, IntegratorKind, Scheme, Work},

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, simulation};
+use common::{Random, assert_balanced, assert_minus_derivative, difference_error, level, norm, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     elements::Springs,
@@ -16,10 +16,6 @@ use gingerbread::{
     toys::{ToyKind, period_ratio},
 };
 use std::f64::consts::PI;
-
-fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>().sqrt()
-}
 
 /// The springs of a net of every kind, at places moved at random.
 fn nets() -> impl Iterator<Item = (&'static str, Springs, Vec<f64>)> {
@@ -45,17 +41,7 @@ fn forces(springs: &Springs, x: &[f64]) -> Vec<f64> {
 fn force_is_minus_the_derivative_of_energy() {
     for (name, springs, x) in nets() {
         let force = forces(&springs, &x);
-        for number in 0..x.len() {
-            let error = |epsilon: f64| {
-                let (mut ahead, mut behind) = (x.clone(), x.clone());
-                ahead[number] += epsilon;
-                behind[number] -= epsilon;
-                let slope = (springs.elastic_energy(&ahead) - springs.elastic_energy(&behind)) / (2.0 * epsilon);
-                (force[number] + slope).abs() / norm(&force)
-            };
-            let best = (4..=7).map(|power| error(10.0_f64.powi(-power))).fold(f64::INFINITY, f64::min);
-            assert!(best < 1e-8, "{name} {number}: {best:e}");
-        }
+        assert_minus_derivative(&x, &force, |x| springs.elastic_energy(x), name);
     }
 }
 
@@ -71,13 +57,7 @@ fn spring_stiffness_matches_differences_and_is_symmetric() {
             product
         };
         let product = times(&d);
-        let error = |epsilon: f64| {
-            let along = |by: f64| forces(&springs, &x.iter().zip(&d).map(|(x, d)| x + by * d).collect::<Vec<_>>());
-            let (ahead, behind) = (along(epsilon), along(-epsilon));
-            let change = ahead.iter().zip(&behind).map(|(a, b)| (b - a) / (2.0 * epsilon));
-            norm(&change.zip(&product).map(|(change, product)| change - product).collect::<Vec<_>>()) / norm(&product)
-        };
-        let best = (4..=8).map(|power| error(10.0_f64.powi(-power))).fold(f64::INFINITY, f64::min);
+        let best = difference_error(&x, &d, &product, |x| forces(&springs, x));
         assert!(best < 1e-8, "{name}: {best:e}");
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (one, two) = (dot(&other, &product), dot(&d, &times(&other)));
@@ -89,11 +69,7 @@ fn spring_stiffness_matches_differences_and_is_symmetric() {
 fn forces_of_springs_have_no_sum_and_no_torque() {
     for (name, springs, x) in nets() {
         let force = forces(&springs, &x);
-        let sum = |axis: usize| force.iter().skip(axis).step_by(2).sum::<f64>();
-        let torque: f64 = x.chunks_exact(2).zip(force.chunks_exact(2)).map(|(x, f)| x[0] * f[1] - x[1] * f[0]).sum();
-        let scale = norm(&force);
-        assert!(sum(0).abs() < 1e-14 * scale && sum(1).abs() < 1e-14 * scale, "{name}");
-        assert!(torque.abs() < 1e-14 * scale, "{name}: {torque:e}");
+        assert_balanced(&x, &force, name);
     }
 }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, models, sheet, simulation};
+use common::{Random, level, models, sheet, simulation, systems::built};
 use gingerbread::{
     files,
     level::Level,
@@ -137,7 +137,7 @@ fn steps_are_stable_just_below_the_limit_and_not_above() {
                 let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
                 let mut level = sheet(model, "", &format!("guard: Off, {effects}"));
                 level.substeps = gingerbread::level::Substeps::new(1).unwrap();
-                simulation = with_step(&level, share * limit);
+                simulation = built(&level, share * limit);
                 let mut random = Random(5);
                 let mut state = simulation.state().clone();
                 state.v.iter_mut().for_each(|v| *v = random.between(-1e-7, 1e-7));
@@ -166,13 +166,6 @@ fn a_probe_amortised_over_frames_finds_the_stability_limit() {
         let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
         assert!((seen / limit - 1.0).abs() < 0.02, "{model}: {seen} against {limit}");
     }
-}
-
-fn with_step(level: &Level, step: f64) -> Simulation {
-    let mut scene = gingerbread::scene::Scene::build(level, level.mode, &gingerbread::meshes::NoFiles, None).unwrap();
-    scene.step = step;
-    let state = scene.start.clone();
-    Simulation::new(scene, state)
 }
 
 /// The fault says why.

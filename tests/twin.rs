@@ -3,11 +3,16 @@
 
 mod common;
 
-use common::{level, released, released_of, simulation};
-use gingerbread::{level::Substeps, meshes::NoFiles, simulation::Simulation, study::Twin};
-use std::time::Duration;
-
-const WHOLE: Duration = Duration::MAX;
+use common::{
+    level, released, released_of, simulation,
+    studies::{RESTING, WHOLE},
+};
+use gingerbread::{
+    level::{Level, Substeps, Toggle},
+    meshes::NoFiles,
+    simulation::Simulation,
+    study::Twin,
+};
 
 fn frames(live: &mut Simulation, twin: &mut Twin, count: u64) {
     let per_frame = (1.0 / (60.0 * live.scene().step)).round() as u64;
@@ -37,10 +42,7 @@ fn the_twin_measures_an_error_of_first_order() {
 
 #[test]
 fn where_nothing_moves_there_is_no_error_now() {
-    let text = "(name: \"resting\", substeps: 20, sleep: Off, bodies: [(name: \"sheet\", mass: Density(1),
-        mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
-        material: (model: NeoHookean, young: 100, poisson: 0.3))])";
-    let mut live = simulation(&level(text));
+    let mut live = simulation(&Level { sleep: Toggle::Off, ..level(RESTING) });
     let mut twin = Twin::new(&live);
     frames(&mut live, &mut twin, 40);
     assert!(twin.error().is_none() && twin.age() > 0.5 && !twin.is_checking());

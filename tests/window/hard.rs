@@ -21,17 +21,6 @@ fn ask(window: &mut Window, label: &str) {
     window.run_steps(3);
 }
 
-/// Goes on drawing until nothing is run any more.
-fn wait(window: &mut Window) {
-    for _ in 0..1_000_000 {
-        if window.query_by_label("Cancel").is_none() {
-            return;
-        }
-        window.run_steps(1);
-    }
-    panic!("the hard cases do not end");
-}
-
 /// The gallery says what cannot be held, and why.
 #[test]
 fn a_case_runs_with_every_material_beside_the_scene() {
@@ -40,7 +29,7 @@ fn a_case_runs_with_every_material_beside_the_scene() {
     open_gallery(&mut window);
     assert!(window.query_by_label("Stretched to twice its height: not run yet").is_some());
     ask(&mut window, "Run Stretched to twice its height");
-    wait(&mut window);
+    wait_until_gone(&mut window, "Cancel");
     draw(&window);
     assert!(window.query_by_label("5 of 6 passed").is_some());
     assert!(
@@ -63,13 +52,13 @@ fn results_stay_known_when_the_choice_changes() {
     open_gallery(&mut window);
     click(&mut window, "Neo-Hookean");
     ask(&mut window, "Run Young's modulus 1 GPa");
-    wait(&mut window);
+    wait_until_gone(&mut window, "Cancel");
     assert!(window.query_by_label("area off by < 0.0001 %").is_some(), "the number that decided");
     assert!(window.query_by_label_contains("1 of 26 passed.").is_some());
     click(&mut window, "Symplectic Euler");
     assert!(window.query_by_label("area off by < 0.0001 %").is_none(), "that was another method");
     ask(&mut window, "Run Young's modulus 1 GPa");
-    wait(&mut window);
+    wait_until_gone(&mut window, "Cancel");
     click(&mut window, "All methods");
     assert!(window.query_by_label("2 of 2 passed").is_some());
 }
@@ -109,7 +98,7 @@ fn the_gallery_fits_into_a_small_window() {
         let mut window = open_level(level("circle"), width, height);
         open_gallery(&mut window);
         ask(&mut window, "Run Dragged by a thousand windows");
-        wait(&mut window);
+        wait_until_gone(&mut window, "Cancel");
         window.check_accessibility();
         draw(&window);
         for label in ["Hard cases as CSV", "Run all", "Open Wedged into a corner"] {

@@ -260,17 +260,6 @@ fn exact_plane_stress_is_a_choice_and_refused_in_words() {
     assert_eq!(plane(&window), Plane::Strain);
 }
 
-/// Draws until a mesh that is made in the background is ready.
-fn wait_for_mesh(window: &mut Window) {
-    for _ in 0..1_000_000 {
-        if window.query_by_label("Cancel meshing").is_none() {
-            return;
-        }
-        window.run_steps(1);
-    }
-    panic!("the mesh is never ready");
-}
-
 #[test]
 fn a_large_mesh_is_made_while_the_scene_goes_on() {
     let mut window = in_mode("gingerbread_house", Mode::Collide);
@@ -279,7 +268,7 @@ fn a_large_mesh_is_made_while_the_scene_goes_on() {
     let now = window.state().snapshot();
     assert!(window.query_by_label_contains("Meshing about 12 000 triangles").is_some());
     assert!(now.triangles.len() == triangles && now.time > time && !now.can_undo, "the running scene stays");
-    wait_for_mesh(&mut window);
+    wait_until_gone(&mut window, "Cancel meshing");
     let finer = window.state().snapshot().triangles.len();
     assert!((10_000..14_000).contains(&finer), "{finer}");
     press_with(&mut window, Modifiers::COMMAND, Key::Z);

@@ -1,27 +1,10 @@
 //! Studies in the background, and plots that can be taken away.
 
-use crate::harness::*;
+use crate::{folder::Folder, harness::*};
 use eframe::egui::{ColorImage, Event, Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
-use std::{fs, path::PathBuf, sync::Arc};
-
-/// A folder of a test's own, gone at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+use std::{fs, sync::Arc};
 
 /// Answers the question for a path.
 fn save_as(window: &mut Window, path: &std::path::Path) {
@@ -55,13 +38,7 @@ fn has_head(table: &str, more: &[&str]) {
 fn measure(window: &mut Window, study: &str) {
     click(window, study);
     click(window, "Measure");
-    for _ in 0..100_000 {
-        if window.query_by_label("Cancel").is_none() {
-            return;
-        }
-        window.run_steps(1);
-    }
-    panic!("{study} does not end");
+    wait_until_gone(window, "Cancel");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{coarse, running, seen, sheet, simulation};
+use common::{coarse, greatest_gap, reopened, running, seen, sheet, simulation};
 use gingerbread::{
     command::Command,
     files,
@@ -32,16 +32,10 @@ fn pieces(seed: u64) -> Vec<u64> {
     pieces
 }
 
-/// Saves a run in a level's text and opens it again.
-fn reopened(run: &Simulation, level: &Level) -> Simulation {
-    let saved = Level { state: run.saved(), ..level.clone() };
-    simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap())
-}
-
 /// Where two runs differ.
 fn difference(one: &Simulation, other: &Simulation) -> String {
     let (a, b) = (one.state(), other.state());
-    let gap = a.x.iter().zip(&b.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let gap = greatest_gap(&a.x, &b.x);
     format!("positions by up to {gap} m, memory {}, calm {:?} and {:?}", a.memory == b.memory, a.calm, b.calm)
 }
 

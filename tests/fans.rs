@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, models, one_by_one, simulation};
+use common::{Random, greatest_gap, level, models, one_by_one, simulation};
 use gingerbread::{
     effects::Effect,
     elements::{Field, Triangles},
@@ -135,7 +135,7 @@ fn fan_forces_and_energy_match_single_triangles() {
         let force = forces_of(elements);
         assert!(force.iter().all(|force| force.is_finite()), "{model} {text}: what was in scratch is of no matter");
         assert!(forces_of(&elements.in_set(Arch::Scalar)) == force, "{model} {text}: one at a time");
-        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = greatest_gap(&force, &expected);
         let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
         assert!(error < 1e-13 * scale, "{model} {text}: {error:e} of {scale:e}");
         let found = elements.elastic_energy(&x);

@@ -231,7 +231,7 @@ fn a_block_on_a_slope_obeys_coulomb_friction() {
         // with the step, but slowly.
         let solves = kind.kind().class() == Class::Implicit && kind.name() != "LinearlyImplicitEuler";
         let tolerance = if solves { 0.04 } else { 1e-5 };
-        for (degrees, mu) in [(30.0_f64, 0.0), (30.0, 0.2), (45.0, 0.5), (20.0, 0.3)] {
+        for (degrees, mu) in [(30.0_f64, 0.0), (45.0, 0.5), (20.0, 0.3)] {
             let expected = 10.0 * (degrees.to_radians().sin() - mu * degrees.to_radians().cos());
             let [_, acceleration] = slid(&kind, substeps, degrees, mu);
             let error = (acceleration - expected).abs() / 10.0;

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{assert_apart, level, simulation};
+use common::{assert_apart, greatest_gap, level, simulation};
 use gingerbread::{
     command::{Command, Mode},
     effects::{EffectKind, Shape},
@@ -211,7 +211,7 @@ fn impacts_on_moving_walls_are_galilean_invariant() {
             };
             let rests = seen([0.0, 0.0], "");
             let moves = seen([3.0, -2.0], "Slide(velocity: (3, -2))");
-            let error = rests.iter().zip(&moves).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let error = greatest_gap(&rests, &moves);
             assert!(error < 1e-9, "{} {shape}: {error:e}", kind.name());
         }
     }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, level, simulation};
+use common::{Random, level, reopened, simulation};
 use gingerbread::{
     command::Command,
     files,
@@ -140,9 +140,7 @@ fn a_large_mesh_is_saved_as_listed_and_resumes_exactly() {
     assert_eq!(whole.scene().owner_of(whole.scene().pins[0] as usize).unwrap().1, 17);
     whole.advance(30, &mut || true);
     half.advance(10, &mut || true);
-    let state = half.saved().unwrap();
-    let text = files::write(&Level { state: Some(state), ..level }).unwrap();
-    let mut rest = simulation(&files::parse(&text, "saved.ron").unwrap());
+    let mut rest = reopened(&half, &level);
     assert_eq!(rest.state(), half.state());
     rest.advance(20, &mut || true);
     assert_eq!(rest.state(), whole.state());
@@ -205,11 +203,9 @@ fn a_shuffled_mesh_is_saved_as_listed_and_resumes_exactly() {
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
     whole.advance(5, &mut || true);
     half.advance(3, &mut || true);
-    let state = half.saved().unwrap();
-    let positions: Vec<_> = state.positions.iter().flat_map(|point| point.get()).collect();
+    let positions: Vec<_> = half.saved().unwrap().positions.iter().flat_map(|point| point.get()).collect();
     assert_eq!(positions, listed(&half)[0]);
-    let text = files::write(&Level { state: Some(state), ..level }).unwrap();
-    let mut rest = simulation(&files::parse(&text, "saved.ron").unwrap());
+    let mut rest = reopened(&half, &level);
     assert_eq!(rest.state(), half.state());
     rest.advance(2, &mut || true);
     assert_eq!(rest.state(), whole.state());

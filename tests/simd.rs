@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, one_by_one, rotation, simulation};
+use common::{Random, greatest_gap, level, one_by_one, rotation, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     materials::{Material, Model, Parts, Visitor, with_eigenvalues},
@@ -126,7 +126,7 @@ fn swept_triangles_match_single_ones_for_every_model() {
         elements.force(motion, &mut scratch, &mut force);
         // Stresses of 100 Pa on edges of 0.1 m.
         assert!(force.iter().all(|force| force.is_finite()), "what was in scratch is of no matter");
-        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = greatest_gap(&force, &expected);
         let scale = expected.iter().fold(10.0, |most: f64, force| most.max(force.abs()));
         assert!(error < 1e-14 * scale, "{}: {error:e} of {scale}", model.title());
         let found = elements.energy(motion);
@@ -215,7 +215,7 @@ fn forces_of_a_large_mesh_match_single_triangles() {
         let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
         elements.elastic_force(&x, &mut scratch, &mut force);
         assert!(force.iter().all(|force| force.is_finite()), "what was in scratch is of no matter");
-        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = greatest_gap(&force, &expected);
         let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
         assert!(error < most * scale, "{error:e} of {scale}");
     }

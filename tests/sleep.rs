@@ -3,11 +3,10 @@
 
 mod common;
 
-use common::{level, simulation};
+use common::{greatest_gap, level, reopened, simulation};
 use gingerbread::{
     command::{Command, Mode},
     effects::Grab,
-    files,
     integrators::IntegratorKind,
     level::{EffectLevel, Level, Toggle},
     meshes::NoFiles,
@@ -81,7 +80,7 @@ fn a_sleeping_run_stays_near_an_awake_one() {
     sleepy.advance(12_000, &mut || true);
     awake.advance(steps, &mut || true);
     assert!(!awake.is_asleep() && awake.counts().slept == 0, "sleep can be switched off");
-    let apart = sleepy.state().x.iter().zip(&awake.state().x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = greatest_gap(&sleepy.state().x, &awake.state().x);
     assert!(apart < 0.25e-3, "{apart} m apart after ten seconds");
 }
 
@@ -196,7 +195,7 @@ fn a_sleeper_does_not_affect_implicit_steps_of_others() {
         run.counts().newton_iterations - before
     });
     assert!(iterations[0] == iterations[1] && iterations[0] <= 5 * 60, "{iterations:?}");
-    let apart = both.state().x[..32].iter().zip(&alone.state().x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = greatest_gap(&both.state().x[..32], &alone.state().x);
     assert!(apart < 1e-7, "{apart:e} m");
     assert_eq!(both.state().x[32..], sleeper, "the sleeper stays");
 }
@@ -221,8 +220,7 @@ fn a_run_saved_before_or_during_sleep_goes_on_bit_for_bit() {
     for moment in [asleep - 200, asleep - 130, asleep - 17, asleep, asleep + 99] {
         let mut first = simulation(&falling());
         first.advance(moment, &mut || true);
-        let text = files::write(&Level { state: first.saved(), ..falling() }).unwrap();
-        let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
+        let mut second = reopened(&first, &falling());
         second.advance(whole.state().steps - moment, &mut || true);
         assert_eq!(second.state(), whole.state(), "saved after {moment} steps of {asleep}");
     }

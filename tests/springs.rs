@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, assert_balanced, assert_minus_derivative, difference_error, level, norm, simulation};
+use common::{Random, assert_balanced, assert_minus_derivative, difference_error, level, norm, reopened, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     elements::Springs,
@@ -210,8 +210,7 @@ fn saving_and_resuming_is_exact() {
     straight.advance(900, &mut || true);
     let mut first = simulation(&level(SWINGING));
     first.advance(311, &mut || true);
-    let saved = Level { state: first.saved(), ..level(SWINGING) };
-    let mut second = simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap());
+    let mut second = reopened(&first, &level(SWINGING));
     second.advance(589, &mut || true);
     assert_eq!(second.state(), straight.state());
 }
@@ -311,8 +310,7 @@ fn first_order_schemes_advance_toys_others_are_refused() {
             let gap = [state.x[0] - exact[0], state.x[1] - exact[1]];
             assert!(norm(&gap) < 0.02 * norm(&exact), "{} {}: {gap:?}", integrator.name(), kind.name());
             assert!(state.v.is_empty() && simulation.counts().force_evaluations >= steps);
-            let saved = Level { state: simulation.saved(), ..level.clone() };
-            let mut again = common::simulation(&files::parse(&files::write(&saved).unwrap(), "toy.ron").unwrap());
+            let mut again = reopened(&simulation, &level);
             assert_eq!(again.state(), state);
             again.advance(10, &mut || true);
             simulation.advance(10, &mut || true);

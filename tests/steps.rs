@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, models, sheet, simulation, systems::built};
+use common::{Random, level, models, reopened, sheet, simulation, systems::built};
 use gingerbread::{
     files,
     level::Level,
@@ -118,9 +118,7 @@ fn saving_and_resuming_is_exact() {
         run(&mut straight, 1000);
         let mut first = simulation(&falling(model));
         run(&mut first, 437);
-        let saved = Level { state: first.saved(), ..falling(model) };
-        let text = files::write(&saved).unwrap();
-        let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
+        let mut second = reopened(&first, &falling(model));
         assert_eq!(second.scene().rest, first.scene().rest, "saving must not touch the rest shape");
         run(&mut second, 563);
         assert_eq!(second.state(), straight.state());

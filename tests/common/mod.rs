@@ -78,6 +78,12 @@ pub fn simulation(level: &Level) -> Simulation {
     Simulation::open(scene, level, level.mode).unwrap()
 }
 
+/// Saves a run in a level's text and opens it again.
+pub fn reopened(run: &Simulation, level: &Level) -> Simulation {
+    let saved = Level { state: run.saved(), ..level.clone() };
+    simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap())
+}
+
 /// A level that ships.
 pub fn built_in(name: &str) -> Level {
     files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap()
@@ -157,6 +163,11 @@ pub fn assert_apart(simulation: &Simulation, outline: &[[f64; 2]], what: &str) {
             assert!(!cross(ends, [corner, next]), "{what}: edge {edge:?} at {ends:?} crosses {corner:?} to {next:?}");
         }
     }
+}
+
+/// The greatest difference of two lists, number by number.
+pub fn greatest_gap(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// Euclidean norm.

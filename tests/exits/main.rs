@@ -6,7 +6,7 @@ mod common;
 mod several;
 mod stays;
 
-use common::{level, models, seen, simulation};
+use common::{greatest_gap, level, models, seen, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
@@ -167,7 +167,7 @@ fn multirate_stepping_leads_out_as_common_steps_do() {
         assert!(simulation.counts().pushed_out > 5);
         simulation.state().x.clone()
     });
-    let apart = common.iter().zip(&own).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = greatest_gap(&common, &own);
     assert!(apart < 1e-12, "{apart:e}");
 }
 

@@ -116,7 +116,7 @@ fn triangles_of_a_vertex_are_near_in_large_meshes() {
     let man = |resolution: u32| format!("Gingerbread(resolution: {resolution})");
     let disk = "Disk(radius: 1, rings: 400)".to_owned();
     let square = |columns: u32, rows: u32| format!("Rectangle(width: 1, height: 1, columns: {columns}, rows: {rows})");
-    for mesh in [man(10_000), man(50_000), man(200_000), square(30_000, 2), square(2, 30_000), square(300, 300), disk] {
+    for mesh in [man(10_000), man(50_000), square(30_000, 2), square(2, 30_000), square(300, 300), disk] {
         let level = with(&mesh, "", "");
         let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
         let triangles = scene.bodies[0].elements.corners();

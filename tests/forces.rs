@@ -142,6 +142,7 @@ fn effect_forces_are_minus_the_derivative_of_energy() {
     let scene: &Scene = simulation.scene();
     let bodies = of(scene);
     let grab = Some(gingerbread::effects::Grab { vertex: 3, target: [0.9, 0.2] });
+    let mut acting = 0;
     for kind in EffectKind::all().into_iter().filter(|kind| !kind.kind().is_damping()) {
         let effect = kind.kind().build(&bodies).unwrap();
         let x = shaken(&scene.rest, 0.01, 5);
@@ -158,7 +159,9 @@ fn effect_forces_are_minus_the_derivative_of_energy() {
             let slope = (energy(&ahead) - energy(&behind)) / 2e-6;
             assert!((force[number] + slope).abs() < 1e-8, "{} {number}", kind.name());
         }
+        acting += u32::from(norm(&force) > 0.0);
     }
+    assert!(acting >= 2, "gravity and the mouse spring, at least");
 }
 
 fn damping_force(mass: f64, stiffness: f64, x: &[f64], v: &[f64], simulation: &Simulation) -> Vec<f64> {

@@ -1,33 +1,18 @@
 //! What the program says in a terminal about cost and accuracy is what was computed.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
+#[path = "common/program.rs"]
+mod program;
+
+use program::{Folder, gingerbread};
 use serde_json::Value;
-use std::{fs, path::PathBuf, process::Command};
+use std::fs;
 
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gingerbread-claims-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
+/// What the program prints if all goes well.
 fn said(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_gingerbread")).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    let output = gingerbread(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", program::said(&output.stderr));
+    program::said(&output.stdout)
 }
 
 fn sheet(name: &str, left: f64, stretch: f64) -> String {
@@ -45,7 +30,7 @@ fn report(folder: &Folder, level: &str, more: &[&str]) -> (String, Value) {
 
 #[test]
 fn the_cost_of_a_step_is_that_of_steps_that_were_computed() {
-    let folder = Folder::new("asleep");
+    let folder = Folder::new("claims-asleep");
     let (level, saved) = (folder.file("level.ron"), folder.file("saved.ron"));
     fs::write(&level, format!("(name: \"rest\", substeps: 20, bodies: [{}])", sheet("a", 0.1, 1.0))).unwrap();
     let (line, first) = report(&folder, &level, &["--steps", "5000", "--save", &saved]);
@@ -72,7 +57,7 @@ fn the_cost_of_a_step_is_that_of_steps_that_were_computed() {
 
 #[test]
 fn triangles_of_bodies_that_sleep_are_not_counted() {
-    let folder = Folder::new("half");
+    let folder = Folder::new("claims-half");
     let level = folder.file("level.ron");
     let bodies = [sheet("still", 0.1, 1.0), sheet("swinging", 0.6, 1.2)].join(", ");
     fs::write(&level, format!("(name: \"half\", substeps: 40, bodies: [{bodies}])")).unwrap();
@@ -87,7 +72,7 @@ fn triangles_of_bodies_that_sleep_are_not_counted() {
 
 #[test]
 fn a_study_of_a_scene_at_rest_says_so_and_recommends_nothing() {
-    let folder = Folder::new("rest");
+    let folder = Folder::new("claims-rest");
     let csv = folder.file("out.csv");
     let table = said(&["study", "gingerbread", "--seconds", "0.1", "--csv", &csv]);
     let csv = fs::read_to_string(csv).unwrap();

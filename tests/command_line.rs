@@ -398,8 +398,9 @@ fn a_missing_level_is_told_with_the_names_there_are() {
     assert!(told.contains("circle.ron: there is no such file; the built-in level is called circle"), "{told}");
 }
 
+/// Hard cases run by name or from a file, with their scripted actions.
 #[test]
-fn levels_come_from_standard_input_and_pipes_and_hard_cases_run_by_name_or_file() {
+fn levels_are_read_from_standard_input_and_pipes() {
     let folder = Folder::new("sources");
     let fed = |arguments: &[&str], text: &str| {
         let mut child =

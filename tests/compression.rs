@@ -43,8 +43,9 @@ fn pressed(simulation: &mut Simulation, stretch: f64) -> f64 {
         .sum()
 }
 
+/// From a strength of 0.28 on, a St. Venant-Kirchhoff sheet pushes back the harder the flatter it is.
 #[test]
-fn a_st_venant_kirchhoff_sheet_that_is_guarded_pushes_back_the_harder_the_flatter() {
+fn the_compression_guard_makes_the_force_monotonic() {
     for (strength, gives_way) in [(0.0, true), (0.27, true), (0.28, false), (1.0, false), (4.0, false)] {
         let mut simulation = guarded("StVenantKirchhoff", strength);
         let forces: Vec<_> = (1..=100).map(|part| pressed(&mut simulation, f64::from(part) / 100.0)).collect();
@@ -68,8 +69,9 @@ fn the_guard_does_nothing_to_what_is_not_squeezed() {
     }
 }
 
+/// Without the guard a mirrored St. Venant-Kirchhoff sheet stays mirrored.
 #[test]
-fn a_mirrored_st_venant_kirchhoff_sheet_stays_mirrored_and_turns_again_with_the_guard() {
+fn the_compression_guard_turns_a_mirrored_sheet_back() {
     for (strength, inverted) in [(0.0, 32), (1.0, 0)] {
         let mut simulation = guarded("StVenantKirchhoff", strength);
         deform(&mut simulation, Matrix2::new(-0.99, 0.02, 0.01, 1.01));
@@ -80,7 +82,7 @@ fn a_mirrored_st_venant_kirchhoff_sheet_stays_mirrored_and_turns_again_with_the_
 }
 
 #[test]
-fn a_mirrored_corotated_body_agrees_with_itself_on_how_to_turn_again_whichever_way_it_lies() {
+fn a_mirrored_corotated_body_recovers_in_any_orientation() {
     for model in ["Corotated", "FixedCorotated"] {
         for degrees in [0.0_f64, 17.0, 90.0, 123.0, 260.0] {
             let mut simulation = guarded(model, 0.0);
@@ -98,8 +100,9 @@ fn a_mirrored_corotated_body_agrees_with_itself_on_how_to_turn_again_whichever_w
     }
 }
 
+/// Only neo-Hookean continues its formula, below a tenth of the area.
 #[test]
-fn triangles_beyond_where_a_model_is_used_to_the_letter_are_counted() {
+fn triangles_on_a_continued_formula_are_counted() {
     for model in models() {
         let mut simulation = guarded(model, 0.0);
         let continued = |simulation: &Simulation| {

@@ -3,17 +3,15 @@
 
 mod common;
 
-use common::{seen, sheet, simulation};
+use common::{coarse, greatest_gap, reopened, running, seen, sheet, simulation};
 use gingerbread::{
-    command::{Command, Mode},
+    command::Command,
     files,
-    integrators::IntegratorKind,
+    integrators::{Class, IntegratorKind, Scheme},
     level::{Level, Paces, Substeps, Toggle},
     levels::BUILT_IN,
     materials::MaterialParameters,
-    meshes::NoFiles,
     quantity::Young,
-    sandbox::Sandbox,
     simulation::Simulation,
 };
 
@@ -34,16 +32,10 @@ fn pieces(seed: u64) -> Vec<u64> {
     pieces
 }
 
-/// Saves a run in a level's text and opens it again.
-fn reopened(run: &Simulation, level: &Level) -> Simulation {
-    let saved = Level { state: run.saved(), ..level.clone() };
-    simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap())
-}
-
 /// Where two runs differ.
 fn difference(one: &Simulation, other: &Simulation) -> String {
     let (a, b) = (one.state(), other.state());
-    let gap = a.x.iter().zip(&b.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let gap = greatest_gap(&a.x, &b.x);
     format!("positions by up to {gap} m, memory {}, calm {:?} and {:?}", a.memory == b.memory, a.calm, b.calm)
 }
 
@@ -70,12 +62,13 @@ fn compare(level: &Level, seed: u64) -> u64 {
 fn saved_runs_continue_bit_equal_with_every_integrator() {
     let (mut retaken, mut seed) = (0, 0_u64);
     for (file, text) in BUILT_IN {
-        let level = files::parse(text, file).unwrap();
+        let (fine, coarse) = (files::parse(text, file).unwrap(), coarse(text, file));
         for integrator in IntegratorKind::all() {
-            if level.toy.is_some() && !matches!(integrator.kind().scheme(), gingerbread::integrators::Scheme::First(_))
-            {
+            if fine.toy.is_some() && !matches!(integrator.kind().scheme(), Scheme::First(_)) {
                 continue;
             }
+            // What implicit schemes remember does not depend on the mesh, and their steps are dear.
+            let level = if integrator.kind().class() == Class::Implicit { &coarse } else { &fine };
             seed += 1;
             let guard = Toggle::from(!seed.is_multiple_of(4));
             let substeps = Substeps::new([2, 8, 30][seed as usize % 3]).unwrap();
@@ -84,7 +77,7 @@ fn saved_runs_continue_bit_equal_with_every_integrator() {
             retaken += compare(&level, seed);
         }
     }
-    assert!(retaken > 100, "the guard took only {retaken} steps again");
+    assert!(retaken > 50, "the guard took only {retaken} steps again");
 }
 
 /// A stretched sheet with a step above the stability limit, without end in shorter ones.
@@ -124,8 +117,9 @@ fn scripted(integrator: IntegratorKind, guard: Toggle) -> Level {
     Level { integrator, guard, ..common::level(text) }
 }
 
+/// Saving, rewinding and undoing change no bit.
 #[test]
-fn scripted_actions_go_on_bit_equal_after_saving_rewinding_and_undoing() {
+fn scripted_actions_continue_bit_equal() {
     const STEPS: u64 = 240;
     let mut unstable = Vec::new();
     for (number, integrator) in (0_u64..).zip(IntegratorKind::all()) {
@@ -169,7 +163,7 @@ fn scripted_actions_go_on_bit_equal_after_saving_rewinding_and_undoing() {
 }
 
 #[test]
-fn every_hard_case_runs_as_a_level_with_its_actions_and_goes_on_after_saving() {
+fn hard_cases_run_as_levels_and_continue_bit_equal() {
     let mut with_actions = 0;
     for (file, text) in gingerbread::levels::HARD {
         let mut level = files::parse(text, file).unwrap();
@@ -205,12 +199,6 @@ fn saving_after_a_batch_of_steps_changes_no_bit() {
         run.advance(2000 - split, &mut || true);
         assert!(run.state() == straight.state(), "{split}: {}", difference(&run, &straight));
     }
-}
-
-fn running(level: Level) -> Sandbox {
-    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
-    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox
 }
 
 #[test]

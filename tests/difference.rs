@@ -27,7 +27,7 @@ fn mapped(rest: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn an_affine_map_of_both_meshes_is_no_difference_at_material_points() {
+fn an_affine_map_of_both_meshes_is_no_difference() {
     for name in ["gingerbread", "jelly_disk", "cantilever", "three_models"] {
         let (a, b) = (scene(name, 1.0), scene(name, 0.3));
         for (a, b) in [(&a, &b), (&b, &a)] {
@@ -41,7 +41,7 @@ fn an_affine_map_of_both_meshes_is_no_difference_at_material_points() {
 }
 
 #[test]
-fn a_shift_of_one_of_two_is_measured_in_metres_and_over_the_way_of_the_first() {
+fn a_shift_is_measured_in_metres_and_relative_to_motion() {
     let (a, b) = (scene("gingerbread", 1.0), scene("gingerbread", 0.5));
     let at = |scene: &Scene, shift: f64| {
         let x = scene.rest.iter().enumerate().map(|(i, x)| x + if i % 2 == 0 { shift } else { 0.0 }).collect();
@@ -63,8 +63,9 @@ fn scenes_that_show_other_things_are_not_compared() {
     assert!(Correspondence::new(&scene("chain", 1.0), &scene("hanging_net", 1.0)).is_none());
 }
 
+/// It is in the same body.
 #[test]
-fn the_counterpart_of_a_vertex_is_in_the_same_body_and_nearest_at_rest() {
+fn the_counterpart_of_a_vertex_is_the_nearest_at_rest() {
     let (a, b) = (scene("three_models", 1.0), scene("three_models", 0.4));
     let owner = |scene: &Scene, vertex: usize| scene.owner_of(vertex).unwrap().0;
     for vertex in (0..a.rest.len() / 2).step_by(37) {

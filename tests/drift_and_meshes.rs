@@ -4,8 +4,8 @@
 mod common;
 
 use common::{
-    level, released, released_of,
-    studies::{WHOLE, built_in, setting, trial, without_times},
+    built_in, level, released, released_of,
+    studies::{RESTING, WHOLE, setting, trial, without_times},
 };
 use gingerbread::{
     level::Level,
@@ -30,7 +30,7 @@ fn bar_of(columns: u32, rows: u32, diagonals: &str, poisson: f64) -> Level {
 }
 
 #[test]
-fn finer_meshes_come_nearer_and_the_order_is_that_of_linear_triangles() {
+fn mesh_errors_have_the_order_of_linear_triangles() {
     for measure in Measure::ALL {
         let plan = MeshPlan { measure, triangles: vec![256, 1024, 4096, 16384], threads: 2, ..MeshPlan::default() };
         let mut study = MeshStudy::new(&bar(16, 4), &NoFiles, 1.0, plan).unwrap();
@@ -47,7 +47,7 @@ fn finer_meshes_come_nearer_and_the_order_is_that_of_linear_triangles() {
 }
 
 #[test]
-fn meshes_are_compared_at_the_end_of_a_time_where_nothing_rests() {
+fn meshes_that_never_rest_are_compared_at_a_final_time() {
     let plan = |moment| MeshPlan { moment, measure: Measure::ElasticEnergy, triangles: vec![24, 96, 384], threads: 1 };
     let refused = MeshStudy::new(&released(""), &NoFiles, 0.1, plan(MeshMoment::AtRest)).err().unwrap().to_string();
     assert!(refused.contains("does not hold"), "{refused}");
@@ -101,7 +101,7 @@ fn meshes_that_lock_have_no_reference_and_no_errors() {
 }
 
 #[test]
-fn walls_that_only_unstable_schemes_touch_change_nothing_by_right() {
+fn walls_touched_by_unstable_runs_alone_are_ignored() {
     let effects = "effects: [(effect: Boundary(least: (-1, -1), greatest: (2, 2)))]";
     let settings = vec![setting("SymplecticEuler", 40), setting("VelocityVerlet", 40), setting("ForwardEuler", 10)];
     let drift = drift(&released(effects), 1.0, settings, 1, WHOLE);
@@ -156,8 +156,9 @@ fn drift(level: &Level, seconds: f64, settings: Vec<Setting>, threads: usize, bu
     drift
 }
 
+/// The energy of forward Euler grows in every frame.
 #[test]
-fn symplectic_euler_keeps_its_energy_error_bounded_while_that_of_forward_euler_grows() {
+fn symplectic_euler_bounds_its_energy_error() {
     let settings = vec![setting("SymplecticEuler", 40), setting("ForwardEuler", 4000)];
     let drift = drift(&released_of(100, ""), 4.0, settings, 2, WHOLE);
     let [symplectic, forward] = drift.runs() else { unreachable!("two settings") };
@@ -174,8 +175,9 @@ fn symplectic_euler_keeps_its_energy_error_bounded_while_that_of_forward_euler_g
     assert!(gains, "it gains in every frame");
 }
 
+/// Budget and number of threads change only the measured times.
 #[test]
-fn drift_and_mesh_tables_repeat_but_for_their_times_whatever_the_budget_and_the_threads() {
+fn drift_and_mesh_tables_are_reproducible() {
     let names = ["ForwardEuler", "VelocityVerlet", "DormandPrince", "ImplicitMidpoint"];
     let settings = || names.map(|name| setting(name, 20)).to_vec();
     let tables = [(1, WHOLE), (3, Duration::from_micros(200))]
@@ -240,11 +242,6 @@ fn what_takes_energy_and_momentum_by_right_is_named() {
     let still = drift(&level(RESTING), 0.1, settings(), 1, WHOLE);
     assert!(still.nothing_of(Invariant::Energy).is_some_and(|words| words.contains("Almost nothing moves")));
 }
-
-/// A sheet on which nothing acts.
-const RESTING: &str = "(name: \"resting\", substeps: 20, bodies: [(name: \"sheet\", mass: Density(1),
-    mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
-    material: (model: NeoHookean, young: 100, poisson: 0.3))])";
 
 #[test]
 fn a_mesh_study_says_in_words_where_it_has_nothing_to_say() {

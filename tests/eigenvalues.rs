@@ -45,7 +45,7 @@ fn decomposed(stiffness: &Matrix4<f64>, change: fn(f64) -> f64) -> Matrix4<f64> 
 }
 
 #[test]
-fn the_eigenvectors_of_every_stiffness_are_known_from_the_gradient_alone() {
+fn stiffness_eigenvectors_follow_from_the_gradient() {
     let lames = [Lame { mu: 1.0, lambda: 1.5 }, Lame { mu: 1.0, lambda: 0.0 }, Lame { mu: 1.0, lambda: 50.0 }];
     let changes: [fn(f64) -> f64; 3] = [|e| e, |e| e.max(0.0), f64::abs];
     let mut negative = 0;
@@ -93,8 +93,9 @@ impl Visitor for FromModuli<'_> {
     }
 }
 
+/// They also give its positive part and its absolute value.
 #[test]
-fn five_moduli_stand_for_the_stiffness_of_every_model_and_for_what_is_positive_of_it() {
+fn five_moduli_reproduce_every_stiffness() {
     let lames = [Lame { mu: 1.0, lambda: 1.5 }, Lame { mu: 1.0, lambda: 0.0 }, Lame { mu: 1.0, lambda: 50.0 }];
     let near = [1e-3, 1e-6, 1e-9].map(|shear| Matrix2::new(1.0, shear, 0.0, 1.0));
     let changes: [(f64, Change); 3] = [(1.0, |e| e), (0.0, |e| e.max(0.0)), (-1.0, f64::abs)];

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, models, one_by_one, simulation};
+use common::{Random, greatest_gap, level, models, one_by_one, simulation};
 use gingerbread::{
     effects::Effect,
     elements::{Field, Triangles},
@@ -64,8 +64,9 @@ fn is_alone(fan: &&Fan) -> bool {
     fan.triangles().count() == 1
 }
 
+/// The two triangles of a fan share its second spoke.
 #[test]
-fn every_triangle_is_in_one_fan_and_two_of_a_fan_share_its_second_spoke() {
+fn every_triangle_is_in_exactly_one_fan() {
     let turned = |[a, b, c]: [u32; 3]| BTreeSet::from([[a, b, c], [b, c, a], [c, a, b]]);
     for text in meshes() {
         let mesh = mesh(&text);
@@ -84,7 +85,7 @@ fn every_triangle_is_in_one_fan_and_two_of_a_fan_share_its_second_spoke() {
 }
 
 #[test]
-fn a_triangle_is_alone_only_if_all_its_neighbours_have_other_partners_and_few_are() {
+fn few_triangles_are_alone_and_none_beside_another() {
     for text in meshes() {
         let mesh = mesh(&text);
         let alone: Vec<_> = mesh.fans().iter().filter(is_alone).flat_map(|fan| fan.triangles()).collect();
@@ -119,7 +120,7 @@ fn the_fans_of_a_grid_are_its_cells() {
 }
 
 #[test]
-fn the_forces_and_the_energy_of_fans_are_those_of_their_triangles_one_by_one() {
+fn fan_forces_and_energy_match_single_triangles() {
     for (text, model) in meshes().flat_map(|text| models().map(move |model| (text.clone(), model))) {
         let simulation = simulation(&with(&text, model));
         let elements = &simulation.scene().bodies[0].elements;
@@ -134,7 +135,7 @@ fn the_forces_and_the_energy_of_fans_are_those_of_their_triangles_one_by_one() {
         let force = forces_of(elements);
         assert!(force.iter().all(|force| force.is_finite()), "{model} {text}: what was in scratch is of no matter");
         assert!(forces_of(&elements.in_set(Arch::Scalar)) == force, "{model} {text}: one at a time");
-        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = greatest_gap(&force, &expected);
         let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
         assert!(error < 1e-13 * scale, "{model} {text}: {error:e} of {scale:e}");
         let found = elements.elastic_energy(&x);

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, level, released, seen, simulation};
+use common::{Random, folder::Folder, level, released, seen, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
@@ -65,8 +65,9 @@ fn flipped(state: &State, random: &mut Random) -> Vec<State> {
     all
 }
 
+/// A fault keeps the last good state.
 #[test]
-fn a_bit_that_flips_in_a_running_state_ends_in_numbers_or_in_a_fault_that_keeps_the_last_good_state() {
+fn a_flipped_bit_ends_in_finite_numbers_or_a_fault() {
     let (mut random, mut faults, mut went_on) = (Random(21), 0, 0);
     for level in swinging() {
         let mut good = simulation(&level);
@@ -107,8 +108,9 @@ fn all(sandbox: &Sandbox) -> (Level, bool, bool, Mode, State) {
     (sandbox.saved(), seen.can_undo, seen.can_redo, seen.mode, sandbox.simulation().state().clone())
 }
 
+/// Reset, rewind and undo lead on from there.
 #[test]
-fn a_level_saved_with_a_flipped_bit_is_refused_or_runs_and_reset_rewind_and_undo_lead_on() {
+fn a_saved_level_with_a_flipped_bit_is_refused_or_runs() {
     let mut random = Random(22);
     let (mut refused, mut opened) = (0, 0);
     for level in swinging() {
@@ -180,7 +182,7 @@ fn mesh(text: &str) -> MeshKind {
 }
 
 #[test]
-fn an_edit_that_would_leave_a_triangle_without_area_is_refused_and_changes_nothing() {
+fn an_edit_to_a_triangle_without_area_changes_nothing() {
     let base = released("effects: [(effect: Gravity(down: 9.8))]");
     let placed = |place: &str| {
         let text = files::write(&base).unwrap();
@@ -226,14 +228,6 @@ fn an_edit_that_would_leave_a_triangle_without_area_is_refused_and_changes_nothi
     }
 }
 
-/// A folder of its own for a test, emptied first.
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 fn entries(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -242,16 +236,16 @@ fn entries(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_save_that_fails_anywhere_leaves_the_old_file_and_nothing_else() {
-    let folder = folder("failing");
-    let path = folder.join("level.ron");
+fn a_failed_save_leaves_only_the_old_file() {
+    let folder = Folder::new("failing");
+    let path = folder.0.join("level.ron");
     let (old, new) = (released(""), Level { name: "new".to_owned(), ..released("") });
     files::save(&path, &old).unwrap();
-    let part = folder.join(format!("level.ron.{}.part", std::process::id()));
+    let part = folder.0.join(format!("level.ron.{}.part", std::process::id()));
     let refused = |before: &[&str]| {
         let why = files::save(&path, &new).unwrap_err().to_string();
         assert!(why.contains("level.ron: "), "{why}");
-        assert_eq!(entries(&folder), before);
+        assert_eq!(entries(&folder.0), before);
         assert_eq!(files::read(&path).unwrap(), old);
     };
     // Nothing can be begun.
@@ -267,16 +261,15 @@ fn a_save_that_fails_anywhere_leaves_the_old_file_and_nothing_else() {
     // A half from before, of a process of the same number, is in nobody's way.
     fs::write(&part, "(name: \"ha").unwrap();
     files::save(&path, &new).unwrap();
-    assert_eq!((files::read(&path).unwrap(), entries(&folder)), (new.clone(), vec!["level.ron".to_owned()]));
+    assert_eq!((files::read(&path).unwrap(), entries(&folder.0)), (new.clone(), vec!["level.ron".to_owned()]));
     // The name is taken by something that no file can replace.
-    let taken = folder.join("taken.ron");
+    let taken = folder.0.join("taken.ron");
     fs::create_dir_all(taken.join("inside")).unwrap();
     assert!(files::save(&taken, &new).is_err());
     assert_eq!(
-        (entries(&folder), entries(&taken)),
+        (entries(&folder.0), entries(&taken)),
         (vec!["level.ron".to_owned(), "taken.ron".to_owned()], vec!["inside".to_owned()])
     );
-    fs::remove_dir_all(&folder).unwrap();
 }
 
 /// Tells the child where to save.
@@ -306,12 +299,13 @@ fn child_that_saves() {
     }
 }
 
+/// It also fills a pipe.
 #[test]
 #[cfg(unix)]
-fn what_is_saved_goes_where_a_link_leads_keeps_its_permissions_and_fills_a_pipe() {
+fn saving_follows_links_and_keeps_permissions() {
     use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
-    let folder = folder("special");
-    let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.join(name));
+    let folder = Folder::new("special");
+    let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.0.join(name));
     fs::write(&file, "old").unwrap();
     fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
     symlink("file", &link).unwrap();
@@ -325,14 +319,13 @@ fn what_is_saved_goes_where_a_link_leads_keeps_its_permissions_and_fills_a_pipe(
         assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
         assert_eq!(reader.join().unwrap(), "through");
     });
-    assert_eq!(fs::read_dir(&folder).unwrap().count(), 3, "nothing is left over");
-    fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 3, "nothing is left over");
 }
 
 #[test]
-fn a_save_that_is_killed_leaves_the_whole_old_file_or_the_whole_new_one() {
-    let folder = folder("killed");
-    let path = folder.join("level.ron");
+fn a_killed_save_leaves_the_old_or_the_new_file_whole() {
+    let folder = Folder::new("killed");
+    let path = folder.0.join("level.ron");
     let levels = long_ones();
     for saves in 2..8 {
         let mut child = Process::new(std::env::current_exe().unwrap())
@@ -351,11 +344,10 @@ fn a_save_that_is_killed_leaves_the_whole_old_file_or_the_whole_new_one() {
         files::save(&path, &levels[saves % 2]).unwrap();
         assert_eq!(files::read(&path).unwrap(), levels[saves % 2]);
     }
-    fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
-fn a_running_simulation_is_none_the_worse_for_a_grab_that_is_not_there() {
+fn a_simulation_recovers_from_a_grab_at_nan() {
     let mut run: Simulation = simulation(&released("effects: [(effect: MouseSpring(stiffness: 50))]"));
     run.set_grab(Some(gingerbread::effects::Grab { vertex: 0, target: [f64::NAN, 0.0] }));
     run.advance(10, &mut || true);

@@ -3,16 +3,14 @@
 
 mod common;
 
-use common::{level, models, sheet, simulation};
+use common::{level, models, running, sheet, simulation};
 use gingerbread::{
-    command::{Command, Mode},
+    command::Command,
     files,
     integrators::IntegratorKind,
     level::{Level, Toggle},
     levels::BUILT_IN,
-    meshes::NoFiles,
     rewind::Rewind,
-    sandbox::Sandbox,
     simulation::Simulation,
     stability::critical_step,
 };
@@ -26,8 +24,9 @@ fn released(model: &str, share: f64, more: &str) -> Simulation {
     run
 }
 
+/// The energy stays bounded; without the guard it explodes.
 #[test]
-fn a_step_above_the_stability_limit_is_taken_in_shorter_ones_and_the_energy_stays_what_it_was() {
+fn the_guard_divides_steps_above_the_stability_limit() {
     for model in models() {
         for share in [1.05, 2.0, 7.0, 25.0] {
             let mut guarded = released(model, share, "");
@@ -45,8 +44,9 @@ fn a_step_above_the_stability_limit_is_taken_in_shorter_ones_and_the_energy_stay
     }
 }
 
+/// Even 64 parts are not short enough; the fault says why.
 #[test]
-fn a_step_that_even_64_parts_do_not_save_pauses_on_the_last_good_state_and_says_why() {
+fn a_step_beyond_rescue_pauses_on_the_last_good_state() {
     let mut run = released("Corotated", 2000.0, "");
     let before = run.energies().total();
     run.advance(100, &mut || true);
@@ -58,7 +58,7 @@ fn a_step_that_even_64_parts_do_not_save_pauses_on_the_last_good_state_and_says_
 
 /// Damping by stiffness lowers the stability limit to a millionth of the step, inside a ball that moves and may supply energy.
 #[test]
-fn a_step_far_above_the_limit_of_damping_stops_before_energy_appears() {
+fn a_step_far_above_the_damping_limit_gains_no_energy() {
     let text = gingerbread::levels::built_in("rolling_pin").unwrap();
     let wild =
         text.replace("stiffness: 0.0005", "stiffness: 0.49999").replace("centre: (0.5, 0.195)", "centre: (0.5, 0)");
@@ -151,12 +151,6 @@ fn a_hard_pull_is_not_mistaken_for_an_explosion() {
         }
         assert_eq!(run.counts().guarded, 0, "{}", level.integrator.name());
     }
-}
-
-fn running(level: Level) -> Sandbox {
-    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
-    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox
 }
 
 #[test]

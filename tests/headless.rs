@@ -7,8 +7,9 @@ mod program;
 use program::{Folder, gingerbread, said};
 use std::{fs, process::Command};
 
+/// The names in the report are stable.
 #[test]
-fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
+fn run_writes_an_exact_state_and_a_report() {
     let folder = Folder::new("run");
     let (state, report) = (folder.file("state.csv"), folder.file("report.json"));
     let output = gingerbread(&["run", "jelly_disk", "--steps", "50", "--state", &state, "--report", &report]);
@@ -54,9 +55,10 @@ fn run_writes_a_state_that_reads_back_exactly_and_a_report_with_stable_names() {
     assert_eq!((&off["switch"], &off["calls"], off["saved_ms_per_frame"].is_null()), (&"Off".into(), &0.into(), true));
 }
 
+/// The effects are timed in a run of their own.
 /// Clocks in the effects would send every step another, slower way.
 #[test]
-fn a_report_tells_what_a_run_without_clocks_costs_and_what_each_effect_does_from_a_run_of_its_own() {
+fn a_report_times_a_run_without_effect_clocks() {
     let folder = Folder::new("clocks");
     let (level, report) = (folder.file("sheet.ron"), folder.file("report.json"));
     let text = "(name: \"sheet\", substeps: 1000, bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1), mesh: Rectangle(width: 1,
@@ -78,7 +80,7 @@ fn a_report_tells_what_a_run_without_clocks_costs_and_what_each_effect_does_from
 }
 
 #[test]
-fn a_report_says_how_each_body_stepped_that_went_at_its_own_pace() {
+fn a_report_lists_the_steps_of_each_multirate_body() {
     let folder = Folder::new("paces");
     let report = folder.file("report.json");
     let read = |level: &str| -> serde_json::Value {
@@ -98,7 +100,7 @@ fn a_report_says_how_each_body_stepped_that_went_at_its_own_pace() {
 }
 
 #[test]
-fn a_report_of_a_level_without_triangles_holds_no_made_up_numbers() {
+fn a_report_without_triangles_has_null_for_their_numbers() {
     let folder = Folder::new("net");
     let report = folder.file("report.json");
     let output = gingerbread(&["run", "chain", "--steps", "50", "--report", &report]);
@@ -156,7 +158,7 @@ fn check_and_report_tell_what_begins_inside_a_wall() {
 }
 
 #[test]
-fn wrong_arguments_and_missing_files_end_with_2_and_one_clear_message() {
+fn wrong_arguments_and_missing_files_exit_with_2() {
     for (arguments, expected) in [
         (vec!["run", "no_such_level"], "no_such_level"),
         (vec!["check", "no_such_level.ron"], "no_such_level.ron"),
@@ -224,8 +226,9 @@ fn a_run_of_no_steps_has_no_cost_of_a_step() {
     assert!(output.status.success() && line.contains("0 steps") && !line.contains("ns per"), "{line}");
 }
 
+/// Its table says which cases are held.
 #[test]
-fn hard_tells_which_cases_are_held_and_ends_with_1_if_one_should_be_and_is_not() {
+fn hard_exits_with_1_on_an_unexplained_failure() {
     let folder = Folder::new("hard");
     let (csv, unexplained) = (folder.file("table.csv"), folder.file("unexplained.ron"));
     let output = gingerbread(&["hard", "stretch_2", "--integrator", "ImplicitEuler", "--csv", &csv]);

@@ -3,10 +3,9 @@
 
 mod common;
 
-use common::{Random, models, sheet};
+use common::{Random, models, named, sheet};
 use gingerbread::{
     effects::{Grab, Motion},
-    integrators::IntegratorKind,
     level::{Level, Substeps},
     meshes::NoFiles,
     scene::Scene,
@@ -66,9 +65,10 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |a, b| a.max(b.abs()))
 }
 
+/// It is symmetric.
 /// One component at a time, at order-one stiffness, with the best of several epsilons.
 #[test]
-fn the_stiffness_matrix_is_the_difference_of_the_forces_and_symmetric() {
+fn the_stiffness_matrix_matches_force_differences() {
     let grab = Some(Grab { vertex: 7, target: [0.1, 0.9] });
     for model in models() {
         // Of damping's own dependence on x only the symmetric half is in the matrix, so it is at rest for that part.
@@ -114,7 +114,7 @@ fn the_stiffness_matrix_is_the_difference_of_the_forces_and_symmetric() {
 }
 
 #[test]
-fn the_factor_solves_what_the_matrix_multiplies_and_keeps_what_is_fixed() {
+fn the_factor_inverts_the_matrix_and_keeps_fixed_values() {
     let simulation = built(&sheet("NeoHookean", "pins: [Top, Vertex(7)]", DAMPED), None);
     let scene = simulation.scene();
     let state = shaken(scene, 0.01, 0.0);
@@ -200,12 +200,11 @@ fn newton_converges_quadratically_at_the_end() {
 }
 
 fn under(level: Level, integrator: &str) -> Level {
-    let named = |kind: &IntegratorKind| kind.name() == integrator;
-    Level { integrator: IntegratorKind::all().into_iter().find(named).unwrap(), ..level }
+    Level { integrator: named(integrator), ..level }
 }
 
 #[test]
-fn a_step_a_hundred_times_the_stability_limit_stays_finite_and_loses_energy() {
+fn a_hundred_times_the_stability_limit_gains_no_energy() {
     for model in models() {
         for integrator in ["ImplicitEuler", "Bdf2"] {
             let level = under(sheet(model, "stretch: (1.2, 1)", ""), integrator);
@@ -247,7 +246,7 @@ fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
 }
 
 #[test]
-fn a_newton_step_knows_how_far_it_is_to_the_first_triangle_that_would_turn_over() {
+fn a_newton_step_is_limited_by_the_first_inversion() {
     let mut random = Random(11);
     for model in models() {
         let simulation = built(&sheet(model, "", ""), None);
@@ -271,7 +270,7 @@ fn a_newton_step_knows_how_far_it_is_to_the_first_triangle_that_would_turn_over(
 }
 
 #[test]
-fn where_the_energy_has_a_barrier_no_implicit_step_turns_a_triangle_over() {
+fn a_barrier_energy_prevents_inversion_in_implicit_steps() {
     for model in ["NeoHookean", "Hencky"] {
         for integrator in ["ImplicitEuler", "Bdf2"] {
             for seed in 1..9 {

@@ -70,7 +70,7 @@ fn spellings(text: &str, latin: bool) -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn marks_line_ends_and_encodings_change_neither_levels_nor_meshes() {
+fn byte_order_marks_line_ends_and_encodings_do_not_matter() {
     let folder = Folder::new("spellings");
     let text = level("Disk(radius: 0.2, rings: 3)").replace(", spin", ", // Pfännchen\n spin");
     for (name, bytes) in spellings(&text, true) {
@@ -94,7 +94,7 @@ fn marks_line_ends_and_encodings_change_neither_levels_nor_meshes() {
 }
 
 #[test]
-fn faces_may_be_continued_on_the_next_line_and_stand_before_their_vertices() {
+fn obj_faces_may_continue_and_precede_their_vertices() {
     let folder = Folder::new("faces");
     let square = obj(&folder, SQUARE).unwrap();
     let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -131,7 +131,7 @@ fn rectangle_in_space(place: impl Fn(f64, f64) -> [f64; 3], reverse: bool) -> St
 type Plane = fn(f64, f64) -> [f64; 3];
 
 #[test]
-fn a_mesh_in_any_plane_of_space_is_found_and_told_but_a_solid_one_is_refused() {
+fn a_flat_mesh_in_any_plane_is_read_and_a_solid_refused() {
     let folder = Folder::new("planes");
     let planes: [(&str, Plane); 3] =
         [("x-y", |x, y| [x, y, 7.0]), ("x-z", |x, y| [x, -3.0, y]), ("y-z", |x, y| [0.5, x, y])];
@@ -187,8 +187,9 @@ fn run(text: &str) -> Simulation {
     simulation
 }
 
+/// The body then runs.
 #[test]
-fn outline_points_far_below_the_mesh_size_are_merged_and_the_body_runs() {
+fn outline_points_far_below_the_mesh_size_are_merged() {
     for gap in [1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5] {
         for near in [[gap, 0.0], [gap, 0.5 * gap], [-0.5 * gap, gap]] {
             let points = [[0.0, 0.0], near, [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -239,7 +240,7 @@ fn mesh_vertices_far_below_the_mesh_size_are_named() {
 }
 
 #[test]
-fn the_brackets_of_ron_around_a_single_value_may_be_written_or_left_out() {
+fn ron_brackets_around_a_single_value_are_optional() {
     let plain = parsed(&level("Disk(radius: 0.2, rings: 5)"));
     for mesh in ["Disk((radius: 0.2, rings: 5))", "Disk(Disk(radius: 0.2, rings: 5))", "Disk((radius: 0.2, rings: 5),)"]
     {
@@ -254,7 +255,7 @@ fn the_brackets_of_ron_around_a_single_value_may_be_written_or_left_out() {
 }
 
 #[test]
-fn paths_with_backslashes_lead_to_the_same_file_and_folders_need_no_utf_8() {
+fn paths_may_have_backslashes_and_folders_no_utf_8() {
     let folder = Folder::new("paths");
     fs::create_dir(folder.file("meshes")).unwrap();
     fs::write(folder.file("meshes/new.obj"), SQUARE).unwrap();
@@ -278,7 +279,7 @@ fn paths_with_backslashes_lead_to_the_same_file_and_folders_need_no_utf_8() {
 }
 
 #[test]
-fn a_traced_outline_says_what_it_costs_and_its_advice_makes_it_cheaper() {
+fn a_traced_outline_suggests_a_simplification_that_works() {
     const COUNT: i32 = 2400;
     // A staircase around a disk of radius 0.5, as tracing a picture of 256 pixels gives it.
     let corner = |number: i32| {
@@ -300,7 +301,7 @@ fn a_traced_outline_says_what_it_costs_and_its_advice_makes_it_cheaper() {
 }
 
 #[test]
-fn what_is_often_written_wrong_is_told_with_its_place_and_the_remedy() {
+fn common_mistakes_are_told_with_place_and_remedy() {
     let good = level("Disk(radius: 0.2, rings: 5)");
     assert!(files::parse(&good, "level.ron").is_ok());
     let cases: &[(&str, &str, &str)] = &[

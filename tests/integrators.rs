@@ -4,8 +4,8 @@
 mod common;
 
 use common::{
-    Random, sheet,
-    systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control},
+    Random, named, sheet,
+    systems::{Oscillator, Rate, advance, built, particle, run, swinging, without_control},
 };
 use gingerbread::{
     effects::Grab,
@@ -33,7 +33,7 @@ fn size(state: &State, w: f64) -> f64 {
 }
 
 #[test]
-fn an_oscillation_grows_by_the_factor_of_the_scheme_in_every_step() {
+fn an_oscillation_grows_by_the_factor_of_the_scheme() {
     for z in [0.01_f64, 0.3, 1.0, 2.5] {
         let (w, cases) = (
             3.0,
@@ -61,8 +61,9 @@ fn an_oscillation_grows_by_the_factor_of_the_scheme_in_every_step() {
     }
 }
 
+/// These are the schemes that need rates alone.
 #[test]
-fn the_circle_is_left_at_the_same_rates_by_schemes_that_need_rates_alone() {
+fn first_order_schemes_leave_the_circle_as_predicted() {
     let z = 0.1_f64;
     let growth = [
         ("ForwardEuler", (1.0 + z * z).sqrt()),
@@ -120,8 +121,9 @@ fn dormand_prince(tolerance: f64) -> IntegratorKind {
     kind
 }
 
+/// This holds over five decades.
 #[test]
-fn a_tolerance_ten_times_smaller_cuts_the_error_about_ten_times_over_five_decades() {
+fn the_error_is_proportional_to_the_tolerance() {
     let system = || Oscillator { square: 4.0, cubic: 0.8, damping: 0.0, evaluations: 0 };
     let mut exact = particle();
     run(&without_control(named("DormandPrince")), &mut system(), &mut exact, 1e-3, 10_000);
@@ -175,7 +177,7 @@ fn pinned_vertices_keep_every_bit_under_every_integrator() {
 }
 
 #[test]
-fn saving_and_going_on_equals_never_having_stopped_under_every_integrator() {
+fn saving_and_resuming_is_exact_under_every_integrator() {
     for kind in IntegratorKind::all() {
         let level = Level { integrator: kind, ..sheet("NeoHookean", "spin: 2", ACTING) };
         let name = level.integrator.name();
@@ -236,7 +238,7 @@ fn a_free_body_keeps_its_angular_momentum() {
 
 /// `v(t) = (x(t + h) - x(t - h))/(2 h)`, and for D = 0 all of velocity Verlet's numbers.
 #[test]
-fn position_verlet_tells_the_central_difference_as_its_velocity() {
+fn position_verlet_reports_the_central_difference() {
     let (h, kind, mut work, mut state) = (0.05, named("PositionVerlet"), Work::default(), particle());
     let [mut system, mut same] = [(); 2].map(|()| Oscillator { square: 4.0, cubic: 0.8, damping: 0.0, evaluations: 0 });
     let (mut other, mut others) = (particle(), Work::default());
@@ -280,7 +282,7 @@ fn a_pull_that_begins_or_ends_acts_from_the_next_step_on() {
 }
 
 #[test]
-fn the_integrator_can_be_changed_at_any_moment_and_the_motion_goes_on() {
+fn the_integrator_can_be_changed_during_motion() {
     let reference = {
         let mut simulation = swinging(&named("RungeKutta4"), 2e-4);
         advance(&mut simulation, 500);
@@ -302,7 +304,7 @@ fn the_integrator_can_be_changed_at_any_moment_and_the_motion_goes_on() {
 }
 
 #[test]
-fn what_was_pushed_from_outside_is_not_pulled_back_by_what_is_remembered() {
+fn a_velocity_set_from_outside_overrides_the_memory() {
     for name in ["Bdf2", "PositionVerlet"] {
         let (kind, mut work, mut state) = (named(name), Work::default(), particle());
         let mut system = Oscillator::linear(2.0);

@@ -175,12 +175,13 @@ const FREE: f64 = 1e-10;
 const AT_WALLS: f64 = 5e-9;
 
 /// The same experiment told in other ways gives the same answer, for every model and scheme, free and among walls, smooth and
-/// rough.
+/// rough. Every two of model, scheme and walls meet once.
 fn assert_same(corners: bool, others: impl Fn(&Shape, u32) -> Vec<Telling>) {
     let shape = Shape::new();
-    for (contact, friction) in [(false, 0.0), (true, 0.0), (true, 0.3)] {
+    for (walls, (contact, friction)) in [(false, 0.0), (true, 0.0), (true, 0.3)].into_iter().enumerate() {
         for (number, scheme) in SCHEMES.into_iter().enumerate() {
-            for (model, floor) in models().zip([0.0, 0.1].into_iter().cycle()) {
+            let models = models().zip([0.0, 0.1].into_iter().cycle()).skip((walls + number) % 3).step_by(3);
+            for (model, floor) in models {
                 let of = Experiment { model, scheme, contact, friction, floor, corners };
                 let plain = shape.plain().run(&of, &shape);
                 for other in others(&shape, number as u32) {

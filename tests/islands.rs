@@ -98,7 +98,7 @@ fn flat(alone: &[Simulation], of: impl Fn(&Simulation) -> &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn each_moves_in_every_bit_as_if_it_were_alone_in_as_many_steps() {
+fn multirate_bodies_move_bit_equal_as_if_alone() {
     for integrator in IntegratorKind::all().into_iter().filter(|kind| kind.kind().class() == Class::Explicit) {
         // Schemes without a stable step blow up a little later, alone as well.
         let stable = explicit().any(|kind| kind == integrator);
@@ -159,7 +159,7 @@ fn a_stiff_pea_does_not_slow_a_soft_cake() {
 }
 
 #[test]
-fn without_paces_of_its_own_the_pea_blows_up_and_with_them_nothing_does() {
+fn only_multirate_stepping_keeps_the_pea_stable() {
     let energy = |paces| {
         let mut run =
             simulation(&Level { paces, guard: Toggle::Off, ..table(&["cake", "pea"], "(effect: Gravity(down: 1))") });
@@ -379,7 +379,7 @@ fn an_obstacle_that_moves_meets_each_at_its_own_pace() {
 }
 
 #[test]
-fn a_change_of_the_scene_changes_the_paces_and_one_that_is_undone_changes_them_back() {
+fn the_step_counts_follow_edits_and_their_undo() {
     let mut sandbox = Sandbox::new(table(&["cake", "pea"], EVERYTHING), Box::new(NoFiles)).unwrap();
     sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
     sandbox.advance(20, &mut || true);
@@ -406,8 +406,9 @@ fn levels_take_the_same_steps_for_all_unless_they_say_so() {
     assert!(!files::write(&plain).unwrap().contains("paces"));
 }
 
+/// The bound is that of a level.
 #[test]
-fn however_stiff_a_pea_is_its_steps_stay_within_what_a_level_may_say() {
+fn the_step_count_of_a_stiff_body_is_bounded() {
     let mut hard = table(&["cake", "pea"], "");
     hard.substeps = Substeps::new(7).unwrap();
     hard.bodies[1].material = level("(name: \"\", bodies: [(name: \"\", mesh: Disk(radius: 1, rings: 1), mass: Total(1), material: (model: Corotated, young: 1e15, poisson: 0.3))])").bodies[0].material;

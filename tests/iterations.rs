@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{level, models, physics::Physics};
+use common::{level, models, named, physics::Physics};
 use gingerbread::{
     integrators::{IntegratorKind, Work},
     meshes::NoFiles,
@@ -50,10 +50,6 @@ fn stepped(
     (state, counts.newton)
 }
 
-fn integrator(name: &str) -> IntegratorKind {
-    IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
-}
-
 /// The longest way of any vertex from one list to another.
 fn farthest(one: &[f64], other: &[f64]) -> f64 {
     let ways = one.chunks_exact(2).zip(other.chunks_exact(2));
@@ -80,15 +76,16 @@ fn compare(scene: &Scene, floor: f64, integrator: &IntegratorKind, steps: usize)
     (greatest, all)
 }
 
+/// They differ by less than a thousandth of the error of the scheme.
 #[test]
-fn iterations_end_where_factors_do_but_for_a_thousandth_of_what_the_scheme_is_off() {
+fn iterative_and_direct_steps_agree() {
     let pinned = "pins: [Top, Vertex(100)], stretch: (1.05, 1.02),";
     for model in models() {
         for name in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint", "LinearlyImplicitEuler"] {
             for (body, floor) in [("stretch: (1.1, 0.95),", f64::NEG_INFINITY), (pinned, f64::NEG_INFINITY), ("", 1e-4)]
             {
                 let scene = sheet(20, model, 0.3, body);
-                let (off, counts) = compare(&scene, floor, &integrator(name), 4);
+                let (off, counts) = compare(&scene, floor, &named(name), 4);
                 assert!(off < 1e-3, "{model} {name} {body}: {off}");
                 assert!(counts.linear_iterations > 0, "{model} {name} {body}: {counts:?}");
                 assert!(counts.abandoned <= 1, "{model} {name} {body}: {counts:?}");
@@ -100,7 +97,7 @@ fn iterations_end_where_factors_do_but_for_a_thousandth_of_what_the_scheme_is_of
 #[test]
 fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
     let scene = sheet(20, "NeoHookean", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
-    let euler = integrator("ImplicitEuler");
+    let euler = named("ImplicitEuler");
     let step = |from: &State, work: &mut Work| stepped(&scene, 1e-4, &euler, from, work);
     let mut work = Work::new(LinearSolver::Iterative);
     let mut states = vec![scene.start.clone()];
@@ -117,23 +114,25 @@ fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
     }
 }
 
+/// One system is sixteen times as large as the other.
 #[test]
-fn a_system_sixteen_times_as_large_takes_about_as_many_iterations() {
+fn the_iteration_count_hardly_depends_on_the_mesh() {
     let [small, large] = [20, 80].map(|n| {
         let scene = sheet(n, "Corotated", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
-        let euler = integrator("ImplicitEuler");
+        let euler = named("ImplicitEuler");
         stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(LinearSolver::Iterative)).1
     });
     assert!(large.abandoned == 0 && large.iterations <= small.iterations, "{small:?} {large:?}");
     assert!(2 * large.linear_iterations <= 3 * small.linear_iterations, "{small:?} {large:?}");
 }
 
+/// Small systems are factorised, large ones are iterated.
 #[test]
-fn small_systems_are_factorised_and_large_ones_iterated_by_what_couples_what() {
+fn the_coupling_pattern_chooses_the_linear_solver() {
     for (n, path) in [(32, LinearSolver::Direct), (110, LinearSolver::Iterative)] {
         for model in ["Corotated", "NeoHookean"] {
             let scene = sheet(n, model, 0.3, "stretch: (1.1, 0.95),");
-            let euler = integrator("ImplicitEuler");
+            let euler = named("ImplicitEuler");
             let step = |path| stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(path));
             let (chosen, counts) = step(LinearSolver::Chosen);
             assert_eq!(counts.linear_iterations > 0, path == LinearSolver::Iterative, "{n}: {counts:?}");
@@ -142,13 +141,14 @@ fn small_systems_are_factorised_and_large_ones_iterated_by_what_couples_what() {
     }
 }
 
+/// The change is counted.
 #[test]
-fn where_iterations_are_slow_factors_take_over_and_that_is_counted() {
+fn slow_iterations_fall_back_to_a_factor() {
     // Near incompressibility triangles resist any change of their areas, which sweeps over single vertices cannot see.
     let strip = "Rectangle(width: 1, height: 0.05, columns: 200, rows: 10, diagonals: Alternating)";
     for model in ["Corotated", "NeoHookean"] {
         let scene = scene(strip, model, 0.4999, "pins: [Left, Right],");
-        let (off, counts) = compare(&scene, f64::NEG_INFINITY, &integrator("ImplicitEuler"), 4);
+        let (off, counts) = compare(&scene, f64::NEG_INFINITY, &named("ImplicitEuler"), 4);
         assert!(off < 1e-3, "{model}: {off}");
         assert!(counts.abandoned > 0 && counts.factorisations >= counts.abandoned, "{model}: {counts:?}");
     }
@@ -158,7 +158,7 @@ fn where_iterations_are_slow_factors_take_over_and_that_is_counted() {
 fn a_matrix_that_is_not_definite_is_met_and_replaced() {
     for model in ["Corotated", "StVenantKirchhoff"] {
         let scene = sheet(20, model, 0.3, "stretch: (0.6, 0.6),");
-        let (_, counts) = compare(&scene, f64::NEG_INFINITY, &integrator("ImplicitEuler"), 2);
+        let (_, counts) = compare(&scene, f64::NEG_INFINITY, &named("ImplicitEuler"), 2);
         assert!(counts.indefinite > 0, "{model}: {counts:?}");
     }
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{MODES, level, sheet, simulation};
+use common::{MODES, folder::Folder, level, sheet, simulation};
 use gingerbread::{
     files::{self, Disk, FileError},
     level::{Level, Paces, RunMode, Switch},
@@ -108,7 +108,7 @@ fn told(part: &str, mistake: &str) -> (usize, usize, String) {
 }
 
 #[test]
-fn a_mistake_is_told_with_its_line_its_column_and_what_was_expected() {
+fn a_mistake_is_told_with_place_and_expectation() {
     let cases = [
         ("name: \"a\"", "nme: \"a\"", (2, 3), "nme"),
         ("mass: Total(25)", "mass: Total(25), colour: 3", (6, 22), "colour"),
@@ -185,7 +185,7 @@ fn refused(level: &Level) -> String {
 }
 
 #[test]
-fn a_level_that_cannot_be_built_says_which_body_or_effect_is_wrong() {
+fn a_level_that_cannot_be_built_names_the_wrong_part() {
     let empty = Level { bodies: Vec::new(), ..sheet("Corotated", "", "") };
     assert_eq!(refused(&empty), SceneError::Nothing.to_string());
     let pinned = refused(&sheet("Corotated", "pins: [Vertex(25)]", ""));
@@ -231,8 +231,9 @@ fn what_would_never_end_is_refused_at_once() {
 
 #[test]
 fn saving_replaces_the_whole_file_and_paths_of_meshes_follow() {
-    let folder = std::env::temp_dir().join(format!("gingerbread-levels-{}", std::process::id()));
-    fs::create_dir_all(folder.join("meshes")).unwrap();
+    let whole = Folder::new("levels");
+    let folder = &whole.0;
+    fs::create_dir(folder.join("meshes")).unwrap();
     fs::write(folder.join("meshes/two.obj"), "v 0 0\nv 1 0\nv 1 1\nv 0 1\nf 1 2 3 4\n").unwrap();
     let path = folder.join("level.ron");
     let text = "(name: \"two\", bodies: [(name: \"two\", mesh: Obj(path: \"meshes/two.obj\"), mass: Total(1), material: (model: Corotated, young: 1, poisson: 0))])";
@@ -242,7 +243,7 @@ fn saving_replaces_the_whole_file_and_paths_of_meshes_follow() {
     files::save(&path, &read).unwrap();
     assert!(fs::read_to_string(&path).unwrap().contains("\"meshes/two.obj\""), "a saved path stays relative");
     assert_eq!(files::read(&path).unwrap(), read);
-    let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert!(names.into_iter().all(|name| !name.contains("part")), "nothing half-written is left");
     fs::create_dir_all(folder.join("elsewhere")).unwrap();
     let elsewhere = folder.join("elsewhere/level.ron");
@@ -250,7 +251,6 @@ fn saving_replaces_the_whole_file_and_paths_of_meshes_follow() {
     assert_eq!(simulation_of(&files::read(&elsewhere).unwrap()).scene().triangles.len(), 2, "from anywhere");
     let error = files::save(&folder.join("no/such/folder.ron"), &read).unwrap_err().to_string();
     assert!(error.contains("folder.ron"), "{error}");
-    fs::remove_dir_all(&folder).unwrap();
 }
 
 fn simulation_of(level: &Level) -> Simulation {

@@ -286,10 +286,11 @@ fn exact_plane_stress_is_the_least_energy_over_the_thickness() {
     }
 }
 
+/// This is in exact plane stress.
 /// Where the volume cannot change, a strip pulled to twice its length is 1/sqrt(2) times as wide and as thick; the lambda of Hooke's
 /// law alone leaves it 0.6621 times as wide.
 #[test]
-fn an_incompressible_strip_in_exact_plane_stress_keeps_its_volume() {
+fn an_incompressible_strip_keeps_its_volume() {
     struct Width(f64);
     impl Visitor for Width {
         type Output = f64;
@@ -383,9 +384,10 @@ fn a_model_defined_for_inverted_triangles_pushes_them_back() {
     assert!(Model::Hencky.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, -0.1))).m22.is_nan(), "it has no answer");
 }
 
+/// A model that is defined for every gradient has derivatives there and no jump.
 /// Also where they are pressed flat, and where the neo-Hookean logarithm passes into its series.
 #[test]
-fn models_defined_for_every_gradient_have_derivatives_there_and_no_jump() {
+fn derivatives_also_hold_for_inverted_triangles() {
     for_every_model(|material| {
         if ["Hencky", "Corotated"].contains(&material.title()) {
             return;
@@ -423,7 +425,7 @@ fn models_defined_for_every_gradient_have_derivatives_there_and_no_jump() {
 }
 
 #[test]
-fn neo_hookean_rubber_follows_its_logarithm_down_to_a_tenth_of_its_area() {
+fn neo_hookean_follows_its_logarithm_to_a_tenth_of_area() {
     let Lame { mu, lambda } = LAME;
     for j in [0.1_f64, 0.100_001, 0.5, 3.0] {
         let pull = Model::NeoHookean.visit(LAME, StressOf(Matrix2::new(1.0, 0.0, 0.0, j))).m22;
@@ -443,15 +445,16 @@ fn neo_hookean_rubber_follows_its_logarithm_down_to_a_tenth_of_its_area() {
 
 /// However far it is inside out: a stiffness that grew with the distance would leave Newton's method no way back.
 #[test]
-fn the_energy_of_neo_hookean_rubber_inside_out_grows_as_the_square_of_its_area() {
+fn inverted_neo_hookean_energy_is_quadratic_in_area() {
     let energy = |j: f64| Model::NeoHookean.visit(LAME, EnergyOf(Matrix2::new(j, 0.0, 0.0, 1.0)));
     for j in [-1e3, -1e6, -1e9] {
         assert!((energy(2.0 * j) / energy(j) - 4.0).abs() < 1e-2, "{j}: {}", energy(2.0 * j) / energy(j));
     }
 }
 
+/// Its frame is a rotation.
 #[test]
-fn an_inverted_corotated_triangle_is_pushed_back_and_its_frame_is_a_rotation() {
+fn an_inverted_corotated_triangle_is_pushed_back() {
     let mut random = Random(4);
     for _ in 0..1000 {
         let f = random.gradient(-5.0, -0.01);
@@ -489,7 +492,7 @@ fn parameters(young: f64, nu: f64, plane: Plane) -> Result<MaterialParameters, S
 }
 
 #[test]
-fn lames_parameters_give_back_youngs_modulus_and_poissons_ratio() {
+fn lame_parameters_give_back_young_and_poisson() {
     for nu in [-0.5, 0.0, 0.3, 0.49] {
         let Lame { mu, lambda } = parameters(200.0, nu, Plane::Strain).unwrap().lame();
         assert!((mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu) - 200.0).abs() < 1e-9);

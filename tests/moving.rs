@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{level, simulation};
+use common::{assert_apart, greatest_gap, level, simulation};
 use gingerbread::{
     command::{Command, Mode},
     effects::{EffectKind, Shape},
@@ -54,8 +54,8 @@ fn mean(simulation: &Simulation, values: &[f64], axis: usize) -> f64 {
 
 #[test]
 fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
-    for kind in IntegratorKind::all() {
-        for piston in PISTONS {
+    for (number, kind) in IntegratorKind::all().into_iter().enumerate() {
+        for (piston_number, piston) in PISTONS.into_iter().enumerate() {
             let effects = walls(piston, "Slide(velocity: (2, 0))");
             let mut hit = particle(kind.name(), 20, [0.05, 0.5], [-0.3, 0.4], &effects);
             hit.advance(100, &mut || true);
@@ -63,6 +63,10 @@ fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
             assert!((v[0] - 2.0).abs() < 1e-9 && (v[1] - 0.4).abs() < 1e-9, "{} {piston}: {v:?}", kind.name());
             let place = 2.0 * hit.state().time;
             assert!((0.0..0.002).contains(&(hit.state().x[0] - place)), "{} {piston}", kind.name());
+            // Many implicit steps of a body are dear: there each scheme has one piston, and each piston a scheme.
+            if kind.kind().class() == Class::Implicit && number % PISTONS.len() != piston_number {
+                continue;
+            }
             // Air brakes a body, so that it stays at the piston.
             let air = format!("{effects}, (effect: Rayleigh(mass: 20, stiffness: 0.0003))");
             let mut body = simulation(&block(kind.name(), 200, [0.01, 0.4], [0.0, 0.0], &air));
@@ -80,7 +84,7 @@ fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
 }
 
 #[test]
-fn a_belt_drags_along_with_mu_g_until_what_lies_on_it_goes_with_it() {
+fn a_belt_accelerates_with_mu_g_up_to_its_own_speed() {
     let belts = [
         "Plane(point: (0, 0), normal: (0, 1), eps: 0.001)",
         "Cuboid(centre: (0, -0.1), width: 8, height: 0.2, eps: 0.001)",
@@ -102,23 +106,16 @@ fn a_belt_drags_along_with_mu_g_until_what_lies_on_it_goes_with_it() {
     }
 }
 
-/// Whether two segments cross.
-fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
-    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
-}
-
-/// What is drawn of the first wall at a time, without its reach: it must be where the wall is.
-fn outline(level: &Level, time: f64) -> Vec<[f64; 2]> {
-    let bare = files::write(level).unwrap().replace("eps: 0.002", "eps: 0");
-    let shapes = self::level(&bare).effects[0].effect.kind().shapes(time);
-    let Some(Shape::Solid(outline)) = shapes.into_iter().next() else { return Vec::new() };
+/// What is drawn of a wall at a time.
+fn outline(wall: &EffectKind, time: f64) -> Vec<[f64; 2]> {
+    let Some(Shape::Solid(outline)) = wall.kind().shapes(time).into_iter().next() else { unreachable!("{wall:?}") };
     assert!(outline.len() > 2);
     outline
 }
 
 #[test]
-fn nothing_gets_through_what_moves_at_any_speed_under_any_scheme() {
+fn nothing_passes_through_a_moving_obstacle() {
+    let (mut looked, mut touched) = (0, 0);
     let shapes = [
         "Cuboid(centre: (0, 0), width: 0.002, height: 0.9, eps: 0.002)",
         "Ball(centre: (0, 0), radius: 0.012, eps: 0.002)",
@@ -131,6 +128,10 @@ fn nothing_gets_through_what_moves_at_any_speed_under_any_scheme() {
                 let (slide, turn) =
                     (format!("Slide(velocity: ({speed}, 0))"), format!("Turn(about: (0, -0.5), spin: {speed})"));
                 for (motion, at) in [(slide, [0.05, -0.107]), (turn, [-0.3, -0.29])] {
+                    // Without its reach it is drawn where it is.
+                    let bare =
+                        format!("(name: \"\", effects: [{}])", walls(shape, &motion).replace("eps: 0.002", "eps: 0"));
+                    let wall = level(&bare).effects.remove(0).effect;
                     let substeps: &[u32] = if kind.kind().class() == Class::Implicit { &[1] } else { &[1, 200] };
                     for &substeps in substeps {
                         let level = block(kind.name(), substeps, at, [0.0, 0.0], &walls(shape, &motion));
@@ -142,23 +143,21 @@ fn nothing_gets_through_what_moves_at_any_speed_under_any_scheme() {
                             if run.fault().is_some() || x.iter().any(|x| x.abs() > 1e5) {
                                 break;
                             }
-                            let outline = outline(&level, run.state().time);
                             // The drawn circle has corners, and lies inside the true one.
-                            let sides = (0..outline.len()).map(|i| [outline[i], outline[(i + 1) % outline.len()]]);
-                            for &edge in run.scene().boundary.iter() {
-                                let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
-                                assert!(sides.clone().all(|side| !cross(ends, side)), "{what}: {ends:?}");
-                            }
+                            assert_apart(&run, &outline(&wall, run.state().time), &what);
+                            looked += 1;
                         }
+                        touched += u32::from(run.counts().constrained > 0);
                     }
                 }
             }
         }
     }
+    assert!(looked > 500 && touched > 30, "{looked} looks, {touched} blocks touched the obstacle");
 }
 
 #[test]
-fn a_particle_stays_on_its_side_of_a_wall_that_passes_at_1000_metres_a_second() {
+fn a_wall_at_1000_m_per_s_does_not_pass_a_particle() {
     for kind in IntegratorKind::all() {
         for piston in PISTONS {
             for substeps in [1, 100] {
@@ -183,7 +182,7 @@ fn a_particle_stays_on_its_side_of_a_wall_that_passes_at_1000_metres_a_second() 
 
 /// Galileo: seen from a moving wall nothing is different from a wall at rest.
 #[test]
-fn an_impact_on_a_moving_wall_is_that_on_a_resting_one_seen_from_it() {
+fn impacts_on_moving_walls_are_galilean_invariant() {
     let shapes = [
         "Plane(point: (0, 0), normal: (1, 0.2), eps: 0.001)",
         "Cuboid(centre: (-0.1, 0.5), width: 0.2, height: 0.9, turn: 7, eps: 0.001)",
@@ -212,7 +211,7 @@ fn an_impact_on_a_moving_wall_is_that_on_a_resting_one_seen_from_it() {
             };
             let rests = seen([0.0, 0.0], "");
             let moves = seen([3.0, -2.0], "Slide(velocity: (3, -2))");
-            let error = rests.iter().zip(&moves).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let error = greatest_gap(&rests, &moves);
             assert!(error < 1e-9, "{} {shape}: {error:e}", kind.name());
         }
     }
@@ -239,8 +238,9 @@ fn two_mirrored_pistons_press_a_mirrored_body_evenly() {
     }
 }
 
+/// Both runs have the same bits.
 #[test]
-fn an_obstacle_without_a_motion_does_to_the_bit_what_one_that_cannot_move_does() {
+fn an_obstacle_without_motions_acts_as_a_fixed_one() {
     let run = |obstacle: &str| {
         let effects = format!("(effect: Gravity(down: 9.8)), (effect: Walls(obstacles: [{obstacle}]))");
         let mut run = simulation(&block("SymplecticEuler", 100, [0.3, 0.5], [1.0, -2.0], &effects));
@@ -262,8 +262,9 @@ const STIRRED: &str = "(name: \"stirred\", mode: Collide, substeps: 40, bodies: 
         motions: [Turn(about: (0.5, 0.35), spin: 3), Swing(way: (0.05, 0.1), period: 0.7, phase: 30)]),
         Plane(point: (0, 0), normal: (0, 1), eps: 0.01)]))])";
 
+/// Both continue with the same bits.
 #[test]
-fn going_back_and_saving_find_what_moves_at_the_same_place_to_the_bit() {
+fn rewinding_and_saving_find_moving_walls_in_place() {
     let mut sandbox = Sandbox::new(level(STIRRED), Box::new(NoFiles)).unwrap();
     sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
     sandbox.advance(1000, &mut || true);
@@ -294,7 +295,7 @@ fn shorter_steps_find_what_moves_where_it_is_then() {
 }
 
 #[test]
-fn a_guard_that_watches_lets_walls_push_and_still_sees_what_is_unstable() {
+fn the_guard_accepts_the_work_of_moving_walls() {
     // Hard pushes are no energy from nowhere.
     for kind in IntegratorKind::all()
         .iter()
@@ -316,7 +317,7 @@ fn the_velocity_of_a_motion_is_the_rate_of_its_place() {
     let EffectKind::Walls(walls) =
         level(&format!("(name: \"\", bodies: [], effects: [{}])", walls(PISTONS[0], text))).effects.remove(0).effect
     else {
-        return;
+        unreachable!("{text}")
     };
     let motions: Vec<MotionKind> = walls.obstacles[0].kind().motions();
     assert_eq!(motions.len(), 4);

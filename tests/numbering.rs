@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, level, simulation};
+use common::{Random, level, reopened, simulation};
 use gingerbread::{
     command::Command,
     files,
@@ -80,7 +80,7 @@ fn as_listed(mesh: &str) -> bool {
 }
 
 #[test]
-fn what_is_in_order_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
+fn only_shuffled_meshes_are_renumbered() {
     for size in [2, 20, 71, 150, 400] {
         for diagonals in ["Grid", "Alternating", "Crossed"] {
             let shape = format!("columns: {size}, rows: {}, diagonals: {diagonals}", size / 2 + 1);
@@ -112,11 +112,11 @@ fn what_is_in_order_stays_as_it_is_and_what_is_shuffled_is_put_in_order() {
 
 /// Forces wait in a buffer until all at their vertex are known: it has to stay small on meshes of any size.
 #[test]
-fn triangles_that_meet_at_a_vertex_are_near_each_other_in_large_meshes_too() {
+fn triangles_of_a_vertex_are_near_in_large_meshes() {
     let man = |resolution: u32| format!("Gingerbread(resolution: {resolution})");
     let disk = "Disk(radius: 1, rings: 400)".to_owned();
     let square = |columns: u32, rows: u32| format!("Rectangle(width: 1, height: 1, columns: {columns}, rows: {rows})");
-    for mesh in [man(10_000), man(50_000), man(200_000), square(30_000, 2), square(2, 30_000), square(300, 300), disk] {
+    for mesh in [man(10_000), man(50_000), square(30_000, 2), square(2, 30_000), square(300, 300), disk] {
         let level = with(&mesh, "", "");
         let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
         let triangles = scene.bodies[0].elements.corners();
@@ -133,16 +133,14 @@ fn triangles_that_meet_at_a_vertex_are_near_each_other_in_large_meshes_too() {
 }
 
 #[test]
-fn a_large_man_is_saved_as_he_is_listed_and_goes_on_bit_for_bit() {
+fn a_large_mesh_is_saved_as_listed_and_resumes_exactly() {
     let level = with("Gingerbread(resolution: 12000)", "pins: [Vertex(17)], stretch: (1.1, 1),", "substeps: 100,");
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
     assert!(!whole.scene().bodies[0].mesh.numbering().is_as_listed());
     assert_eq!(whole.scene().owner_of(whole.scene().pins[0] as usize).unwrap().1, 17);
     whole.advance(30, &mut || true);
     half.advance(10, &mut || true);
-    let state = half.saved().unwrap();
-    let text = files::write(&Level { state: Some(state), ..level }).unwrap();
-    let mut rest = simulation(&files::parse(&text, "saved.ron").unwrap());
+    let mut rest = reopened(&half, &level);
     assert_eq!(rest.state(), half.state());
     rest.advance(20, &mut || true);
     assert_eq!(rest.state(), whole.state());
@@ -167,8 +165,9 @@ fn a_shuffled_mesh_moves_as_the_ordered_one_does_to_round_off() {
     }
 }
 
+/// Pins, places and starts are those of the file.
 #[test]
-fn pins_places_and_starts_of_a_shuffled_mesh_are_those_of_the_file() {
+fn a_shuffled_mesh_uses_the_numbers_of_its_file() {
     let ([_, mixed], names) = meshes();
     let run = simulation(&with(&mixed, "pins: [Vertex(17), Vertex(1234)], start: Scrambled(seed: 3),", ""));
     let scene = run.scene();
@@ -198,17 +197,15 @@ fn pins_places_and_starts_of_a_shuffled_mesh_are_those_of_the_file() {
 }
 
 #[test]
-fn a_shuffled_mesh_is_saved_as_it_is_listed_and_goes_on_bit_for_bit() {
+fn a_shuffled_mesh_is_saved_as_listed_and_resumes_exactly() {
     let ([_, mixed], _) = meshes();
     let level = with(&mixed, "stretch: (1.1, 1),", "substeps: 2, integrator: Bdf2(),");
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
     whole.advance(5, &mut || true);
     half.advance(3, &mut || true);
-    let state = half.saved().unwrap();
-    let positions: Vec<_> = state.positions.iter().flat_map(|point| point.get()).collect();
+    let positions: Vec<_> = half.saved().unwrap().positions.iter().flat_map(|point| point.get()).collect();
     assert_eq!(positions, listed(&half)[0]);
-    let text = files::write(&Level { state: Some(state), ..level }).unwrap();
-    let mut rest = simulation(&files::parse(&text, "saved.ron").unwrap());
+    let mut rest = reopened(&half, &level);
     assert_eq!(rest.state(), half.state());
     rest.advance(2, &mut || true);
     assert_eq!(rest.state(), whole.state());
@@ -257,8 +254,9 @@ fn a_fault_names_the_triangle_as_the_file_does() {
     assert!((area(&x) / area(&rest) - volume_ratio).abs() < 1e-9 * volume_ratio.abs(), "{volume_ratio}");
 }
 
+/// Its particles keep their numbers.
 #[test]
-fn a_shuffled_net_moves_as_the_ordered_one_does_and_keeps_its_names() {
+fn a_shuffled_net_moves_as_the_ordered_one_does() {
     let row = SIDE + 1;
     let points: Vec<_> = (0..row * row).map(|i| [i % row, i / row].map(|k| f64::from(k) / f64::from(SIDE))).collect();
     let along = |i: u32| (i % row < SIDE).then_some([i, i + 1]);

@@ -3,7 +3,10 @@
 
 mod common;
 
-use common::systems::{Oscillator, Rate, advance, built, named, particle, run, swinging, without_control};
+use common::{
+    named,
+    systems::{Oscillator, Rate, advance, built, particle, run, swinging, without_control},
+};
 use gingerbread::{
     files,
     integrators::{Dynamics, IntegratorKind, Scheme, Work},
@@ -22,8 +25,9 @@ fn assert_order(kind: &IntegratorKind, what: &str, error: impl Fn(u64) -> f64) {
     assert!((slope - declared).abs() < 0.15, "{what} {}: order {slope}, errors {errors:?}", kind.name());
 }
 
+/// It is tested with and without damping.
 #[test]
-fn the_declared_order_is_the_measured_one_on_a_nonlinear_oscillator_with_and_without_damping() {
+fn measured_order_matches_on_a_nonlinear_oscillator() {
     for damping in [0.0, 0.7] {
         let system = || Oscillator { square: 4.0, cubic: 0.8, damping, evaluations: 0 };
         let mut exact = particle();
@@ -41,7 +45,7 @@ fn the_declared_order_is_the_measured_one_on_a_nonlinear_oscillator_with_and_wit
 }
 
 #[test]
-fn the_declared_order_is_the_measured_one_on_a_free_sheet() {
+fn measured_order_matches_on_a_free_sheet() {
     let time = 0.1;
     let end = |kind: &IntegratorKind, steps: u64| {
         let mut simulation = swinging(kind, time / steps as f64);
@@ -87,7 +91,7 @@ impl Dynamics for Pendulum {
 
 /// Against the exact angle in Jacobi's elliptic functions, as the toy knows it.
 #[test]
-fn the_declared_order_is_the_measured_one_on_the_exact_pendulum() {
+fn measured_order_matches_on_the_exact_pendulum() {
     let text = "(name: \"p\", integrator: Heun(), toy: Pendulum(length: 1, gravity: 1, start: 90))";
     let toy = files::parse(text, "pendulum").unwrap().toy.unwrap();
     let time = 3.0;
@@ -138,13 +142,13 @@ fn assert_orders(what: &str, level: &Level, time: f64, first: [u64; 6], finest: 
 }
 
 #[test]
-fn the_declared_order_is_the_measured_one_on_the_chain() {
+fn measured_order_matches_on_the_chain() {
     let text = gingerbread::levels::built_in("chain").unwrap();
     assert_orders("chain,", &files::parse(text, "chain").unwrap(), 1.0, [0, 3000, 600, 600, 150, 80], 6000);
 }
 
 #[test]
-fn the_declared_order_is_the_measured_one_on_a_free_gingerbread_man() {
+fn measured_order_matches_on_a_free_gingerbread_man() {
     let text =
         gingerbread::levels::built_in("gingerbread_pulled").unwrap().replace("resolution: 2000", "resolution: 100");
     assert_orders("gingerbread,", &files::parse(&text, "man").unwrap(), 0.1, [0, 400, 100, 100, 60, 20], 1000);

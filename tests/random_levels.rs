@@ -125,41 +125,28 @@ fn pull(level: Level, drags: Vec<(usize, [f64; 2])>) -> Result<(), TestCaseError
     Ok(())
 }
 
-fn config(cases: u32, seed: u64) -> ProptestConfig {
+/// 256 levels, or as many as `PROPTEST_CASES` says; every run draws the same ones.
+fn config() -> ProptestConfig {
     ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(seed),
+        rng_seed: RngSeed::Fixed(1),
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct("tests/random_levels.regressions"))),
         ..ProptestConfig::default()
     }
 }
 
-// In two halves, which run beside each other.
 proptest! {
-    #![proptest_config(config(1000, 1))]
+    #![proptest_config(config())]
 
     #[test]
-    fn no_level_and_no_hand_makes_anything_panic_vanish_or_leave_the_world((level, drags) in scene()) {
+    fn random_levels_stay_finite_and_in_the_world((level, drags) in scene()) {
         pull(level, drags)?;
     }
-}
-
-proptest! {
-    #![proptest_config(config(1000, 2))]
 
     #[test]
-    fn nor_do_others_that_are_drawn_from_another_seed((level, drags) in scene()) {
-        pull(level, drags)?;
-    }
-}
-
-proptest! {
-    #![proptest_config(config(300, 1))]
-
-    #[test]
-    fn nor_does_one_whose_bodies_go_at_their_own_pace((level, drags) in scene()) {
-        // Bodies that take 100,000 steps a frame take them, but not in a test.
-        let soft = level.bodies.iter().all(|body| body.material.lame().mu < 1e4);
-        pull(Level { paces: if soft { Paces::Own } else { Paces::Same }, ..level }, drags)?;
+    fn random_multirate_levels_stay_finite_and_in_the_world((level, drags) in scene()) {
+        // Bodies that take 100,000 steps a frame take them, but not in a test; with common steps all are in the test above.
+        if level.bodies.iter().all(|body| body.material.lame().mu < 1e4) {
+            pull(Level { paces: Paces::Own, ..level }, drags)?;
+        }
     }
 }

@@ -53,7 +53,7 @@ fn only_collide_mode_has_the_effects_kept_for_it() {
 }
 
 #[test]
-fn pulling_draws_the_vertex_to_the_cursor_for_as_long_as_the_button_is_down() {
+fn a_pull_draws_the_vertex_until_release() {
     let mut sandbox = small();
     assert!(sandbox.apply(Command::Grab(0, [0.0, 0.0])).is_err(), "nothing can be pulled in edit mode");
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
@@ -72,7 +72,7 @@ fn pulling_draws_the_vertex_to_the_cursor_for_as_long_as_the_button_is_down() {
 }
 
 #[test]
-fn choosing_a_model_puts_positions_and_velocities_back_and_undo_brings_both_back() {
+fn choosing_a_model_starts_over_and_can_be_undone() {
     let mut sandbox = small();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     run(&mut sandbox, 50);
@@ -257,7 +257,7 @@ fn what_is_saved_goes_on_exactly() {
 }
 
 #[test]
-fn a_hand_that_pulls_goes_on_pulling_through_a_reset_and_a_change_of_mode() {
+fn a_pull_survives_a_reset_and_a_change_of_mode() {
     let mut sandbox = small();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     sandbox.apply(Command::Grab(0, [0.0, 0.0])).unwrap();
@@ -270,7 +270,7 @@ fn a_hand_that_pulls_goes_on_pulling_through_a_reset_and_a_change_of_mode() {
 }
 
 #[test]
-fn a_mesh_file_that_changed_is_read_again_when_its_level_is_opened_again() {
+fn opening_a_level_reads_its_mesh_file_again() {
     struct Changing(std::sync::atomic::AtomicBool);
     impl gingerbread::meshes::Files for Changing {
         fn read(&self, _: &std::path::Path) -> Result<String, String> {
@@ -291,7 +291,7 @@ fn a_mesh_file_that_changed_is_read_again_when_its_level_is_opened_again() {
 }
 
 #[test]
-fn another_mesh_starts_over_with_its_pins_in_their_places_and_undo_brings_the_old_one_back() {
+fn another_mesh_keeps_the_places_of_pins_and_can_be_undone() {
     for side_by_side in [false, true] {
         let mut sandbox = opened("stretch_test");
         sandbox.apply(Command::SetSideBySide(side_by_side)).unwrap();
@@ -321,7 +321,7 @@ fn another_mesh_starts_over_with_its_pins_in_their_places_and_undo_brings_the_ol
 }
 
 #[test]
-fn a_fork_goes_on_to_the_same_bits_and_what_is_done_to_it_does_not_reach_the_first() {
+fn a_fork_continues_bit_equal_and_is_independent() {
     let mut first = small();
     first.apply(Command::SetRunning(true)).unwrap();
     run(&mut first, 30);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, one_by_one, rotation, simulation};
+use common::{Random, greatest_gap, level, one_by_one, rotation, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     materials::{Material, Model, Parts, Visitor, with_eigenvalues},
@@ -117,7 +117,7 @@ fn for_every_sheet(mut check: impl FnMut(&Simulation, &[f64], Model)) {
 }
 
 #[test]
-fn triangles_swept_over_many_at_a_time_are_one_after_another_for_every_model() {
+fn swept_triangles_match_single_ones_for_every_model() {
     for_every_sheet(|simulation, x, model| {
         let elements = &simulation.scene().bodies[0].elements;
         let (energy, expected) = one_by_one(simulation, x);
@@ -126,7 +126,7 @@ fn triangles_swept_over_many_at_a_time_are_one_after_another_for_every_model() {
         elements.force(motion, &mut scratch, &mut force);
         // Stresses of 100 Pa on edges of 0.1 m.
         assert!(force.iter().all(|force| force.is_finite()), "what was in scratch is of no matter");
-        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = greatest_gap(&force, &expected);
         let scale = expected.iter().fold(10.0, |most: f64, force| most.max(force.abs()));
         assert!(error < 1e-14 * scale, "{}: {error:e} of {scale}", model.title());
         let found = elements.energy(motion);
@@ -159,7 +159,7 @@ fn bits_of(elements: &dyn Effect, motion: Motion<'_>) -> Vec<u64> {
 }
 
 #[test]
-fn every_instruction_set_of_the_processor_comes_to_the_same_bits() {
+fn every_instruction_set_gives_the_same_bits() {
     assert!(sets().len() > 1 || !cfg!(target_arch = "x86_64"), "beside plain numbers there should be lanes");
     for_every_sheet(|simulation, x, model| {
         let motion = Motion { x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
@@ -182,10 +182,11 @@ fn every_instruction_set_of_the_processor_comes_to_the_same_bits() {
     }
 }
 
+/// The triangles may have any order.
 /// Far more triangles than are kept before their forces are summed: row by row, in an order in which neighbours are far apart, and all
 /// around one vertex, which waits for the last of them.
 #[test]
-fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
+fn forces_of_a_large_mesh_match_single_triangles() {
     let (rows, side) = (60, 61);
     let points: Vec<_> = (0..side * side).map(|i| (f64::from(i % side), f64::from(i / side))).collect();
     let square = |i: u32| {
@@ -214,7 +215,7 @@ fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
         let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
         elements.elastic_force(&x, &mut scratch, &mut force);
         assert!(force.iter().all(|force| force.is_finite()), "what was in scratch is of no matter");
-        let error = force.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = greatest_gap(&force, &expected);
         let scale = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
         assert!(error < most * scale, "{error:e} of {scale}");
     }
@@ -222,7 +223,7 @@ fn the_forces_of_a_large_mesh_are_those_of_its_triangles_in_any_order() {
 
 /// So few vertices that a sweep copies their positions, and so many that it does not.
 #[test]
-fn a_body_whose_vertices_come_after_those_of_another_has_the_forces_that_it_has_alone() {
+fn a_body_listed_after_another_has_its_forces_alone() {
     for side in [9, 258] {
         let body = |side: u32| {
             format!(
@@ -262,7 +263,7 @@ fn numbers_of<M: Material, R: Real>(material: &M, f: Mat2<R>) -> [R; NUMBERS] {
 
 /// Lanes of any width that the processor has give the very bits of `f64`.
 #[test]
-fn stress_and_stiffness_in_lanes_have_the_bits_of_those_of_one_gradient() {
+fn stress_and_stiffness_in_lanes_have_the_scalar_bits() {
     struct Stresses<'a, M>(&'a M, &'a [[[f64; LANES]; 4]]);
     impl<M: Material> WithSimd for Stresses<'_, M> {
         type Output = Vec<[[f64; LANES]; NUMBERS]>;
@@ -351,7 +352,7 @@ impl Visitor for ProductOneByOne<'_> {
 }
 
 #[test]
-fn the_stiffness_of_many_triangles_at_a_time_is_that_of_one_after_another() {
+fn swept_stiffness_matches_single_triangles() {
     let kinds: [(Tangent, Change); 3] =
         [(Tangent::Exact, |e| e), (Tangent::Definite, |e| e.max(0.0)), (Tangent::Absolute, f64::abs)];
     let mut random = Random(4);

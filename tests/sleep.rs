@@ -3,11 +3,10 @@
 
 mod common;
 
-use common::{level, simulation};
+use common::{greatest_gap, level, reopened, simulation};
 use gingerbread::{
     command::{Command, Mode},
     effects::Grab,
-    files,
     integrators::IntegratorKind,
     level::{EffectLevel, Level, Toggle},
     meshes::NoFiles,
@@ -57,7 +56,7 @@ fn until_asleep(run: &mut Simulation) -> u64 {
 }
 
 #[test]
-fn a_body_that_has_come_to_rest_on_the_floor_sleeps_and_its_steps_cost_nothing() {
+fn a_body_at_rest_sleeps_and_costs_nothing() {
     let mut run = simulation(&falling());
     until_asleep(&mut run);
     let (before, counts, costs) = (run.state().clone(), run.counts(), run.costs().to_vec());
@@ -73,14 +72,15 @@ fn a_body_that_has_come_to_rest_on_the_floor_sleeps_and_its_steps_cost_nothing()
     assert!(run.state().v.iter().all(|v| *v == 0.0) && run.state().time > before.time + 80.0);
 }
 
+/// The difference is below a thousandth of the size.
 #[test]
-fn sleep_shows_what_an_awake_run_would_to_a_thousandth_of_the_size() {
+fn a_sleeping_run_stays_near_an_awake_one() {
     let (mut sleepy, mut awake) = (simulation(&falling()), simulation(&Level { sleep: Toggle::Off, ..falling() }));
     let steps = until_asleep(&mut sleepy) + 12_000;
     sleepy.advance(12_000, &mut || true);
     awake.advance(steps, &mut || true);
     assert!(!awake.is_asleep() && awake.counts().slept == 0, "sleep can be switched off");
-    let apart = sleepy.state().x.iter().zip(&awake.state().x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = greatest_gap(&sleepy.state().x, &awake.state().x);
     assert!(apart < 0.25e-3, "{apart} m apart after ten seconds");
 }
 
@@ -108,7 +108,7 @@ fn a_pull_wakes_without_a_jump_and_letting_go_wakes_nobody() {
 
 /// Lengths, masses and stiffness scaled by powers of two scale every bit of the motion: so must the moment of falling asleep.
 #[test]
-fn what_counts_as_rest_does_not_depend_on_size_mass_or_stiffness() {
+fn the_criterion_of_rest_is_scale_invariant() {
     let moments = [(1.0, 1.0), (1024.0, 1.0), (1.0 / 1024.0, 1.0), (1.0, 4096.0), (1.0 / 1024.0, 1.0 / 4096.0)].map(
         |(size, density)| {
             // Drag of the mouse spring apart, nothing in the scene has a scale of its own.
@@ -170,7 +170,7 @@ fn each_body_and_net_sleeps_by_itself() {
 
 /// A swinging block and one that hangs still: the equations of the first are those it has alone.
 #[test]
-fn under_an_implicit_scheme_whoever_is_awake_moves_as_if_the_sleeper_were_not_there() {
+fn a_sleeper_does_not_affect_implicit_steps_of_others() {
     let pinned = |name, left| block(name, left, 1.0, 1.0).replace("mass:", "pins: [Top], mass:");
     let (still, swinging) =
         (pinned("still", 0.6), block("swinging", 0.1, 1.0, 1.0).replace("mass:", "pins: [Vertex(12)], mass:"));
@@ -195,7 +195,7 @@ fn under_an_implicit_scheme_whoever_is_awake_moves_as_if_the_sleeper_were_not_th
         run.counts().newton_iterations - before
     });
     assert!(iterations[0] == iterations[1] && iterations[0] <= 5 * 60, "{iterations:?}");
-    let apart = both.state().x[..32].iter().zip(&alone.state().x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = greatest_gap(&both.state().x[..32], &alone.state().x);
     assert!(apart < 1e-7, "{apart:e} m");
     assert_eq!(both.state().x[32..], sleeper, "the sleeper stays");
 }
@@ -220,8 +220,7 @@ fn a_run_saved_before_or_during_sleep_goes_on_bit_for_bit() {
     for moment in [asleep - 200, asleep - 130, asleep - 17, asleep, asleep + 99] {
         let mut first = simulation(&falling());
         first.advance(moment, &mut || true);
-        let text = files::write(&Level { state: first.saved(), ..falling() }).unwrap();
-        let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
+        let mut second = reopened(&first, &falling());
         second.advance(whole.state().steps - moment, &mut || true);
         assert_eq!(second.state(), whole.state(), "saved after {moment} steps of {asleep}");
     }

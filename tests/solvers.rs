@@ -68,8 +68,9 @@ fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
     )
 }
 
+/// The numbering of the vertices does not matter.
 #[test]
-fn the_factor_solves_as_a_dense_matrix_does_and_the_numbering_does_not_matter() {
+fn the_factor_agrees_with_a_dense_solution() {
     for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
         let matrix = filled(vertices, &couples);
         let mut random = Random(number as u64);
@@ -137,8 +138,9 @@ fn what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest() {
     }
 }
 
+/// The factor serves again afterwards.
 #[test]
-fn an_indefinite_matrix_is_reported_wherever_it_is_so_and_the_factor_serves_again() {
+fn an_indefinite_matrix_is_reported() {
     for (vertices, couples) in patterns() {
         let matrix = filled(vertices, &couples);
         let least = dense(&matrix).symmetric_eigenvalues().min();
@@ -216,8 +218,9 @@ impl Equations for Linear {
     }
 }
 
+/// Any vertices may be coupled and any numbers fixed.
 #[test]
-fn iterations_solve_what_the_factor_solves_whatever_is_coupled_and_fixed() {
+fn iterations_agree_with_the_factor() {
     for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
         let matrix = filled(vertices, &couples);
         let couples = matrix.couples().to_vec();

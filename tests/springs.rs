@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, simulation};
+use common::{Random, assert_balanced, assert_minus_derivative, difference_error, level, norm, reopened, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     elements::Springs,
@@ -16,10 +16,6 @@ use gingerbread::{
     toys::{ToyKind, period_ratio},
 };
 use std::f64::consts::PI;
-
-fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>().sqrt()
-}
 
 /// The springs of a net of every kind, at places moved at random.
 fn nets() -> impl Iterator<Item = (&'static str, Springs, Vec<f64>)> {
@@ -45,22 +41,12 @@ fn forces(springs: &Springs, x: &[f64]) -> Vec<f64> {
 fn force_is_minus_the_derivative_of_energy() {
     for (name, springs, x) in nets() {
         let force = forces(&springs, &x);
-        for number in 0..x.len() {
-            let error = |epsilon: f64| {
-                let (mut ahead, mut behind) = (x.clone(), x.clone());
-                ahead[number] += epsilon;
-                behind[number] -= epsilon;
-                let slope = (springs.elastic_energy(&ahead) - springs.elastic_energy(&behind)) / (2.0 * epsilon);
-                (force[number] + slope).abs() / norm(&force)
-            };
-            let best = (4..=7).map(|power| error(10.0_f64.powi(-power))).fold(f64::INFINITY, f64::min);
-            assert!(best < 1e-8, "{name} {number}: {best:e}");
-        }
+        assert_minus_derivative(&x, &force, |x| springs.elastic_energy(x), name);
     }
 }
 
 #[test]
-fn stiffness_times_a_displacement_is_the_change_of_force_and_symmetric() {
+fn spring_stiffness_matches_differences_and_is_symmetric() {
     for (name, springs, x) in nets() {
         let mut random = Random(4);
         let mut shaken = || x.iter().map(|_| random.between(-1.0, 1.0)).collect::<Vec<_>>();
@@ -71,13 +57,7 @@ fn stiffness_times_a_displacement_is_the_change_of_force_and_symmetric() {
             product
         };
         let product = times(&d);
-        let error = |epsilon: f64| {
-            let along = |by: f64| forces(&springs, &x.iter().zip(&d).map(|(x, d)| x + by * d).collect::<Vec<_>>());
-            let (ahead, behind) = (along(epsilon), along(-epsilon));
-            let change = ahead.iter().zip(&behind).map(|(a, b)| (b - a) / (2.0 * epsilon));
-            norm(&change.zip(&product).map(|(change, product)| change - product).collect::<Vec<_>>()) / norm(&product)
-        };
-        let best = (4..=8).map(|power| error(10.0_f64.powi(-power))).fold(f64::INFINITY, f64::min);
+        let best = difference_error(&x, &d, &product, |x| forces(&springs, x));
         assert!(best < 1e-8, "{name}: {best:e}");
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (one, two) = (dot(&other, &product), dot(&d, &times(&other)));
@@ -89,16 +69,13 @@ fn stiffness_times_a_displacement_is_the_change_of_force_and_symmetric() {
 fn forces_of_springs_have_no_sum_and_no_torque() {
     for (name, springs, x) in nets() {
         let force = forces(&springs, &x);
-        let sum = |axis: usize| force.iter().skip(axis).step_by(2).sum::<f64>();
-        let torque: f64 = x.chunks_exact(2).zip(force.chunks_exact(2)).map(|(x, f)| x[0] * f[1] - x[1] * f[0]).sum();
-        let scale = norm(&force);
-        assert!(sum(0).abs() < 1e-14 * scale && sum(1).abs() < 1e-14 * scale, "{name}");
-        assert!(torque.abs() < 1e-14 * scale, "{name}: {torque:e}");
+        assert_balanced(&x, &force, name);
     }
 }
 
+/// All numbers stay finite.
 #[test]
-fn a_spring_whose_ends_coincide_gives_no_force_and_finite_numbers() {
+fn a_spring_of_length_zero_gives_no_force() {
     for rest in [0.0, 0.3] {
         let link = Link { ends: [0, 1], stiffness: 7.0, rest, role: Role::Structural };
         let net = Net::new(vec![[0.5, 0.5]; 2], vec![link]).unwrap();
@@ -228,13 +205,12 @@ fn pinned_particles_keep_every_bit() {
 }
 
 #[test]
-fn saving_reading_back_and_going_on_equals_never_having_stopped() {
+fn saving_and_resuming_is_exact() {
     let mut straight = simulation(&level(SWINGING));
     straight.advance(900, &mut || true);
     let mut first = simulation(&level(SWINGING));
     first.advance(311, &mut || true);
-    let saved = Level { state: first.saved(), ..level(SWINGING) };
-    let mut second = simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap());
+    let mut second = reopened(&first, &level(SWINGING));
     second.advance(589, &mut || true);
     assert_eq!(second.state(), straight.state());
 }
@@ -248,8 +224,9 @@ fn a_spring_that_is_too_stiff_for_the_step_is_named() {
     assert!(fault.contains("of wire failed first") && fault.contains("above the stability limit"), "{fault}");
 }
 
+/// They come back after a period.
 #[test]
-fn the_exact_solution_of_every_toy_satisfies_its_equation_and_comes_back_after_a_period() {
+fn exact_solutions_of_toys_satisfy_their_equations() {
     for kind in ToyKind::all() {
         let (toy, name) = (kind.kind(), kind.name());
         for time in [0.0, 0.3, 0.77, 2.0, 5.1] {
@@ -284,7 +261,7 @@ fn a_wide_swing_takes_longer() {
 }
 
 #[test]
-fn a_point_on_a_stiffer_and_stiffer_spring_approaches_the_pendulum() {
+fn a_stiff_spring_pendulum_approaches_the_rigid_one() {
     let gap = |stiffness: f64| {
         let text = format!(
             "(name: \"\", substeps: 500, nets: [(name: \"p\", net: Chain(from: (0.5, 0.5), to: (0.9, 0.5), springs: 1,
@@ -316,7 +293,7 @@ fn toy(kind: &ToyKind, integrator: &IntegratorKind) -> Level {
 
 /// What treats positions and velocities differently is refused in a sentence; all else goes around once, nearly.
 #[test]
-fn every_integrator_that_needs_only_rates_advances_every_toy_and_the_others_are_refused() {
+fn first_order_schemes_advance_toys_others_are_refused() {
     for integrator in IntegratorKind::all() {
         for kind in ToyKind::all() {
             let level = toy(&kind, &integrator);
@@ -333,8 +310,7 @@ fn every_integrator_that_needs_only_rates_advances_every_toy_and_the_others_are_
             let gap = [state.x[0] - exact[0], state.x[1] - exact[1]];
             assert!(norm(&gap) < 0.02 * norm(&exact), "{} {}: {gap:?}", integrator.name(), kind.name());
             assert!(state.v.is_empty() && simulation.counts().force_evaluations >= steps);
-            let saved = Level { state: simulation.saved(), ..level.clone() };
-            let mut again = common::simulation(&files::parse(&files::write(&saved).unwrap(), "toy.ron").unwrap());
+            let mut again = reopened(&simulation, &level);
             assert_eq!(again.state(), state);
             again.advance(10, &mut || true);
             simulation.advance(10, &mut || true);
@@ -353,7 +329,7 @@ fn a_toy_stands_alone() {
 
 /// In a net after another; with ends that 16 bits do not reach; and with so many particles that no copy is made of them.
 #[test]
-fn springs_have_the_forces_of_each_by_itself_summed_in_their_order() {
+fn spring_forces_are_summed_in_the_order_of_the_springs() {
     let sheet = |columns: u32, rows: u32| {
         format!(
             "(name: \"net\", mass: 0.001, net: Sheet(width: 1, height: 1, columns: {columns}, rows: {rows}, structural: 100, shear: 50,

@@ -15,7 +15,7 @@ fn ratios(simulation: &Simulation) -> Vec<f64> {
 }
 
 #[test]
-fn collapsed_bodies_have_no_area_and_a_mirror_image_has_all_of_it_inside_out() {
+fn collapsed_and_mirrored_starts_have_the_stated_area() {
     for seed in 0..20 {
         for (start, area) in [("Line", 0.0), ("Point", 0.0), ("Mirrored", -1.0)] {
             let simulation = started(&format!("{start}(seed: {seed}, noise: 0)"), "");

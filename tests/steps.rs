@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, level, models, sheet, simulation};
+use common::{Random, level, models, reopened, sheet, simulation, systems::built};
 use gingerbread::{
     files,
     level::Level,
@@ -30,7 +30,7 @@ fn run(simulation: &mut Simulation, steps: u64) {
 
 /// `v_n = -n g h` and `x_n - x_0 = -g h² (1 + 2 + .. + n)`.
 #[test]
-fn a_free_fall_of_n_steps_is_g_h_squared_n_n_plus_1_over_2() {
+fn free_fall_matches_the_discrete_formula() {
     let mut simulation = simulation(&sheet("NeoHookean", "", "effects: [(effect: Gravity(down: 9.8))]"));
     let (start, h) = (simulation.state().x.clone(), simulation.scene().step);
     for n in 1..=1000_u32 {
@@ -99,7 +99,7 @@ fn falling(model: &str) -> Level {
 }
 
 #[test]
-fn the_same_level_gives_the_same_bits_on_every_run_and_however_steps_are_bunched() {
+fn steps_are_reproducible_however_they_are_bunched() {
     for model in models() {
         let mut once = simulation(&falling(model));
         run(&mut once, 1000);
@@ -112,15 +112,13 @@ fn the_same_level_gives_the_same_bits_on_every_run_and_however_steps_are_bunched
 }
 
 #[test]
-fn saving_reading_back_and_going_on_equals_never_having_stopped() {
+fn saving_and_resuming_is_exact() {
     for model in models() {
         let mut straight = simulation(&falling(model));
         run(&mut straight, 1000);
         let mut first = simulation(&falling(model));
         run(&mut first, 437);
-        let saved = Level { state: first.saved(), ..falling(model) };
-        let text = files::write(&saved).unwrap();
-        let mut second = simulation(&files::parse(&text, "saved.ron").unwrap());
+        let mut second = reopened(&first, &falling(model));
         assert_eq!(second.scene().rest, first.scene().rest, "saving must not touch the rest shape");
         run(&mut second, 563);
         assert_eq!(second.state(), straight.state());
@@ -129,7 +127,7 @@ fn saving_reading_back_and_going_on_equals_never_having_stopped() {
 
 /// Near rest, where the limit is 2/w of the linearised scene, on every model and with damping.
 #[test]
-fn a_step_just_below_the_stability_limit_holds_and_one_just_above_blows_up() {
+fn steps_are_stable_just_below_the_limit_and_not_above() {
     for model in models() {
         for effects in ["", "effects: [(effect: Rayleigh(mass: 2, stiffness: 0.01))]"] {
             let growth = |share: f64, steps: u64| {
@@ -137,7 +135,7 @@ fn a_step_just_below_the_stability_limit_holds_and_one_just_above_blows_up() {
                 let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
                 let mut level = sheet(model, "", &format!("guard: Off, {effects}"));
                 level.substeps = gingerbread::level::Substeps::new(1).unwrap();
-                simulation = with_step(&level, share * limit);
+                simulation = built(&level, share * limit);
                 let mut random = Random(5);
                 let mut state = simulation.state().clone();
                 state.v.iter_mut().for_each(|v| *v = random.between(-1e-7, 1e-7));
@@ -168,15 +166,9 @@ fn a_probe_amortised_over_frames_finds_the_stability_limit() {
     }
 }
 
-fn with_step(level: &Level, step: f64) -> Simulation {
-    let mut scene = gingerbread::scene::Scene::build(level, level.mode, &gingerbread::meshes::NoFiles, None).unwrap();
-    scene.step = step;
-    let state = scene.start.clone();
-    Simulation::new(scene, state)
-}
-
+/// The fault says why.
 #[test]
-fn a_step_that_blows_up_stops_on_the_last_finite_state_and_says_why() {
+fn a_blow_up_stops_on_the_last_finite_state() {
     let text = "substeps: 1, guard: Off";
     for model in models() {
         let mut simulation = simulation(&sheet(model, "stretch: (1.3, 1)", text));
@@ -221,7 +213,7 @@ fn mass_is_spread_as_the_level_says() {
 
 /// Timed, each effect runs by itself over all vertices; untimed, the vertices are moved while the elements are swept over.
 #[test]
-fn vertices_moved_as_soon_as_their_force_is_known_get_the_bits_of_forces_first_and_motion_then() {
+fn fused_and_separate_steps_have_the_same_bits() {
     let alone = ["effects: []", "effects: [(effect: Gravity(down: 3, right: 1))]"];
     let more = [
         "effects: [(effect: Gravity(down: 3)), (effect: Gravity(down: 2))]",

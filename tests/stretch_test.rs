@@ -12,7 +12,7 @@ use gingerbread::{
 };
 
 #[test]
-fn a_stretch_test_takes_both_poses_and_shows_all_models_side_by_side() {
+fn a_stretch_test_has_two_poses_and_all_models() {
     let mut sandbox = opened("stretch_test");
     assert!(opened("jelly_disk").apply(Command::SetPose(Pose::Stretched)).is_err());
     sandbox.apply(Command::SetPose(Pose::Compressed)).unwrap();
@@ -46,7 +46,7 @@ fn a_stretch_test_takes_both_poses_and_shows_all_models_side_by_side() {
 /// The clamped strip of the test, at its ends: the force on the top edge is what the law of each model says for a strip that is
 /// stretched evenly, before its free sides have moved.
 #[test]
-fn the_force_shown_on_the_top_edge_is_the_stress_times_the_width() {
+fn the_force_on_the_top_edge_is_stress_times_width() {
     let mut sandbox = opened("stretch_test");
     sandbox.apply(Command::SetSideBySide(true)).unwrap();
     sandbox.apply(Command::SetPose(Pose::Stretched)).unwrap();
@@ -67,7 +67,7 @@ fn the_force_shown_on_the_top_edge_is_the_stress_times_the_width() {
 }
 
 #[test]
-fn strips_side_by_side_come_back_to_their_places_when_another_level_is_undone() {
+fn undo_of_another_level_restores_strips_side_by_side() {
     let mut sandbox = opened("stretch_test");
     sandbox.apply(Command::SetSideBySide(true)).unwrap();
     let before = seen(&sandbox);

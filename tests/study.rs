@@ -3,10 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 mod common;
+#[path = "common/program.rs"]
+mod program;
 
 use common::{
-    level, released, released_of,
-    studies::{WHOLE, built_in, kind, trial, without_times},
+    built_in, level, named, released, released_of,
+    studies::{RESTING, WHOLE, trial, without_times},
 };
 use gingerbread::{
     command::Command,
@@ -18,7 +20,8 @@ use gingerbread::{
         MOST_RUNS, NoErrors, NoOrder, Plan, Price, ReferenceJob, Run, Setting, Source, Status, Trial, WorkPrecision,
     },
 };
-use std::time::Duration;
+use program::{Folder, gingerbread, said};
+use std::{fs, time::Duration};
 
 fn substeps(counts: &[u32]) -> Vec<Substeps> {
     counts.iter().map(|count| Substeps::new(*count).unwrap()).collect()
@@ -30,8 +33,9 @@ fn diagram(level: &Level, seconds: f64, plan: Plan) -> WorkPrecision {
     diagram
 }
 
+/// It keeps runs that were unstable.
 #[test]
-fn the_automatic_diagram_has_a_line_for_every_integrator_and_keeps_what_blew_up() {
+fn the_automatic_diagram_has_a_line_for_every_integrator() {
     let diagram = diagram(&released(""), 0.1, Plan { threads: 2, ..Plan::default() });
     let curves = diagram.curves();
     assert_eq!(curves.len(), IntegratorKind::all().len());
@@ -71,8 +75,9 @@ fn reference_of(trial: &Trial, smallest_error: f64) -> gingerbread::study::Refer
     job.result().unwrap().clone().unwrap()
 }
 
+/// It is a hundred times better than asked.
 #[test]
-fn a_reference_is_a_hundred_times_better_than_asked_and_off_by_no_more_than_it_says() {
+fn a_reference_meets_its_own_error_bound() {
     let trial = trial(&released(""), 0.1);
     let rough = reference_of(&trial, 1e-4);
     assert!(rough.own_error <= 1e-6 && rough.own_error > 0.0);
@@ -102,12 +107,13 @@ fn a_free_fall_is_measured_against_its_closed_form() {
     }
 }
 
+/// The largest error stands beside it.
 /// Symplectic Euler is late by g h t/2 in a fall, so that errors grow like the time.
 #[test]
-fn an_error_is_a_mean_over_frames_and_the_largest_stands_beside_it() {
+fn an_error_is_a_mean_over_frames() {
     let text = "(name: \"fall\", bodies: [(name: \"sheet\", mass: Density(1), mesh: Rectangle(width: 0.4, height: 0.4, columns: 2, rows: 2),
         material: (model: NeoHookean, young: 50, poisson: 0.3))], effects: [(effect: Gravity(down: 2))])";
-    let plan = Plan { integrators: vec![kind("SymplecticEuler")], substeps: substeps(&[40]), ..Plan::default() };
+    let plan = Plan { integrators: vec![named("SymplecticEuler")], substeps: substeps(&[40]), ..Plan::default() };
     let diagram = diagram(&level(text), 0.5, plan);
     let outcome = diagram.curves()[0].points[0].outcome.clone().unwrap();
     let times = || (1..=30).map(|frame| f64::from(frame) / 60.0);
@@ -121,11 +127,6 @@ fn an_error_is_a_mean_over_frames_and_the_largest_stands_beside_it() {
             && csv.contains(",error,greatest_error,")
     );
 }
-
-/// A sheet on which nothing acts.
-const RESTING: &str = "(name: \"resting\", substeps: 20, bodies: [(name: \"sheet\", mass: Density(1),
-    mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
-    material: (model: NeoHookean, young: 100, poisson: 0.3))])";
 
 #[test]
 fn where_nothing_moves_there_are_no_errors_and_no_suggestion() {
@@ -158,18 +159,19 @@ fn prices_are_the_least_of_several_runs_and_the_table_says_so() {
     );
 }
 
+/// It begins at one per cent.
 #[test]
-fn the_usual_suggestion_is_under_one_per_cent_or_the_next_decade() {
+fn the_usual_suggestion_is_the_least_decade_of_error() {
     let circle = level("(name: \"circle\", integrator: Heun(), toy: Circle(radius: 0.3))");
     for (seconds, expected) in [(1.0, Some(0.01)), (4.0, Some(0.1)), (40.0, None)] {
-        let plan = Plan { integrators: vec![kind("ForwardEuler")], substeps: substeps(&[1]), ..Plan::default() };
+        let plan = Plan { integrators: vec![named("ForwardEuler")], substeps: substeps(&[1]), ..Plan::default() };
         let diagram = diagram(&circle, seconds, plan);
         assert_eq!(diagram.suggest_usual(Price::Time).map(|(error, _)| error), expected, "{:?}", diagram.curves());
     }
 }
 
 #[test]
-fn toys_and_a_bouncing_spring_are_measured_against_their_closed_forms() {
+fn toys_and_springs_are_measured_against_closed_forms() {
     let spring = "(name: \"bounce\", nets: [(name: \"s\", net: Chain(from: (0.5, 0.9), to: (0.5, 0.4), springs: 1, stiffness: 100, rest: 0.4),
         mass: 1, pins: [Vertex(0)])], effects: [(effect: Gravity(down: 9.8)), (effect: MouseSpring(stiffness: 100))])";
     let circle = "(name: \"circle\", integrator: Heun(), toy: Circle(radius: 0.3))";
@@ -189,14 +191,14 @@ fn toys_and_a_bouncing_spring_are_measured_against_their_closed_forms() {
 }
 
 #[test]
-fn walls_that_are_touched_leave_a_reference_that_says_how_good_it_is() {
+fn a_reference_with_contact_states_its_error() {
     let effects = "effects: [(effect: Gravity(down: 20)), (effect: Boundary(least: (0, 0.28), greatest: (1, 1)))]";
     let reference = reference_of(&trial(&released(effects), 0.2), 1e-2);
     assert!(reference.own_error > 0.0 && reference.own_error < 0.05, "{:e}", reference.own_error);
 }
 
 #[test]
-fn a_suggestion_applied_and_rerun_from_scratch_keeps_its_promise() {
+fn an_applied_suggestion_keeps_its_promise() {
     let level = released("");
     let diagram = diagram(&level, 0.2, Plan::default());
     for (per_cent, price) in [(5.0, Price::ForceEvaluations), (1.0, Price::Time), (0.01, Price::ForceEvaluations)] {
@@ -218,8 +220,9 @@ fn a_suggestion_applied_and_rerun_from_scratch_keeps_its_promise() {
     assert!(diagram.suggest(1e-30, Price::Time).is_none(), "nothing is promised that was not measured");
 }
 
+/// Budget and number of threads change only the measured times.
 #[test]
-fn two_tables_are_equal_but_for_their_times_whatever_the_budget_and_the_threads() {
+fn accuracy_tables_are_reproducible() {
     let plan = |threads| Plan { threads, smallest_error: 1e-3, ..Plan::default() };
     let once = diagram(&released(""), 0.05, plan(1)).csv();
     let again = diagram(&released(""), 0.05, plan(1)).csv();
@@ -261,8 +264,9 @@ fn partial_results_can_be_read_and_are_not_changed_by_going_on() {
     assert!(job.curves().iter().all(|curve| curve.points.iter().all(|point| point.outcome.is_some())));
 }
 
+/// Unstable runs are marked on it.
 #[test]
-fn nets_and_toys_have_a_diagram_with_what_blew_up_marked_as_such() {
+fn nets_and_toys_have_a_diagram() {
     let mut unstable = 0;
     for name in ["chain", "hanging_net", "spring_pendulum", "circle", "pendulum"] {
         let level = built_in(name);
@@ -301,7 +305,7 @@ fn choosing_an_integrator_keeps_the_state_and_is_undone_as_one() {
         assert_eq!(sandbox.advance(3, &mut || true), 3, "{}: {:?}", kind.name(), sandbox.simulation().fault());
     }
     // The last chosen is the level's own; what is undone first is the choice of it.
-    let mut error_controlled = kind("DormandPrince");
+    let mut error_controlled = named("DormandPrince");
     for tolerance in [1e-3, 1e-4, 1e-5] {
         error_controlled.kind_mut().parameters()[0].set(tolerance).unwrap();
         sandbox.apply(Command::SetIntegrator(error_controlled.clone())).unwrap();
@@ -314,32 +318,27 @@ fn choosing_an_integrator_keeps_the_state_and_is_undone_as_one() {
     assert_eq!(sandbox.simulation().scene().integrator, error_controlled);
 }
 
-fn gingerbread(arguments: &[&str]) -> std::process::Output {
-    std::process::Command::new(env!("CARGO_BIN_EXE_gingerbread")).args(arguments).output().unwrap()
-}
-
+/// A wrong name is answered with the known ones.
 #[test]
-fn the_program_prints_a_table_writes_csv_and_names_what_it_knows() {
-    let folder = std::env::temp_dir().join(format!("gingerbread-study-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let (file, csv) = (folder.join("sheet.ron"), folder.join("out.csv"));
-    std::fs::write(&file, gingerbread::files::write(&released("")).unwrap()).unwrap();
-    let (file, csv) = (file.display().to_string(), csv.display().to_string());
+fn the_study_command_prints_a_table_and_writes_csv() {
+    let folder = Folder::new("study");
+    let file = folder.with("sheet.ron", &gingerbread::files::write(&released("")).unwrap());
+    let csv = folder.file("out.csv");
     let chosen =
         ["study", &file, "--integrators", "SymplecticEuler,rungekutta4", "--steps", "20,40", "--seconds", "0.05"];
     let output = gingerbread(&[&chosen[..], &["--csv", &csv]].concat());
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(said.contains("reference:") && said.contains("Cheapest under 1 %") && said.contains("<- now"), "{said}");
-    let table = std::fs::read_to_string(&csv).unwrap();
+    let text = said(&output.stdout);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    assert!(text.contains("reference:") && text.contains("Cheapest under 1 %") && text.contains("<- now"), "{text}");
+    let table = fs::read_to_string(&csv).unwrap();
     assert_eq!(table.lines().filter(|line| !line.starts_with('#')).count(), 1 + 4, "{table}");
     let output = gingerbread(&[&chosen[..], &["--drift", "--csv", &csv]].concat());
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(said.contains("greatest change of") && said.contains("Runge-Kutta 4, 40 steps a frame"), "{output:?}");
-    let table = std::fs::read_to_string(&csv).unwrap();
+    let text = said(&output.stdout);
+    assert!(text.contains("greatest change of") && text.contains("Runge-Kutta 4, 40 steps a frame"), "{output:?}");
+    let table = fs::read_to_string(&csv).unwrap();
     assert_eq!(table.lines().filter(|line| !line.starts_with('#')).count(), 1 + 4 * 4, "{table}");
     let output = gingerbread(&["study", &file, "--meshes", "24,96,384", "--measure", "energy", "--seconds", "0.05"]);
-    assert!(String::from_utf8_lossy(&output.stdout).contains("triangles"), "{output:?}");
+    assert!(said(&output.stdout).contains("triangles"), "{output:?}");
     for (arguments, expected) in [
         (vec!["study", "no_such_level"], "no_such_level"),
         (vec!["study", "gingerbread", "--integrators", "Magic"], "SymplecticEuler"),
@@ -348,8 +347,7 @@ fn the_program_prints_a_table_writes_csv_and_names_what_it_knows() {
     ] {
         let output = gingerbread(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        let told = said(&output.stderr);
         assert!(told.contains(expected), "{arguments:?}: {told}");
     }
-    std::fs::remove_dir_all(&folder).unwrap();
 }

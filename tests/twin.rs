@@ -3,11 +3,16 @@
 
 mod common;
 
-use common::{level, released, released_of, simulation};
-use gingerbread::{level::Substeps, meshes::NoFiles, simulation::Simulation, study::Twin};
-use std::time::Duration;
-
-const WHOLE: Duration = Duration::MAX;
+use common::{
+    level, released, released_of, simulation,
+    studies::{RESTING, WHOLE},
+};
+use gingerbread::{
+    level::{Level, Substeps, Toggle},
+    meshes::NoFiles,
+    simulation::Simulation,
+    study::Twin,
+};
 
 fn frames(live: &mut Simulation, twin: &mut Twin, count: u64) {
     let per_frame = (1.0 / (60.0 * live.scene().step)).round() as u64;
@@ -18,8 +23,9 @@ fn frames(live: &mut Simulation, twin: &mut Twin, count: u64) {
     }
 }
 
+/// Halving the step halves the error.
 #[test]
-fn the_twin_tells_the_error_of_a_live_simulation_and_halving_the_step_halves_it() {
+fn the_twin_measures_an_error_of_first_order() {
     let errors = [100, 200].map(|count| {
         let mut level = released("");
         level.substeps = Substeps::new(count).unwrap();
@@ -36,10 +42,7 @@ fn the_twin_tells_the_error_of_a_live_simulation_and_halving_the_step_halves_it(
 
 #[test]
 fn where_nothing_moves_there_is_no_error_now() {
-    let text = "(name: \"resting\", substeps: 20, sleep: Off, bodies: [(name: \"sheet\", mass: Density(1),
-        mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
-        material: (model: NeoHookean, young: 100, poisson: 0.3))])";
-    let mut live = simulation(&level(text));
+    let mut live = simulation(&Level { sleep: Toggle::Off, ..level(RESTING) });
     let mut twin = Twin::new(&live);
     frames(&mut live, &mut twin, 40);
     assert!(twin.error().is_none() && twin.age() > 0.5 && !twin.is_checking());
@@ -80,8 +83,9 @@ fn the_error_now_is_against_the_closed_form_where_there_is_one() {
     assert!(error > 1e-5 && error < 1e-2 && words.contains("free fall"), "{error} {words}");
 }
 
+/// This holds for every model.
 #[test]
-fn a_strip_on_rollers_comes_to_rest_as_wide_as_its_closed_form_says_under_every_model() {
+fn a_strip_on_rollers_rests_at_its_closed_form() {
     let text = gingerbread::levels::built_in("uniaxial_strip").unwrap();
     for model in gingerbread::materials::Model::ALL {
         for stretch in ["(1, 1.25)", "(1, 0.8)"] {
@@ -111,7 +115,7 @@ fn a_pull_leaves_the_closed_form_and_a_twin_takes_over() {
 }
 
 #[test]
-fn the_twin_is_pulled_along_and_begins_anew_where_the_live_one_is_put() {
+fn the_twin_follows_pulls_and_restarts() {
     let level = released("effects: [(effect: MouseSpring(stiffness: 50))]");
     let mut live = simulation(&level);
     let mut twin = Twin::new(&live);

@@ -48,7 +48,7 @@ fn momenta(simulation: &Simulation, state: &State) -> [f64; 3] {
 }
 
 #[test]
-fn a_vertex_whose_triangles_go_round_it_twice_is_told_from_one_that_is_only_turned_and_stretched() {
+fn double_winding_is_told_from_rotation_and_stretch() {
     let simulation = scene("NeoHookean", "");
     let scene = simulation.scene();
     let disk = &scene.bodies[0];
@@ -77,8 +77,9 @@ fn a_vertex_whose_triangles_go_round_it_twice_is_told_from_one_that_is_only_turn
     }
 }
 
+/// It has its rest shape, and the other bodies stay.
 #[test]
-fn a_free_body_comes_home_with_its_momentum_and_the_others_stay() {
+fn an_untangled_free_body_keeps_its_momentum() {
     for model in models() {
         for seed in 0..20 {
             let simulation = scene(model, "");
@@ -98,7 +99,7 @@ fn a_free_body_comes_home_with_its_momentum_and_the_others_stay() {
 }
 
 #[test]
-fn a_body_that_is_held_is_spread_between_its_pins_and_goes_to_rest_from_there() {
+fn an_untangled_held_body_is_spread_between_its_pins() {
     for model in models() {
         for (sheet, seed) in
             [(PINNED, 1), (PINNED, 2), ("pins: [Vertex(7)]", 3), ("slides: [Left, Bottom]", 4), ("slides: [Top]", 5)]

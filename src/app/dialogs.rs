@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     #[cfg(not(target_arch = "wasm32"))]
-    fn a_file_that_is_saved_without_an_extension_gets_the_one_it_needs() {
+    fn a_file_saved_without_an_extension_gets_one() {
         let named = |path: &str| native::with_extension(PathBuf::from(path), "chain-drift.csv");
         assert_eq!(named("drift"), PathBuf::from("drift.csv"));
         assert_eq!(named("drift.txt"), PathBuf::from("drift.txt"));

@@ -1,14 +1,16 @@
 //! What several test files share: random numbers that are the same on every run, and small scenes.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
 
+pub mod folder;
 pub mod physics;
 pub mod studies;
 pub mod systems;
 
 use gingerbread::{
+    command::{Command, Mode},
     files,
+    integrators::IntegratorKind,
     level::{Level, RunMode},
-    levels::built_in,
     materials::{Material, MaterialParameters, Model, Plane, Visitor},
     meshes::NoFiles,
     quantity::{Poisson, Young},
@@ -53,16 +55,55 @@ pub fn level(text: &str) -> Level {
     files::parse(text, "test.ron").unwrap()
 }
 
+/// A level that ships, of fewer triangles, so that it runs quickly.
+pub fn coarse(text: &str, file: &str) -> Level {
+    const FEWER: [(&str, &str); 9] = [
+        ("resolution: 2000", "resolution: 150"),
+        ("resolution: 1000", "resolution: 250"),
+        ("resolution: 700", "resolution: 100"),
+        ("radius: 0.045, rings: 5", "radius: 0.045, rings: 3"),
+        ("resolution: 500", "resolution: 100"),
+        ("columns: 64, rows: 8", "columns: 16, rows: 2"),
+        ("columns: 60, rows: 6", "columns: 15, rows: 2"),
+        ("columns: 19, rows: 39", "columns: 5, rows: 10"),
+        ("rings: 14", "rings: 5"),
+    ];
+    let text = FEWER.iter().fold(text.to_owned(), |text, (many, few)| text.replace(many, few));
+    files::parse(&text, file).unwrap()
+}
+
 /// A simulation of a level in its own mode.
 pub fn simulation(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
     Simulation::open(scene, level, level.mode).unwrap()
 }
 
-/// A sandbox with a built-in level.
+/// Saves a run in a level's text and opens it again.
+pub fn reopened(run: &Simulation, level: &Level) -> Simulation {
+    let saved = Level { state: run.saved(), ..level.clone() };
+    simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap())
+}
+
+/// A level that ships.
+pub fn built_in(name: &str) -> Level {
+    files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap()
+}
+
+/// A sandbox with a level that ships.
 pub fn opened(name: &str) -> Sandbox {
-    let level = files::parse(built_in(name).unwrap(), name).unwrap();
-    Sandbox::new(level, Box::new(NoFiles)).unwrap()
+    Sandbox::new(built_in(name), Box::new(NoFiles)).unwrap()
+}
+
+/// A sandbox in which a level is simulated.
+pub fn running(level: Level) -> Sandbox {
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
+    sandbox
+}
+
+/// An integrator by its name.
+pub fn named(name: &str) -> IntegratorKind {
+    IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
 }
 
 /// What a window would draw of it, without colours.
@@ -104,6 +145,70 @@ pub fn released_of(young: u32, rest: &str) -> Level {
 /// Names of all registered constitutive models.
 pub fn models() -> impl Iterator<Item = &'static str> {
     gingerbread::materials::Model::ALL.iter().map(|model| model.name())
+}
+
+/// Whether two segments cross.
+pub fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}
+
+/// No edge of a boundary crosses a side of an outline.
+pub fn assert_apart(simulation: &Simulation, outline: &[[f64; 2]], what: &str) {
+    let x = &simulation.state().x;
+    for &edge in simulation.scene().boundary.iter() {
+        let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
+        for (i, &corner) in outline.iter().enumerate() {
+            let next = outline[(i + 1) % outline.len()];
+            assert!(!cross(ends, [corner, next]), "{what}: edge {edge:?} at {ends:?} crosses {corner:?} to {next:?}");
+        }
+    }
+}
+
+/// The greatest difference of two lists, number by number.
+pub fn greatest_gap(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Euclidean norm.
+pub fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// Forces at x are minus the differences of an energy, number by number, at the best of several steps.
+pub fn assert_minus_derivative(x: &[f64], force: &[f64], energy: impl Fn(&[f64]) -> f64, what: &str) {
+    for number in 0..x.len() {
+        let error = |epsilon: f64| {
+            let (mut ahead, mut behind) = (x.to_vec(), x.to_vec());
+            ahead[number] += epsilon;
+            behind[number] -= epsilon;
+            let slope = (energy(&ahead) - energy(&behind)) / (2.0 * epsilon);
+            (force[number] + slope).abs() / norm(force)
+        };
+        let best = (4..=7).map(|power| error(10.0_f64.powi(-power))).fold(f64::INFINITY, f64::min);
+        assert!(best < 1e-8, "{what} {number}: {best:e}");
+    }
+}
+
+/// How far minus the difference of forces along d is from the product of the stiffness with d, as a share of it, at the best of several
+/// steps.
+pub fn difference_error(x: &[f64], d: &[f64], product: &[f64], forces: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
+    let error = |epsilon: f64| {
+        let along = |by: f64| forces(&x.iter().zip(d).map(|(x, d)| x + by * d).collect::<Vec<_>>());
+        let (ahead, behind) = (along(epsilon), along(-epsilon));
+        let change = ahead.iter().zip(&behind).map(|(a, b)| (b - a) / (2.0 * epsilon));
+        norm(&change.zip(product).map(|(change, product)| change - product).collect::<Vec<_>>()) / norm(product)
+    };
+    (4..=9).map(|power| error(10.0_f64.powi(-power))).fold(f64::INFINITY, f64::min)
+}
+
+/// Forces at x have neither sum nor torque, but for round-off.
+pub fn assert_balanced(x: &[f64], force: &[f64], what: &str) {
+    let sum = |axis: usize| force.iter().skip(axis).step_by(2).sum::<f64>();
+    let torque: f64 = x.chunks_exact(2).zip(force.chunks_exact(2)).map(|(x, f)| x[0] * f[1] - x[1] * f[0]).sum();
+    let scale = norm(force);
+    assert!(sum(0).abs() < 1e-14 * scale && sum(1).abs() < 1e-14 * scale, "{what}");
+    assert!(torque.abs() < 1e-14 * scale, "{what}: {torque:e}");
 }
 
 /// Both modes.

@@ -1,11 +1,11 @@
 //! The built program, run as in a terminal or a script, and a folder for its files.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
 
-use std::{
-    fs,
-    path::PathBuf,
-    process::{Command, Output},
-};
+#[path = "folder.rs"]
+mod folder;
+
+pub use folder::Folder;
+use std::process::{Command, Output};
 
 /// The program with arguments, to be run.
 pub fn command(arguments: &[&str]) -> Command {
@@ -22,33 +22,4 @@ pub fn gingerbread(arguments: &[&str]) -> Output {
 /// What was printed.
 pub fn said(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// A folder that is removed with all that is in it.
-pub struct Folder(pub PathBuf);
-
-impl Folder {
-    /// A new folder with a name of its own for each test.
-    pub fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    /// The path of a file in it.
-    pub fn file(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-
-    /// A file in it with a text; returns its path.
-    pub fn with(&self, name: &str, text: &str) -> String {
-        fs::write(self.0.join(name), text).unwrap();
-        self.file(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }

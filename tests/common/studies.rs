@@ -1,7 +1,7 @@
 //! What tests of studies share.
 
+use super::named;
 use gingerbread::{
-    integrators::IntegratorKind,
     level::{Level, Substeps},
     meshes::NoFiles,
     study::{Setting, Trial, is_time_column},
@@ -16,14 +16,14 @@ pub fn trial(level: &Level, seconds: f64) -> Trial {
     Trial::new(level, &NoFiles, seconds).unwrap()
 }
 
-/// An integrator by its name.
-pub fn kind(name: &str) -> IntegratorKind {
-    IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
-}
+/// A sheet on which nothing acts.
+pub const RESTING: &str = "(name: \"resting\", substeps: 20, bodies: [(name: \"sheet\", mass: Density(1),
+    mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, corner: (0.3, 0.3)),
+    material: (model: NeoHookean, young: 100, poisson: 0.3))])";
 
 /// An integrator and so many steps in 1/60 s.
 pub fn setting(name: &str, count: u32) -> Setting {
-    Setting { integrator: kind(name), substeps: Substeps::new(count).unwrap() }
+    Setting { integrator: named(name), substeps: Substeps::new(count).unwrap() }
 }
 
 /// The table without its measured times.
@@ -37,9 +37,4 @@ pub fn without_times(csv: &str) -> Vec<Vec<String>> {
     };
     let head = head.iter().map(|line| vec![(*line).to_owned()]);
     head.chain(rows.iter().map(keep)).collect()
-}
-
-/// A level that ships.
-pub fn built_in(name: &str) -> Level {
-    gingerbread::files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap()
 }

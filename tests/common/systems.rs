@@ -75,10 +75,6 @@ impl Ode for Rate<'_> {
     }
 }
 
-pub fn named(name: &str) -> IntegratorKind {
-    IntegratorKind::all().into_iter().find(|kind| kind.name() == name).unwrap()
-}
-
 /// The kind with an error control that never bites, so that its step is h.
 pub fn without_control(mut kind: IntegratorKind) -> IntegratorKind {
     if kind.kind().class() == Class::ErrorControlled {

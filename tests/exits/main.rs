@@ -6,7 +6,7 @@ mod common;
 mod several;
 mod stays;
 
-use common::{level, models, seen, simulation};
+use common::{greatest_gap, level, models, seen, simulation};
 use gingerbread::{
     command::{Command, Mode},
     files,
@@ -63,12 +63,14 @@ fn mass(simulation: &Simulation) -> f64 {
     simulation.scene().mass.iter().step_by(2).sum()
 }
 
-/// Runs until nothing is inside any more; the least J and the greatest energy of motion and deformation on the way.
+/// Runs for a time; the least J and the greatest energy of motion and deformation on the way, looked at 1200 times a second, which is
+/// ten times while a wave crosses a triangle.
 fn leave(simulation: &mut Simulation, seconds: f64) -> (f64, f64) {
     let steps = (seconds / simulation.scene().step) as u64;
+    let bunch = (1.0 / (1200.0 * simulation.scene().step)).round().max(1.0) as u64;
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for _ in 0..steps {
-        simulation.advance(1, &mut || true);
+    for _ in 0..steps / bunch {
+        simulation.advance(bunch, &mut || true);
         let energies = simulation.energies();
         (least, most) = (least.min(simulation.inversion().0), most.max(energies.kinetic + energies.elastic));
     }
@@ -76,9 +78,12 @@ fn leave(simulation: &mut Simulation, seconds: f64) -> (f64, f64) {
 }
 
 #[test]
-fn what_begins_inside_an_obstacle_comes_out_in_its_own_shape_under_every_scheme() {
-    for scheme in schemes() {
-        for (what, effects) in overlapped() {
+fn every_scheme_leads_a_body_out_of_an_obstacle_in_shape() {
+    for (number, scheme) in schemes().enumerate() {
+        // The way out is found before the first step, whatever the scheme: one explicit and one implicit scheme take all of them.
+        let all = ["SymplecticEuler", "ImplicitEuler"].contains(&scheme.0);
+        let count = if all { overlapped().len() } else { 2 };
+        for (what, effects) in overlapped().into_iter().cycle().skip(number).take(count) {
             let mut simulation = simulation(&disk([0.5, 0.5], scheme, "Corotated", &effects));
             let inside = simulation.count_inside();
             assert!(inside > 10, "{what}: only {inside} vertices begin inside");
@@ -109,9 +114,10 @@ fn every_model_keeps_its_shape_on_the_way_out() {
     }
 }
 
+/// It comes in at a tenth of its wave speed.
 /// Put on the edges at once, all of it would be in one point.
 #[test]
-fn a_body_that_begins_far_beyond_the_world_comes_in_whole_and_at_its_own_speed() {
+fn a_body_far_outside_the_domain_comes_in_whole() {
     let effects = "effects: [(effect: Boundary(least: (0, 0), greatest: (1, 1)))]";
     let mut simulation = simulation(&disk([2.0, 0.5], ("SymplecticEuler", 20), "NeoHookean", effects));
     let start = simulation.state().x.clone();
@@ -151,7 +157,7 @@ fn the_way_out_does_not_depend_on_the_step() {
 }
 
 #[test]
-fn a_body_at_its_own_pace_comes_out_as_it_does_at_the_common_one() {
+fn multirate_stepping_leads_out_as_common_steps_do() {
     let (_, effects) = overlapped().swap_remove(1);
     let common = disk([0.5, 0.5], ("SymplecticEuler", 20), "Corotated", &effects);
     let own = Level { paces: Paces::Own, ..common.clone() };
@@ -161,7 +167,7 @@ fn a_body_at_its_own_pace_comes_out_as_it_does_at_the_common_one() {
         assert!(simulation.counts().pushed_out > 5);
         simulation.state().x.clone()
     });
-    let apart = common.iter().zip(&own).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = greatest_gap(&common, &own);
     assert!(apart < 1e-12, "{apart:e}");
 }
 
@@ -219,7 +225,7 @@ fn a_body_put_over_an_obstacle_slips_off_it_whole() {
 
 /// Only from behind may the rest follow: the other sides of the same obstacle stop it as ever.
 #[test]
-fn what_comes_out_of_a_wall_does_not_fall_through_the_floor_that_belongs_to_it() {
+fn a_body_leaving_a_wall_stays_above_its_floor() {
     let corner = "Polygon(points: [(-1, -0.2), (2, -0.2), (2, 0), (0, 0), (0, 3), (-1, 3)], eps: 0.003)";
     let mut level = disk([0.18, 0.6], ("SymplecticEuler", 40), "NeoHookean", &walls(corner));
     let velocity = |value: f64| gingerbread::quantity::Velocity::new(value).unwrap();
@@ -254,7 +260,8 @@ fn no_implicit_scheme_stops_on_its_way_out_of_a_floor() {
                         material: (model: NeoHookean, young: {young}, poisson: 0.4, plane: Strain))], {floor})",
                     kind.name()
                 )));
-                simulation.advance(120 * u64::from(substeps), &mut || true);
+                // The softest is out after 0.15 s.
+                simulation.advance(45 * u64::from(substeps), &mut || true);
                 let what = format!("{} with {substeps} steps a frame, {young} Pa", kind.name());
                 assert!(simulation.fault().is_none(), "{what}: {:?}", simulation.fault());
                 assert!(simulation.count_inside() == 0 && simulation.counts().guarded == 0, "{what}");

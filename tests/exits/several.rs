@@ -69,7 +69,7 @@ fn walls_and_the_edges_of_the_world_choose_a_way_together() {
 
 /// Whatever it begins inside of: some hundred obstacles of all kinds, some with the edges of a world, that bounce or not.
 #[test]
-fn whatever_a_body_begins_inside_of_it_is_neither_thrown_nor_crushed() {
+fn random_obstacles_neither_throw_nor_crush_a_body() {
     let (mut random, mut out) = (Random(7), 0);
     let models: Vec<_> = models().collect();
     for number in 0..48 {

@@ -9,8 +9,9 @@ use gingerbread::integrators::IntegratorKind;
 use gingerbread::level::{Substeps, Toggle};
 use gingerbread::stability::critical_step;
 
+/// It warns of a longer one.
 #[test]
-fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
+fn the_gauge_tells_the_longest_stable_step() {
     let mut long = level("gingerbread");
     assert!(open_level(long.clone(), 1280.0, 800.0).query_by_label_contains("Stable up to").is_some());
     long.substeps = Substeps::new(1).unwrap();
@@ -25,7 +26,7 @@ fn the_gauge_says_how_long_a_step_may_be_and_when_it_will_blow_up() {
 }
 
 #[test]
-fn the_stability_limit_is_found_to_its_end_while_nothing_moves_and_then_nothing_is_drawn() {
+fn a_still_window_finds_the_stability_limit_and_rests() {
     let large = "(name: \"large\", bodies: [(name: \"man\", mesh: Gingerbread(resolution: 12000), mass: Total(25),
           material: (model: Corotated, young: 30000, poisson: 0.3))])";
     let large = files::parse(large, "large.ron").unwrap();
@@ -51,7 +52,7 @@ fn the_stability_limit_is_found_to_its_end_while_nothing_moves_and_then_nothing_
 }
 
 #[test]
-fn another_scheme_can_be_chosen_while_time_runs_and_the_state_is_kept() {
+fn choosing_another_scheme_keeps_the_state() {
     let mut window = in_mode("cantilever", Mode::Simulate);
     press(&mut window, Key::Space);
     let before = window.state().snapshot().positions.clone();

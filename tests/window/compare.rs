@@ -65,7 +65,7 @@ fn a_drag_in_either_pane_pulls_both_to_the_same_point() {
 }
 
 #[test]
-fn equal_settings_give_no_difference_at_all_and_another_step_gives_some() {
+fn only_different_settings_give_a_difference() {
     let mut window = compared("gingerbread");
     pull(&mut window, Pane::B, 100);
     window.run_steps(30);
@@ -206,8 +206,9 @@ fn a_paused_comparison_sleeps() {
     assert!(window.try_run().is_ok(), "nothing moves, so nothing asks to be drawn again");
 }
 
+/// Every widget has a name.
 #[test]
-fn every_level_can_be_compared_in_every_size_with_every_widget_named() {
+fn every_level_can_be_compared_in_every_size() {
     for (file, text) in levels::BUILT_IN {
         let level = files::parse(text, file).unwrap();
         let mut window = open_level(level, 1280.0, 800.0);

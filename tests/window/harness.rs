@@ -114,6 +114,17 @@ pub fn draw(window: &Window) {
     window.ctx.tessellate(window.output().shapes.clone(), 1.0);
 }
 
+/// Goes on drawing until a widget is gone, such as the button that cancels work in the background.
+pub fn wait_until_gone(window: &mut Window, label: &str) {
+    for _ in 0..1_000_000 {
+        if window.query_by_label(label).is_none() {
+            return;
+        }
+        window.run_steps(1);
+    }
+    panic!("{label} is never gone");
+}
+
 /// How long the window wants to wait before it draws again.
 pub fn pause(window: &Window) -> Duration {
     window.output().viewport_output[&ViewportId::ROOT].repaint_delay

@@ -5,6 +5,8 @@
 mod accuracy;
 mod advice;
 mod compare;
+#[path = "../common/folder.rs"]
+mod folder;
 mod hard;
 mod harness;
 mod keys;

@@ -13,7 +13,7 @@ use gingerbread::materials::{Model, Plane};
 use gingerbread::{files, levels};
 
 #[test]
-fn a_slider_changes_the_lame_parameters_of_the_running_scene_at_once() {
+fn a_slider_changes_the_lame_parameters_at_once() {
     let mut window = in_mode("gingerbread", Mode::Simulate);
     let (before, time) = (lame(&window), window.state().snapshot().time);
     let young = window.state().snapshot().level.bodies[0].material.young().get();
@@ -65,7 +65,7 @@ fn a_refused_number_shows_why_and_changes_nothing() {
 }
 
 #[test]
-fn undo_and_redo_take_back_and_make_again_pins_sliders_model_and_level() {
+fn undo_and_redo_cover_pins_sliders_model_and_level() {
     let undo = |window: &mut Window| press_with(window, Modifiers::COMMAND, Key::Z);
     let redo = |window: &mut Window| press_with(window, Modifiers::COMMAND, Key::Y);
     let mut window = open("gingerbread");
@@ -126,7 +126,7 @@ fn one_drag_of_a_slider_is_undone_as_one_step() {
 }
 
 #[test]
-fn the_effects_panel_shows_every_effect_of_a_level_with_a_switch_and_its_numbers() {
+fn the_effects_panel_has_a_switch_for_every_effect() {
     let mut window = open("gingerbread_house");
     let effects = window.state().snapshot().level.effects.clone();
     for (number, listed) in effects.iter().enumerate() {
@@ -139,8 +139,9 @@ fn the_effects_panel_shows_every_effect_of_a_level_with_a_switch_and_its_numbers
     }
 }
 
+/// It stands out while the pointer is over its group.
 #[test]
-fn sliders_of_walls_stand_under_what_they_belong_to_and_that_stands_out_while_the_pointer_is_there() {
+fn sliders_of_walls_highlight_their_obstacle() {
     // High enough for all sliders.
     let mut window = open_level(level("jelly_disk"), 1280.0, 1300.0);
     // How much is painted at the top of the ball, and at the tip of the wedge.
@@ -167,7 +168,7 @@ fn sliders_of_walls_stand_under_what_they_belong_to_and_that_stands_out_while_th
 }
 
 #[test]
-fn every_level_opens_from_the_picker_and_every_widget_has_a_name() {
+fn every_level_opens_and_every_widget_has_a_name() {
     let mut window = open("gingerbread");
     for (file, text) in levels::BUILT_IN {
         let level = files::parse(text, file).unwrap();
@@ -191,7 +192,7 @@ fn every_level_opens_from_the_picker_and_every_widget_has_a_name() {
 }
 
 #[test]
-fn every_word_and_formula_can_be_written_with_the_letters_the_window_has() {
+fn the_fonts_have_every_letter_of_every_text() {
     let window = open("gingerbread");
     let mut texts: Vec<String> = TABLE.iter().map(|binding| binding.words.to_owned()).collect();
     for model in Model::ALL {
@@ -220,8 +221,9 @@ fn every_word_and_formula_can_be_written_with_the_letters_the_window_has() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
+/// Where no stiffness limits the step there is no such choice.
 #[test]
-fn the_panel_says_how_many_steps_each_body_takes_and_whether_it_may() {
+fn the_panel_lists_the_multirate_steps_of_each_body() {
     let mut window = open("pea_and_cake");
     let parts = |window: &Window| window.state().snapshot().paces.iter().map(|pace| pace.steps).collect::<Vec<_>>();
     let words = format!("cake 1, pea {}", parts(&window)[1]);
@@ -258,17 +260,6 @@ fn exact_plane_stress_is_a_choice_and_refused_in_words() {
     assert_eq!(plane(&window), Plane::Strain);
 }
 
-/// Draws until a mesh that is made in the background is ready.
-fn wait_for_mesh(window: &mut Window) {
-    for _ in 0..1_000_000 {
-        if window.query_by_label("Cancel meshing").is_none() {
-            return;
-        }
-        window.run_steps(1);
-    }
-    panic!("the mesh is never ready");
-}
-
 #[test]
 fn a_large_mesh_is_made_while_the_scene_goes_on() {
     let mut window = in_mode("gingerbread_house", Mode::Collide);
@@ -277,7 +268,7 @@ fn a_large_mesh_is_made_while_the_scene_goes_on() {
     let now = window.state().snapshot();
     assert!(window.query_by_label_contains("Meshing about 12 000 triangles").is_some());
     assert!(now.triangles.len() == triangles && now.time > time && !now.can_undo, "the running scene stays");
-    wait_for_mesh(&mut window);
+    wait_until_gone(&mut window, "Cancel meshing");
     let finer = window.state().snapshot().triangles.len();
     assert!((10_000..14_000).contains(&finer), "{finer}");
     press_with(&mut window, Modifiers::COMMAND, Key::Z);
@@ -286,8 +277,9 @@ fn a_large_mesh_is_made_while_the_scene_goes_on() {
     assert_eq!(window.state().snapshot().triangles.len(), finer, "the mesh is still known");
 }
 
+/// Cancel, a small mesh and another level give it up.
 #[test]
-fn a_large_mesh_is_given_up_by_cancel_a_small_one_or_another_level() {
+fn a_large_mesh_can_be_given_up() {
     type Way = fn(&mut Window);
     let ways: [Way; 3] = [
         |window| click(window, "Cancel meshing"),

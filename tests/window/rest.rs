@@ -7,7 +7,7 @@ use gingerbread::command::Mode;
 use std::time::Duration;
 
 #[test]
-fn when_everything_sleeps_nothing_is_stepped_and_no_frame_is_asked_for_until_a_pull() {
+fn a_sleeping_scene_asks_for_no_frame_until_a_pull() {
     let mut window = in_mode("gingerbread", Mode::Simulate);
     assert_eq!(pause(&window), Duration::ZERO, "while he is awake the next frame follows at once");
     window.run_steps(60);
@@ -39,7 +39,7 @@ fn when_everything_sleeps_nothing_is_stepped_and_no_frame_is_asked_for_until_a_p
 }
 
 #[test]
-fn the_cost_panel_says_how_many_triangles_are_computed_while_some_sleep() {
+fn the_cost_panel_counts_the_triangles_computed() {
     let mut window = in_mode("gingerbread", Mode::Simulate);
     let all = window.state().snapshot().triangles.len();
     assert_eq!(window.state().snapshot().computed, all);
@@ -60,8 +60,9 @@ fn sleep_can_be_switched_off_in_the_panel() {
     assert_eq!(pause(&window), Duration::MAX);
 }
 
+/// Its clocks run only while it is open.
 #[test]
-fn the_ledger_says_what_is_skipped_and_why_and_clocks_run_only_while_it_is_open() {
+fn the_ledger_says_what_is_skipped_and_why() {
     let timed = |window: &Window| window.state().sandbox().simulation().costs().iter().any(|cost| !cost.time.is_zero());
     let mut window = in_mode("gingerbread", Mode::Collide);
     window.run_steps(5);

@@ -1,27 +1,10 @@
 //! Studies in the background, and plots that can be taken away.
 
-use crate::harness::*;
+use crate::{folder::Folder, harness::*};
 use eframe::egui::{ColorImage, Event, Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
-use std::{fs, path::PathBuf, sync::Arc};
-
-/// A folder of a test's own, gone at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gingerbread-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+use std::{fs, sync::Arc};
 
 /// Answers the question for a path.
 fn save_as(window: &mut Window, path: &std::path::Path) {
@@ -55,17 +38,11 @@ fn has_head(table: &str, more: &[&str]) {
 fn measure(window: &mut Window, study: &str) {
     click(window, study);
     click(window, "Measure");
-    for _ in 0..100_000 {
-        if window.query_by_label("Cancel").is_none() {
-            return;
-        }
-        window.run_steps(1);
-    }
-    panic!("{study} does not end");
+    wait_until_gone(window, "Cancel");
 }
 
 #[test]
-fn the_numbers_of_the_energy_plot_are_saved_with_a_head_that_says_where_they_come_from() {
+fn saved_energies_have_a_head_that_tells_their_origin() {
     let mut window = in_mode("chain", Mode::Simulate);
     press(&mut window, Key::Space);
     let table = table(&mut window, "Energies as CSV");
@@ -77,8 +54,9 @@ fn the_numbers_of_the_energy_plot_are_saved_with_a_head_that_says_where_they_com
     );
 }
 
+/// A plot that is not wanted is forgotten.
 #[test]
-fn a_plot_that_cannot_be_saved_says_why_and_one_that_is_not_wanted_is_forgotten() {
+fn a_plot_that_cannot_be_saved_says_why() {
     let mut window = open("chain");
     click(&mut window, "Energies as CSV");
     save_as(&mut window, &std::env::temp_dir().join("gingerbread-no-such-folder").join("out.csv"));
@@ -131,8 +109,9 @@ fn a_window_that_gives_no_picture_says_so_and_goes_on() {
     );
 }
 
+/// Accuracy and drift can be saved.
 #[test]
-fn accuracy_and_drift_of_nets_and_toys_are_measured_while_the_scene_goes_on_and_can_be_saved() {
+fn nets_and_toys_are_studied_while_the_scene_goes_on() {
     for (level, entry) in [("hanging_net", "# reference: Runge-Kutta 4"), ("pendulum", "# reference: exact: ")] {
         let mut window = open(level);
         measure(&mut window, "Work-precision diagram");
@@ -150,8 +129,9 @@ fn accuracy_and_drift_of_nets_and_toys_are_measured_while_the_scene_goes_on_and_
     }
 }
 
+/// Where there is no mesh it says so.
 #[test]
-fn the_mesh_study_tells_how_much_triangles_lock_and_says_in_words_where_there_is_no_mesh() {
+fn the_mesh_study_tells_how_much_triangles_lock() {
     let mut window = open("cantilever");
     measure(&mut window, "Mesh study");
     draw(&window);
@@ -179,8 +159,9 @@ fn a_study_of_a_scene_at_rest_says_so_and_suggests_nothing() {
     assert!(!table.contains("inf") && !table.contains("unstable"), "{table}");
 }
 
+/// It can be begun anew.
 #[test]
-fn a_study_that_is_cancelled_keeps_what_it_has_and_can_be_begun_anew() {
+fn a_cancelled_study_keeps_its_results() {
     let mut window = open("gingerbread_pulled");
     click(&mut window, "Drift study");
     click(&mut window, "Measure");

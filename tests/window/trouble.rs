@@ -1,6 +1,6 @@
 //! Files that are broken and bodies that fly apart.
 
-use crate::harness::*;
+use crate::{folder::Folder, harness::*};
 use eframe::egui::{Key, Pos2, Rect, Role, epaint::Primitive};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
@@ -10,11 +10,11 @@ use gingerbread::materials::Model;
 use gingerbread::quantity::{Point, Time};
 use gingerbread::scene::Scene;
 
+/// The old scene goes on.
 #[test]
-fn a_broken_level_file_shows_file_line_and_column_and_the_old_scene_goes_on() {
-    let folder = std::env::temp_dir().join(format!("gingerbread-window-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("broken.ron");
+fn a_broken_level_file_is_told_with_its_place() {
+    let folder = Folder::new("window");
+    let path = folder.0.join("broken.ron");
     std::fs::write(&path, "(\n    name: \"broken\",\n    bodies: 7,\n)\n").unwrap();
     let mut window = in_mode("gingerbread", Mode::Simulate);
     let time = window.state().snapshot().time;
@@ -23,17 +23,15 @@ fn a_broken_level_file_shows_file_line_and_column_and_the_old_scene_goes_on() {
     assert!(window.query_by_label_contains("broken.ron:3:").is_some(), "{:?}", window.state().notice());
     let now = window.state().snapshot();
     assert!(now.time > time && now.level.name == level("gingerbread").name);
-    window.state_mut().open(&folder.join("missing.ron"));
+    window.state_mut().open(&folder.0.join("missing.ron"));
     window.run_steps(3);
     assert!(window.query_by_label_contains("missing.ron").is_some());
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn what_is_saved_opens_again_as_it_was() {
-    let folder = std::env::temp_dir().join(format!("gingerbread-save-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("saved.ron");
+    let folder = Folder::new("save");
+    let path = folder.0.join("saved.ron");
     let mut window = in_mode("gingerbread", Mode::Simulate);
     press(&mut window, Key::Space);
     let positions = window.state().snapshot().positions.clone();
@@ -43,7 +41,6 @@ fn what_is_saved_opens_again_as_it_was() {
     window.state_mut().open(&path);
     window.run_steps(3);
     assert_eq!(window.state().snapshot().positions, positions);
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
@@ -156,8 +153,9 @@ fn an_exploded_body_fills_no_more_than_some_times_the_stage() {
     }
 }
 
+/// A key and a button untangle it.
 #[test]
-fn a_body_that_lies_over_itself_is_told_and_untangled_by_key_or_button() {
+fn a_mirrored_body_is_told_and_untangled() {
     for by_key in [true, false] {
         let mut tangled = level("gingerbread");
         let scene = Scene::build(&tangled, tangled.mode, &Disk, None).unwrap();

@@ -241,8 +241,9 @@ fn the_whole_path_of_a_file_is_shown() {
     assert!(window.state().notice().is_some_and(|notice| notice.contains(&missing)));
 }
 
+/// The rest is told.
 #[test]
-fn of_several_dropped_files_the_first_level_opens_and_the_rest_is_told() {
+fn the_first_level_of_several_dropped_files_opens() {
     let folder = std::env::temp_dir();
     let [a, b, c] = ["a", "b", "c"].map(|name| own_file(&folder, &format!("several-{name}")));
     for (file, name) in [(&a, "hammock"), (&b, "chain")] {

@@ -120,8 +120,9 @@ fn who_has_no_time_left_shows_the_moment_that_both_shared() {
     assert!(frames > 3 && (times[0] - times[1]).abs() < 1e-12 && times[0] > met[0].time);
 }
 
+/// A change of the experiment reaches both panes, a change of the method only the chosen one.
 #[test]
-fn what_is_about_the_experiment_goes_to_both_and_what_is_about_the_method_to_one() {
+fn commands_reach_both_panes_or_only_the_chosen_one() {
     let first = level("stretch_test");
     let body = &first.bodies[0];
     let material = body.material;
@@ -207,7 +208,7 @@ fn a_material_keeps_the_model_of_each_pane() {
 }
 
 #[test]
-fn on_another_mesh_pins_and_pulls_are_where_they_are_in_the_first() {
+fn pins_and_pulls_keep_their_places_on_another_mesh() {
     let (mut a, mut panes) = pair("gingerbread");
     panes.apply(&mut a, Pane::A, Command::TogglePin(100)).unwrap();
     let coarse = mesh(&a.shown, 400.0);
@@ -249,8 +250,9 @@ fn undo_of_a_model_puts_both_panes_back_to_where_they_were() {
     assert_eq!(panes.b.shown.bodies[0].material.model(), Model::NeoHookean);
 }
 
+/// Both panes share one history of changes.
 #[test]
-fn one_drag_of_a_slider_is_one_step_back_in_both_and_the_past_is_common() {
+fn one_slider_drag_is_one_undo_step_in_both_panes() {
     let a = &mut Sandbox::new(level("gingerbread"), Box::new(NoFiles)).unwrap();
     let first = a.shown.clone();
     a.apply(Command::TogglePin(5)).unwrap();
@@ -276,8 +278,9 @@ fn one_drag_of_a_slider_is_one_step_back_in_both_and_the_past_is_common() {
     assert!(!look(a, &mut panes).can_redo);
 }
 
+/// The panels then show the pane with the fault.
 #[test]
-fn a_fault_in_one_stops_both_at_one_time_and_turns_the_panels_to_it() {
+fn a_fault_in_one_pane_stops_both_at_the_same_time() {
     for count in [1, 3, 7] {
         let (mut a, mut panes) = pair("gingerbread_house");
         panes.choose(Pane::A);
@@ -300,7 +303,7 @@ fn a_fault_in_one_stops_both_at_one_time_and_turns_the_panels_to_it() {
 }
 
 #[test]
-fn a_single_model_in_one_pane_ends_all_models_side_by_side_in_both() {
+fn choosing_one_model_ends_side_by_side_in_both_panes() {
     let (mut a, mut panes) = pair("stretch_test");
     panes.apply(&mut a, Pane::A, Command::SetSideBySide(true)).unwrap();
     assert_eq!([&a, &panes.b].map(|sandbox| sandbox.shown.bodies.len()), [Model::ALL.len(); 2]);

@@ -178,8 +178,9 @@ mod tests {
         }
     }
 
+    /// It ends when the work is done.
     #[test]
-    fn work_shares_what_is_known_step_by_step_and_ends_when_it_is_done() {
+    fn work_shares_its_results_after_every_step() {
         let shared = Mutex::default();
         let mut bench = Bench::Waiting(Box::new(|| Ok(Count(0))));
         for known in 1..=3 {

@@ -204,8 +204,9 @@ mod tests {
     use super::{share, verdict};
     use crate::{app::panels::energy::nice_range, study::Apart};
 
+    /// The axis begins at a picometre.
     #[test]
-    fn differences_under_a_picometre_are_zero_on_an_axis_that_begins_there() {
+    fn differences_below_a_picometre_are_drawn_as_zero() {
         let shares = [2e-16, 9e-13].map(|metres| share(Apart { metres, relative: 3.0 * metres }));
         assert_eq!(shares, [0.0; 2]);
         for greatest in [share(Apart { metres: 2e-12, relative: 6e-12 }), 1e-13, 0.0] {

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_holds_the_pixels_of_the_plot_alone_and_says_where_they_come_from() {
+    fn a_picture_holds_only_the_plot_and_its_origin() {
         let rect = Rect::from_min_max(pos2(5.0, 3.0), pos2(15.0, 9.0));
         let bytes = png(&window(), rect, 2.0, "level: Chain\nthreads: 1").unwrap_or_default();
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().ok();
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plot_that_is_partly_outside_is_cut_and_one_that_is_not_there_is_refused() {
+    fn a_plot_partly_outside_is_cut_and_one_outside_refused() {
         let half = Rect::from_min_max(pos2(30.0, 20.0), pos2(80.0, 80.0));
         assert!(png(&window(), half, 1.0, "").is_ok());
         let away = Rect::from_min_max(pos2(50.0, 0.0), pos2(80.0, 20.0));

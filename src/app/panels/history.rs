@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn the_plot_forgets_what_is_too_old_and_starts_anew_when_time_does() {
+    fn the_plot_drops_old_samples_and_restarts_with_time() {
         let mut history = History::default();
         for frame in 0..3000 {
             history.record(&at(f64::from(frame) / 60.0));

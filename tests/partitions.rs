@@ -47,7 +47,8 @@ fn any_number_of_threads_gives_the_same_bits_and_books() {
         ("stretch: (1.1, 1),", "substeps: 700, effects: []".to_owned()),
         (
             "pins: [Top],",
-            "substeps: 700, effects: [(effect: Gravity(down: 1, right: 2)), (effect: MouseSpring())]".to_owned(),
+            "substeps: 700, effects: [(effect: Gravity(down: 1, right: 2)), (effect: MouseSpring(stiffness: 10))]"
+                .to_owned(),
         ),
         ("velocity: (3, 0), spin: 5,", "substeps: 700, guard: Off, effects: []".to_owned()),
         ("stretch: (1.1, 1),", format!("substeps: 700, effects: [(effect: Gravity(down: 1)), {damping}]")),

@@ -17,6 +17,7 @@ pub(crate) use blocks::Law;
 pub use diagnostics::Diagnostics;
 pub use fields::Field;
 pub(crate) use gather::{STAGE_ELEMENTS, make_room};
+pub(crate) use partitions::is_unpartitioned;
 pub use spring::Springs;
 pub(crate) use tangent::Isotropic;
 pub use target::{Accumulator, Adding, Kicking, Scatter, UniformForce};

@@ -8,7 +8,7 @@ use super::{
     Accumulator, Scatter,
     blocks::{Block, Blocks, Collected, Forces, StressModel},
     corners::{Corners, RUN},
-    gather::{Gather, STAGE, pairs, room},
+    gather::{Gather, STAGE, STAGE_ELEMENTS, pairs, room},
 };
 use crate::simd::{LANES, NEAR, Order, Pairs};
 use pulp::Simd;
@@ -48,6 +48,11 @@ struct Partition {
     gather: Gather,
 }
 
+/// Whether a body has fans enough for several partitions, but its vertices are numbered in an order that allows only one.
+pub fn is_unpartitioned(fans: &[[u32; 4]], vertices: usize) -> bool {
+    fans.len() >= 2 * FANS && Cut::best(fans, vertices).fans.len() == 1
+}
+
 /// The first fan of each partition, the vertices that each owns, and the interface vertices.
 struct Cut {
     fans: Vec<usize>,
@@ -56,10 +61,19 @@ struct Cut {
 }
 
 impl Cut {
+    /// As many partitions as fans are enough for, and fewer as long as too many vertices lie on interfaces.
+    fn best(fans: &[[u32; 4]], vertices: usize) -> Self {
+        let mut cut = Self::new(fans, vertices, (fans.len() / FANS).max(1));
+        while cut.fans.len() > 1 && cut.interface.len() as f64 > INTERFACE * vertices as f64 {
+            cut = Self::new(fans, vertices, cut.fans.len() / 2);
+        }
+        cut
+    }
+
     /// Cuts fans into equal parts. A vertex between the fans of two partitions belongs to the interface if both have to do with it, or
     /// if the one that has does not own it.
     fn new(fans: &[[u32; 4]], vertices: usize, count: usize) -> Self {
-        let begin = |part: usize| fans.len() * part / count / LANES * LANES;
+        let begin = |part: usize| fans.len() * part / count / STAGE_ELEMENTS * STAGE_ELEMENTS;
         let begins: Vec<_> = (0..count).map(begin).collect();
         let mut touching = vec![None; vertices];
         for (fan, corners) in fans.iter().enumerate() {
@@ -95,11 +109,7 @@ impl Cut {
 impl Partitions {
     /// The partitions of a body with these fans and a number of vertices, the first of which is a vertex of the scene.
     pub fn new(fans: &[[u32; 4]], (first, vertices): (usize, usize), order: &Order) -> Self {
-        let mut cut = Cut::new(fans, vertices, (fans.len() / FANS).max(1));
-        while cut.fans.len() > 1 && cut.interface.len() as f64 > INTERFACE * vertices as f64 {
-            cut = Cut::new(fans, vertices, cut.fans.len() / 2);
-        }
-        let Cut { fans: begins, owned, interface } = cut;
+        let Cut { fans: begins, owned, interface } = Cut::best(fans, vertices);
         let ends = begins.iter().skip(1).copied().chain([fans.len()]);
         let all: Vec<_> = begins
             .iter()

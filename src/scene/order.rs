@@ -2,12 +2,12 @@
 //!
 //! Meshes that are made here have one, as long as they are small. Those from files, and nets, have the numbers that somebody gave them: on
 //! a shuffled mesh every corner of a triangle would be fetched from far away. And in large ones that follow a curve through the plane,
-//! the forces at a vertex are wanted long after the first of them were known. Such meshes are numbered anew while a scene is built, as they
-//! are stepped: fan by fan ([`Mesh::fans`]).
+//! the forces at a vertex are wanted long after the first of them were known. Nor can a large body be partitioned whose vertices are in
+//! another order than its triangles. Such meshes are numbered anew while a scene is built, as they are stepped: fan by fan ([`Mesh::fans`]).
 //! Nobody outside needs to know: levels, saved states, tables and messages go on with the names from the file ([`Numbering`]).
 
 use crate::{
-    elements::STAGE_ELEMENTS,
+    elements::{STAGE_ELEMENTS, is_unpartitioned},
     meshes::{Mesh, Numbering},
     nets::Net,
 };
@@ -31,7 +31,13 @@ const FAR: usize = 8192;
 /// A mesh in a better order, if it is out of order; others are left as they are.
 pub(super) fn mesh(mesh: Mesh) -> Mesh {
     let fans: Vec<_> = mesh.fans().iter().map(|fan| fan.corners(mesh.triangles())).collect();
-    let Some([names, order]) = mended(mesh.points().len(), &fans) else { return mesh };
+    let vertices = mesh.points().len();
+    let in_file_order = || {
+        let order = (0..fans.len() as u32).collect::<Vec<_>>();
+        [by_stretches(vertices, &fans, &order), order]
+    };
+    let mended = mended(vertices, &fans).or_else(|| is_unpartitioned(&fans, vertices).then(in_file_order));
+    let Some([names, order]) = mended else { return mesh };
     let triangles = order.iter().flat_map(|fan| mesh.fans()[*fan as usize].triangles());
     mesh.renumbered(Numbering::new(names, triangles.collect()))
 }

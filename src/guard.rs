@@ -121,10 +121,11 @@ impl Guard {
         total <= 100.0 * scale(scene).max(self.start.abs())
     }
 
-    /// Whether nothing at all can have: not even an obstacle that moves faster than anything that is modelled here. What such an
-    /// obstacle seems to have supplied to a body that explodes is no work.
-    fn is_absurd(&self, scene: &Scene, total: f64) -> bool {
-        total > 1e6 * scale(scene).max(self.start.abs())
+    /// Whether elements store so much that nothing at all can have stretched them so: not even an obstacle that moves faster than
+    /// anything that is modelled here. What obstacles seem to have supplied to a body that explodes is no work.
+    fn is_absurd(&self, scene: &Scene, elastic: f64) -> bool {
+        let scale = scale(scene);
+        scale > 0.0 && elastic > 1e6 * scale.max(self.start.abs())
     }
 
     /// Takes note of a change from outside, such as a pull: what it added to the energies, or took, was put in.
@@ -150,7 +151,7 @@ impl Guard {
     /// Judges a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);
-        if self.put_in.is_some() && self.is_absurd(scene, after.total()) {
+        if self.put_in.is_some() && self.is_absurd(scene, after.elastic) {
             return Verdict::Unstable;
         }
         let mechanical = after.kinetic + after.elastic;

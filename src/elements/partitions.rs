@@ -65,7 +65,7 @@ impl Cut {
     fn best(fans: &[[u32; 4]], vertices: usize) -> Self {
         let mut cut = Self::new(fans, vertices, (fans.len() / FANS).max(1));
         while cut.fans.len() > 1 && cut.interface.len() as f64 > INTERFACE * vertices as f64 {
-            cut = Self::new(fans, vertices, cut.fans.len() / 2);
+            cut = Self::new(fans, vertices, cut.fans.len() - cut.fans.len().div_ceil(4));
         }
         cut
     }

@@ -32,11 +32,7 @@ const FAR: usize = 8192;
 pub(super) fn mesh(mesh: Mesh) -> Mesh {
     let fans: Vec<_> = mesh.fans().iter().map(|fan| fan.corners(mesh.triangles())).collect();
     let vertices = mesh.points().len();
-    let in_file_order = || {
-        let order = (0..fans.len() as u32).collect::<Vec<_>>();
-        [by_stretches(vertices, &fans, &order), order]
-    };
-    let mended = mended(vertices, &fans).or_else(|| is_unpartitioned(&fans, vertices).then(in_file_order));
+    let mended = mended(vertices, &fans).or_else(|| partitionable(vertices, &fans));
     let Some([names, order]) = mended else { return mesh };
     let triangles = order.iter().flat_map(|fan| mesh.fans()[*fan as usize].triangles());
     mesh.renumbered(Numbering::new(names, triangles.collect()))
@@ -69,6 +65,19 @@ fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<[Vec
         return None;
     }
     Some([by_stretches(vertices, elements, &order), order])
+}
+
+/// The same with the elements as they are listed, for a large body that can be partitioned only then.
+fn partitionable(vertices: usize, fans: &[[u32; 4]]) -> Option<[Vec<u32>; 2]> {
+    if !is_unpartitioned(fans, vertices) {
+        return None;
+    }
+    let order: Vec<_> = (0..fans.len() as u32).collect();
+    let names = by_stretches(vertices, fans, &order);
+    let mut places = vec![0; vertices];
+    names.iter().zip(0..).for_each(|(name, place)| places[*name as usize] = place);
+    let renamed: Vec<_> = fans.iter().map(|fan| fan.map(|corner| places[corner as usize])).collect();
+    (!is_unpartitioned(&renamed, vertices)).then_some([names, order])
 }
 
 /// How often a line of positions is fetched from far away in a sweep over all elements, on average: when neither it nor a line

@@ -7,9 +7,11 @@ use common::{level, models, running, sheet, simulation};
 use gingerbread::{
     command::Command,
     files,
+    guard::{Guard, Verdict},
     integrators::IntegratorKind,
     level::{Level, Toggle},
     levels::BUILT_IN,
+    report::Energies,
     rewind::Rewind,
     simulation::Simulation,
     stability::critical_step,
@@ -223,4 +225,19 @@ fn time_is_never_turned_forth() {
     let time = late.state().time;
     assert_eq!(rewind.back(0.5 * time, 0.1), None);
     assert_eq!(rewind.back(time, 0.1).as_ref(), Some(&late.restart()));
+}
+
+/// What an obstacle seems to give a body that explodes is no work: elements cannot store a million times what they do at a stretch of one.
+#[test]
+fn supplied_energy_does_not_excuse_an_explosion() {
+    let run = simulation(&sheet("Corotated", "", ""));
+    let calm = Energies { kinetic: 0.0, elastic: 1.0, potential: 0.0 };
+    let judged = |elastic: f64| {
+        let mut guard = Guard::default();
+        guard.begin(calm);
+        guard.supply(1e300);
+        guard.judge(run.scene(), Some(calm), Energies { elastic, ..calm })
+    };
+    assert_eq!(judged(1e3), Verdict::Fine);
+    assert_eq!(judged(1e15), Verdict::Unstable);
 }

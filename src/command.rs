@@ -4,7 +4,7 @@
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, Paces, RunMode, Substeps, Toggle},
+    level::{EffectLevel, Level, MassLevel, RunMode, SubstepMode, Substeps, Toggle},
     materials::{MaterialParameters, Model},
     meshes::MeshKind,
     nets::NetKind,
@@ -81,7 +81,7 @@ pub enum Command {
     /// Steps per 1/60 s.
     SetSubsteps(Substeps),
     /// Who takes how many steps.
-    SetPaces(Paces),
+    SetSubstepMode(SubstepMode),
     /// The time-stepping scheme, with its parameters; positions and velocities stay.
     SetIntegrator(IntegratorKind),
     /// Whether an unstable step is taken again in shorter ones.
@@ -131,7 +131,7 @@ impl Command {
             Self::SetModel(_)
             | Self::SetMesh(..)
             | Self::SetSubsteps(_)
-            | Self::SetPaces(_)
+            | Self::SetSubstepMode(_)
             | Self::SetIntegrator(_)
             | Self::SetGuard(_)
             | Self::SetSleep(_) => About::Method,

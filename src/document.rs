@@ -2,7 +2,9 @@
 
 use crate::{
     command::Pose,
-    level::{BodyLevel, EffectLevel, Level, Paces, Pin, Place, RunMode, StretchTest, Substeps, Switch, Toggle, When},
+    level::{
+        BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, SubstepMode, Substeps, Switch, Toggle, When,
+    },
     materials::Model,
     meshes::MeshKind,
     quantity::{Factor, Point},
@@ -231,7 +233,7 @@ impl Default for Level {
             about: String::new(),
             mode: RunMode::Simulate,
             substeps: Substeps::default(),
-            paces: Paces::default(),
+            paces: SubstepMode::default(),
             integrator: crate::integrators::IntegratorKind::default(),
             guard: Toggle::On,
             sleep: Toggle::On,

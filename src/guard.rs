@@ -24,15 +24,15 @@ pub struct Guard {
     /// The energy at the start, and what changes from outside have added since [J].
     start: f64,
     /// Kinetic energy up to which nothing is looked at [J].
-    unsuspicious: f64,
+    kinetic_threshold: f64,
     /// Mechanical energy and total after the last step, where every step is looked at [J].
     last: Option<[f64; 2]>,
     /// Every step is taken in 2^level shorter ones.
     level: u32,
     /// Steps since it last had to be raised.
-    calm: u32,
+    stable_steps: u32,
     /// How many there have to be before longer steps are tried again; doubled whenever that failed.
-    patience: u32,
+    retry_after: u32,
 }
 
 /// What the guard makes of a step.
@@ -51,23 +51,23 @@ impl Guard {
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
     /// Longer steps are tried again after so many steps without trouble, at first and at most.
-    const PATIENCE: [u32; 2] = [32, 2048];
+    const RETRY_STEPS: [u32; 2] = [32, 2048];
 
     /// As a level file holds it, with the hash of the state that it belongs to; `None` before the first step, or if an energy is not
     /// finite.
     pub fn saved(&self, state: u64) -> Option<SavedGuard> {
         let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
         let (mechanical, total) = last.unwrap_or_default();
-        let finite = [supplied, self.start, self.unsuspicious, mechanical, total].into_iter().all(f64::is_finite);
+        let finite = [supplied, self.start, self.kinetic_threshold, mechanical, total].into_iter().all(f64::is_finite);
         finite.then_some(SavedGuard {
             state,
             supplied,
             start: self.start,
-            threshold: self.unsuspicious,
+            threshold: self.kinetic_threshold,
             last,
             level: self.level,
-            quiet: self.calm,
-            retry: self.patience,
+            quiet: self.stable_steps,
+            retry: self.retry_after,
         })
     }
 
@@ -98,7 +98,7 @@ impl Guard {
     }
 
     /// Goes back to what was put in up to an earlier moment.
-    pub const fn book(&mut self, put_in: Option<f64>) {
+    pub const fn set_put_in(&mut self, put_in: Option<f64>) {
         self.put_in = put_in;
     }
 
@@ -123,7 +123,7 @@ impl Guard {
 
     /// Whether nothing at all can have: not even an obstacle that moves faster than anything that is modelled here. What such an
     /// obstacle seems to have supplied to a body that explodes is no work.
-    fn is_absurd(&self, scene: &Scene, total: f64) -> bool {
+    fn is_impossible(&self, scene: &Scene, total: f64) -> bool {
         total > 1e6 * scale(scene).max(self.start.abs())
     }
 
@@ -134,30 +134,30 @@ impl Guard {
             *put_in = put_in.min(before.total()) + after.total() - before.total();
             self.start += after.total() - before.total();
         }
-        (self.unsuspicious, self.last) = (0.0, None);
+        (self.kinetic_threshold, self.last) = (0.0, None);
     }
 
     /// Whether the kinetic energy after a step [J] asks for a look at all energies.
-    pub fn is_suspicious(&self, kinetic: f64) -> bool {
-        self.last.is_some() || kinetic > self.unsuspicious
+    pub fn exceeds_threshold(&self, kinetic: f64) -> bool {
+        self.last.is_some() || kinetic > self.kinetic_threshold
     }
 
     /// The greatest kinetic energy that is not suspicious [J]; less than nothing if any is.
-    pub const fn unsuspicious(&self) -> f64 {
-        if self.last.is_some() { -1.0 } else { self.unsuspicious }
+    pub const fn kinetic_threshold(&self) -> f64 {
+        if self.last.is_some() { -1.0 } else { self.kinetic_threshold }
     }
 
     /// Judges a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);
-        if self.put_in.is_some() && self.is_absurd(scene, after.total()) {
+        if self.put_in.is_some() && self.is_impossible(scene, after.total()) {
             return Verdict::Unstable;
         }
         let mechanical = after.kinetic + after.elastic;
         let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
         if mechanical <= 2.0 * available.max(0.0) + slack {
             self.last = None;
-            self.unsuspicious = 1.5 * after.kinetic + slack;
+            self.kinetic_threshold = 1.5 * after.kinetic + slack;
             return Verdict::Fine;
         }
         let known = before.map(|before| [before.kinetic + before.elastic, before.total()]).or(self.last);
@@ -171,8 +171,8 @@ impl Guard {
 
     /// Takes shorter steps from now on, if it may. Returns whether it does.
     pub fn refine(&mut self) -> bool {
-        (self.unsuspicious, self.last, self.calm) = (0.0, None, 0);
-        self.patience = self.patience.saturating_mul(2).clamp(Self::PATIENCE[0], Self::PATIENCE[1]);
+        (self.kinetic_threshold, self.last, self.stable_steps) = (0.0, None, 0);
+        self.retry_after = self.retry_after.saturating_mul(2).clamp(Self::RETRY_STEPS[0], Self::RETRY_STEPS[1]);
         let may = self.level < Self::MOST;
         self.level += u32::from(may);
         may
@@ -180,30 +180,30 @@ impl Guard {
 
     /// Once more as short, after a length that held: just below the stability limit a scheme is stable, but its energy swings
     /// widely.
-    pub fn leave_room(&mut self) {
+    pub fn refine_further(&mut self) {
         self.level = (self.level + 1).min(Self::MOST);
     }
 
     /// Takes energies for what they are: something supplied them.
     pub fn accept(&mut self, level: u32, energies: Energies) {
-        self.give_up(level);
+        self.restore_level(level);
         self.put_in = Some(energies.total());
     }
 
     /// Back to the length of steps there was.
-    pub fn give_up(&mut self, level: u32) {
-        (self.level, self.unsuspicious, self.last) = (level, 0.0, None);
+    pub fn restore_level(&mut self, level: u32) {
+        (self.level, self.kinetic_threshold, self.last) = (level, 0.0, None);
     }
 
     /// Books a step without trouble. Returns whether steps are longer from now on.
-    pub fn calm_down(&mut self) -> bool {
+    pub fn record_stable_step(&mut self) -> bool {
         if self.level == 0 {
             return false;
         }
-        self.calm = self.calm.saturating_add(1);
-        let longer = self.calm >= self.patience;
+        self.stable_steps = self.stable_steps.saturating_add(1);
+        let longer = self.stable_steps >= self.retry_after;
         if longer {
-            (self.level, self.calm) = (self.level - 1, 0);
+            (self.level, self.stable_steps) = (self.level - 1, 0);
         }
         longer
     }
@@ -214,11 +214,11 @@ impl From<&SavedGuard> for Guard {
         Self {
             put_in: Some(saved.supplied),
             start: saved.start,
-            unsuspicious: saved.threshold,
+            kinetic_threshold: saved.threshold,
             last: saved.last.map(|(mechanical, total)| [mechanical, total]),
             level: saved.level.min(Self::MOST),
-            calm: saved.quiet,
-            patience: saved.retry,
+            stable_steps: saved.quiet,
+            retry_after: saved.retry,
         }
     }
 }

@@ -16,7 +16,7 @@ pub use ending::{EXIT_CODES, Ending};
 pub use hard::{Hard, hard};
 pub use interrupt::Interrupt;
 pub use outputs::Outputs;
-pub use paces::PaceReport;
+pub use paces::SubstepReport;
 pub use progress::{PER_CENT, Pace, Progress};
 pub use report::{EffectReport, EnergyReport, RunReport};
 pub use study::{Study, study};

@@ -66,7 +66,7 @@ impl Counts {
     }
 
     /// Adds what steps of a part of a scene by itself did; they are no steps of the scene.
-    pub const fn take_over(&mut self, part: &Self) {
+    pub const fn merge(&mut self, part: &Self) {
         self.force_evaluations += part.force_evaluations;
         self.inner_steps += part.inner_steps;
         self.constrained += part.constrained;
@@ -75,7 +75,7 @@ impl Counts {
 
 /// How a body or net is stepped that goes at its own pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace {
+pub struct SubstepPlan {
     /// In how many equal parts it takes every step of the scene.
     pub steps: u32,
     /// Length of a part [s].

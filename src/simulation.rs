@@ -1,13 +1,13 @@
 //! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
 
-mod books;
 mod checkpoint;
+mod displacement_bound;
 mod energies;
-mod paces;
-mod reach;
+mod multirate;
 mod restart;
 mod script;
 mod sleep;
+mod statistics;
 mod system;
 mod toy;
 
@@ -23,7 +23,7 @@ use crate::{
 };
 use checkpoint::Checkpoint;
 use energies::Elastic;
-use paces::Paces;
+use multirate::Multirate;
 pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
@@ -44,7 +44,7 @@ pub struct Simulation {
     stale: bool,
     scratch: Scratch,
     islands: Islands,
-    paces: Paces,
+    multirate: Multirate,
     grab: Option<Grab>,
     script: Option<Script>,
     guard: Guard,
@@ -74,7 +74,7 @@ impl Simulation {
             joined: false,
             stale: true,
             islands: Islands::new(&scene),
-            paces: Paces::new(&scene),
+            multirate: Multirate::new(&scene),
             scene,
             state,
             scratch,
@@ -87,7 +87,7 @@ impl Simulation {
             shape: 0,
             elastic: RefCell::default(),
         };
-        simulation.settle_sleepers();
+        simulation.apply_sleep();
         simulation
     }
 
@@ -105,7 +105,7 @@ impl Simulation {
         self.revision += 1;
         self.shape += 1;
         self.scratch.fit(&self.scene);
-        (self.islands, self.paces) = (Islands::new(&self.scene), Paces::new(&self.scene));
+        (self.islands, self.multirate) = (Islands::new(&self.scene), Multirate::new(&self.scene));
         self.wake_all(paced);
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
@@ -120,12 +120,12 @@ impl Simulation {
         self.first = self.state.steps;
         self.revision += 1;
         self.shape += 1;
-        (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, Inside::Nothing);
+        (self.scratch.clear_box, self.scratch.displacement_bound, self.scratch.inside) = (None, -1.0, Inside::Nothing);
         self.grab = None;
         self.guard.reset();
         self.fault = None;
         self.seek();
-        self.settle_sleepers();
+        self.apply_sleep();
     }
 
     /// Pulls a vertex, or lets go.
@@ -181,7 +181,7 @@ impl Simulation {
     }
 
     /// How many shorter steps the guard takes for one now.
-    pub const fn parts(&self) -> u32 {
+    pub const fn guard_substeps(&self) -> u32 {
         1 << self.guard.level()
     }
 
@@ -263,7 +263,7 @@ impl Simulation {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
             // A checkpoint that a run continues from has seen this step already.
             if self.stale || self.checkpoint.state.steps != self.state.steps {
-                self.look_who_is_calm();
+                self.count_slow_checks();
                 self.set_checkpoint();
             }
             self.fall_asleep();
@@ -271,20 +271,20 @@ impl Simulation {
                 self.pass(1);
                 return true;
             }
-            self.look_for_room();
+            self.find_clear_box();
         }
         self.step();
         if !self.is_sound() {
             return self.retake();
         }
         // Going back relies on all steps since the checkpoint being of one length.
-        self.stale |= self.guard.calm_down();
+        self.stale |= self.guard.record_stable_step();
         true
     }
 
     /// One step, in as many shorter ones as the guard wants.
     fn step(&mut self) {
-        let parts = self.parts();
+        let parts = self.guard_substeps();
         let h = self.scene.step / f64::from(parts);
         let (start, end) = (self.state.time, self.state.time + self.scene.step);
         let at = |part: u32| if part == parts { end } else { start + f64::from(part) * h };
@@ -292,7 +292,7 @@ impl Simulation {
             self.integrate(h, [at(part), at(part + 1)]);
         }
         if self.state.steps >= self.first {
-            self.scratch.book_steps(1);
+            self.scratch.count_steps(1);
             self.scratch.counts.guarded += u64::from(parts > 1);
             self.scratch.counts.pushed_out += u64::from(self.pushes_out());
         }
@@ -305,26 +305,26 @@ impl Simulation {
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
         (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, Inside::Nothing, None);
-        if self.paces.differ() {
+        if self.multirate.is_active() {
             return self.integrate_each(h, time);
         }
-        let mut work = std::mem::take(&mut self.scratch.work);
+        let mut workspace = std::mem::take(&mut self.scratch.workspace);
         let integrator = self.scene.integrator.kind();
         let counts = match (&self.scene.toy, integrator.scheme()) {
             (Some(toy), Scheme::First(scheme)) => {
                 let mut system = ToySystem { toy: toy.kind(), counts: &mut self.scratch.counts };
-                scheme.step(&mut system, &mut self.state, &mut work, h)
+                scheme.step(&mut system, &mut self.state, &mut workspace, h)
             }
             // A toy with another scheme is not built.
             (Some(_), Scheme::Second(_)) => StepCounts::ONE,
             (None, _) => {
                 let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab, time };
-                integrator.step(&mut system, &mut self.state, &mut work, h)
+                integrator.step(&mut system, &mut self.state, &mut workspace, h)
             }
         };
-        self.scratch.work = work;
-        self.scratch.shrink_room(h);
-        if self.scratch.free.is_some() {
+        self.scratch.workspace = workspace;
+        self.scratch.reduce_displacement_bound(h);
+        if self.scratch.clear_box.is_some() {
             self.scratch.pass_over_constraints();
         }
         self.scratch.counts.add(&counts);
@@ -336,7 +336,7 @@ impl Simulation {
         if !self.validates() {
             return false;
         }
-        if !self.is_guarded() || !self.is_suspicious() {
+        if !self.is_guarded() || !self.needs_energy_check() {
             return true;
         }
         let after = self.energies();
@@ -359,9 +359,9 @@ impl Simulation {
 
     /// Whether all energies have to be looked at. After the many products of an implicit step that costs little, and its equations
     /// may have been answered far away, by a shape that is stretched and hardly moves.
-    fn is_suspicious(&self) -> bool {
+    fn needs_energy_check(&self) -> bool {
         self.scene.integrator.kind().class() == Class::Implicit
-            || self.guard.is_suspicious(self.scratch.kinetic.unwrap_or_else(|| self.kinetic_energy()))
+            || self.guard.exceeds_threshold(self.scratch.kinetic.unwrap_or_else(|| self.kinetic_energy()))
     }
 
     /// Goes back to the checkpoint after a step that failed, and comes back to it in shorter steps, as far as the guard may; a
@@ -371,7 +371,7 @@ impl Simulation {
     /// supplied it, such as a wall that begins inside a body.
     fn retake(&mut self) -> bool {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
-        self.scratch.free = None;
+        self.scratch.clear_box = None;
         // Energy from nowhere was there before it was noticed.
         if finite && self.joined {
             std::mem::swap(&mut self.checkpoint, &mut self.older);
@@ -390,7 +390,7 @@ impl Simulation {
                 sound = self.is_sound();
             }
             if sound {
-                self.guard.leave_room();
+                self.guard.refine_further();
                 self.stale = true;
                 return true;
             }
@@ -406,9 +406,9 @@ impl Simulation {
             }
         }
         let earlier = self.checkpoint.state.clone();
-        self.guard.give_up(level);
+        self.guard.restore_level(level);
         self.go_back_to(failed - 1);
-        let step = self.paces.shortest(self.scene.step);
+        let step = self.multirate.shortest(self.scene.step);
         self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
         false
     }

@@ -19,7 +19,7 @@ use std::{ops::Range, sync::Arc};
 
 pub use crate::{
     elements::Field,
-    report::{Energies, Pace},
+    report::{Energies, SubstepPlan},
     toys::Reading,
 };
 
@@ -45,7 +45,7 @@ pub struct Snapshot {
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
     /// Vertices that slide along a side, and the coordinate that is held (0 is x, 1 is y).
-    pub slides: Arc<Vec<(u32, usize)>>,
+    pub rollers: Arc<Vec<(u32, usize)>>,
     /// The mouse spring, while it pulls.
     pub pull: Option<Pull>,
     /// What the triangles are coloured by.
@@ -85,7 +85,7 @@ pub struct Snapshot {
     /// Whether something is inside a wall, and whether it comes out.
     pub inside: Inside,
     /// How each body and then each net is stepped, where each goes at its own pace.
-    pub paces: Vec<Pace>,
+    pub paces: Vec<SubstepPlan>,
     /// How many bodies and nets sleep.
     pub asleep: usize,
     /// Number of triangles of bodies that are awake: those that a step computes.
@@ -101,9 +101,9 @@ pub struct Snapshot {
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
     /// How often all elements were swept over for what is in here: once for each shape that was looked at.
-    pub sweeps: u64,
+    pub evaluations: u64,
     /// In how many of them the elastic energy had to be computed: stepping had not done it.
-    pub energy_sweeps: u64,
+    pub energy_evaluations: u64,
     /// Which shape that was last: the generation, the shape in it, and the field.
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
@@ -207,7 +207,7 @@ impl Sandbox {
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
         snapshot.pins = Arc::clone(&scene.pins);
-        snapshot.slides = Arc::clone(&scene.slides);
+        snapshot.rollers = Arc::clone(&scene.rollers);
         snapshot.toy = self.toy();
         snapshot.positions.clear();
         if snapshot.toy.is_none() {
@@ -234,10 +234,10 @@ impl Sandbox {
         snapshot.costs.clear();
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
-        (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
+        (snapshot.parts, snapshot.guarded) = (simulation.guard_substeps(), simulation.counts().guarded);
         snapshot.inside = simulation.inside();
         snapshot.paces.clear();
-        snapshot.paces.extend(simulation.paces());
+        snapshot.paces.extend(simulation.substep_plans());
         snapshot.messages.clone_from(&scene.messages);
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
@@ -254,7 +254,7 @@ impl Sandbox {
         let mut first = 0;
         for (number, body) in scene.bodies.iter().enumerate() {
             let energy = simulation.known_energy(number);
-            let shape = body.elements.survey_knowing(energy, field, x, &mut snapshot.values);
+            let shape = body.elements.diagnose_with_energy(energy, field, x, &mut snapshot.values);
             snapshot.min_j = snapshot.min_j.min(shape.least);
             snapshot.inverted += shape.inverted;
             if snapshot.exploded.is_none() && scene.has_exploded(number, shape.energy, shape.inverted) {
@@ -278,12 +278,12 @@ impl Sandbox {
             }
         }
         if simulation.known_energy(0).is_none() {
-            snapshot.energy_sweeps += 1;
+            snapshot.energy_evaluations += 1;
             let bodies = snapshot.bodies.iter().map(|body| body.energy);
-            simulation.learn(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
+            simulation.set_elastic_energies(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
         }
         snapshot.wound = Tangle::of_all(scene, x).wound;
-        snapshot.sweeps += 1;
+        snapshot.evaluations += 1;
     }
 
     fn body(&self, body: &Body, triangles: Range<usize>, shape: Diagnostics) -> BodySnapshot {

@@ -1,6 +1,6 @@
 //! Stability limit: the highest natural frequency, by Lanczos iteration on the stiffness.
 
-use crate::{elements::make_room, random::irregular, scene::Scene, state::State};
+use crate::{elements::reserve_scratch, random::irregular, scene::Scene, state::State};
 
 /// The longest stable step of symplectic Euler near a state [s], or `None` if nothing is stiff there or the stiffness is
 /// not a number. The same holds for both Verlet schemes without damping.
@@ -65,7 +65,7 @@ impl StabilityProbe {
         for buffer in [&mut self.displacement, &mut self.product] {
             buffer.resize(count, 0.0);
         }
-        make_room(&mut self.scratch, scene.scratch());
+        reserve_scratch(&mut self.scratch, scene.scratch());
         self.basis.clear();
         let length = norm(&self.vector);
         self.basis.extend(self.vector.iter().map(|value| value / length));

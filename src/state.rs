@@ -15,7 +15,7 @@ pub struct State {
     pub memory: Vec<f64>,
     /// For each body and then each net, how many looks in a row have found it calm; the greatest number if it sleeps. Empty if
     /// nobody has looked yet.
-    pub calm: Vec<u32>,
+    pub slow_checks: Vec<u32>,
 }
 
 impl State {

@@ -68,7 +68,7 @@ impl Tangle {
 pub fn untangled(scene: &Scene, state: &State) -> Option<State> {
     let mut found = None;
     for body in scene.bodies.iter().filter(|body| Tangle::of(body, &state.x).is_some()) {
-        let state = found.get_or_insert_with(|| State { memory: Vec::new(), calm: Vec::new(), ..state.clone() });
+        let state = found.get_or_insert_with(|| State { memory: Vec::new(), slow_checks: Vec::new(), ..state.clone() });
         let numbers = 2 * body.vertices.start..2 * body.vertices.end;
         if scene.inverse_mass[numbers].contains(&0.0) {
             spread(scene, body, state);
@@ -137,9 +137,9 @@ fn spread(scene: &Scene, body: &Body, state: &mut State) {
         if held.clone().nth(1).is_some() { Fit::new(scene, &state.x, held) } else { Fit::new(scene, &state.x, all) };
     let count = scene.rest.len();
     let mut matrix = {
-        let mut couples = Vec::new();
-        body.elements.name_couples(&mut |a, b| couples.push([a, b]));
-        BlockMatrix::new(count / 2, &couples)
+        let mut pattern = Vec::new();
+        body.elements.add_sparsity(&mut |a, b| pattern.push([a, b]));
+        BlockMatrix::new(count / 2, &pattern)
     };
     // The second derivative of A |F - R|² / 2, which is the same everywhere.
     body.elements.add_tangent(&scene.rest, 1.0, &mut matrix, |_, _| Matrix4::identity());

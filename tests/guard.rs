@@ -102,9 +102,9 @@ fn after_every_implicit_step_it_looks_at_what_is_stored_too() {
     let sweeps = |integrator: &str, guard: &str| {
         let mut run = released("Corotated", 0.1, &format!("integrator: {integrator}(), guard: {guard}"));
         run.advance(1, &mut || true);
-        let before = run.energy_sweeps();
+        let before = run.energy_evaluations();
         run.advance(50, &mut || true);
-        run.energy_sweeps() - before
+        run.energy_evaluations() - before
     };
     for integrator in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint"] {
         assert_eq!((sweeps(integrator, "On"), sweeps(integrator, "Off")), (50, 0), "{integrator}");

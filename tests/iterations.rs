@@ -6,7 +6,7 @@ mod common;
 
 use common::{level, models, physics::Physics};
 use gingerbread::{
-    integrators::{IntegratorKind, Work},
+    integrators::{IntegratorKind, Workspace},
     meshes::NoFiles,
     scene::Scene,
     solvers::{LinearSolver, NewtonCounts},
@@ -41,7 +41,7 @@ fn stepped(
     floor: f64,
     integrator: &IntegratorKind,
     from: &State,
-    work: &mut Work,
+    work: &mut Workspace,
 ) -> (State, NewtonCounts) {
     let mut state = from.clone();
     let mut physics = Physics::new(scene);
@@ -63,7 +63,7 @@ fn farthest(one: &[f64], other: &[f64]) -> f64 {
 /// How far steps by iterations end from those with factors, as a share of what the scheme is off in each, at least of the longest
 /// way; the greatest of some steps, and what all of them took.
 fn compare(scene: &Scene, floor: f64, integrator: &IntegratorKind, steps: usize) -> (f64, NewtonCounts) {
-    let [mut direct, mut iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(Work::new);
+    let [mut direct, mut iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(Workspace::new);
     let mut state = scene.start.clone();
     let (mut greatest, mut all) = (0.0_f64, NewtonCounts::NONE);
     for _ in 0..steps {
@@ -101,8 +101,8 @@ fn iterations_end_where_factors_do_but_for_a_thousandth_of_what_the_scheme_is_of
 fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
     let scene = sheet(20, "NeoHookean", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
     let euler = integrator("ImplicitEuler");
-    let step = |from: &State, work: &mut Work| stepped(&scene, 1e-4, &euler, from, work);
-    let mut work = Work::new(LinearSolver::Iterative);
+    let step = |from: &State, work: &mut Workspace| stepped(&scene, 1e-4, &euler, from, work);
+    let mut work = Workspace::new(LinearSolver::Iterative);
     let mut states = vec![scene.start.clone()];
     for _ in 0..4 {
         let (next, counts) = step(states.last().unwrap(), &mut work);
@@ -111,7 +111,7 @@ fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
     }
     for pair in states.windows(2).rev() {
         work.forget();
-        for work in [&mut work, &mut Work::new(LinearSolver::Iterative)] {
+        for work in [&mut work, &mut Workspace::new(LinearSolver::Iterative)] {
             assert_eq!(step(&pair[0], work).0, pair[1]);
         }
     }
@@ -122,7 +122,7 @@ fn a_system_sixteen_times_as_large_takes_about_as_many_iterations() {
     let [small, large] = [20, 80].map(|n| {
         let scene = sheet(n, "Corotated", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
         let euler = integrator("ImplicitEuler");
-        stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(LinearSolver::Iterative)).1
+        stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Workspace::new(LinearSolver::Iterative)).1
     });
     assert!(large.abandoned == 0 && large.iterations <= small.iterations, "{small:?} {large:?}");
     assert!(2 * large.linear_iterations <= 3 * small.linear_iterations, "{small:?} {large:?}");
@@ -134,7 +134,7 @@ fn small_systems_are_factorised_and_large_ones_iterated_by_what_couples_what() {
         for model in ["Corotated", "NeoHookean"] {
             let scene = sheet(n, model, 0.3, "stretch: (1.1, 0.95),");
             let euler = integrator("ImplicitEuler");
-            let step = |path| stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(path));
+            let step = |path| stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Workspace::new(path));
             let (chosen, counts) = step(LinearSolver::Chosen);
             assert_eq!(counts.linear_iterations > 0, path == LinearSolver::Iterative, "{n}: {counts:?}");
             assert!((chosen, counts) == step(path), "{n} {model}");

@@ -8,7 +8,7 @@ use common::level;
 use gingerbread::{
     command::{Command, Mode},
     integrators::{IntegratorKind, Scheme},
-    level::{Level, Paces},
+    level::{Level, SubstepMode},
     meshes::NoFiles,
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
@@ -160,6 +160,6 @@ proptest! {
     fn nor_does_one_whose_bodies_go_at_their_own_pace((level, drags) in scene()) {
         // Bodies that take 100,000 steps a frame take them, but not in a test.
         let soft = level.bodies.iter().all(|body| body.material.lame().mu < 1e4);
-        pull(Level { paces: if soft { Paces::Own } else { Paces::Same }, ..level }, drags)?;
+        pull(Level { paces: if soft { SubstepMode::Own } else { SubstepMode::Same }, ..level }, drags)?;
     }
 }

@@ -328,7 +328,7 @@ impl App {
             let simulation = sandbox.simulation();
             let counts = simulation.counts();
             // What controls its error divides its steps itself; nobody guards it.
-            let each = simulation.paces().map(|pace| u64::from(pace.steps)).sum::<u64>().max(1);
+            let each = simulation.substep_plans().map(|pace| u64::from(pace.steps)).sum::<u64>().max(1);
             let undivided = if simulation.scene().integrator.kind().class() == Class::ErrorControlled {
                 counts.inner_steps
             } else {

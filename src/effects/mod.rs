@@ -23,8 +23,8 @@ pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
-    elements::{Elements, Kicking, UniformForce},
-    obstacles::{Encounter, Exit, Start, Surface},
+    elements::{Elements, EulerUpdate, UniformForce},
+    obstacles::{ContactQuery, Depenetration, Start, Surface},
     quantity::Quantity,
     registry::registry,
     solvers::{BlockMatrix, Weights},
@@ -166,7 +166,7 @@ pub fn around(before: &[f64], after: &[f64]) -> Bounds {
 }
 
 /// Why a constraint is passed over.
-pub const OUT_OF_REACH: &str = "nothing within reach";
+pub const NO_OBSTACLE_NEAR: &str = "nothing within reach";
 
 /// Why what changes contacts is passed over.
 pub const NO_CONTACT: &str = "nothing touches";
@@ -204,7 +204,7 @@ pub trait Effect: Send + Sync {
 
     /// Whether [`Self::constrain`] certainly changes nothing in steps, now and at any later time, in which the ways of all
     /// vertices lie in a box; if it cannot tell, it does not.
-    fn is_clear(&self, _ways: Bounds) -> bool {
+    fn is_clear(&self, _swept_bounds: Bounds) -> bool {
         false
     }
 
@@ -228,17 +228,17 @@ pub trait Effect: Send + Sync {
 
     /// Elements only: computes the same forces as [`Self::force`], with those of what acts everywhere, and moves the vertices by
     /// them, each as soon as it has all of its force. There is as much scratch as any effect of the scene asks for.
-    fn kick(&self, _vertices: &mut Kicking<'_>, _scratch: &mut [f64]) {}
+    fn euler_update(&self, _vertices: &mut EulerUpdate<'_>, _scratch: &mut [f64]) {}
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
     fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _scratch: &mut [f64], _product: &mut [f64]) {}
 
     /// Names every couple of different vertices whose forces depend on each other, in the order in which
     /// [`Self::add_stiffness`] adds their blocks. A couple may be named more than once.
-    fn couples(&self, _add: &mut dyn FnMut(u32, u32)) {}
+    fn sparsity_pattern(&self, _add: &mut dyn FnMut(u32, u32)) {}
 
     /// Adds `ax (-d force/dx) + av (-d force/dv)` to a matrix: any diagonal blocks, and one block for every couple, in the
-    /// order of [`Self::couples`]. The matrix is symmetric; what is not, is left out and only slows Newton's method down.
+    /// order of [`Self::sparsity_pattern`]. The matrix is symmetric; what is not, is left out and only slows Newton's method down.
     fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut BlockMatrix) {}
 
     /// Rayleigh's alpha [1/s] and beta [s], if this is damping; where it differs from vertex to vertex, the largest.
@@ -254,7 +254,14 @@ pub trait Effect: Send + Sync {
 
     /// Calls `act` with every obstacle that this effect, which has a number, puts in the way of a step from a time to another [s] in
     /// which the ways of all vertices lie in a box.
-    fn encounters<'a>(&'a self, _number: usize, _time: [f64; 2], _ways: Bounds, _act: &mut dyn FnMut(Encounter<'a>)) {}
+    fn contact_queries<'a>(
+        &'a self,
+        _number: usize,
+        _time: [f64; 2],
+        _swept_bounds: Bounds,
+        _act: &mut dyn FnMut(ContactQuery<'a>),
+    ) {
+    }
 
     /// Changes positions and velocities at the end of a step that are not allowed, seen from its start. What it left once it
     /// leaves unchanged. Returns how many vertices were touched.
@@ -263,7 +270,7 @@ pub trait Effect: Send + Sync {
     }
 
     /// How many vertices are deep inside what stands in their way, at these positions [m] and this time [s].
-    fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Exit]) -> usize {
+    fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Depenetration]) -> usize {
         0
     }
 
@@ -271,7 +278,7 @@ pub trait Effect: Send + Sync {
     fn set_surface(&self, _surface: &mut Surface) {}
 
     /// Whether it has a say where constraints touch, and nowhere else.
-    fn coats(&self) -> bool {
+    fn is_surface_effect(&self) -> bool {
         false
     }
 

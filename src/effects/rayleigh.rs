@@ -2,7 +2,7 @@
 
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Law, Springs, Triangles, UniformForce},
+    elements::{Adding, Elements, Springs, StressLaw, Triangles, UniformForce},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
     simd::{Mat2, Real},
@@ -100,7 +100,7 @@ impl Viscous {
     }
 }
 
-impl Law for Viscous {
+impl StressLaw for Viscous {
     const RATE: bool = true;
 
     #[inline(always)]
@@ -159,21 +159,21 @@ impl Effect for Damping {
             *force -= self.alpha * mass * v;
         }
         for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
-            let law = Viscous::new(self.beta, body.lame());
+            let viscous = Viscous::new(self.beta, body.lame());
             let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
-            body.assemble(law, &mut forces, &mut scratch[..body.scratch()]);
+            body.assemble(viscous, &mut forces, &mut scratch[..body.scratch()]);
         }
         for net in self.nets.iter().filter(|net| !is_still(motion.v, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for body in &self.bodies {
-            body.name_couples(add);
+            body.add_sparsity(add);
         }
         for net in &self.nets {
-            net.couples(add);
+            net.sparsity_pattern(add);
         }
     }
 

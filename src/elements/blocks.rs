@@ -1,7 +1,7 @@
 //! Fans of two triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
 
 use super::{
-    corners::{Corners, RUN},
+    corners::{Corners, RUN_BLOCKS},
     triangle::Rest,
 };
 use crate::{
@@ -16,7 +16,7 @@ use std::array;
 pub type CornerForces = [Pairs; 4];
 
 /// The spokes of each fan of a block [m], or how fast they change [m/s].
-pub type Spokes = [Pairs; 3];
+pub type EdgeVectors = [Pairs; 3];
 
 /// Matrices (2 x 2) of the first, or of the second, triangles of eight fans, column by column.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +37,7 @@ struct Shapes {
 pub struct Block([Shapes; 2]);
 
 /// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
-pub trait Law: Copy + Send + Sync {
+pub trait StressLaw: Copy + Send + Sync {
     /// Whether it asks for dF/dt; if not, `rate` is not to be used.
     const RATE: bool;
 
@@ -54,7 +54,7 @@ pub trait StressModel<const N: usize>: Copy + Send + Sync {
     fn stresses<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> [Mat2<R>; N];
 }
 
-impl<L: Law> StressModel<1> for L {
+impl<L: StressLaw> StressModel<1> for L {
     const RATE: bool = L::RATE;
 
     #[inline(always)]
@@ -67,7 +67,7 @@ impl<L: Law> StressModel<1> for L {
 #[derive(Clone, Copy)]
 pub struct Both<A, B>(pub A, pub B);
 
-impl<A: Law, B: Law> StressModel<2> for Both<A, B> {
+impl<A: StressLaw, B: StressLaw> StressModel<2> for Both<A, B> {
     const RATE: bool = A::RATE || B::RATE;
 
     #[inline(always)]
@@ -80,7 +80,7 @@ impl<A: Law, B: Law> StressModel<2> for Both<A, B> {
 #[derive(Clone, Copy)]
 pub struct Elastic<M>(pub M);
 
-impl<M: Material> Law for Elastic<M> {
+impl<M: Material> StressLaw for Elastic<M> {
     const RATE: bool = false;
 
     #[inline(always)]
@@ -147,7 +147,7 @@ impl Blocks {
 
 /// The spokes of a fan, from the places of its middle and of their ends.
 #[inline(always)]
-pub fn spokes([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
+pub fn edge_vectors([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
     let to = |end: [f64; 2]| [end[0] - middle[0], end[1] - middle[1]];
     [to(first), to(second), to(third)]
 }
@@ -178,32 +178,32 @@ impl Matrices {
 
 /// The matrices D of the first or the second triangles of part of a block.
 #[inline(always)]
-fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Mat2<Wide<S>> {
+fn edges<S: Simd>(set: S, edge_vectors: &EdgeVectors, side: usize, part: usize) -> Mat2<Wide<S>> {
     let ([m11, m21], [m12, m22]) =
-        (Wide::load_pairs(set, &spokes[side], part), Wide::load_pairs(set, &spokes[side + 1], part));
+        (Wide::load_pairs(set, &edge_vectors[side], part), Wide::load_pairs(set, &edge_vectors[side + 1], part));
     Mat2::new(m11, m12, m21, m22)
 }
 
 /// F, or dF/dt, of the first and of the second triangles of part of a block: D D0⁻¹.
 #[inline(always)]
-fn gradients<S: Simd>(set: S, spokes: &Spokes, block: &Block, part: usize) -> Mat2<Interleaved<Wide<S>>> {
+fn gradients<S: Simd>(set: S, edge_vectors: &EdgeVectors, block: &Block, part: usize) -> Mat2<Interleaved<Wide<S>>> {
     let Block([first, second]) = block;
-    let of_first = edges(set, spokes, 0, part).times(first.inverse.load(set, part));
-    let of_second = edges(set, spokes, 1, part).times(second.inverse.load(set, part));
+    let of_first = edges(set, edge_vectors, 0, part).times(first.inverse.load(set, part));
+    let of_second = edges(set, edge_vectors, 1, part).times(second.inverse.load(set, part));
     Mat2::abreast(of_first, of_second)
 }
 
 /// The spokes of a run.
 #[derive(Debug, Default)]
 #[repr(align(64))]
-struct Run([Spokes; RUN]);
+struct EdgeVectorBuffer([EdgeVectors; RUN_BLOCKS]);
 
 /// The spokes of a run and how fast they change, collected while the forces of the run before were computed; also where a stage ends in
 /// between, as no stage moves a vertex that a later one has to do with.
 #[derive(Debug, Default)]
 pub struct Collected {
-    now: Run,
-    rates: Run,
+    now: EdgeVectorBuffer,
+    rates: EdgeVectorBuffer,
     /// Whether it was.
     is_there: bool,
 }
@@ -219,7 +219,7 @@ struct Stresses([[Matrices; 2]; 2]);
 /// ahead. So the stresses of both triangles of a fan are computed [`Interleaved`], and the forces are made one block later, when nothing
 /// has to wait.
 pub struct Forces<'a, L, const N: usize> {
-    pub laws: L,
+    pub model: L,
     pub corners: &'a Corners<4>,
     /// The run with which `blocks` begins.
     pub first: usize,
@@ -229,7 +229,7 @@ pub struct Forces<'a, L, const N: usize> {
     /// The first of its runs, maybe, and then the one after the last.
     pub collected: &'a mut Collected,
     /// Those of each stress, run by run.
-    pub out: [&'a mut [[CornerForces; RUN]]; N],
+    pub out: [&'a mut [[CornerForces; RUN_BLOCKS]]; N],
 }
 
 impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
@@ -237,15 +237,15 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { laws, corners, first, blocks, x, v, collected, mut out } = self;
+        let Self { model, corners, first, blocks, x, v, collected, mut out } = self;
         let Collected { now, rates, is_there } = collected;
         let mut stresses: [Stresses; N] = array::from_fn(|_| Stresses::default());
-        for (run, blocks) in (first..).zip(blocks.chunks(RUN)) {
+        for (run, blocks) in (first..).zip(blocks.chunks(RUN_BLOCKS)) {
             let out = out.each_mut().map(|out| &mut out[run - first]);
             if !*is_there {
-                corners.collect(run, x, spokes, &mut now.0);
+                corners.collect(run, x, edge_vectors, &mut now.0);
                 if L::RATE {
-                    corners.collect(run, v, spokes, &mut rates.0);
+                    corners.collect(run, v, edge_vectors, &mut rates.0);
                 }
             }
             let of = |moving| corners.ahead(run + 1, moving);
@@ -257,32 +257,32 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
                     for part in 0..Wide::<S>::PARTS {
                         let f = gradients(set, now, block, part);
                         let rate = if L::RATE { gradients(set, rates, block, part) } else { f };
-                        let of_laws = laws.stresses(f, rate);
-                        for law in 0..N {
-                            let [first, second] = of_laws[law].both();
-                            let [to_first, to_second] = &mut stresses[law].0[number % 2];
+                        let of_model = model.stresses(f, rate);
+                        for stress in 0..N {
+                            let [first, second] = of_model[stress].both();
+                            let [to_first, to_second] = &mut stresses[stress].0[number % 2];
                             to_first.store(first, part);
                             to_second.store(second, part);
                         }
                     }
                     // What is collected needs other parts of the processor than the stresses do, and both go on at once.
                     if let Some((of_x, of_v)) = ahead {
-                        of_x.collect(number, spokes, now);
+                        of_x.collect(number, edge_vectors, now);
                         if L::RATE {
-                            of_v.collect(number, spokes, rates);
+                            of_v.collect(number, edge_vectors, rates);
                         }
                     }
                 }
                 let Some(before) = number.checked_sub(1) else { continue };
                 let Block([shapes, others]) = &blocks[before];
                 for part in 0..Wide::<S>::PARTS {
-                    for law in 0..N {
-                        let [one, other] = &stresses[law].0[before % 2];
-                        let [first, second] = on_spokes(set, shapes, one, part);
-                        let [also, third] = on_spokes(set, others, other, part);
+                    for stress in 0..N {
+                        let [one, other] = &stresses[stress].0[before % 2];
+                        let [first, second] = edge_forces(set, shapes, one, part);
+                        let [also, third] = edge_forces(set, others, other, part);
                         let second = [second[0] + also[0], second[1] + also[1]];
                         let middle = [-first[0] - second[0] - third[0], -first[1] - second[1] - third[1]];
-                        for (out, [x, y]) in out[law][before].iter_mut().zip([middle, first, second, third]) {
+                        for (out, [x, y]) in out[stress][before].iter_mut().zip([middle, first, second, third]) {
                             Wide::store_pairs(x, y, out, part);
                         }
                     }
@@ -294,7 +294,7 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
 
 /// The forces at the ends of two spokes, x and y, from the stresses in the triangles between: the columns of -A P D0⁻ᵀ.
 #[inline(always)]
-fn on_spokes<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usize) -> [[Wide<S>; 2]; 2] {
+fn edge_forces<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usize) -> [[Wide<S>; 2]; 2] {
     let (turned, minus_area) = (shapes.inverse.load(set, part).transpose(), Wide::load(set, &shapes.minus_area, part));
     let h = stresses.load(set, part).times(turned) * minus_area;
     [[h.m11, h.m21], [h.m12, h.m22]]
@@ -313,11 +313,11 @@ impl<M: Material> WithSimd for Energy<'_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> f64 {
-        let mut now = Run::default();
+        let mut now = EdgeVectorBuffer::default();
         let mut energies = [Lanes::default(); 2];
         let mut sum = 0.0;
-        for (run, blocks) in self.blocks.all().chunks(RUN).enumerate() {
-            self.corners.collect(run, self.x, spokes, &mut now.0);
+        for (run, blocks) in self.blocks.all().chunks(RUN_BLOCKS).enumerate() {
+            self.corners.collect(run, self.x, edge_vectors, &mut now.0);
             for (now, block) in now.0.iter().zip(blocks) {
                 let Block(shapes) = block;
                 for part in 0..Wide::<S>::PARTS {

@@ -12,7 +12,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// How many blocks of triangles are collected at a time: enough for what is stored number by number to have arrived when it
 /// is read lane by lane.
-const RUN: usize = 4;
+const RUN_BLOCKS: usize = 4;
 
 /// What a sweep over triangles has found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,17 +31,23 @@ impl Triangles {
     /// Energy and shape of the triangles; in the same sweep adds one value a triangle to `values`, in their order, but nothing
     /// for [`Field::None`].
     pub fn diagnose(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
-        self.survey_knowing(None, field, x, values)
+        self.diagnose_with_energy(None, field, x, values)
     }
 
     /// The same, where the energy [J] may be known already and is not computed then.
-    pub fn survey_knowing(&self, energy: Option<f64>, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
+    pub fn diagnose_with_energy(
+        &self,
+        energy: Option<f64>,
+        field: Field,
+        x: &[f64],
+        values: &mut Vec<f64>,
+    ) -> Diagnostics {
         struct Visit<'a>(&'a Triangles, Option<f64>, Field, &'a [f64], &'a mut Vec<f64>);
         impl Visitor for Visit<'_> {
             type Output = Diagnostics;
             fn visit<M: Material>(self, material: &M) -> Diagnostics {
                 let Self(of, energy, field, x, out) = self;
-                Arch::new().dispatch(Sweep { of, material, energy, field, x, out })
+                Arch::new().dispatch(DiagnosticsKernel { of, material, energy, field, x, out })
             }
         }
         self.visit(Visit(self, energy, field, x, values))
@@ -73,15 +79,15 @@ impl Eight {
     /// Part of the deformation gradients, and of the areas.
     #[inline(always)]
     fn part<S: Simd>(&self, set: S, part: usize) -> (Mat2<Wide<S>>, Wide<S>) {
-        let square = |of: &[Lanes; 4]| {
+        let matrix = |of: &[Lanes; 4]| {
             let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of[entry], part));
             Mat2::new(m11, m12, m21, m22)
         };
-        (square(&self.edges).times(square(&self.inverse)), Wide::load(set, &self.area, part))
+        (matrix(&self.edges).times(matrix(&self.inverse)), Wide::load(set, &self.area, part))
     }
 }
 
-struct Sweep<'a, M> {
+struct DiagnosticsKernel<'a, M> {
     of: &'a Triangles,
     material: &'a M,
     energy: Option<f64>,
@@ -90,7 +96,7 @@ struct Sweep<'a, M> {
     out: &'a mut Vec<f64>,
 }
 
-impl<M: Material> WithSimd for Sweep<'_, M> {
+impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
     type Output = Diagnostics;
 
     #[inline(always)]
@@ -102,11 +108,11 @@ impl<M: Material> WithSimd for Sweep<'_, M> {
         let mut next = out.len();
         out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
         let mut found = Diagnostics { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
-        let mut eights = [Eight::default(); RUN];
+        let mut eights = [Eight::default(); RUN_BLOCKS];
         let [mut ratios, mut energies, mut values] = [Lanes::default(); 3];
-        for (run, corners) in of.corners().chunks(RUN * LANES).enumerate() {
+        for (run, corners) in of.corners().chunks(RUN_BLOCKS * LANES).enumerate() {
             for (number, (eight, corners)) in eights.iter_mut().zip(corners.chunks(LANES)).enumerate() {
-                eight.collect(of, x, (run * RUN + number) * LANES, corners);
+                eight.collect(of, x, (run * RUN_BLOCKS + number) * LANES, corners);
             }
             for (number, (eight, corners)) in eights.iter().zip(corners.chunks(LANES)).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
@@ -126,7 +132,7 @@ impl<M: Material> WithSimd for Sweep<'_, M> {
                 }
                 // A lane left over holds what is not a triangle here.
                 for lane in 0..corners.len() {
-                    let (j, triangle) = (ratios[lane], (run * RUN + number) * LANES + lane);
+                    let (j, triangle) = (ratios[lane], (run * RUN_BLOCKS + number) * LANES + lane);
                     if energy.is_none() {
                         out[end + of.slot(triangle)] = energies[lane];
                     }

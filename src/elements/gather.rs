@@ -1,7 +1,7 @@
 //! From forces at the corners of elements to forces on vertices.
 
 use super::stages::Stages;
-use crate::simd::{LANES, NEAR, Order, Pairs, SPARE, lined};
+use crate::simd::{INDEXED16, LANES, Order, Pairs, SPARE, lined};
 use pulp::Arch;
 use std::{iter::repeat_n, ops::Range};
 
@@ -21,14 +21,14 @@ pub const STAGE_ELEMENTS: usize = LANES * STAGE;
 #[derive(Debug)]
 pub struct Gather {
     /// Vertices that are summed over as many places as each other.
-    runs: Vec<Run>,
+    runs: Vec<VertexRun>,
     /// The vertices, counted from the first of the body, net or partition.
     vertices: Vec<u32>,
     /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another: in a buffer so small that 16 bits reach
     /// everywhere,
-    near: Vec<u16>,
+    indices16: Vec<u16>,
     /// or else.
-    far: Vec<u32>,
+    indices32: Vec<u32>,
     /// How many stages the buffer of corners holds.
     window: usize,
     /// How many blocks of elements there are.
@@ -39,7 +39,7 @@ pub struct Gather {
 
 /// Vertices that are summed over as many places as each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Run {
+pub struct VertexRun {
     /// When they have all their forces.
     pub stage: u32,
     /// How many places each is summed over: one for each corner, and maybe some where there is nothing.
@@ -50,7 +50,7 @@ pub struct Run {
     pub dense: bool,
 }
 
-/// A place among [`Near`](crate::lanes::Near) numbers where there is no force: at the end, where no corner is.
+/// A place among [`Indexed16`](crate::lanes::Near) numbers where there is no force: at the end, where no corner is.
 const NOTHING: u16 = u16::MAX;
 
 /// The vertices of a stage are summed as if they all had as many corners as the one with the most, if that makes no more than so many
@@ -83,10 +83,10 @@ impl Gather {
             let block = element / LANES % (window * STAGE);
             2 * ((block * N + number) * LANES + order.place[element % LANES])
         };
-        let near = window * STAGE * LANES * 2 * N <= NOTHING.into();
+        let is_narrow = window * STAGE * LANES * 2 * N <= NOTHING.into();
         // A vertex is summed in the stage of its last corner.
         let stage = |vertex: u32| ends(&meeting[vertex as usize]).1;
-        let met = |vertex: &&u32| near && !meeting[**vertex as usize].is_empty();
+        let met = |vertex: &&u32| is_narrow && !meeting[**vertex as usize].is_empty();
         let of_met = summed.iter().filter(met).map(|vertex| (stage(*vertex), meeting[*vertex as usize].len()));
         let degrees = degrees(blocks.div_ceil(STAGE), of_met);
         let degree = |vertex: u32| {
@@ -101,7 +101,7 @@ impl Gather {
             let follows = |one: &u32, other: &u32| one + 1 == *other;
             let dense = LONG * alike.chunk_by(follows).count() <= alike.len();
             let joins = move |one: &u32, other: &u32| !dense || follows(one, other);
-            let run = move |run: &[u32]| Run { stage, degree, count: run.len() as u32, dense };
+            let run = move |run: &[u32]| VertexRun { stage, degree, count: run.len() as u32, dense };
             alike.chunk_by(joins).flat_map(move |all| {
                 // Fours begin where a line of memory may.
                 let head = (4 - (first + all[0] as usize) % 4) % 4;
@@ -114,13 +114,13 @@ impl Gather {
             let all = &meeting[vertex as usize];
             all.iter().map(place).chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
         });
-        let (mut of_near, mut far) = (Vec::new(), Vec::new());
-        if near {
-            of_near.extend(places.map(|place| place as u16));
+        let (mut of_indices16, mut indices32) = (Vec::new(), Vec::new());
+        if is_narrow {
+            of_indices16.extend(places.map(|place| place as u16));
         } else {
-            far.extend(places.map(|place| place as u32));
+            indices32.extend(places.map(|place| place as u32));
         }
-        Self { runs, vertices: ordered, near: of_near, far, window, blocks, set: order.set }
+        Self { runs, vertices: ordered, indices16: of_indices16, indices32, window, blocks, set: order.set }
     }
 
     /// The instruction set.
@@ -153,8 +153,8 @@ impl Gather {
         Stages {
             runs: self.runs.as_slice(),
             vertices: self.vertices.as_slice(),
-            near: self.near.as_slice(),
-            far: self.far.as_slice(),
+            indices16: self.indices16.as_slice(),
+            indices32: self.indices32.as_slice(),
             stage: 0,
             set: self.set,
         }
@@ -173,14 +173,14 @@ fn degrees(stages: usize, of_vertices: impl Iterator<Item = (usize, usize)>) -> 
     of_stages.into_iter().map(|of| alike(of).then_some(of.0)).collect()
 }
 
-/// How many numbers of scratch hold so many [`Pairs`], and can be read as [`Near`].
-pub const fn room(pairs: usize) -> usize {
+/// How many numbers of scratch hold so many [`Pairs`], and can be read as [`Indexed16`].
+pub const fn scratch_size(pairs: usize) -> usize {
     let numbers = 2 * LANES * pairs;
-    (if numbers < NEAR { NEAR.next_multiple_of(2 * LANES) } else { numbers }) + SPARE
+    (if numbers < INDEXED16 { INDEXED16.next_multiple_of(2 * LANES) } else { numbers }) + SPARE
 }
 
 /// Makes room in scratch. Zeros are asked for, not written: what is never touched takes no memory.
-pub fn make_room(scratch: &mut Vec<f64>, numbers: usize) {
+pub fn reserve_scratch(scratch: &mut Vec<f64>, numbers: usize) {
     if scratch.len() < numbers {
         *scratch = vec![0.0; numbers];
     }
@@ -189,7 +189,7 @@ pub fn make_room(scratch: &mut Vec<f64>, numbers: usize) {
 /// [`Pairs`] in scratch, from where a line of memory begins, with nothing at the place [`NOTHING`].
 pub fn pairs(scratch: &mut [f64]) -> &mut [Pairs] {
     let numbers = lined(scratch);
-    if let Some(nothing) = numbers.get_mut(NOTHING.into()..NEAR) {
+    if let Some(nothing) = numbers.get_mut(NOTHING.into()..INDEXED16) {
         nothing.fill(0.0);
     }
     numbers.as_chunks_mut().0.as_chunks_mut().0

@@ -7,16 +7,16 @@
 use super::{
     Accumulator, Scatter,
     blocks::{Block, Blocks, Collected, Forces, StressModel},
-    corners::{Corners, RUN},
-    gather::{Gather, STAGE, pairs, room},
+    corners::{Corners, RUN_BLOCKS},
+    gather::{Gather, STAGE, pairs, scratch_size},
 };
-use crate::simd::{LANES, NEAR, Order, Pairs};
+use crate::simd::{INDEXED16, LANES, Order, Pairs};
 use pulp::Simd;
 use std::{array::from_fn, ops::Range};
 use wide::f64x2;
 
 /// A stage begins with a run.
-const _: () = assert!(STAGE.is_multiple_of(RUN));
+const _: () = assert!(STAGE.is_multiple_of(RUN_BLOCKS));
 
 /// The fewest fans of a partition: fewer take less time than it takes to hand them to another core.
 const FANS: usize = 2048;
@@ -135,43 +135,43 @@ impl Partitions {
     /// [summed](Accumulator::sum).
     pub fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
         &self,
-        laws: L,
+        model: L,
         blocks: &Blocks,
-        target: &mut T,
+        accumulator: &mut T,
         scratch: &mut [f64],
     ) -> f64 {
         let (partial, copies) = scratch.split_at_mut(2 * N * self.slots.len());
         let partial = partial.as_chunks_mut().0;
         if self.all.len() > 1 {
-            let [x, v] = target.motion();
+            let [x, v] = accumulator.motion();
             let mut left = &mut *copies;
             for partition in &self.all {
                 let own = left.split_off_mut(..partition.scratch(N)).unwrap_or_default();
                 partition.copy_shared([x, if L::RATE { v } else { &[] }], own);
             }
         }
-        let job = Job { laws, blocks: blocks.all() };
-        let sum = job.run(&self.all, target.part(0..self.vertices), copies, partial);
+        let job = Job { model, blocks: blocks.all() };
+        let sum = job.run(&self.all, accumulator.view(0..self.vertices), copies, partial);
         let mut begin = 0;
-        target.take(self.interface.iter().map(|&(vertex, end)| {
+        accumulator.take(self.interface.iter().map(|&(vertex, end)| {
             let slots = &self.slots[begin..end as usize];
             begin = end as usize;
             let mut forces = [f64x2::ZERO; N];
             for &slot in slots {
-                for (law, force) in forces.iter_mut().enumerate() {
-                    *force += f64x2::new(partial[slot as usize * N + law]);
+                for (stress, force) in forces.iter_mut().enumerate() {
+                    *force += f64x2::new(partial[slot as usize * N + stress]);
                 }
             }
             (vertex as usize, forces)
         }));
-        sum + target.sum()
+        sum + accumulator.sum()
     }
 }
 
 /// What is the same for all partitions.
 #[derive(Clone, Copy)]
 struct Job<'a, L> {
-    laws: L,
+    model: L,
     blocks: &'a [Block],
 }
 
@@ -181,7 +181,7 @@ impl<L> Job<'_, L> {
     fn run<T: Accumulator<N>, const N: usize>(
         self,
         partitions: &[Partition],
-        target: T,
+        accumulator: T,
         scratch: &mut [f64],
         partial: &mut [[f64; 2]],
     ) -> f64
@@ -190,13 +190,13 @@ impl<L> Job<'_, L> {
     {
         let (first, second) = match partitions {
             [] => return 0.0,
-            [partition] => return partition.assemble(self, target, scratch, partial),
+            [partition] => return partition.assemble(self, accumulator, scratch, partial),
             _ => partitions.split_at(partitions.len() / 2),
         };
         let sizes = |partition: &Partition| [partition.owned.len(), partition.scratch(N), N * partition.shared.len()];
         let [vertices, numbers, slots] =
             first.iter().map(sizes).fold([0; 3], |sums, sizes| from_fn(|which| sums[which] + sizes[which]));
-        let (one, other) = target.split(vertices);
+        let (one, other) = accumulator.split(vertices);
         let (scratch, other_scratch) = scratch.split_at_mut(numbers);
         let (partial, other_partial) = partial.split_at_mut(slots);
         let sums =
@@ -236,14 +236,14 @@ impl Partition {
     }
 
     /// How many numbers a copy of the positions takes, with so many after them that from any of them on there are
-    /// [`Near`](crate::simd::Near) ones.
+    /// [`Indexed16`](crate::simd::Near) ones.
     fn copy(&self) -> usize {
-        2 * (self.owned.len() + self.shared.len()) + NEAR
+        2 * (self.owned.len() + self.shared.len()) + INDEXED16
     }
 
     /// How many numbers of scratch it needs for N stresses.
     fn scratch(&self, stresses: usize) -> usize {
-        2 * self.copy() + stresses * room(4 * self.gather.buffer())
+        2 * self.copy() + stresses * scratch_size(4 * self.gather.buffer())
     }
 
     /// Copies what its fans have to do with at the interface.
@@ -263,47 +263,47 @@ impl Partition {
     /// `partial`.
     fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
         &self,
-        Job { laws, blocks }: Job<'_, L>,
-        target: T,
+        Job { model, blocks }: Job<'_, L>,
+        accumulator: T,
         scratch: &mut [f64],
         partial: &mut [[f64; 2]],
     ) -> f64 {
         let (x, scratch) = scratch.split_at_mut(self.copy());
         let (v, mut scratch) = scratch.split_at_mut(self.copy());
         let own = 2 * self.owned.len();
-        let [from_x, from_v] = target.motion();
+        let [from_x, from_v] = accumulator.motion();
         x[..own].copy_from_slice(&from_x[..own]);
         if L::RATE {
             v[..own].copy_from_slice(&from_v[..own]);
         }
-        let each = room(4 * self.gather.buffer());
+        let each = scratch_size(4 * self.gather.buffer());
         let mut forces: [&mut [Pairs]; N] = from_fn(|_| pairs(scratch.split_off_mut(..each).unwrap_or_default()));
         let mut collected = Collected::default();
-        let mut target = Local { target, owned: self.owned.len(), partial };
+        let mut accumulator = Local { accumulator, owned: self.owned.len(), partial };
         let mut stages = self.gather.stages();
         for stage in 0..self.gather.count() {
             let span = self.gather.span(stage);
             let slot = 4 * self.gather.slot(stage);
             let out = forces.each_mut().map(|forces| forces[slot..].as_chunks_mut().0.as_chunks_mut().0);
             self.gather.set().dispatch(Forces {
-                laws,
+                model,
                 corners: &self.corners,
-                first: span.start / RUN,
+                first: span.start / RUN_BLOCKS,
                 blocks: &blocks[self.blocks.clone()][span],
                 x,
                 v,
                 collected: &mut collected,
                 out,
             });
-            stages.add(forces.each_ref().map(|forces| &**forces), &mut target);
+            stages.add(forces.each_ref().map(|forces| &**forces), &mut accumulator);
         }
-        target.target.sum()
+        accumulator.accumulator.sum()
     }
 }
 
 /// The target of a partition, and the partial sums at the interface.
 struct Local<'a, T> {
-    target: T,
+    accumulator: T,
     /// How many vertices come before those of the interface.
     owned: usize,
     partial: &'a mut [[f64; 2]],
@@ -312,11 +312,11 @@ struct Local<'a, T> {
 impl<T: Scatter<N>, const N: usize> Scatter<N> for Local<'_, T> {
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
-        let Self { target, owned, partial } = self;
-        target.take(forces.filter(|&(vertex, forces)| {
+        let Self { accumulator, owned, partial } = self;
+        accumulator.take(forces.filter(|&(vertex, forces)| {
             let Some(at) = vertex.checked_sub(*owned) else { return true };
-            for (law, force) in forces.iter().enumerate() {
-                partial[at * N + law] = force.to_array();
+            for (stress, force) in forces.iter().enumerate() {
+                partial[at * N + stress] = force.to_array();
             }
             false
         }));
@@ -333,6 +333,6 @@ impl<T: Scatter<N>, const N: usize> Scatter<N> for Local<'_, T> {
         if first + 4 * fours.len() + rest.len() > self.owned {
             return self.take((first..).zip(fours.flatten().chain(rest)));
         }
-        self.target.take_run(set, first, fours, rest);
+        self.accumulator.take_run(set, first, fours, rest);
     }
 }

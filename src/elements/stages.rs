@@ -1,17 +1,17 @@
 //! Sums of the forces at the corners that meet at each vertex, stage by stage.
 
-use super::{Scatter, gather::Run};
-use crate::simd::{Near, Pairs, vector};
+use super::{Scatter, gather::VertexRun};
+use crate::simd::{Indexed16, Pairs, vector};
 use pulp::{Arch, Simd, WithSimd};
 use std::iter::repeat_n;
 use wide::f64x2;
 
 /// What is left to be summed.
 pub struct Stages<'a> {
-    pub runs: &'a [Run],
+    pub runs: &'a [VertexRun],
     pub vertices: &'a [u32],
-    pub near: &'a [u16],
-    pub far: &'a [u32],
+    pub indices16: &'a [u16],
+    pub indices32: &'a [u32],
     pub stage: u32,
     pub set: Arch,
 }
@@ -28,8 +28,8 @@ impl<'a> Stages<'a> {
             #[inline(always)]
             fn with_simd<S: Simd>(self, set: S) {
                 let Self(stages, corners, to) = self;
-                match near(&corners) {
-                    Some(corners) if stages.far.is_empty() => stages.add_next(set, corners, to),
+                match as_indexed16(&corners) {
+                    Some(corners) if stages.indices32.is_empty() => stages.add_next(set, corners, to),
                     _ => stages.add_next(set, corners.map(<[Pairs]>::as_flattened), to),
                 }
             }
@@ -39,7 +39,7 @@ impl<'a> Stages<'a> {
 
     #[inline(always)]
     fn add_next<S: Simd, C: Buffer<'a, N>, const N: usize>(&mut self, set: S, corners: C, to: &mut impl Scatter<N>) {
-        while let Some((&Run { stage, degree, count, dense }, runs)) = self.runs.split_first()
+        while let Some((&VertexRun { stage, degree, count, dense }, runs)) = self.runs.split_first()
             && stage == self.stage
         {
             let (now, vertices) = self.vertices.split_at(count as usize);
@@ -51,12 +51,12 @@ impl<'a> Stages<'a> {
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
-                        $($DEGREE if C::NEAR && dense => {
+                        $($DEGREE if C::IS_NARROW && dense => {
                             let (fours, rest) = of_now.as_chunks::<$DEGREE>().0.as_chunks();
                             let first = now[0] as usize;
                             to.take_run(set, first, fours.iter().map(|four| sum_at_four(four, corners)), rest.iter().map(|places| sum_at(places, corners)));
                         })+
-                        $($DEGREE if C::NEAR => scatter(now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
+                        $($DEGREE if C::IS_NARROW => scatter(now, of_now.as_chunks::<$DEGREE>().0.iter().map(|places| sum_at(places, corners)), to),)+
                         0 => scatter(now, repeat_n([f64x2::ZERO; N], now.len()), to),
                         _ => scatter(now, of_now.chunks(degree as usize).map(|places| sum_at(places, corners)), to),
                     }
@@ -74,54 +74,54 @@ trait Buffer<'a, const N: usize>: Copy {
     type Place: Copy + 'a;
 
     /// Whether places need no check.
-    const NEAR: bool;
+    const IS_NARROW: bool;
 
     /// The places that are left.
     fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [Self::Place];
 
     /// One of a stress at a place.
-    fn at(self, law: usize, place: Self::Place) -> f64x2;
+    fn at(self, stress: usize, place: Self::Place) -> f64x2;
 }
 
 impl<'a, const N: usize> Buffer<'a, N> for [&[[f64; 2]]; N] {
     type Place = u32;
 
-    const NEAR: bool = false;
+    const IS_NARROW: bool = false;
 
     #[inline(always)]
     fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u32] {
-        &mut stages.far
+        &mut stages.indices32
     }
 
     #[inline(always)]
-    fn at(self, law: usize, place: u32) -> f64x2 {
-        f64x2::new(self[law][place as usize / 2])
+    fn at(self, stress: usize, place: u32) -> f64x2 {
+        f64x2::new(self[stress][place as usize / 2])
     }
 }
 
-impl<'a, const N: usize> Buffer<'a, N> for [&Near; N] {
+impl<'a, const N: usize> Buffer<'a, N> for [&Indexed16; N] {
     type Place = u16;
 
-    const NEAR: bool = true;
+    const IS_NARROW: bool = true;
 
     #[inline(always)]
     fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [u16] {
-        &mut stages.near
+        &mut stages.indices16
     }
 
     #[inline(always)]
-    fn at(self, law: usize, place: u16) -> f64x2 {
-        f64x2::new(vector(self[law], place))
+    fn at(self, stress: usize, place: u16) -> f64x2 {
+        f64x2::new(vector(self[stress], place))
     }
 }
 
 /// All of them up to there, if they are as long as that.
 #[inline(always)]
-fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]> {
-    let near = |corners: &'a [Pairs]| corners.as_flattened().as_flattened().first_chunk();
-    let mut all = [near(corners.first()?)?; N];
+fn as_indexed16<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Indexed16; N]> {
+    let indices16 = |corners: &'a [Pairs]| corners.as_flattened().as_flattened().first_chunk();
+    let mut all = [indices16(corners.first()?)?; N];
     for (all, corners) in all.iter_mut().zip(corners) {
-        *all = near(corners)?;
+        *all = indices16(corners)?;
     }
     Some(all)
 }
@@ -131,8 +131,8 @@ fn near<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Near; N]>
 fn sum_at<'a, C: Buffer<'a, N>, const N: usize>(places: &[C::Place], corners: C) -> [f64x2; N] {
     let mut sums = [f64x2::ZERO; N];
     for &place in places {
-        for (law, sum) in sums.iter_mut().enumerate() {
-            *sum += corners.at(law, place);
+        for (stress, sum) in sums.iter_mut().enumerate() {
+            *sum += corners.at(stress, place);
         }
     }
     sums

@@ -2,7 +2,7 @@
 
 use super::{
     Adding, Triangles,
-    blocks::Law,
+    blocks::StressLaw,
     triangle::{Rest, edges},
 };
 use crate::{
@@ -15,7 +15,7 @@ use pulp::{Simd, WithSimd};
 
 /// How many blocks of eight triangles are collected at a time: enough for what is stored number by number to have arrived when
 /// it is read lane by lane, and little enough to stay near the processor.
-const RUN: usize = 8;
+const RUN_BLOCKS: usize = 8;
 
 /// The second derivative of an isotropic energy density.
 pub trait Isotropic: Copy + Send + Sync {
@@ -38,7 +38,7 @@ impl<M: Material> Isotropic for Stored<'_, M> {
 #[derive(Clone, Copy)]
 struct Change<L>(L);
 
-impl<L: Isotropic> Law for Change<L> {
+impl<L: Isotropic> StressLaw for Change<L> {
     const RATE: bool = true;
 
     #[inline(always)]
@@ -50,7 +50,7 @@ impl<L: Isotropic> Law for Change<L> {
 
 impl Triangles {
     /// Names the three couples of corners of each triangle.
-    pub(crate) fn name_couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    pub(crate) fn add_sparsity(&self, add: &mut dyn FnMut(u32, u32)) {
         for &[a, b, c] in self.corners() {
             add(a, b);
             add(a, c);
@@ -76,9 +76,9 @@ impl Triangles {
         [x, d]: [&[f64]; 2],
         scratch: &mut [f64],
         product: &mut [f64],
-        law: impl Isotropic,
+        density: impl Isotropic,
     ) {
-        self.assemble(Change(law), &mut Adding { x, v: d, force: product }, scratch);
+        self.assemble(Change(density), &mut Adding { x, v: d, force: product }, scratch);
     }
 
     /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.
@@ -92,7 +92,7 @@ impl Triangles {
         x: &[f64],
         weights: Weights,
         matrix: &mut BlockMatrix,
-        law: impl Isotropic,
+        density: impl Isotropic,
     ) {
         let negative = match weights.tangent {
             Tangent::Exact => None,
@@ -100,7 +100,7 @@ impl Triangles {
             Tangent::Absolute => Some(-1.0),
         };
         let (x, weight) = (x.as_chunks().0, weights.position);
-        self.set().dispatch(Assemble { law, of: self, x, weight, negative, matrix });
+        self.set().dispatch(Assemble { density, of: self, x, weight, negative, matrix });
     }
 
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
@@ -122,9 +122,9 @@ impl Triangles {
             matrix.diagonal(a, &(-to_one - to_two));
             matrix.diagonal(b, &one);
             matrix.diagonal(c, &two);
-            matrix.couple(&to_one);
-            matrix.couple(&to_two);
-            matrix.couple(&across);
+            matrix.off_diagonal(&to_one);
+            matrix.off_diagonal(&to_two);
+            matrix.off_diagonal(&across);
         }
     }
 }
@@ -164,7 +164,7 @@ impl Visitor for Elastic<'_> {
 
 /// Adds the blocks of all triangles, eight at a time.
 struct Assemble<'a, L> {
-    law: L,
+    density: L,
     of: &'a Triangles,
     x: &'a [[f64; 2]],
     weight: f64,
@@ -178,14 +178,14 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { law, of, x, weight, negative, matrix } = self;
+        let Self { density, of, x, weight, negative, matrix } = self;
         let order = Order::new(of.set());
-        let (mut now, mut rest) = ([Quads::default(); RUN], [Quads::default(); RUN]);
-        let mut scales = [Lanes::default(); RUN];
-        let mut out = [[Quads::default(); 6]; RUN];
-        for (run, triangles) in of.corners().chunks(RUN * LANES).enumerate() {
+        let (mut now, mut rest) = ([Quads::default(); RUN_BLOCKS], [Quads::default(); RUN_BLOCKS]);
+        let mut scales = [Lanes::default(); RUN_BLOCKS];
+        let mut out = [[Quads::default(); 6]; RUN_BLOCKS];
+        for (run, triangles) in of.corners().chunks(RUN_BLOCKS * LANES).enumerate() {
             for (number, &triangle) in triangles.iter().enumerate() {
-                let Rest { inverse, area } = of.rest(run * RUN * LANES + number);
+                let Rest { inverse, area } = of.rest(run * RUN_BLOCKS * LANES + number);
                 let (block, lane) = (number / LANES, number % LANES);
                 now[block][lane] = edges(x, triangle);
                 rest[block][lane] = [inverse.m11, inverse.m21, inverse.m12, inverse.m22];
@@ -197,7 +197,7 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
                     let inverse = Mat2::new(m11, m12, m21, m22);
                     let [m11, m21, m12, m22] = Wide::load_quads(set, now, part);
                     let parts = Parts::of(Mat2::new(m11, m12, m21, m22).times(inverse));
-                    let moduli = law.moduli(&parts);
+                    let moduli = density.moduli(&parts);
                     let moduli = if let Some(factor) = negative { moduli.with_negative_times(factor) } else { moduli };
                     let moduli = moduli.times(Wide::load(set, scale, part));
                     for (out, block) in out.iter_mut().zip(corner_blocks(&parts, &moduli, inverse)) {

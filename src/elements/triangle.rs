@@ -1,7 +1,7 @@
 //! Linear triangle elements.
 
 use super::{
-    Accumulator, Adding, Kicking,
+    Accumulator, Adding, EulerUpdate,
     blocks::{self, Blocks, Both, Elastic, StressModel},
     partitions::Partitions,
 };
@@ -191,7 +191,7 @@ impl Triangles {
     }
 
     /// Computes the elastic forces on this body's vertices and hands them out.
-    fn scatter(&self, target: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
+    fn scatter(&self, accumulator: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
         struct Visit<'a, T>(&'a Triangles, &'a mut T, &'a mut [f64]);
         impl<T: Accumulator> Visitor for Visit<'_, T> {
             type Output = f64;
@@ -199,12 +199,12 @@ impl Triangles {
                 self.0.assemble(Elastic(*material), self.1, self.2)
             }
         }
-        self.visit(Visit(self, target, scratch))
+        self.visit(Visit(self, accumulator, scratch))
     }
 
     /// Moves this body's vertices by its elastic and its viscous forces, both of which need scratch.
-    fn kick_damped(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) -> f64 {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut Kicking<'b>, &'a mut [f64]);
+    fn euler_update_damped(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) -> f64 {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut EulerUpdate<'b>, &'a mut [f64]);
         impl Visitor for Visit<'_, '_> {
             type Output = f64;
             fn visit<M: Material>(self, material: &M) -> f64 {
@@ -233,12 +233,12 @@ impl Triangles {
     /// needs scratch. Returns what these have [summed](Accumulator::sum).
     pub(crate) fn assemble<const N: usize>(
         &self,
-        laws: impl StressModel<N>,
-        target: &mut impl Accumulator<N>,
+        model: impl StressModel<N>,
+        accumulator: &mut impl Accumulator<N>,
         scratch: &mut [f64],
     ) -> f64 {
-        let mut own = target.part(self.vertices.clone());
-        self.partitions.assemble(laws, &self.blocks, &mut own, scratch)
+        let mut own = accumulator.view(self.vertices.clone());
+        self.partitions.assemble(model, &self.blocks, &mut own, scratch)
     }
 
     /// How many partitions several cores can share the work by.
@@ -305,12 +305,12 @@ impl Effect for Triangles {
         self.elastic_force(motion.x, scratch, force);
     }
 
-    fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+    fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
         let size = self.scratch();
         vertices.twice_kinetic += if vertices.uniform_force.stiffness_damping == 0.0 {
             self.scatter(vertices, &mut scratch[..size])
         } else {
-            self.kick_damped(vertices, &mut scratch[..2 * size])
+            self.euler_update_damped(vertices, &mut scratch[..2 * size])
         };
     }
 
@@ -341,8 +341,8 @@ impl Effect for Triangles {
         self.add_elastic_change([motion.x, d], scratch, product);
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        self.name_couples(add);
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.add_sparsity(add);
     }
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {

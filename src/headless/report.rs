@@ -2,7 +2,7 @@
 
 use super::{
     EndState,
-    paces::{PaceReport, paces},
+    paces::{SubstepReport, paces},
 };
 use crate::{
     files,
@@ -42,7 +42,7 @@ pub struct RunReport {
     /// Length of a step [s].
     pub step_seconds: f64,
     /// How each body and net stepped that went at its own pace; empty if all took the same steps.
-    pub paces: Vec<PaceReport>,
+    pub paces: Vec<SubstepReport>,
     /// Steps taken.
     pub steps: u64,
     /// Simulated time at the end [s].

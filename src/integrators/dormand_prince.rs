@@ -1,6 +1,6 @@
 //! Dormand-Prince method of order 5(4) with error control.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, memory, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, memory, parts, scatter};
 use crate::{
     quantity::{AbsoluteTolerance, Quantity, RelativeTolerance},
     state::State,
@@ -86,12 +86,12 @@ const LEAST: f64 = 1e-9;
 const MOST: u64 = 10_000;
 
 impl FirstOrder for DormandPrince {
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let [start, x, next, mut rates @ ..]: [&mut [f64]; 10] = parts(numbers, state.x.len() + state.v.len());
         gather(state, start);
         x.copy_from_slice(start);
-        let known = memory::holds(state, TAG, 2);
+        let known = memory::is_known(state, TAG, 2);
         let past = memory::open(state, TAG, 0.0, 2);
         let [mut length, mut before] = if known { [past[0].min(h), past[1]] } else { [h, 1e-4] };
         let mut counts = StepCounts { inner_steps: 0, ..StepCounts::ONE };

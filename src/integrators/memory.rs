@@ -8,13 +8,13 @@ use crate::state::State;
 const HEAD: usize = 4;
 
 /// Whether `count` numbers are remembered by the kind with this mark, for this step length and this state.
-pub(super) fn recall(state: &State, tag: f64, h: f64, count: usize) -> bool {
+pub(super) fn is_current(state: &State, tag: f64, h: f64, count: usize) -> bool {
     let [high, low] = fingerprint(state);
     state.memory.len() == HEAD + count && state.memory[..HEAD] == [tag, h, high, low]
 }
 
 /// Whether `count` numbers are remembered by the kind with this mark, for whatever step length and state.
-pub(super) fn holds(state: &State, tag: f64, count: usize) -> bool {
+pub(super) fn is_known(state: &State, tag: f64, count: usize) -> bool {
     state.memory.len() == HEAD + count && state.memory[0] == tag
 }
 

@@ -1,6 +1,7 @@
 //! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks an [`Ode`] for rates or
 //! a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
+mod active_set;
 mod axes;
 mod bdf2;
 mod dormand_prince;
@@ -12,7 +13,6 @@ mod implicit_midpoint;
 mod linearly_implicit_euler;
 mod memory;
 mod position_verlet;
-mod rest;
 mod runge_kutta4;
 mod symplectic_euler;
 mod system;
@@ -28,7 +28,7 @@ pub use linearly_implicit_euler::LinearlyImplicitEuler;
 pub use position_verlet::PositionVerlet;
 pub use runge_kutta4::RungeKutta4;
 pub use symplectic_euler::SymplecticEuler;
-pub use system::{Dynamics, Ode, Rates, kick_and_drift};
+pub use system::{Dynamics, Ode, Rates, symplectic_euler_update};
 pub use velocity_verlet::VelocityVerlet;
 
 use crate::{
@@ -113,28 +113,28 @@ pub enum Scheme<'a> {
 /// A scheme for any [`Ode`].
 pub trait FirstOrder {
     /// Advances the state by `h` [s].
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts;
 }
 
 /// A scheme for [`Dynamics`].
 pub trait SecondOrder {
     /// Advances the state by `h` [s].
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts;
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts;
 }
 
 impl dyn Integrator + '_ {
     /// Advances a system of second order by `h` [s]: every scheme can.
-    pub fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+    pub fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         match self.scheme() {
-            Scheme::First(scheme) => scheme.step(&mut Rates(system), state, work, h),
-            Scheme::Second(scheme) => scheme.step(system, state, work, h),
+            Scheme::First(scheme) => scheme.step(&mut Rates(system), state, workspace, h),
+            Scheme::Second(scheme) => scheme.step(system, state, workspace, h),
         }
     }
 }
 
 /// What is kept between steps so that none after the first allocates; nothing in it changes what a step computes.
 #[derive(Default)]
-pub struct Work {
+pub struct Workspace {
     numbers: Vec<f64>,
     spare: Vec<f64>,
     past: Vec<f64>,
@@ -143,10 +143,10 @@ pub struct Work {
     newton: Newton,
 }
 
-impl Work {
+impl Workspace {
     /// For schemes that solve linear systems in this way.
-    pub fn new(path: LinearSolver) -> Self {
-        Self { newton: Newton::new(path), ..Self::default() }
+    pub fn new(linear_solver: LinearSolver) -> Self {
+        Self { newton: Newton::new(linear_solver), ..Self::default() }
     }
 
     /// Forgets which vertices are coupled: for a new scene.

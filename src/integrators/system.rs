@@ -29,9 +29,9 @@ pub trait Dynamics {
 
     /// Moves everything by `v += h f(x, v)/m`, then `x += h v`. `force` is scratch of the same length. A system may do so while its
     /// forces are still near the processor.
-    fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+    fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
         self.force(x, v, force);
-        kick_and_drift(x, v, force, self.inverse_mass(), h);
+        symplectic_euler_update(x, v, force, self.inverse_mass(), h);
     }
 
     /// Mass [kg] for each number.
@@ -45,7 +45,7 @@ pub trait Dynamics {
 
     /// Names every couple of different vertices (two numbers each) whose forces depend on each other, in the order in
     /// which [`Self::add_stiffness`] adds their blocks.
-    fn couples(&self, add: &mut dyn FnMut(u32, u32));
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
@@ -62,19 +62,19 @@ pub trait Dynamics {
     }
 
     /// Whether [`Self::constrain`] also acts along the surfaces it stops things at.
-    fn grips(&self) -> bool {
+    fn has_friction(&self) -> bool {
         true
     }
 
     /// Takes from velocities `v` [m/s] what leads into walls that are touched where a step begins, at positions and velocities
     /// `before`, by what faces them. `x` is scratch of the same length: where it is not as before there is more to it. Returns
     /// whether no wall moves, and nothing that faces one is inside it.
-    fn rest(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
+    fn project_contact_velocity(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
         false
     }
 
     /// Forgets what was booked in this step, as it is solved anew.
-    fn start_over(&mut self) {}
+    fn discard_records(&mut self) {}
 
     /// Changes positions and velocities at the end of a step that are not allowed, seen from those at its beginning.
     /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the
@@ -83,7 +83,7 @@ pub trait Dynamics {
 }
 
 /// `v += h f/m`, then `x += h v`.
-pub fn kick_and_drift(x: &mut [f64], v: &mut [f64], force: &[f64], inverse_mass: &[f64], h: f64) {
+pub fn symplectic_euler_update(x: &mut [f64], v: &mut [f64], force: &[f64], inverse_mass: &[f64], h: f64) {
     pulp::Arch::new().dispatch(|| {
         for (((x, v), f), inverse_mass) in x.iter_mut().zip(&mut *v).zip(force).zip(inverse_mass) {
             *v += h * f * inverse_mass;

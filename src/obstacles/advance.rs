@@ -10,17 +10,17 @@ use parry2d::{
 /// Most advances for one way; to stop at any of them is safe. Straight sides need one or two, round ones a few more.
 const MOST: usize = 32;
 
-/// The share of the way `from + t way` at which a point comes within half a skin of all points at `radius` from a segment,
+/// The share of the way `from + t displacement` at which a point comes within half a skin of all points at `radius` from a segment,
 /// and the normal there; `None` if it does not.
-pub fn point(side: &Segment, radius: f64, skin: f64, from: Vector, way: Vector) -> Option<(f64, Vector)> {
+pub fn point(side: &Segment, radius: f64, offset: f64, from: Vector, displacement: Vector) -> Option<(f64, Vector)> {
     let mut t = 0.0;
     let mut touch = None;
     for _ in 0..MOST {
-        let at = from + way * t;
+        let at = from + displacement * t;
         let away = at - side.project_local_point(at, false).point;
         let normal = away.try_normalize()?;
-        let gap = away.dot(normal) - radius - 0.5 * skin;
-        let (ends, next) = ahead(gap, -way.dot(normal), skin, t)?;
+        let gap = away.dot(normal) - radius - 0.5 * offset;
+        let (ends, next) = ahead(gap, -displacement.dot(normal), offset, t)?;
         touch = Some((t, normal));
         if ends {
             break;
@@ -32,17 +32,17 @@ pub fn point(side: &Segment, radius: f64, skin: f64, from: Vector, way: Vector) 
 
 /// The same for an edge, whose ends move from one place to another, that comes within half a skin of all points at `radius`
 /// from a point; the normal points from the edge to the point.
-pub fn edge(from: [Vector; 2], to: [Vector; 2], middle: Vector, radius: f64, skin: f64) -> Option<(f64, Vector)> {
-    let way = [to[0] - from[0], to[1] - from[1]];
+pub fn edge(from: [Vector; 2], to: [Vector; 2], middle: Vector, radius: f64, offset: f64) -> Option<(f64, Vector)> {
+    let displacement = [to[0] - from[0], to[1] - from[1]];
     let mut t = 0.0;
     let mut touch = None;
     for _ in 0..MOST {
-        let at = [from[0] + way[0] * t, from[1] + way[1] * t];
+        let at = [from[0] + displacement[0] * t, from[1] + displacement[1] * t];
         let normal = seen(at, middle)?.normal;
         // Both ends stay behind the line across until the first of them gets there.
         let next = |end: usize| {
-            let gap = (middle - at[end]).dot(normal) - radius - 0.5 * skin;
-            ahead(gap, way[end].dot(normal), skin, t)
+            let gap = (middle - at[end]).dot(normal) - radius - 0.5 * offset;
+            ahead(gap, displacement[end].dot(normal), offset, t)
         };
         let first = match (next(0), next(1)) {
             (Some(a), Some(b)) => Some(if a.1 < b.1 { a } else { b }),
@@ -87,7 +87,7 @@ pub fn seen(ends: [Vector; 2], point: Vector) -> Option<Seen> {
 }
 
 /// Whether the way ends here, a tenth of a skin before the touch, and the next safe share; `None` if the end is safe.
-fn ahead(gap: f64, approach: f64, skin: f64, t: f64) -> Option<(bool, f64)> {
+fn ahead(gap: f64, approach: f64, offset: f64, t: f64) -> Option<(bool, f64)> {
     let next = t + gap.max(0.0) / approach;
-    (approach > 0.0 && next < 1.0).then_some((gap <= 0.1 * skin, next))
+    (approach > 0.0 && next < 1.0).then_some((gap <= 0.1 * offset, next))
 }

@@ -1,5 +1,5 @@
 use super::{
-    Carry, Inside, Rise, Start, Surface,
+    DepenetrationStep, Inside, Start, Surface, SweptMotion,
     advance::{self, Seen},
 };
 use parry2d::math::Vector;
@@ -12,16 +12,16 @@ pub struct Corner {
     /// Radius of its rounding [m].
     pub radius: f64,
     /// How near an edge feels it [m].
-    pub reach: f64,
+    pub margin: f64,
     /// How near an edge may come [m].
-    pub skin: f64,
+    pub offset: f64,
 }
 
 impl Corner {
     /// Whether it is within its reach of a box.
     fn is_near(&self, [least, greatest]: [Vector; 2]) -> bool {
-        let (middle, reach) = (Vector::from(self.middle), Vector::splat(self.radius + self.reach));
-        middle.cmpge(least - reach).all() && middle.cmple(greatest + reach).all()
+        let (middle, margin) = (Vector::from(self.middle), Vector::splat(self.radius + self.margin));
+        middle.cmpge(least - margin).all() && middle.cmple(greatest + margin).all()
     }
 }
 
@@ -29,7 +29,7 @@ impl Corner {
 struct Edge<'a> {
     start: &'a Start<'a>,
     /// How the corner moves.
-    carry: &'a Carry,
+    swept_motion: &'a SweptMotion,
     vertices: [usize; 2],
     /// The ends at the start, carried along with the corner.
     from: [Vector; 2],
@@ -46,13 +46,13 @@ fn put(values: &mut [f64], vertex: usize, value: Vector) {
 }
 
 impl<'a> Edge<'a> {
-    fn new((start, carry): (&'a Start<'a>, &'a Carry), edge: [u32; 2], x: &[f64]) -> Self {
+    fn new((start, swept_motion): (&'a Start<'a>, &'a SweptMotion), edge: [u32; 2], x: &[f64]) -> Self {
         let vertices = edge.map(|vertex| vertex as usize);
         Self {
             start,
-            carry,
+            swept_motion,
             vertices,
-            from: vertices.map(|vertex| carry.place(at(start.x, vertex).into()).into()),
+            from: vertices.map(|vertex| swept_motion.place(at(start.x, vertex).into()).into()),
             to: vertices.map(|vertex| at(x, vertex)),
         }
     }
@@ -71,7 +71,7 @@ impl<'a> Edge<'a> {
 
     /// Whether a corner in this direction may enter the body, which is on its way past it.
     fn lets_in(&self, normal: Vector) -> bool {
-        self.start.overlap(self.vertices[0]).is_some_and(|overlap| overlap.lets_in((-normal).into()))
+        self.start.penetration(self.vertices[0]).is_some_and(|penetration| penetration.lets_in((-normal).into()))
     }
 
     /// How far a unit impulse in a direction moves that point in that direction [1/kg].
@@ -95,22 +95,22 @@ impl<'a> Edge<'a> {
 
     /// Takes the velocity towards a corner from that point, which friction and restitution share in; returns the share of
     /// tangential velocity that is left.
-    fn answer(
+    fn impact_response(
         &self,
         corner: &Corner,
         v: &mut [f64],
         (along, normal): (f64, Vector),
-        rise: Option<Rise>,
+        step: Option<DepenetrationStep>,
     ) -> Option<f64> {
-        let wall = Vector::from(self.carry.velocity_at(corner.middle));
-        let wall = rise.map_or(wall, |rise| wall - normal * rise.speed);
+        let wall = Vector::from(self.swept_motion.velocity_at(corner.middle));
+        let wall = step.map_or(wall, |step| wall - normal * step.speed);
         let free = self.mean(v, along) - wall;
         let (start_x, start_v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
-        let before = self.carry.relative(start_v.into(), start_x.into());
+        let before = self.swept_motion.relative(start_v.into(), start_x.into());
         let mut after: [f64; 2] = free.into();
         let surface = self.start.surface_at(self.vertices[0]);
-        let surface = if rise.is_some() { Surface { restitution: 0.0, ..surface } } else { surface };
-        let kept = surface.answer((-normal).into(), before, &mut after)?;
+        let surface = if step.is_some() { Surface { restitution: 0.0, ..surface } } else { surface };
+        let kept = surface.impact_response((-normal).into(), before, &mut after)?;
         let change = Vector::from(after) - free;
         let tangent = normal.perp();
         let ends = self.vertices.map(|vertex| at(v, vertex));
@@ -127,10 +127,15 @@ impl<'a> Edge<'a> {
     }
 
     /// How the edge comes out if that point of it begins inside the rounding of a corner, by a negative gap [m].
-    fn rise(&self, corner: &Corner, (along, normal): (f64, Vector), gap: f64) -> Option<Rise> {
+    fn depenetration_step(
+        &self,
+        corner: &Corner,
+        (along, normal): (f64, Vector),
+        gap: f64,
+    ) -> Option<DepenetrationStep> {
         let (x, v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
-        let outwards = -Vector::from(self.carry.relative(v.into(), x.into())).dot(normal);
-        self.start.rise(self.vertices[0], gap, outwards, corner.skin)
+        let outwards = -Vector::from(self.swept_motion.relative(v.into(), x.into())).dot(normal);
+        self.start.depenetration_step(self.vertices[0], gap, outwards, corner.offset)
     }
 
     /// Stops the edge where a corner is near from the beginning.
@@ -140,25 +145,25 @@ impl<'a> Edge<'a> {
         };
         let gap = distance - corner.radius;
         // The ends are vertices, which the obstacle stops itself.
-        if gap >= corner.reach || along <= 0.0 || along >= 1.0 || self.lets_in(normal) {
+        if gap >= corner.margin || along <= 0.0 || along >= 1.0 || self.lets_in(normal) {
             return false;
         }
-        let rise = self.rise(corner, (along, normal), gap);
-        if rise.is_some_and(|rise| rise.speed == 0.0) && !self.carry.is_still() {
+        let step = self.depenetration_step(corner, (along, normal), gap);
+        if step.is_some_and(|step| step.speed == 0.0) && !self.swept_motion.is_still() {
             return false;
         }
-        let moves = rise.is_some() && self.mobility(along, normal) > 0.0;
+        let moves = step.is_some() && self.mobility(along, normal) > 0.0;
         if moves {
-            let stays = rise.is_some_and(|rise| rise.speed == 0.0);
-            self.start.note_inside(if stays { Inside::Stays } else { Inside::ComesOut });
+            let stays = step.is_some_and(|step| step.speed == 0.0);
+            self.start.record_inside(if stays { Inside::Stays } else { Inside::ComesOut });
         }
-        let kept = self.answer(corner, v, (along, normal), rise);
-        let way = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
-        let least = rise.map_or((corner.skin - gap).max(0.0), |rise| rise.length);
-        let excess = way.dot(normal) + least;
+        let kept = self.impact_response(corner, v, (along, normal), step);
+        let displacement = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
+        let least = step.map_or((corner.offset - gap).max(0.0), |step| step.length);
+        let excess = displacement.dot(normal) + least;
         if let Some(kept) = kept {
             let tangent = normal.perp();
-            self.shift(x, along, tangent, (kept - 1.0) * way.dot(tangent));
+            self.shift(x, along, tangent, (kept - 1.0) * displacement.dot(tangent));
         }
         self.shift(x, along, normal, -excess.max(0.0));
         kept.is_some() || excess > 0.0
@@ -167,14 +172,14 @@ impl<'a> Edge<'a> {
     /// Stops the edge where it would first touch a corner on its way.
     fn stop(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
         let middle = Vector::from(corner.middle);
-        let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.skin) else {
+        let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.offset) else {
             return false;
         };
         // One that comes out from inside goes on from there.
         let comes_out = || {
             let seen = advance::seen(self.from, middle);
             seen.is_some_and(|seen| {
-                self.rise(corner, (seen.along, seen.normal), seen.distance - corner.radius).is_some()
+                self.depenetration_step(corner, (seen.along, seen.normal), seen.distance - corner.radius).is_some()
             })
         };
         if self.lets_in(normal) || (share == 0.0 && comes_out()) {
@@ -182,7 +187,7 @@ impl<'a> Edge<'a> {
         }
         let reached = [0, 1].map(|end| self.from[end] + (self.to[end] - self.from[end]) * share);
         if let Some(Seen { along, .. }) = advance::seen(reached, middle) {
-            self.answer(corner, v, (along, normal), None);
+            self.impact_response(corner, v, (along, normal), None);
         }
         for (vertex, reached) in self.vertices.into_iter().zip(reached) {
             // What is held stays where it is, also when a corner comes to it.
@@ -190,7 +195,7 @@ impl<'a> Edge<'a> {
             put(x, vertex, Vector::select(free, reached, at(x, vertex)));
             if share == 0.0 {
                 // What cannot move at all has no speed to gather.
-                let wall = Vector::from(self.carry.velocity_at(reached.into()));
+                let wall = Vector::from(self.swept_motion.velocity_at(reached.into()));
                 put(v, vertex, Vector::select(free, wall, at(v, vertex)));
             }
         }
@@ -200,25 +205,25 @@ impl<'a> Edge<'a> {
 
 /// The corners of an obstacle and how they move, the edges of bodies, and least and greatest corner of a box around the ways
 /// of all edges.
-pub type Bodies<'a> = (&'a [Corner], &'a Carry, &'a [[u32; 2]], [[f64; 2]; 2]);
+pub type Bodies<'a> = (&'a [Corner], &'a SweptMotion, &'a [[u32; 2]], [[f64; 2]; 2]);
 
-/// Calls `act` for every edge and every corner near its way; returns how many edges it changed.
+/// Calls `visit` for every edge and every corner near its way; returns how many edges it changed.
 fn each<'a>(
-    (corners, carry, edges, bounds): Bodies<'a>,
+    (corners, swept_motion, edges, bounds): Bodies<'a>,
     start: &'a Start<'a>,
     x: &mut [f64],
     v: &mut [f64],
-    act: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
+    visit: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
 ) -> usize {
     let mut touched = 0;
-    let corners = corners.iter().map(|corner| carry.corner(corner));
+    let corners = corners.iter().map(|corner| swept_motion.corner(corner));
     for corner in corners.filter(|corner| corner.is_near(bounds.map(Vector::from))) {
         let mut free = None;
-        let is_free = || !is_inside(carry.place_back(corner.middle), edges, start.x);
+        let is_free = || !is_inside(swept_motion.place_back(corner.middle), edges, start.x);
         for &vertices in edges {
-            let edge = Edge::new((start, carry), vertices, x);
+            let edge = Edge::new((start, swept_motion), vertices, x);
             if edge.is_near(&corner) && *free.get_or_insert_with(is_free) {
-                touched += usize::from(act(&edge, &corner, x, v));
+                touched += usize::from(visit(&edge, &corner, x, v));
             }
         }
     }

@@ -8,33 +8,35 @@
 
 mod advance;
 mod ball;
-mod carry;
+mod contact_query;
 mod corner;
 mod cuboid;
-mod encounter;
-mod exit;
-mod meet;
+mod depenetration;
 mod motions;
 mod moving;
+mod penetration;
 mod plane;
 mod polygon;
+mod resolve;
 mod solid;
 mod surface;
-mod ways;
+mod swept_motion;
 
 pub use ball::Ball;
-pub use carry::{Carry, Rigid};
+pub use contact_query::ContactQuery;
 pub use corner::Corner;
 pub use cuboid::Cuboid;
-pub use encounter::Encounter;
-pub use exit::{Exit, Inside, Name, Noted, Overlap, Rise, Touching, exit_of};
-pub use meet::bring_out;
+pub use depenetration::find_penetrations;
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
-pub use plane::{Plane, STEEP, room};
+pub use penetration::{
+    ContactCache, Depenetration, DepenetrationStep, Inside, Name, Penetration, Touching, depenetration_of,
+};
+pub use plane::{Plane, STEEP, free_region};
 pub use polygon::Polygon;
+pub use resolve::push_out_vertex;
 pub use surface::Surface;
-pub use ways::find_ways;
+pub use swept_motion::{Rigid, SweptMotion};
 
 use crate::{quantity::Quantity, registry::registry};
 use std::cell::Cell;
@@ -126,15 +128,15 @@ pub struct Start<'a> {
     /// Where the work of obstacles that move is added up [J].
     pub supplied: &'a Cell<f64>,
     /// How fast vertices leave what they begin inside of.
-    pub exits: &'a [Exit],
+    pub depenetrations: &'a [Depenetration],
     /// Which effect the obstacle at hand belongs to.
     pub effect: usize,
     /// Which vertices touch the obstacle at hand.
     pub touching: &'a [Touching],
     /// Who begins inside of it, and the way out.
-    pub overlaps: &'a [Overlap],
+    pub penetrations: &'a [Penetration],
     /// The same of all obstacles.
-    pub noted: &'a Noted,
+    pub contact_cache: &'a ContactCache,
     /// Where it is noted that something began inside anything.
     pub inside: &'a Cell<Inside>,
 }
@@ -175,28 +177,28 @@ pub trait Obstacle: Send + Sync {
 
     /// Whether a point on a way between two corners could ever be within eps: now or at any later time, so that an obstacle
     /// that moves answers for all the places it gets to. Where it says no, a step need not ask again.
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
 
     /// eps [m].
-    fn reach(&self) -> f64;
+    fn margin(&self) -> f64;
 
     /// How far from the surface a vertex is put that would be nearer or inside [m].
-    fn skin(&self) -> f64 {
+    fn offset(&self) -> f64 {
         0.0
     }
 
     /// Where a point outside that goes a way first touches, as a share of the way and the normal there. What is not there
     /// for a half-plane: whoever ends outside it never was inside.
-    fn cast(&self, _from: [f64; 2], _way: [f64; 2]) -> Option<(f64, [f64; 2])> {
+    fn cast(&self, _from: [f64; 2], _displacement: [f64; 2]) -> Option<(f64, [f64; 2])> {
         None
     }
 
     /// How far a point has to go in a direction to be past it [m], if it is inside, or before what is solid; infinite if that
     /// leads ever deeper into a half-plane.
-    fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64>;
+    fn depenetration_distance(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64>;
 
     /// Calls `act` with unit vectors along ways out of it.
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2]));
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2]));
 
     /// Whether it is bounded, so that ways lead out of it to all sides.
     fn is_solid(&self) -> bool {
@@ -222,20 +224,20 @@ pub trait Obstacle: Send + Sync {
     }
 
     /// Stops vertices that would come too near in a step that would end at positions x with velocities v: the velocity
-    /// inwards is removed, and so is the way inwards, as [`Surface::answer`] says. Motion outwards stays, so that nothing
+    /// inwards is removed, and so is the way inwards, as [`Surface::impact_response`] says. Motion outwards stays, so that nothing
     /// sticks. Returns the number of vertices touched.
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let reach = self.reach() * self.reach();
+        let margin = self.margin() * self.margin();
         let mut touching = start.touching.iter().peekable();
         let mut touched = 0;
         for (vertex, ((from, x), v)) in
             start.x.chunks_exact(2).zip(x.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate()
         {
             let begun = touching.next_if(|touching| touching.vertex == vertex).map(|touching| touching.contact);
-            let way = [x[0] - from[0], x[1] - from[1]];
+            let displacement = [x[0] - from[0], x[1] - from[1]];
             // From beyond eps, a shorter way does not reach the surface.
-            if begun.is_some() || way[0] * way[0] + way[1] * way[1] >= reach {
-                touched += usize::from(meet::meet(self, start, (vertex, begun), x, v));
+            if begun.is_some() || displacement[0] * displacement[0] + displacement[1] * displacement[1] >= margin {
+                touched += usize::from(resolve::resolve_contact(self, start, (vertex, begun), x, v));
             }
         }
         touched

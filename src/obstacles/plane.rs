@@ -78,21 +78,21 @@ impl Obstacle for Wall {
         self.contact([x, y]).is_some()
     }
 
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         self.is_near(least, greatest)
     }
 
-    fn reach(&self) -> f64 {
+    fn margin(&self) -> f64 {
         self.eps
     }
 
-    fn way_past(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
+    fn depenetration_distance(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
         let depth = -self.contact(point)?.distance;
         let along = Vector::new(dx, dy).dot(self.shape.normal);
         (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
     }
 
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
         act([self.shape.normal.x, self.shape.normal.y]);
     }
 }
@@ -100,7 +100,7 @@ impl Obstacle for Wall {
 /// The part of a rectangle that the planes leave free, eps kept clear: a convex polygon, counter-clockwise.
 ///
 /// Each plane cuts the polygon that the earlier ones left (Sutherland and Hodgman, 1974).
-pub fn room<'a>(planes: impl Iterator<Item = &'a Plane>, least: [f64; 2], greatest: [f64; 2]) -> Vec<[f64; 2]> {
+pub fn free_region<'a>(planes: impl Iterator<Item = &'a Plane>, least: [f64; 2], greatest: [f64; 2]) -> Vec<[f64; 2]> {
     let mut polygon = vec![least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
     for plane in planes {
         let Some(normal) = plane.unit_normal() else { continue };

@@ -27,7 +27,7 @@ pub struct Solid<S> {
 /// The least eps as a share of the size.
 const LEAST: f64 = 1e-4;
 /// How far from the surface vertices are kept, as a share of eps.
-const SKIN: f64 = 1e-3;
+const OFFSET: f64 = 1e-3;
 
 impl<S: Shape> Solid<S> {
     /// The shape moved to a point, with its reach [m].
@@ -46,7 +46,7 @@ impl<S: Shape> Solid<S> {
         self.radius = radius;
         let around = self.rim.iter().map(|side| side.local_aabb().loosened(radius + self.eps));
         self.around = Bvh::from_leaves(BvhBuildStrategy::Binned, &around.collect::<Vec<_>>());
-        let corner = |&middle: &[f64; 2]| Corner { middle, radius, reach: self.eps, skin: SKIN * self.eps };
+        let corner = |&middle: &[f64; 2]| Corner { middle, radius, margin: self.eps, offset: OFFSET * self.eps };
         self.corners = corners.iter().map(corner).collect();
         self
     }
@@ -101,45 +101,46 @@ impl<S: Shape> Obstacle for Solid<S> {
     }
 
     /// What is away from the surface is clear of it if it lies outside.
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         let [least, greatest] = [least, greatest].map(Vector::from);
         let bounds = Aabb::new(least, greatest);
         self.near.intersects(&bounds)
             && (self.around.intersect_aabb(&bounds).next().is_some() || self.nearest(least).1 < self.eps)
     }
 
-    fn reach(&self) -> f64 {
+    fn margin(&self) -> f64 {
         self.eps
     }
 
-    fn skin(&self) -> f64 {
-        SKIN * self.eps
+    fn offset(&self) -> f64 {
+        OFFSET * self.eps
     }
 
     fn cast(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        let (from, way) = (Vector::new(x, y), Vector::new(dx, dy));
+        let (from, direction) = (Vector::new(x, y), Vector::new(dx, dy));
         // A step that blew up is for others to notice; geometry has no answer for it.
-        if !(from + way).is_finite() {
+        if !(from + direction).is_finite() {
             return None;
         }
-        let path = Aabb::new(from.min(from + way), from.max(from + way)).loosened(self.radius + self.skin());
+        let path =
+            Aabb::new(from.min(from + direction), from.max(from + direction)).loosened(self.radius + self.offset());
         if !self.near.intersects(&path) {
             return None;
         }
         let sides = self.rim.iter().filter(|side| side.local_aabb().intersects(&path));
-        let touches = sides.filter_map(|side| advance::point(side, self.radius, self.skin(), from, way));
+        let touches = sides.filter_map(|side| advance::point(side, self.radius, self.offset(), from, direction));
         let first = touches.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
         let normal = snapped(first.1);
         Some((first.0, [normal.x, normal.y]))
     }
 
     /// Out of it is the first touch from inside; from before it, the second.
-    fn way_past(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
-        let (point, way) = (Vector::new(x, y), Vector::new(dx, dy));
+    fn depenetration_distance(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
+        let (point, direction) = (Vector::new(x, y), Vector::new(dx, dy));
         let size = self.near.half_extents().length();
         let far = size + (point - self.near.center()).length();
         let next = |from: f64| {
-            let ray = Ray::new(point + way * from, way);
+            let ray = Ray::new(point + direction * from, direction);
             RayCast::cast_ray(&self.shape, &self.pose, &ray, far, false).map(|length| from + length)
         };
         let first = next(0.0)?;
@@ -148,7 +149,7 @@ impl<S: Shape> Obstacle for Solid<S> {
     }
 
     /// Across its sides, if they are not too many; a round one has eight.
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
         const MOST: usize = 16;
         for side in self.rim.iter().step_by(self.rim.len().div_ceil(MOST).max(1)) {
             let across = -(side.b - side.a).perp();

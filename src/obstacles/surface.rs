@@ -17,7 +17,7 @@ impl Surface {
     /// What is given back is measured by the velocity at the beginning of the step, if that is smaller: what forces added
     /// within the step is not returned, so that what rests comes to rest, and no bounce gains energy.
     #[inline]
-    pub fn answer(self, [nx, ny]: [f64; 2], before: [f64; 2], v: &mut [f64; 2]) -> Option<f64> {
+    pub fn impact_response(self, [nx, ny]: [f64; 2], before: [f64; 2], v: &mut [f64; 2]) -> Option<f64> {
         let across = v[0] * nx + v[1] * ny;
         if across >= 0.0 || across.is_nan() {
             return None;

@@ -87,7 +87,7 @@ fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
 /// Which effects of a level say what touching does, and whether there is anything to touch.
 #[derive(Default)]
 struct Touching {
-    coatings: Vec<&'static str>,
+    surface_effects: Vec<&'static str>,
     constraints: bool,
 }
 
@@ -97,14 +97,14 @@ impl Touching {
         let mut surface = Surface::default();
         effect.set_surface(&mut surface);
         if surface != Surface::default() {
-            self.coatings.push(effect.name());
+            self.surface_effects.push(effect.name());
         }
         self.constraints |= effect.constrains();
     }
 
     /// What a person should know.
     fn messages(self) -> impl Iterator<Item = String> {
-        let idle = if self.constraints { Vec::new() } else { self.coatings };
+        let idle = if self.constraints { Vec::new() } else { self.surface_effects };
         idle.into_iter().map(|name| format!("{name} needs walls or a domain boundary: without them nothing touches"))
     }
 }

@@ -3,10 +3,10 @@
 use super::Scene;
 
 /// A body or net that stores more than so many times its energy at a strain of one has exploded.
-const FAR: f64 = 100.0;
+const EXPLODED: f64 = 100.0;
 
 /// With many triangles inside out, so many times is enough.
-const INVERTED: f64 = 10.0;
+const EXPLODED_INVERTED: f64 = 10.0;
 
 /// One triangle of so many inside out is many.
 const MANY: usize = 20;
@@ -26,7 +26,7 @@ impl Scene {
         } else {
             return false;
         };
-        let times = if inverted * MANY > triangles { INVERTED } else { FAR };
+        let times = if inverted * MANY > triangles { EXPLODED_INVERTED } else { EXPLODED };
         scale > 0.0 && (energy > times * scale || energy.is_nan())
     }
 

@@ -2,12 +2,12 @@
 //! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
 
 mod constrained;
+mod depenetration;
 mod effects;
-mod exits;
 mod exploded;
 mod names;
 mod net;
-mod order;
+mod renumbering;
 mod start;
 mod sub_scene;
 mod warnings;
@@ -22,7 +22,7 @@ use crate::{
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Toggle},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
-    obstacles::Exit,
+    obstacles::Depenetration,
     quantity::Point,
     state::State,
     toys::ToyKind,
@@ -49,13 +49,13 @@ pub struct Scene {
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
     /// Vertices that slide along a side of their body, and the coordinate that is held (0 is x, 1 is y).
-    pub slides: Arc<Vec<(u32, usize)>>,
+    pub rollers: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Edges of all boundaries, with the body on their left.
     pub boundary: Arc<Vec<[u32; 2]>>,
     /// How fast bodies and then nets leave walls that they begin inside of.
-    pub exits: Vec<Exit>,
+    pub depenetrations: Vec<Depenetration>,
     /// Everything that acts, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
     /// Which of them may be passed over where they could change nothing.
@@ -69,7 +69,7 @@ pub struct Scene {
     /// Whether what has come to rest sleeps until something happens to it.
     pub sleep: bool,
     /// Each body and then each net by itself, where each may go at its own pace; nothing elsewhere.
-    pub alone: Vec<Arc<SubScene>>,
+    pub sub_scenes: Vec<Arc<SubScene>>,
     /// What was repaired while building, and other things worth knowing.
     pub messages: Vec<String>,
 }
@@ -184,17 +184,17 @@ impl Scene {
             mass: Vec::new(),
             inverse_mass: Vec::new(),
             pins: Arc::default(),
-            slides: Arc::default(),
+            rollers: Arc::default(),
             triangles: Arc::default(),
             boundary: Arc::default(),
-            exits: Vec::new(),
+            depenetrations: Vec::new(),
             effects: Vec::new(),
             auto: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
             guard: level.guard == Toggle::On,
             sleep: level.sleep == Toggle::On,
-            alone: Vec::new(),
+            sub_scenes: Vec::new(),
             messages: Vec::new(),
         };
         for body in &level.bodies {
@@ -207,10 +207,10 @@ impl Scene {
             scene.start.x.extend(toy.kind().exact(0.0));
         }
         scene.finish_masses();
-        scene.exits = scene.exits();
+        scene.depenetrations = scene.depenetrations();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
-        scene.part(level, mode, files, previous)?;
+        scene.build_sub_scenes(level, mode, files, previous)?;
         Ok(scene)
     }
 
@@ -235,7 +235,7 @@ impl Scene {
             v,
             time: saved.time.get(),
             steps: saved.steps,
-            calm: saved.calm.clone(),
+            slow_checks: saved.calm.clone(),
             memory: saved.memory.iter().map(|number| number.get()).collect(),
         })
     }
@@ -262,7 +262,7 @@ impl Scene {
             Arc::clone(&body.mesh)
         } else {
             let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            Arc::new(order::mesh(mesh))
+            Arc::new(renumbering::mesh(mesh))
         };
         let numbering = mesh.numbering();
         let first = self.rest.len() / 2;
@@ -286,14 +286,14 @@ impl Scene {
         }
         let masses = lumped(level.mass, &elements);
         let pins = pinned(&level.pins, rest, numbering)?;
-        let slides: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
+        let rollers: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
         let mut start = stretched(level, rest);
-        start::reshape(level.start, (&pins, &slides), numbering, &mut start);
+        start::reshape(level.start, (&pins, &rollers), numbering, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
-        Arc::make_mut(&mut self.slides).extend(slides.iter().map(|(slide, axis)| (slide + first as u32, *axis)));
+        Arc::make_mut(&mut self.rollers).extend(rollers.iter().map(|(slide, axis)| (slide + first as u32, *axis)));
         let (least, greatest) = extent(rest, 1);
         let top = on_edge(rest, 1, true).map(|i| i + first as u32).collect();
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
@@ -307,7 +307,7 @@ impl Scene {
     fn finish_masses(&mut self) {
         self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
         let pinned = self.pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
-        for (vertex, axis) in pinned.chain(self.slides.iter().copied()) {
+        for (vertex, axis) in pinned.chain(self.rollers.iter().copied()) {
             let number = 2 * vertex as usize + axis;
             self.inverse_mass[number] = 0.0;
             self.start.v[number] = 0.0;

@@ -6,13 +6,13 @@ use crate::{level::StartShape, meshes::Numbering, random};
 /// Puts the free vertices of a body, flat [m], where its start shape says. Random numbers are drawn in the order in which they are listed.
 pub(super) fn reshape(
     shape: StartShape,
-    (pins, slides): (&[u32], &[(u32, usize)]),
+    (pins, rollers): (&[u32], &[(u32, usize)]),
     numbering: &Numbering,
     x: &mut [f64],
 ) {
-    let held: Vec<(usize, f64)> = {
+    let constrained: Vec<(usize, f64)> = {
         let pinned = pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
-        let numbers = pinned.chain(slides.iter().copied()).map(|(vertex, axis)| 2 * vertex as usize + axis);
+        let numbers = pinned.chain(rollers.iter().copied()).map(|(vertex, axis)| 2 * vertex as usize + axis);
         numbers.map(|number| (number, x[number])).collect()
     };
     let bounds = [extent(x, 0), extent(x, 1)];
@@ -34,7 +34,7 @@ pub(super) fn reshape(
             map(x, numbering, middle, [1.0, -1.0], (seed, noise.get() * size(half)));
         }
     }
-    for (number, value) in held {
+    for (number, value) in constrained {
         x[number] = value;
     }
 }

@@ -4,7 +4,7 @@ use super::{Scene, SceneError};
 use crate::{
     elements::Elements,
     integrators::Class,
-    level::{EffectLevel, Level, Paces, RunMode, When},
+    level::{EffectLevel, Level, RunMode, SubstepMode, When},
     meshes::Files,
 };
 use std::{
@@ -35,14 +35,14 @@ impl SubScene {
 
 impl Scene {
     /// Builds bodies and nets by themselves where a level lets each go at its own pace. What has not changed is taken over.
-    pub(super) fn part(
+    pub(super) fn build_sub_scenes(
         &mut self,
         level: &Level,
         mode: RunMode,
         files: &dyn Files,
         previous: Option<&Self>,
     ) -> Result<(), SceneError> {
-        if level.paces == Paces::Same || self.integrator.kind().class() != Class::Explicit {
+        if level.paces == SubstepMode::Same || self.integrator.kind().class() != Class::Explicit {
             return Ok(());
         }
         let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {
@@ -55,7 +55,7 @@ impl Scene {
         });
         let there =
             |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
-        let mut alone = Vec::new();
+        let mut sub_scenes = Vec::new();
         for (number, (own, vertices, elements)) in bodies.chain(nets).enumerate() {
             // What has nothing to act on in it, as the compression guard in a net, is left out.
             let acting = level.effects.iter().filter(there).zip(self.element_count()..);
@@ -63,17 +63,17 @@ impl Scene {
             let (listed, numbers): (Vec<_>, Vec<_>) = acting.map(|(listed, number)| (listed.clone(), number)).unzip();
             let effects = std::iter::once(number).chain(numbers).collect::<Vec<_>>();
             let own = Level { mode, effects: listed, ..own };
-            let known = previous.and_then(|scene| scene.alone.get(number));
+            let known = previous.and_then(|scene| scene.sub_scenes.get(number));
             let same =
                 |known: &&Arc<SubScene>| (&known.level, &known.vertices, &known.effects) == (&own, &vertices, &effects);
             if let Some(known) = known.filter(same) {
-                alone.push(Arc::clone(known));
+                sub_scenes.push(Arc::clone(known));
                 continue;
             }
             let scene = Self::build(&own, mode, files, Some(self))?;
-            alone.push(Arc::new(SubScene { level: own, scene, vertices, effects, limit: OnceLock::new() }));
+            sub_scenes.push(Arc::new(SubScene { level: own, scene, vertices, effects, limit: OnceLock::new() }));
         }
-        self.alone = alone;
+        self.sub_scenes = sub_scenes;
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ fn skip(values: &[f64]) -> usize {
     values.as_ptr().align_offset(LINE).min(SPARE).min(values.len())
 }
 
-/// Numbers of one's own: the first begins a line of memory, and so many follow the last that from any of them on there are [`Near`] ones.
+/// Numbers of one's own: the first begins a line of memory, and so many follow the last that from any of them on there are [`Indexed16`] ones.
 #[derive(Debug, Default)]
 pub struct Lined {
     values: Vec<f64>,
@@ -28,7 +28,7 @@ impl Lined {
     pub fn fit(&mut self, count: usize) -> &mut [f64] {
         if self.count != count {
             // Zeros are asked for, not written: what is never touched takes no memory.
-            *self = Self { values: vec![0.0; count + NEAR + SPARE], count };
+            *self = Self { values: vec![0.0; count + INDEXED16 + SPARE], count };
         }
         &mut lined(&mut self.values)[..count]
     }
@@ -45,14 +45,14 @@ impl Lined {
 }
 
 /// As many numbers as places of 16 bits reach: where so many are there, nobody has to check a place.
-pub type Near = [f64; NEAR];
+pub type Indexed16 = [f64; INDEXED16];
 
 /// A vector begins at the last of these places at most.
-pub const NEAR: usize = u16::MAX as usize + 2;
+pub const INDEXED16: usize = u16::MAX as usize + 2;
 
 /// The vector at a place.
 #[inline(always)]
-pub fn vector(numbers: &Near, place: u16) -> [f64; 2] {
+pub fn vector(numbers: &Indexed16, place: u16) -> [f64; 2] {
     let place = usize::from(place);
     [numbers[place], numbers[place + 1]]
 }

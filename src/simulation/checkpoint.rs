@@ -42,9 +42,9 @@ impl Simulation {
         self.shape += 1;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
-        self.guard.book(self.checkpoint.guard.put_in());
-        self.scratch.work.forget();
-        self.scratch.room = -1.0;
+        self.guard.set_put_in(self.checkpoint.guard.put_in());
+        self.scratch.workspace.forget();
+        self.scratch.displacement_bound = -1.0;
         while self.state.steps < step {
             self.step();
         }

@@ -13,7 +13,7 @@ pub(super) struct Elastic {
     /// The shape that they belong to.
     shape: Option<u64>,
     /// How often they were computed for stepping: nobody had done it for drawing.
-    sweeps: u64,
+    evaluations: u64,
 }
 
 impl Simulation {
@@ -37,8 +37,8 @@ impl Simulation {
         let motion = self.scene.motion(&self.state, grab);
         let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
         if self.elastic.borrow().shape != Some(self.shape) {
-            self.learn(elements.iter().map(|effect| effect.energy(motion)));
-            self.elastic.borrow_mut().sweeps += 1;
+            self.set_elastic_energies(elements.iter().map(|effect| effect.energy(motion)));
+            self.elastic.borrow_mut().evaluations += 1;
         }
         let elastic = self.elastic.borrow().each.iter().sum();
         let potential = other.iter().map(|effect| effect.energy(motion)).sum();
@@ -71,7 +71,7 @@ impl Simulation {
     }
 
     /// Takes note of the elastic energies of the present shape [J]: of each body and then each net.
-    pub(crate) fn learn(&self, energies: impl Iterator<Item = f64>) {
+    pub(crate) fn set_elastic_energies(&self, energies: impl Iterator<Item = f64>) {
         let mut elastic = self.elastic.borrow_mut();
         elastic.each.clear();
         elastic.each.extend(energies);
@@ -84,7 +84,7 @@ impl Simulation {
     }
 
     /// How often the elastic energy was computed for stepping so far; not where it was known from drawing.
-    pub fn energy_sweeps(&self) -> u64 {
-        self.elastic.borrow().sweeps
+    pub fn energy_evaluations(&self) -> u64 {
+        self.elastic.borrow().evaluations
     }
 }

@@ -163,7 +163,7 @@ impl Simulation {
             |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
         let state = self.scene.listed_state(state);
         Some(SavedState {
-            calm: state.calm.clone(),
+            calm: state.slow_checks.clone(),
             memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
             ..SavedState::new((state.steps, Time::new(state.time).ok()?), points(&state.x)?, points(&state.v)?)
         })

@@ -58,7 +58,7 @@ impl Script {
     }
 
     /// Where the vertex was taken hold of that is held by what has been performed, and where it is pulled to [m].
-    fn hold(&self) -> Option<([f64; 2], [f64; 2])> {
+    fn scripted_grab(&self) -> Option<([f64; 2], [f64; 2])> {
         let last = self.due.checked_sub(1)?;
         let latest = |scripted: &ScriptedAction| scripted.count(last).checked_sub(1).map(|count| scripted.begin(count));
         let holds =
@@ -68,7 +68,7 @@ impl Script {
         let Action::Grab(point) = scripted.action else { return None };
         let (mut target, mut frame) = (point.get(), begun);
         while let Some(next) = self.next(frame).filter(|next| *next <= last) {
-            for (left, action) in self.going_on(next) {
+            for (left, action) in self.continuing_actions(next) {
                 if let Action::Pull { to, .. } = action {
                     target = pulled(target, to.get(), left);
                 }
@@ -97,7 +97,7 @@ impl Script {
     }
 
     /// The actions that go on in a frame, the earlier begun first: each with the number of frames left for it, this one included.
-    fn going_on(&self, frame: u64) -> Vec<(u64, &Action)> {
+    fn continuing_actions(&self, frame: u64) -> Vec<(u64, &Action)> {
         let mut found = Vec::new();
         for scripted in self
             .level
@@ -115,7 +115,7 @@ impl Script {
 }
 
 /// Takes the energies before and after a change from outside.
-type Book<'a> = &'a mut dyn FnMut(Energies, Energies);
+type EnergyListener<'a> = &'a mut dyn FnMut(Energies, Energies);
 
 impl Simulation {
     /// From now on performs the scripted actions of the level that the scene was built from, in the mode that it was built for. Those of
@@ -156,13 +156,13 @@ impl Simulation {
         Some((self.scene.listed_vertex(vertex)? as u32, Point::new(target).ok()?))
     }
 
-    /// Performs the scripted actions that are due, and tells `book` of the energies before and after each. [`Self::advance`] does so
+    /// Performs the scripted actions that are due, and tells `listener` of the energies before and after each. [`Self::advance`] does so
     /// by itself.
-    pub fn perform_due(&mut self, book: Book<'_>) {
+    pub fn perform_due(&mut self, listener: EnergyListener<'_>) {
         let Some(mut script) = self.script.take() else { return };
         let frame = self.frame();
         while let Some(next) = script.next(script.due).filter(|next| *next <= frame) {
-            self.perform(&mut script, next, book);
+            self.perform(&mut script, next, listener);
             script.due = next + 1;
         }
         script.set_due(script.due.max(frame + 1));
@@ -192,7 +192,7 @@ impl Simulation {
             self.state = state;
         }
         if self.grab.is_none()
-            && let Some((point, target)) = script.hold()
+            && let Some((point, target)) = script.scripted_grab()
             && let Some(vertex) = nearest_vertex(&self.state.x, point)
         {
             self.set_grab(Some(Grab { vertex, target }));
@@ -206,14 +206,14 @@ impl Simulation {
     }
 
     /// Changes something from outside.
-    fn change(&mut self, book: Book<'_>, change: impl FnOnce(&mut Self)) {
+    fn change(&mut self, listener: EnergyListener<'_>, change: impl FnOnce(&mut Self)) {
         let before = self.energies();
         change(self);
-        book(before, self.energies());
+        listener(before, self.energies());
     }
 
     /// Does a frame's part of all actions: what takes no time in the order of the level, then what goes on.
-    fn perform(&mut self, script: &mut Script, frame: u64, book: Book<'_>) {
+    fn perform(&mut self, script: &mut Script, frame: u64, listener: EnergyListener<'_>) {
         for number in 0..script.level.actions.len() {
             let scripted = &script.level.actions[number];
             if scripted.begins(frame..=frame).next().is_none() {
@@ -223,33 +223,33 @@ impl Simulation {
                 Action::Grab(point) => {
                     if let Some(vertex) = nearest_vertex(&self.state.x, point.get()) {
                         let target = [self.state.x[2 * vertex], self.state.x[2 * vertex + 1]];
-                        self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
+                        self.change(listener, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
-                Action::Release => self.change(book, |own| own.set_grab(None)),
+                Action::Release => self.change(listener, |own| own.set_grab(None)),
                 Action::FlipGravity => {
                     script.changes.flipped ^= true;
-                    self.change(book, |own| own.rebuild(script));
+                    self.change(listener, |own| own.rebuild(script));
                 }
                 Action::Free => {
                     script.changes.freed = true;
-                    self.change(book, |own| own.rebuild(script));
+                    self.change(listener, |own| own.rebuild(script));
                 }
                 Action::Pull { .. } | Action::Turn { .. } => {}
             }
         }
-        for (left, action) in script.going_on(frame) {
+        for (left, action) in script.continuing_actions(frame) {
             match *action {
                 Action::Pull { to, .. } => {
                     if let Some(Grab { vertex, target }) = self.grab {
                         let target = pulled(target, to.get(), left);
-                        self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
+                        self.change(listener, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
                 Action::Turn { side, by, over } => {
                     let angle = by.get().to_radians() / crate::level::frame(over).max(1) as f64;
                     let (state, grab) = (turned(&self.scene, &self.state, side, angle), self.grab);
-                    self.change(book, |own| {
+                    self.change(listener, |own| {
                         own.set_state(state);
                         own.set_grab(grab);
                     });

@@ -1,10 +1,10 @@
 //! A scene as a system for integrators.
 
 use crate::{
-    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    elements::{Kicking, UniformForce, make_room},
-    integrators::{Class, Dynamics, Work, kick_and_drift},
-    obstacles::{Encounter, Inside, Noted, Start, Surface, find_ways},
+    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR, around},
+    elements::{EulerUpdate, UniformForce, reserve_scratch},
+    integrators::{Class, Dynamics, Workspace, symplectic_euler_update},
+    obstacles::{ContactCache, ContactQuery, Inside, Start, Surface, find_penetrations},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
@@ -29,7 +29,7 @@ pub(super) struct Plan {
     /// What constrains.
     pub constraints: Vec<usize>,
     /// What has a say where constraints touch.
-    pub coatings: Vec<usize>,
+    pub surface_effects: Vec<usize>,
     /// Elements of what sleeps, which are not asked.
     pub sleeping: Vec<usize>,
     /// What touching does.
@@ -44,11 +44,11 @@ impl Plan {
         let mut plan = Self::default();
         let asleep = asleep.chain(std::iter::repeat(false));
         for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
-            let part = match (effect.constrains(), effect.coats()) {
+            let part = match (effect.constrains(), effect.is_surface_effect()) {
                 _ if asleep => &mut plan.sleeping,
                 _ if number < scene.element_count() => &mut plan.elements,
                 (true, _) => &mut plan.constraints,
-                (_, true) => &mut plan.coatings,
+                (_, true) => &mut plan.surface_effects,
                 _ => &mut plan.forces,
             };
             part.push(number);
@@ -65,7 +65,7 @@ impl Plan {
 #[derive(Default)]
 pub(super) struct Scratch {
     /// For the integrator.
-    pub work: Work,
+    pub workspace: Workspace,
     /// For the effects.
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
@@ -75,14 +75,14 @@ pub(super) struct Scratch {
     /// Whether something began deep inside one.
     pub inside: Inside,
     /// What is near which obstacle, and who began inside.
-    pub noted: Noted,
+    pub contact_cache: ContactCache,
     pub plan: Plan,
     /// 1/mass [1/kg] with zero for what sleeps, while something does.
-    pub held: Vec<f64>,
+    pub masked_inverse_mass: Vec<f64>,
     /// The box in which no constraint has anything to say, while all ways lie in it.
-    pub free: Option<Bounds>,
+    pub clear_box: Option<Bounds>,
     /// How far every vertex may still go before it has to be looked where they are; negative if it is not known [m].
-    pub room: f64,
+    pub displacement_bound: f64,
     /// The energy of motion after the step [J], if it came along.
     pub kinetic: Option<f64>,
     /// The least mass of what can move [kg].
@@ -95,10 +95,10 @@ pub(super) struct Scratch {
 
 impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
-        self.work.forget();
-        make_room(&mut self.effects, scene.scratch());
-        self.rest(scene, std::iter::empty());
-        (self.free, self.room, self.inside) = (None, -1.0, Inside::Nothing);
+        self.workspace.forget();
+        reserve_scratch(&mut self.effects, scene.scratch());
+        self.set_sleeping(scene, std::iter::empty());
+        (self.clear_box, self.displacement_bound, self.inside) = (None, -1.0, Inside::Nothing);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
         self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
@@ -111,29 +111,30 @@ impl Scratch {
     }
 
     /// Notes which bodies and nets of a scene sleep; none of their vertices is held yet.
-    pub fn rest(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
+    pub fn set_sleeping(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
         let plan = Plan::new(scene, asleep);
         if plan.sleeping != self.plan.sleeping {
             // Other vertices depend on each other now.
-            self.work.forget();
+            self.workspace.forget();
         }
         self.plan = plan;
-        self.held.clear();
+        self.masked_inverse_mass.clear();
         if !self.plan.sleeping.is_empty() {
-            self.held.extend_from_slice(&scene.inverse_mass);
+            self.masked_inverse_mass.extend_from_slice(&scene.inverse_mass);
         }
     }
 
     /// Holds vertices that sleep.
-    pub fn hold(&mut self, vertices: &Range<usize>) {
-        self.held[2 * vertices.start..2 * vertices.end].fill(0.0);
+    pub fn constrain_sleeping(&mut self, vertices: &Range<usize>) {
+        self.masked_inverse_mass[2 * vertices.start..2 * vertices.end].fill(0.0);
     }
 
     /// Takes off from the room what the fastest vertex may have gone in a step of length h [s]: its energy was not above all there
     /// was, and round-off is far below what is added for it. Less than nothing is left where that is not known.
-    pub fn shrink_room(&mut self, h: f64) {
+    pub fn reduce_displacement_bound(&mut self, h: f64) {
         let speed = (2.0 * self.kinetic.unwrap_or(f64::NAN) / self.lightest).sqrt();
-        self.room = if speed <= State::LIMIT { self.room - 1.000_001 * h * speed } else { -1.0 };
+        self.displacement_bound =
+            if speed <= State::LIMIT { self.displacement_bound - 1.000_001 * h * speed } else { -1.0 };
     }
 
     /// What acts everywhere just now, if nothing else does beside the elements, and nobody wants to know what each effect costs.
@@ -145,7 +146,7 @@ impl Scratch {
     }
 
     /// Runs one effect and books its time and, if it is a call of its own, its elements.
-    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
+    fn call_effect<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
         let start = self.timed.then(Instant::now);
         let result = run(&mut self.effects);
         let cost = &mut self.costs[number];
@@ -161,9 +162,9 @@ impl Scratch {
     /// Books that all constraints were passed over, and with them what has a say where they touch.
     pub fn pass_over_constraints(&mut self) {
         for number in &self.plan.constraints {
-            self.costs[*number].pass_over(OUT_OF_REACH);
+            self.costs[*number].pass_over(NO_OBSTACLE_NEAR);
         }
-        for number in &self.plan.coatings {
+        for number in &self.plan.surface_effects {
             let cost = &mut self.costs[*number];
             if cost.auto { cost.pass_over(NO_CONTACT) } else { cost.call(0) }
         }
@@ -188,26 +189,27 @@ impl System<'_> {
 
 impl System<'_> {
     /// Notes what touches which obstacle where a step begins that would end at positions x, and who begins inside.
-    fn look(&mut self, start: &Start<'_>, x: &[f64], noted: &mut Noted) {
-        noted.clear();
-        let ways = around(start.x, x);
+    fn find_contacts(&mut self, start: &Start<'_>, x: &[f64], contact_cache: &mut ContactCache) {
+        contact_cache.clear();
+        let swept_bounds = around(start.x, x);
         for turn in 0..self.scratch.plan.constraints.len() {
             let number = self.scratch.plan.constraints[turn];
             let effect = &self.scene.effects[number];
-            if !(self.scratch.costs[number].auto && effect.is_clear(ways)) {
-                let look = &mut |obstacle: Encounter<'_>| noted.look(&obstacle, start);
-                self.scratch.booked(number, None, |_| effect.encounters(number, start.time, ways, look));
+            if !(self.scratch.costs[number].auto && effect.is_clear(swept_bounds)) {
+                let record = &mut |obstacle: ContactQuery<'_>| contact_cache.record(&obstacle, start);
+                self.scratch
+                    .call_effect(number, None, |_| effect.contact_queries(number, start.time, swept_bounds, record));
             }
         }
-        if noted.is_inside() {
+        if contact_cache.is_inside() {
             // Anything may be in the way. That something is inside is rare enough to ask for memory.
             let anywhere = [[-State::LIMIT; 2], [State::LIMIT; 2]];
             let mut obstacles = Vec::new();
             for number in &self.scratch.plan.constraints {
                 let effect = &self.scene.effects[*number];
-                effect.encounters(*number, start.time, anywhere, &mut |obstacle| obstacles.push(obstacle));
+                effect.contact_queries(*number, start.time, anywhere, &mut |obstacle| obstacles.push(obstacle));
             }
-            find_ways(&obstacles, start, noted);
+            find_penetrations(&obstacles, start, contact_cache);
         }
     }
 }
@@ -220,7 +222,7 @@ fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effe
 
 impl System<'_> {
     /// Books a step in which the vertices are moved while the elements are swept over.
-    pub fn book_kick(&mut self, x: &[f64], v: &[f64]) {
+    pub fn count_euler_update(&mut self, x: &[f64], v: &[f64]) {
         let scene = self.scene;
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
@@ -260,7 +262,7 @@ impl Dynamics for System<'_> {
                 continue;
             }
             let (size, elements) = (effect.scratch(), Some(effect.elements(motion)));
-            self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
+            self.scratch.call_effect(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
     }
 
@@ -274,19 +276,19 @@ impl Dynamics for System<'_> {
     }
 
     /// Where nothing acts but elements and what does the same everywhere, the vertices are moved while the elements are swept over.
-    fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+    fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
         let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(x, v)) else {
             self.force(x, v, force);
-            return kick_and_drift(x, v, force, self.inverse_mass(), h);
+            return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
         };
-        self.book_kick(x, v);
+        self.count_euler_update(x, v);
         let scene = self.scene;
-        let Scratch { plan, held, effects, .. } = &mut *self.scratch;
-        let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
+        let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
+        let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
         let mut vertices =
-            Kicking { x, v, mass: &scene.mass, inverse_mass, uniform_force, step: h, twice_kinetic: 0.0 };
+            EulerUpdate { x, v, mass: &scene.mass, inverse_mass, uniform_force, step: h, twice_kinetic: 0.0 };
         for number in &plan.elements {
-            scene.effects[*number].kick(&mut vertices, effects);
+            scene.effects[*number].euler_update(&mut vertices, effects);
         }
         self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
     }
@@ -296,22 +298,26 @@ impl Dynamics for System<'_> {
     }
 
     fn inverse_mass(&self) -> &[f64] {
-        if self.scratch.held.is_empty() { &self.scene.inverse_mass } else { &self.scratch.held }
+        if self.scratch.masked_inverse_mass.is_empty() {
+            &self.scene.inverse_mass
+        } else {
+            &self.scratch.masked_inverse_mass
+        }
     }
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let scene = self.scene;
-        let Scratch { plan, held, effects, .. } = &mut *self.scratch;
-        let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
+        let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
+        let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for effect in awake(self.scene, &self.scratch.plan) {
-            effect.couples(add);
+            effect.sparsity_pattern(add);
         }
     }
 
@@ -327,14 +333,14 @@ impl Dynamics for System<'_> {
     }
 
     fn constrains(&self) -> bool {
-        self.scratch.free.is_none() && !self.scratch.plan.constraints.is_empty()
+        self.scratch.clear_box.is_none() && !self.scratch.plan.constraints.is_empty()
     }
 
-    fn grips(&self) -> bool {
+    fn has_friction(&self) -> bool {
         self.scratch.plan.surface.friction != 0.0
     }
 
-    fn rest(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
+    fn project_contact_velocity(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
         let effects = &self.scene.effects;
         if !self.constrains() || !self.scratch.plan.constraints.iter().all(|number| effects[*number].is_steady()) {
             return false;
@@ -348,7 +354,7 @@ impl Dynamics for System<'_> {
         rests
     }
 
-    fn start_over(&mut self) {
+    fn discard_records(&mut self) {
         (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
     }
 
@@ -359,10 +365,11 @@ impl Dynamics for System<'_> {
         }
         self.scratch.kinetic = None;
         let scene = self.scene;
-        let held = std::mem::take(&mut self.scratch.held);
-        let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };
+        let masked_inverse_mass = std::mem::take(&mut self.scratch.masked_inverse_mass);
+        let inverse_mass =
+            if masked_inverse_mass.is_empty() { scene.inverse_mass.as_slice() } else { &masked_inverse_mass };
         let mut outward = std::mem::take(&mut self.scratch.outward);
-        let mut noted = std::mem::take(&mut self.scratch.noted);
+        let mut contact_cache = std::mem::take(&mut self.scratch.contact_cache);
         if faces {
             scene.outward(before_x, &mut outward);
         }
@@ -375,28 +382,28 @@ impl Dynamics for System<'_> {
             outward: faces.then_some(outward.as_slice()),
             time,
             supplied: &supplied,
-            exits: &scene.exits,
+            depenetrations: &scene.depenetrations,
             effect: 0,
             touching: &[],
-            overlaps: &[],
-            noted: Noted::NONE,
+            penetrations: &[],
+            contact_cache: ContactCache::NONE,
             inside: &inside,
         };
-        self.look(&start, x, &mut noted);
-        start.noted = &noted;
+        self.find_contacts(&start, x, &mut contact_cache);
+        start.contact_cache = &contact_cache;
         let count = self.scratch.plan.constraints.len();
         let (mut quiet, mut all) = (0, 0);
         // The box around the ways of all vertices, as long as nobody has touched one.
-        let mut ways = None;
+        let mut swept_bounds = None;
         for turn in 0..TURNS * count {
             if turn >= count && quiet + 1 >= count {
                 break;
             }
             let number = self.scratch.plan.constraints[turn % count];
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
-            if cost.auto && effect.is_clear(*ways.get_or_insert_with(|| around(before_x, x))) {
+            if cost.auto && effect.is_clear(*swept_bounds.get_or_insert_with(|| around(before_x, x))) {
                 if turn < count {
-                    cost.pass_over(OUT_OF_REACH);
+                    cost.pass_over(NO_OBSTACLE_NEAR);
                 }
                 quiet += 1;
                 continue;
@@ -404,24 +411,25 @@ impl Dynamics for System<'_> {
             let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
             let elements = (turn < count).then(|| effect.elements(motion));
             start.effect = number;
-            let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
+            let touched = self.scratch.call_effect(number, elements, |_| effect.constrain(&start, x, v));
             if touched > 0 {
-                ways = None;
+                swept_bounds = None;
             }
             quiet = if touched == 0 { quiet + 1 } else { 0 };
             all += touched;
         }
         // Implicit schemes call this more than once a step, and hold what it changes.
-        if noted.is_inside() && scene.integrator.kind().class() == Class::Explicit {
-            start.calm(v);
+        if contact_cache.is_inside() && scene.integrator.kind().class() == Class::Explicit {
+            start.damp(v);
         }
         self.scratch.supplied += supplied.get();
         self.scratch.inside = self.scratch.inside.max(inside.get());
         self.scratch.counts.constrained += all as u64;
-        for number in &self.scratch.plan.coatings {
+        for number in &self.scratch.plan.surface_effects {
             let cost = &mut self.scratch.costs[*number];
             if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
         }
-        (self.scratch.outward, self.scratch.held, self.scratch.noted) = (outward, held, noted);
+        (self.scratch.outward, self.scratch.masked_inverse_mass, self.scratch.contact_cache) =
+            (outward, masked_inverse_mass, contact_cache);
     }
 }

@@ -31,15 +31,15 @@ pub enum Tangent {
 /// A symmetric sparse matrix of 2 x 2 blocks.
 ///
 /// Which blocks exist is settled once, from a list of couples of vertices; repeated couples share a block. Filling goes
-/// through the same list in the same order: the n-th [`Self::couple`] after [`Self::clear`] lands in the slot of the
+/// through the same list in the same order: the n-th [`Self::off_diagonal`] after [`Self::clear`] lands in the slot of the
 /// n-th couple of the list, with no search. Each block is kept once, for the lower of its two vertices as the column.
 #[derive(Clone, Debug, Default)]
 pub struct BlockMatrix {
     diagonal: Vec<Matrix2<f64>>,
-    /// One for each different couple, in the order of `couples`.
+    /// One for each different couple, in the order of `pattern`.
     blocks: Vec<Matrix2<f64>>,
     /// The different couples, (row, column) with row > column, sorted by row.
-    couples: Vec<[u32; 2]>,
+    pattern: Vec<[u32; 2]>,
     /// For each couple of the list the number of its block, doubled; odd where the couple names the lower vertex first.
     slots: Vec<u32>,
     cursor: usize,
@@ -49,22 +49,22 @@ impl BlockMatrix {
     /// An empty matrix for so many vertices and these couples. A couple of a vertex with itself is left to the diagonal.
     pub fn new(vertices: usize, listed: &[[u32; 2]]) -> Self {
         let ordered = |[a, b]: [u32; 2]| [a.max(b), a.min(b)];
-        let mut couples: Vec<_> = listed.iter().map(|couple| ordered(*couple)).collect();
-        couples.sort_unstable();
-        couples.dedup();
-        let slot = |couple: &[u32; 2]| {
-            let block = couples.partition_point(|other| *other < ordered(*couple)) as u32;
-            2 * block + u32::from(couple[0] < couple[1])
+        let mut pattern: Vec<_> = listed.iter().map(|pair| ordered(*pair)).collect();
+        pattern.sort_unstable();
+        pattern.dedup();
+        let slot = |pair: &[u32; 2]| {
+            let block = pattern.partition_point(|other| *other < ordered(*pair)) as u32;
+            2 * block + u32::from(pair[0] < pair[1])
         };
         let slots = listed.iter().map(slot).collect();
-        let (diagonal, blocks) = (vec![Matrix2::zeros(); vertices], vec![Matrix2::zeros(); couples.len()]);
-        Self { diagonal, blocks, couples, slots, cursor: 0 }
+        let (diagonal, blocks) = (vec![Matrix2::zeros(); vertices], vec![Matrix2::zeros(); pattern.len()]);
+        Self { diagonal, blocks, pattern, slots, cursor: 0 }
     }
 
     /// Whether it was made for so many vertices and this list.
     pub fn is_for(&self, vertices: usize, listed: &[[u32; 2]]) -> bool {
         let named = self.slots.iter().map(|slot| {
-            let [row, column] = self.couples[(slot >> 1) as usize];
+            let [row, column] = self.pattern[(slot >> 1) as usize];
             if slot & 1 == 0 { [row, column] } else { [column, row] }
         });
         self.vertices() == vertices && named.eq(listed.iter().copied())
@@ -86,7 +86,7 @@ impl BlockMatrix {
     /// Adds to the block of the next couple (a, b) of the list: how what acts on a depends on b, and by symmetry the other
     /// way round. More blocks than couples are ignored, which [`Self::is_full`] tells.
     #[inline]
-    pub fn couple(&mut self, block: &Matrix2<f64>) {
+    pub fn off_diagonal(&mut self, block: &Matrix2<f64>) {
         if let Some(slot) = self.slots.get(self.cursor) {
             let into = &mut self.blocks[(slot >> 1) as usize];
             if slot & 1 == 0 {
@@ -102,13 +102,13 @@ impl BlockMatrix {
     /// couples of the list, (first, second), (first, third) and (second, third). More couples than listed are ignored.
     #[inline(always)]
     pub fn triangle(&mut self, corners: [u32; 3], blocks: &[[f64; 4]; 6]) {
-        let (own, couples) = blocks.split_at(3);
+        let (own, pattern) = blocks.split_at(3);
         for (corner, block) in corners.into_iter().zip(own) {
             let into: &mut [[f64; 2]; 2] = self.diagonal[corner as usize].as_mut();
             into.as_flattened_mut().iter_mut().zip(block).for_each(|(into, entry)| *into += entry);
         }
         if let Some(slots) = self.slots.get(self.cursor..self.cursor + 3) {
-            for (slot, [m11, m21, m12, m22]) in slots.iter().zip(couples) {
+            for (slot, [m11, m21, m12, m22]) in slots.iter().zip(pattern) {
                 let (m21, m12) = if slot & 1 == 0 { (m21, m12) } else { (m12, m21) };
                 let into: &mut [[f64; 2]; 2] = self.blocks[(slot >> 1) as usize].as_mut();
                 into.as_flattened_mut().iter_mut().zip([m11, m21, m12, m22]).for_each(|(into, entry)| *into += entry);
@@ -127,7 +127,7 @@ impl BlockMatrix {
         for (vertex, block) in self.diagonal.iter_mut().enumerate().filter(|(vertex, _)| turned(*vertex)) {
             *block = q(vertex).transpose() * *block * q(vertex);
         }
-        for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
+        for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
             let (row, column) = (*row as usize, *column as usize);
             if turned(row) || turned(column) {
                 *block = q(row).transpose() * *block * q(column);
@@ -147,7 +147,7 @@ impl BlockMatrix {
                 block[(axis, axis)] = 1.0;
             }
         }
-        for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
+        for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
             for axis in 0..2 {
                 if inverse_weight[2 * *row as usize + axis] == 0.0 {
                     block.fill_row(axis, 0.0);
@@ -180,8 +180,8 @@ impl BlockMatrix {
     }
 
     /// Row and column of each of the other blocks: row > column, in ascending order.
-    pub fn couples(&self) -> &[[u32; 2]] {
-        &self.couples
+    pub fn pattern(&self) -> &[[u32; 2]] {
+        &self.pattern
     }
 
     /// Adds the product with a flat vector to another one.
@@ -194,7 +194,7 @@ impl BlockMatrix {
         for (vertex, block) in self.diagonal.iter().enumerate() {
             add(vertex, block, vertex);
         }
-        for ([row, column], block) in self.couples.iter().zip(&self.blocks) {
+        for ([row, column], block) in self.pattern.iter().zip(&self.blocks) {
             add(*row as usize, block, *column as usize);
             add(*column as usize, &block.transpose(), *row as usize);
         }

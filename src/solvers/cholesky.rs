@@ -36,13 +36,13 @@ impl Factor {
     /// Settles where the entries of L are. `None` if they are too many for the memory.
     pub fn new(matrix: &BlockMatrix) -> Option<Self> {
         let elimination = Elimination::new(matrix)?;
-        let room = |size: usize| vec![0.0; size + SPARE];
+        let buffer = |size: usize| vec![0.0; size + SPARE];
         let deepest = elimination.fronts.iter().map(Front::update_stride).max().unwrap_or(0);
         Some(Self {
-            values: room(elimination.size),
-            stacks: elimination.stacks.map(room),
+            values: buffer(elimination.size),
+            stacks: elimination.stacks.map(buffer),
             solution: vec![0.0; 2 * matrix.vertices()],
-            below: room(deepest),
+            below: buffer(deepest),
             elimination,
         })
     }
@@ -109,7 +109,7 @@ impl WithSimd for Factorise<'_> {
             let mut update = Columns { values, stride: front.update_stride() };
             for child in &elimination.children[front.children.clone()] {
                 let child = &elimination.fronts[*child as usize];
-                take_up(&mut panel, &mut update, top, (elimination, child, &other[child.update..]));
+                extend_add(&mut panel, &mut update, top, (elimination, child, &other[child.update..]));
             }
             if !eliminate(set, &mut panel, &mut update, (width, top, depth)) {
                 return false;
@@ -136,7 +136,7 @@ fn fill(
         let number = (entry.block >> 1) as usize;
         let mut block = matrix.blocks()[number];
         if !all {
-            let [row, column] = matrix.couples()[number].map(|vertex| free(inverse_weight, vertex as usize));
+            let [row, column] = matrix.pattern()[number].map(|vertex| free(inverse_weight, vertex as usize));
             block = masked(&block, row, column);
         }
         put(entry.to as usize, &if entry.block & 1 == 0 { block } else { block.transpose() });
@@ -155,7 +155,7 @@ fn fill(
 
 /// Adds the update of a front below to the front that takes it up.
 #[inline(always)]
-fn take_up(
+fn extend_add(
     panel: &mut Columns<'_>,
     update: &mut Columns<'_>,
     top: usize,

@@ -64,7 +64,7 @@ impl Coarsening {
                 listed.extend(shares[number + 1..].iter().map(|(b, _)| [*a, *b]));
             }
         }
-        for [row, column] in fine.couples() {
+        for [row, column] in fine.pattern() {
             for (a, _) in self.of(*row as usize) {
                 listed.extend(self.of(*column as usize).iter().filter(|(b, _)| a != b).map(|(b, _)| [*a, *b]));
             }
@@ -84,17 +84,17 @@ impl Coarsening {
             }
             for (number, (a, share)) in shares.iter().enumerate() {
                 coarse.diagonal(*a as usize, &(block * (share * share)));
-                shares[number + 1..].iter().for_each(|(_, other)| coarse.couple(&(block * (share * other))));
+                shares[number + 1..].iter().for_each(|(_, other)| coarse.off_diagonal(&(block * (share * other))));
             }
         }
-        for ([row, column], block) in fine.couples().iter().zip(fine.blocks()) {
+        for ([row, column], block) in fine.pattern().iter().zip(fine.blocks()) {
             let both: Matrix2<f64> = block + block.transpose();
             for (a, share) in self.of(*row as usize) {
                 for (b, other) in self.of(*column as usize) {
                     if a == b {
                         coarse.diagonal(*a as usize, &(both * (share * other)));
                     } else {
-                        coarse.couple(&(block * (share * other)));
+                        coarse.off_diagonal(&(block * (share * other)));
                     }
                 }
             }
@@ -136,15 +136,15 @@ struct Neighbours {
 impl Neighbours {
     fn new(matrix: &BlockMatrix) -> Self {
         let mut starts = vec![0; matrix.vertices() + 1];
-        for vertex in matrix.couples().as_flattened() {
+        for vertex in matrix.pattern().as_flattened() {
             starts[*vertex as usize + 1] += 1;
         }
         for vertex in 0..matrix.vertices() {
             starts[vertex + 1] += starts[vertex];
         }
         let mut next = starts.clone();
-        let mut all = vec![0; 2 * matrix.couples().len()];
-        for [a, b] in matrix.couples() {
+        let mut all = vec![0; 2 * matrix.pattern().len()];
+        for [a, b] in matrix.pattern() {
             for (of, other) in [(*a, *b), (*b, *a)] {
                 all[next[of as usize] as usize] = other;
                 next[of as usize] += 1;

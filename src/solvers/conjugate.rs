@@ -13,7 +13,7 @@ pub struct SolveTolerance {
 }
 
 /// What came of solving.
-pub enum Outcome {
+pub enum SolveOutcome {
     /// A solution; so large a share of its error is left.
     Solved(f64),
     /// The matrix is not positive definite.
@@ -75,52 +75,52 @@ impl Iterative {
         &mut self,
         (matrix, tangent, inverse_weight): (&mut BlockMatrix, Tangent, &[f64]),
         (g, x): (&[f64], &mut [f64]),
-        aim: SolveTolerance,
+        tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
-    ) -> Outcome {
+    ) -> SolveOutcome {
         if self.is_off {
-            return Outcome::Slow;
+            return SolveOutcome::Slow;
         }
         matrix.fix(inverse_weight);
         if !self.levels.take_diagonal(matrix) {
-            return Outcome::Indefinite;
+            return SolveOutcome::Indefinite;
         }
         let reused = self.made.filter(|(made, _)| *made == tangent);
         if reused.is_none() && !self.levels.refresh(matrix, inverse_weight) {
-            return self.give_up(counts);
+            return self.abandon(counts);
         }
         let before = counts.linear_iterations;
-        let outcome = self.iterate(matrix, (g, x), aim, counts);
+        let outcome = self.iterate(matrix, (g, x), tolerance, counts);
         counts.reused += u64::from(reused.is_some());
         self.made = Some((tangent, None));
         match outcome {
-            Outcome::Solved(share) if share > 0.0 => {
+            SolveOutcome::Solved(share) if share > 0.0 => {
                 let taken = (counts.linear_iterations - before) as f64;
-                let pace = taken / -libm::log(share);
-                let first = reused.and_then(|(_, first)| first).unwrap_or(pace);
+                let rate = taken / -libm::log(share);
+                let first = reused.and_then(|(_, first)| first).unwrap_or(rate);
                 // Worth making anew: that costs less than what it took longer than at first.
-                let is_old = (1.0 - first / pace) * taken * self.iteration > self.refreshment;
+                let is_old = (1.0 - first / rate) * taken * self.iteration > self.refreshment;
                 self.made = if is_old { None } else { Some((tangent, Some(first))) };
             }
-            Outcome::Slow => return self.give_up(counts),
+            SolveOutcome::Slow => return self.abandon(counts),
             _ => {}
         }
         outcome
     }
 
-    fn give_up(&mut self, counts: &mut NewtonCounts) -> Outcome {
+    fn abandon(&mut self, counts: &mut NewtonCounts) -> SolveOutcome {
         self.is_off = true;
         counts.abandoned += 1;
-        Outcome::Slow
+        SolveOutcome::Slow
     }
 
     fn iterate(
         &mut self,
         matrix: &BlockMatrix,
         (g, x): (&[f64], &mut [f64]),
-        aim: SolveTolerance,
+        tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
-    ) -> Outcome {
+    ) -> SolveOutcome {
         let Self { levels, r, z, direction, product, .. } = self;
         r.iter_mut().zip(g).for_each(|(r, g)| *r = -g);
         x.fill(0.0);
@@ -132,23 +132,23 @@ impl Iterative {
         let mut shares = [1.0; WINDOW];
         for iteration in 0..=most {
             if size == 0.0 {
-                return Outcome::Solved(0.0);
+                return SolveOutcome::Solved(0.0);
             }
             if !(size > 0.0 && size.is_finite()) {
-                return Outcome::Indefinite;
+                return SolveOutcome::Indefinite;
             }
             let share = (size / first).sqrt();
-            let enough = aim.share.max(aim.error / greatest(x));
+            let enough = tolerance.share.max(tolerance.error / greatest(x));
             if share <= enough && iteration > 0 {
-                return Outcome::Solved(share);
+                return SolveOutcome::Solved(share);
             }
             // At the pace of the last few iterations.
             let earlier = std::mem::replace(&mut shares[iteration % WINDOW], share);
             if iteration >= WINDOW {
-                let pace = libm::log(earlier / share) / WINDOW as f64;
-                let missing = libm::log(share / enough) / pace;
-                if pace <= 0.0 || iteration as f64 + missing > most as f64 {
-                    return Outcome::Slow;
+                let rate = libm::log(earlier / share) / WINDOW as f64;
+                let missing = libm::log(share / enough) / rate;
+                if rate <= 0.0 || iteration as f64 + missing > most as f64 {
+                    return SolveOutcome::Slow;
                 }
             }
             product.fill(0.0);
@@ -156,7 +156,7 @@ impl Iterative {
             counts.linear_iterations += 1;
             let curvature = dot(direction, product);
             if !(curvature > 0.0 && curvature.is_finite()) {
-                return Outcome::Indefinite;
+                return SolveOutcome::Indefinite;
             }
             let way = size / curvature;
             Arch::new().dispatch(|| {
@@ -171,7 +171,7 @@ impl Iterative {
             Arch::new().dispatch(|| direction.iter_mut().zip(&*z).for_each(|(d, z)| *d = z + back * *d));
             size = next;
         }
-        Outcome::Slow
+        SolveOutcome::Slow
     }
 }
 
@@ -189,7 +189,7 @@ const USUAL: f64 = 5.0;
 /// groups of a usual mesh.
 fn times(matrix: &BlockMatrix, levels: Option<&TwoLevel>) -> [f64; 2] {
     let entries = levels.map_or(2.2 * matrix.vertices() as f64, |levels| levels.entries() as f64);
-    let blocks = matrix.couples().len() as f64;
+    let blocks = matrix.pattern().len() as f64;
     [12.0 * blocks + 8.0 * entries, 10.0 * blocks + 18.0 * entries]
 }
 

@@ -84,7 +84,7 @@ const fn spread(rows: usize) -> usize {
 
 /// Rows that follow each other in a front and in the one above.
 #[derive(Clone, Copy, Debug)]
-pub struct Run {
+pub struct RowRun {
     /// The first row in the update.
     pub from: u32,
     /// The row in the panel above.
@@ -112,7 +112,7 @@ pub struct Elimination {
     pub rows: Vec<u32>,
     pub entries: Vec<Entry>,
     pub children: Vec<u32>,
-    pub runs: Vec<Run>,
+    pub runs: Vec<RowRun>,
     /// How many numbers all panels have, and how high either stack grows.
     pub size: usize,
     pub stacks: [usize; 2],
@@ -220,7 +220,7 @@ impl Elimination {
     /// Finds where entries of the matrix and rows of updates go.
     fn place(&mut self, matrix: &BlockMatrix, place_of: &[u32]) {
         let mut columns = vec![Vec::new(); matrix.vertices()];
-        for (block, [a, b]) in matrix.couples().iter().enumerate() {
+        for (block, [a, b]) in matrix.pattern().iter().enumerate() {
             let (a, b) = (place_of[*a as usize], place_of[*b as usize]);
             columns[a.min(b) as usize].push((a.max(b), 2 * block as u32 + u32::from(a < b)));
         }
@@ -250,7 +250,7 @@ impl Elimination {
                     let (from, to) = (2 * row as u32, row_of[*place as usize] as u32);
                     match self.runs[begin..].last_mut() {
                         Some(run) if run.to + run.count == to => run.count += 2,
-                        _ => self.runs.push(Run { from, to, count: 2 }),
+                        _ => self.runs.push(RowRun { from, to, count: 2 }),
                     }
                 }
                 self.fronts[child].runs = begin..self.runs.len();
@@ -262,10 +262,10 @@ impl Elimination {
 /// The upper triangle by columns, with the diagonal: starts of the columns, and rows.
 fn upper_columns(matrix: &BlockMatrix) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0];
-    let mut indices = Vec::with_capacity(matrix.couples().len() + matrix.vertices());
-    let mut couples = matrix.couples().iter().peekable();
+    let mut indices = Vec::with_capacity(matrix.pattern().len() + matrix.vertices());
+    let mut pattern = matrix.pattern().iter().peekable();
     for column in 0..matrix.vertices() as u32 {
-        while let Some([_, row]) = couples.next_if(|couple| couple[0] == column) {
+        while let Some([_, row]) = pattern.next_if(|pair| pair[0] == column) {
             indices.push(*row);
         }
         indices.push(column);

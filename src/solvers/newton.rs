@@ -2,7 +2,7 @@
 
 use super::{
     BlockMatrix, Factor, NewtonCounts, Tangent,
-    conjugate::{Iterative, Outcome, SolveTolerance, greatest},
+    conjugate::{Iterative, SolveOutcome, SolveTolerance, greatest},
 };
 
 /// Equations `g(z) = 0` whose matrix of derivatives is symmetric, or taken to be.
@@ -14,7 +14,7 @@ pub trait Equations {
     fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix);
 
     /// Names the couples of vertices that the derivative has, in the order in which it adds them.
-    fn couples(&self, add: &mut dyn FnMut(u32, u32));
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
     /// How many times a step from z may be gone, at most.
     fn longest_step(&mut self, _z: &[f64], _step: &[f64]) -> f64 {
@@ -68,13 +68,13 @@ pub enum LinearSolver {
 #[derive(Default)]
 pub struct Newton {
     system: Option<System>,
-    path: LinearSolver,
+    linear_solver: LinearSolver,
     /// The norm of g at the last step, and the share of its error that step was allowed to leave, while there was one.
     forced: Option<(f64, f64)>,
     /// The share of its error that the step at hand has left.
     left: f64,
     /// Whether the couples have to be listed again.
-    doubtful: bool,
+    is_stale: bool,
     g: Vec<f64>,
     trial: Vec<f64>,
     trial_g: Vec<f64>,
@@ -88,7 +88,7 @@ impl Newton {
     /// Most halvings of one step: below 1e-9 of it nothing is gained.
     const CUTS: u32 = 30;
     /// Share of the longest step that is taken at most, and the share of a step below which it does not count.
-    const NEAR: f64 = 0.9;
+    const TO_BOUNDARY: f64 = 0.9;
     const STUCK: f64 = 1e-6;
     /// Share of the slope at the start up to which a step may point back.
     const BACK: f64 = 0.9;
@@ -103,13 +103,13 @@ impl Newton {
     const INNER: f64 = 0.1;
 
     /// Solves linear systems in this way.
-    pub fn new(path: LinearSolver) -> Self {
-        Self { path, ..Self::default() }
+    pub fn new(linear_solver: LinearSolver) -> Self {
+        Self { linear_solver, ..Self::default() }
     }
 
     /// Asks anew which vertices are coupled before the next step. Where they are the same, what was worked out for them serves on.
     pub fn forget(&mut self) {
-        self.doubtful = true;
+        self.is_stale = true;
     }
 
     /// Largest change of any vertex's z in each iteration of the last solve.
@@ -128,24 +128,24 @@ impl Newton {
             if self.g.iter().all(|g| *g == 0.0) {
                 return counts;
             }
-            let aim = self.aim(equations, z);
-            let Some(caution) = self.find_step(equations, z, least, aim, &mut counts) else { break };
+            let solve_tolerance = self.solve_tolerance(equations, z);
+            let Some(regularisation) = self.find_step(equations, z, least, solve_tolerance, &mut counts) else { break };
             counts.iterations += 1;
             let size = greatest(&self.step);
-            let tolerance = if self.left > 0.0 && caution == Regularisation::EXACT {
+            let tolerance = if self.left > 0.0 && regularisation == Regularisation::EXACT {
                 Self::loose(equations, z)
             } else {
                 equations.tolerance(z)
             };
             self.sizes.push(size);
             // A step made short by a shift says nothing about the way left.
-            if size <= tolerance && !caution.shifts() {
+            if size <= tolerance && !regularisation.shifts() {
                 z.iter_mut().zip(&self.step).for_each(|(z, step)| *z += step);
                 return counts;
             }
             let share = self.search(equations, z, &mut counts);
-            least = caution.after(share);
-            let whole = share == 1.0 && !caution.shifts();
+            least = regularisation.after(share);
+            let whole = share == 1.0 && !regularisation.shifts();
             let ratio = (size / last).max(self.left);
             if whole && last.is_finite() && ratio < 1.0 && size * ratio / (1.0 - ratio) <= tolerance {
                 return counts;
@@ -161,8 +161,8 @@ impl Newton {
         let mut counts = NewtonCounts::NONE;
         self.prepare(equations, z.len());
         self.g.copy_from_slice(g);
-        let aim = SolveTolerance { share: Self::ONLY, error: 0.0 };
-        if self.find_step(equations, at, Regularisation::EXACT, aim, &mut counts).is_some() {
+        let solve_tolerance = SolveTolerance { share: Self::ONLY, error: 0.0 };
+        if self.find_step(equations, at, Regularisation::EXACT, solve_tolerance, &mut counts).is_some() {
             z.copy_from_slice(&self.step);
         } else {
             z.fill(f64::NAN);
@@ -172,8 +172,8 @@ impl Newton {
     }
 
     fn prepare(&mut self, equations: &dyn Equations, count: usize) {
-        if self.system.is_none() || std::mem::take(&mut self.doubtful) {
-            self.system = analyse(self.system.take(), equations, count / 2, self.path);
+        if self.system.is_none() || std::mem::take(&mut self.is_stale) {
+            self.system = analyse(self.system.take(), equations, count / 2, self.linear_solver);
         }
         for buffer in [&mut self.g, &mut self.trial, &mut self.trial_g, &mut self.step] {
             buffer.resize(count, 0.0);
@@ -193,7 +193,7 @@ impl Newton {
     }
 
     /// How exact the next step has to be.
-    fn aim(&mut self, equations: &dyn Equations, z: &[f64]) -> SolveTolerance {
+    fn solve_tolerance(&mut self, equations: &dyn Equations, z: &[f64]) -> SolveTolerance {
         let norm = weighted(&self.g, equations.inverse_weight()).sqrt();
         let share = self.forced.map_or(Self::FORCING, |(last, share)| {
             let fast = Self::GAMMA * (norm / last) * (norm / last);
@@ -231,7 +231,7 @@ impl Newton {
         equations: &mut dyn Equations,
         z: &[f64],
         least: Regularisation,
-        aim: SolveTolerance,
+        solve_tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
     ) -> Option<Regularisation> {
         let System { matrix, factor, iterative } = self.system.as_mut()?;
@@ -239,34 +239,38 @@ impl Newton {
             return None;
         }
         let mut filled = None;
-        for caution in (least.0..=Regularisation::MOST).map(Regularisation) {
-            let tangent = caution.tangent();
+        for regularisation in (least.0..=Regularisation::MOST).map(Regularisation) {
+            let tangent = regularisation.tangent();
             if filled.replace(tangent) != Some(tangent) {
                 matrix.clear();
                 equations.derivative(z, tangent, matrix);
             }
             let weight = equations.inverse_weight();
-            if let Some(iterative) = iterative.as_mut().filter(|_| !caution.shifts()) {
+            if let Some(iterative) = iterative.as_mut().filter(|_| !regularisation.shifts()) {
                 let error = Self::INNER * equations.tolerance(z);
-                let aim = if caution == Regularisation::EXACT { aim } else { SolveTolerance { error, ..aim } };
-                match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), aim, counts) {
-                    Outcome::Solved(share) => {
+                let solve_tolerance = if regularisation == Regularisation::EXACT {
+                    solve_tolerance
+                } else {
+                    SolveTolerance { error, ..solve_tolerance }
+                };
+                match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), solve_tolerance, counts) {
+                    SolveOutcome::Solved(share) => {
                         self.left = share;
-                        return self.step.iter().all(|step| step.is_finite()).then_some(caution);
+                        return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
                     }
-                    Outcome::Indefinite => {
+                    SolveOutcome::Indefinite => {
                         counts.indefinite += 1;
                         continue;
                     }
-                    Outcome::Slow => {}
+                    SolveOutcome::Slow => {}
                 }
             }
             self.left = 0.0;
             counts.factorisations += 1;
-            if factor.factorise(matrix, weight, caution.shift() * heaviest(matrix, weight)) {
+            if factor.factorise(matrix, weight, regularisation.shift() * heaviest(matrix, weight)) {
                 self.step.iter_mut().zip(&self.g).for_each(|(step, g)| *step = -g);
                 factor.solve(&mut self.step);
-                return self.step.iter().all(|step| step.is_finite()).then_some(caution);
+                return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
             }
             counts.indefinite += 1;
         }
@@ -277,9 +281,9 @@ impl Newton {
     fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], counts: &mut NewtonCounts) -> f64 {
         let along = |g: &[f64], step: &[f64]| g.iter().zip(step).map(|(g, step)| g * step).sum::<f64>();
         let limit = -Self::BACK * along(&self.g, &self.step);
-        let reach = Self::NEAR * equations.longest_step(z, &self.step);
+        let limit_to_boundary = Self::TO_BOUNDARY * equations.longest_step(z, &self.step);
         // Next to a barrier that still leads on the solution lies beyond it: to stay would be to stand still for ever.
-        let mut share = if reach < Self::STUCK { 1.0 } else { reach.min(1.0) };
+        let mut share = if limit_to_boundary < Self::STUCK { 1.0 } else { limit_to_boundary.min(1.0) };
         for _ in 0..Self::CUTS {
             for ((trial, z), step) in self.trial.iter_mut().zip(&*z).zip(&self.step) {
                 *trial = z + share * step;
@@ -355,15 +359,20 @@ struct System {
 }
 
 /// What the couples of the equations need: what there was, if it was for the same.
-fn analyse(before: Option<System>, equations: &dyn Equations, vertices: usize, path: LinearSolver) -> Option<System> {
-    let mut couples = Vec::new();
-    equations.couples(&mut |a, b| couples.push([a, b]));
-    if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &couples)) {
+fn analyse(
+    before: Option<System>,
+    equations: &dyn Equations,
+    vertices: usize,
+    linear_solver: LinearSolver,
+) -> Option<System> {
+    let mut pattern = Vec::new();
+    equations.sparsity_pattern(&mut |a, b| pattern.push([a, b]));
+    if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &pattern)) {
         return Some(before);
     }
-    let matrix = BlockMatrix::new(vertices, &couples);
+    let matrix = BlockMatrix::new(vertices, &pattern);
     let factor = Factor::new(&matrix)?;
-    let iterative = match path {
+    let iterative = match linear_solver {
         LinearSolver::Chosen => Iterative::by_size(&matrix, &factor),
         LinearSolver::Direct => None,
         LinearSolver::Iterative => Iterative::new(&matrix, &factor),

@@ -33,7 +33,7 @@ impl TwoLevel {
         let coarse = coarsening.matrix(matrix);
         let factor = Factor::new(&coarse)?;
         let mut starts = vec![0; count + 1];
-        matrix.couples().iter().for_each(|[row, _]| starts[*row as usize + 1] += 1);
+        matrix.pattern().iter().for_each(|[row, _]| starts[*row as usize + 1] += 1);
         for row in 0..count {
             starts[row + 1] += starts[row];
         }
@@ -75,28 +75,28 @@ impl TwoLevel {
     /// Writes x for this r.
     pub fn solve(&mut self, matrix: &BlockMatrix, r: &[f64], x: &mut [f64]) {
         let rows = || self.starts.windows(2).map(|ends| ends[0] as usize..ends[1] as usize);
-        let (couples, blocks) = (matrix.couples(), matrix.blocks());
+        let (pattern, blocks) = (matrix.pattern(), matrix.blocks());
         let (x, r) = (x.as_chunks_mut::<2>().0, r.as_chunks::<2>().0);
         let left = self.left.as_chunks_mut::<2>().0;
         // Forwards from nothing: what is left of r then comes from vertices after each one alone.
         left.fill([0.0; 2]);
         for (vertex, row) in rows().enumerate() {
-            let (couples, blocks) = (&couples[row.clone()], &blocks[row]);
-            let own = times(&self.inverse[vertex], less_products(r[vertex], couples, blocks, x));
+            let (pattern, blocks) = (&pattern[row.clone()], &blocks[row]);
+            let own = times(&self.inverse[vertex], less_products(r[vertex], pattern, blocks, x));
             x[vertex] = own;
-            take_products(own, couples, blocks, left);
+            take_products(own, pattern, blocks, left);
         }
         self.coarsening.gather(left.as_flattened(), &mut self.small);
         self.factor.solve(&mut self.small);
         self.coarsening.spread(&self.small, x.as_flattened_mut());
         // Backwards, from there.
         for (vertex, row) in rows().enumerate() {
-            left[vertex] = less_products(r[vertex], &couples[row.clone()], &blocks[row], x);
+            left[vertex] = less_products(r[vertex], &pattern[row.clone()], &blocks[row], x);
         }
         for (vertex, row) in rows().enumerate().rev() {
             let own = times(&self.inverse[vertex], left[vertex]);
             x[vertex] = own;
-            take_products(own, &couples[row.clone()], &blocks[row], left);
+            take_products(own, &pattern[row.clone()], &blocks[row], left);
         }
     }
 
@@ -113,8 +113,8 @@ fn times(block: &Matrix2<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
 
 /// `r - Σ B x` over the blocks of a row.
 #[inline(always)]
-fn less_products([mut a, mut b]: [f64; 2], couples: &[[u32; 2]], blocks: &[Matrix2<f64>], x: &[[f64; 2]]) -> [f64; 2] {
-    for ([_, column], block) in couples.iter().zip(blocks) {
+fn less_products([mut a, mut b]: [f64; 2], pattern: &[[u32; 2]], blocks: &[Matrix2<f64>], x: &[[f64; 2]]) -> [f64; 2] {
+    for ([_, column], block) in pattern.iter().zip(blocks) {
         let product = times(block, x[*column as usize]);
         a -= product[0];
         b -= product[1];
@@ -124,8 +124,8 @@ fn less_products([mut a, mut b]: [f64; 2], couples: &[[u32; 2]], blocks: &[Matri
 
 /// Takes `Bᵀ x` from each column of a row.
 #[inline(always)]
-fn take_products([x, y]: [f64; 2], couples: &[[u32; 2]], blocks: &[Matrix2<f64>], from: &mut [[f64; 2]]) {
-    for ([_, column], block) in couples.iter().zip(blocks) {
+fn take_products([x, y]: [f64; 2], pattern: &[[u32; 2]], blocks: &[Matrix2<f64>], from: &mut [[f64; 2]]) {
+    for ([_, column], block) in pattern.iter().zip(blocks) {
         let from = &mut from[*column as usize];
         from[0] -= block.m11 * x + block.m21 * y;
         from[1] -= block.m12 * x + block.m22 * y;

@@ -310,7 +310,7 @@ impl Drift {
             (damped, "damping"),
             (!energy && heavy, "gravity"),
             (!energy && !scene.pins.is_empty(), "pins"),
-            (!energy && !scene.slides.is_empty(), "rollers"),
+            (!energy && !scene.rollers.is_empty(), "rollers"),
         ];
         reasons.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect()
     }

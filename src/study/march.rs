@@ -45,7 +45,7 @@ impl March {
     pub fn new(scene: &Scene, start: &State, setting: &Setting, frames: u32) -> Self {
         // A study is about the setting as it is, and wants to see it blow up.
         let (integrator, step) = (setting.integrator.clone(), setting.substeps.step());
-        let scene = Scene { integrator, step, guard: false, sleep: false, alone: Vec::new(), ..scene.clone() };
+        let scene = Scene { integrator, step, guard: false, sleep: false, sub_scenes: Vec::new(), ..scene.clone() };
         // What another integrator remembers means nothing to this one.
         let start = State { memory: Vec::new(), ..start.clone() };
         let simulation = Simulation::new(scene, start);

@@ -8,7 +8,7 @@ use gingerbread::command::Mode;
 use gingerbread::effects::EffectKind;
 use gingerbread::hard::Case;
 use gingerbread::integrators::IntegratorKind;
-use gingerbread::level::Paces;
+use gingerbread::level::SubstepMode;
 use gingerbread::materials::{Model, Plane};
 use gingerbread::{files, levels};
 
@@ -228,7 +228,7 @@ fn the_panel_says_how_many_steps_each_body_takes_and_whether_it_may() {
     assert!(window.query_by_label(&words).is_some());
     assert!(window.query_by_label_contains("the stiffest body takes steps of").is_some());
     click(&mut window, "Multirate stepping");
-    assert_eq!((window.state().snapshot().level.paces, parts(&window)), (Paces::Same, Vec::new()));
+    assert_eq!((window.state().snapshot().level.paces, parts(&window)), (SubstepMode::Same, Vec::new()));
     assert!(window.query_by_label_contains("cake 1,").is_none());
     click(&mut window, "Multirate stepping");
     assert!(window.query_by_label(&words).is_some());

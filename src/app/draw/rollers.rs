@@ -11,7 +11,7 @@ pub fn rollers(buffer: &mut ShapeBuffer, view: View, snapshot: &Snapshot, points
         let at = points.get(slide.0 as usize).copied().unwrap_or_default();
         (slide.1, if slide.1 == 0 { at.x } else { at.y })
     };
-    for side in snapshot.slides.chunk_by(|a, b| held(a) == held(b)) {
+    for side in snapshot.rollers.chunk_by(|a, b| held(a) == held(b)) {
         let wheels = || side.iter().filter_map(|slide| points.get(slide.0 as usize).copied());
         let Some(first) = wheels().next() else { continue };
         let along = if side[0].1 == 0 { vec2(0.0, 1.0) } else { vec2(1.0, 0.0) };

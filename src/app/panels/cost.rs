@@ -10,7 +10,7 @@ use super::{
 use crate::{
     command::Command,
     integrators::Class,
-    level::{Paces, Substeps},
+    level::{SubstepMode, Substeps},
     nets::Role,
     snapshot::{Field, Snapshot},
 };
@@ -138,10 +138,10 @@ fn paces(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let help = "Each body and net divides every step into as many equal parts as its own stability needs: no part is longer than \
                 half of its longest stable step at rest. So a stiff body does not make a soft one take short steps too. This is \
                 exact, as bodies do not touch each other.";
-    let mut own = now.level.paces == Paces::Own;
+    let mut own = now.level.paces == SubstepMode::Own;
     if ui.checkbox(&mut own, "Multirate stepping").on_hover_text(help).changed() {
-        let paces = if own { Paces::Own } else { Paces::Same };
-        commands.extend([Command::SetPaces(paces), Command::EndGesture]);
+        let paces = if own { SubstepMode::Own } else { SubstepMode::Same };
+        commands.extend([Command::SetSubstepMode(paces), Command::EndGesture]);
     }
     let names = now.bodies.iter().map(|body| &body.name).chain(now.nets.iter().map(|net| &net.name));
     let each: Vec<_> =

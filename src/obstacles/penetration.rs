@@ -2,16 +2,16 @@
 //!
 //! No step gets a vertex in there, but a level may begin so, a wall may be switched on where a body already is, and a pin may be
 //! taken out. Put on the surface at once, everything inside would be flat on it, with an energy that came from nowhere. Instead
-//! the surface counts as beginning where the vertex is, and comes out with it at a [`Exit::speed`] at which the body keeps its
+//! the surface counts as beginning where the vertex is, and comes out with it at a [`Depenetration::speed`] at which the body keeps its
 //! shape: what is inside then moves as one, and a front at speed u in a medium whose waves have the speed c strains it by no more
 //! than u/c (Graff, *Wave Motion in Elastic Solids*, 1975, section 2.1).
 //!
 //! A body goes along the one direction in which it is soonest past all that it begins inside of, and what else of it follows may
-//! enter solids from behind meanwhile: nearest surfaces would tear it to all sides ([`Overlap`]). What else moves in there fades, and
+//! enter solids from behind meanwhile: nearest surfaces would tear it to all sides ([`Penetration`]). What else moves in there fades, and
 //! nothing of that body bounces: between walls that come out to different sides it would gather speed. Where there is no room beyond,
 //! or a pin keeps it, it stays inside.
 
-use super::{Contact, Encounter, Start, Surface};
+use super::{Contact, ContactQuery, Start, Surface};
 use std::ops::Range;
 
 /// Whether something is deep inside an obstacle or beyond an edge of the world.
@@ -31,7 +31,7 @@ pub type Name = [usize; 2];
 
 /// How some vertices leave what they begin inside of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exit {
+pub struct Depenetration {
     /// One past the last of these vertices; the first follows on those of the exit before.
     pub end: usize,
     /// How fast they come out [m/s]; infinite if at once.
@@ -39,7 +39,7 @@ pub struct Exit {
     /// From no deeper than this they come out at once [m]: a small share of a triangle or spring.
     pub shallow: f64,
     /// In this time every other motion of what is inside fades to 1/e of what it was [s].
-    pub calm: f64,
+    pub decay: f64,
 }
 
 /// A vertex that is near or inside an obstacle where the step begins.
@@ -51,7 +51,7 @@ pub struct Touching {
     pub vertex: usize,
     /// Where it is, carried along with the obstacle.
     pub contact: Contact,
-    /// Whether it is deep inside, and can be moved: see [`Start::rise`].
+    /// Whether it is deep inside, and can be moved: see [`Start::step`].
     pub is_deep: bool,
     /// The velocity of the obstacle there [m/s].
     pub wall: [f64; 2],
@@ -59,44 +59,44 @@ pub struct Touching {
 
 /// A body or net that begins inside an obstacle, and its way out.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Overlap {
+pub struct Penetration {
     /// The obstacle.
     pub obstacle: Name,
     /// The vertices of the body or net.
     pub vertices: Range<usize>,
     /// Unit vector along the way out; zero if a pin keeps it inside, or if there is no room beyond.
-    pub way: [f64; 2],
+    pub direction: [f64; 2],
 }
 
-impl Overlap {
+impl Penetration {
     /// Whether the body stays inside.
     pub fn stays(&self) -> bool {
-        self.way == [0.0; 2]
+        self.direction == [0.0; 2]
     }
 
     /// Whether a surface with this normal lies behind, where the rest of the body may enter.
     pub fn lets_in(&self, [nx, ny]: [f64; 2]) -> bool {
-        self.way[0] * nx + self.way[1] * ny < 0.0
+        self.direction[0] * nx + self.direction[1] * ny < 0.0
     }
 }
 
 /// What is known of a step before anything is stopped, kept to be written again without asking for memory.
 #[derive(Clone, Debug, Default)]
-pub struct Noted {
+pub struct ContactCache {
     /// By obstacles, then by vertices.
     pub touching: Vec<Touching>,
     /// By obstacles.
-    pub overlaps: Vec<Overlap>,
+    pub penetrations: Vec<Penetration>,
     /// Unit vectors to choose from.
-    pub(super) ways: Vec<[f64; 2]>,
+    pub(super) directions: Vec<[f64; 2]>,
 }
 
-impl Noted {
+impl ContactCache {
     /// Nothing.
-    pub const NONE: &Self = &Self { touching: Vec::new(), overlaps: Vec::new(), ways: Vec::new() };
+    pub const NONE: &Self = &Self { touching: Vec::new(), penetrations: Vec::new(), directions: Vec::new() };
 
     /// Notes which vertices are near an obstacle or inside where the step begins; obstacles come in the order of their names.
-    pub fn look(&mut self, obstacle: &Encounter<'_>, start: &Start<'_>) {
+    pub fn record(&mut self, obstacle: &ContactQuery<'_>, start: &Start<'_>) {
         obstacle.find_touching(start, &mut self.touching);
     }
 
@@ -108,13 +108,13 @@ impl Noted {
     /// Ready for another step.
     pub fn clear(&mut self) {
         self.touching.clear();
-        self.overlaps.clear();
+        self.penetrations.clear();
     }
 }
 
 /// What a vertex has to do that begins deep inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rise {
+pub struct DepenetrationStep {
     /// How fast it comes out at least [m/s].
     pub speed: f64,
     /// How far it comes in the step at least [m].
@@ -123,36 +123,47 @@ pub struct Rise {
 
 impl Start<'_> {
     /// Notes that something is inside.
-    pub fn note_inside(&self, inside: Inside) {
+    pub fn record_inside(&self, inside: Inside) {
         self.inside.set(self.inside.get().max(inside));
     }
 
     /// How a vertex leaves what it begins inside of, if that is not at once.
-    pub fn exit(&self, vertex: usize) -> Option<&Exit> {
-        exit_of(self.exits, vertex)
+    pub fn depenetration(&self, vertex: usize) -> Option<&Depenetration> {
+        depenetration_of(self.depenetrations, vertex)
     }
 
     /// How a vertex comes out that begins at a distance from a surface [m], moves away from it at a speed [m/s] and is to be kept
-    /// `skin` from it, if it begins deeper inside than it can come in this step. What little another wall may have pressed it in is
+    /// `offset` from it, if it begins deeper inside than it can come in this step. What little another wall may have pressed it in is
     /// put back at once, but not the last bit of a long way, on which it is as fast as it should be. What stays inside does not come
     /// out at all.
-    pub fn rise(&self, vertex: usize, distance: f64, outwards: f64, skin: f64) -> Option<Rise> {
+    pub fn depenetration_step(
+        &self,
+        vertex: usize,
+        distance: f64,
+        outwards: f64,
+        offset: f64,
+    ) -> Option<DepenetrationStep> {
         const ROUND_OFF: f64 = 1e-3;
-        let exit = self.exit(vertex)?;
+        let depenetration = self.depenetration(vertex)?;
         let time = self.time[1] - self.time[0];
-        let rise = |speed: f64| Rise { speed, length: speed * time };
-        if distance < skin && self.overlap(vertex).is_some_and(Overlap::stays) {
-            return Some(rise(0.0));
+        let step_at = |speed: f64| DepenetrationStep { speed, length: speed * time };
+        if distance < offset && self.penetration(vertex).is_some_and(Penetration::stays) {
+            return Some(step_at(0.0));
         }
-        let least = exit.shallow * if outwards >= 0.5 * exit.speed { ROUND_OFF } else { 1.0 };
-        (distance < skin - least && distance + exit.speed * time < skin).then(|| rise(exit.speed))
+        let least = depenetration.shallow * if outwards >= 0.5 * depenetration.speed { ROUND_OFF } else { 1.0 };
+        (distance < offset - least && distance + depenetration.speed * time < offset)
+            .then(|| step_at(depenetration.speed))
     }
 
     /// What touching does to a vertex. Nothing of what is on its way out bounces: between two walls that it comes out of, it would
     /// gather speed.
     pub fn surface_at(&self, vertex: usize) -> Surface {
-        let leaves =
-            || self.noted.overlaps.iter().any(|overlap| !overlap.stays() && overlap.vertices.contains(&vertex));
+        let leaves = || {
+            self.contact_cache
+                .penetrations
+                .iter()
+                .any(|penetration| !penetration.stays() && penetration.vertices.contains(&vertex))
+        };
         if self.surface.restitution != 0.0 && leaves() {
             return Surface { restitution: 0.0, ..self.surface };
         }
@@ -160,19 +171,30 @@ impl Start<'_> {
     }
 
     /// The way out of the obstacle at hand for the body of a vertex, if that begins inside.
-    pub fn overlap(&self, vertex: usize) -> Option<&Overlap> {
-        self.overlaps.iter().find(|overlap| overlap.vertices.contains(&vertex))
+    pub fn penetration(&self, vertex: usize) -> Option<&Penetration> {
+        self.penetrations.iter().find(|penetration| penetration.vertices.contains(&vertex))
     }
 
     /// Takes a share of all motion of what begins deep inside but the one along its way out, once a step and obstacle that it is
     /// in: shaken between two walls it would gather more of it than it has to.
-    pub fn calm(&self, v: &mut [f64]) {
-        for Touching { obstacle, vertex, wall, .. } in self.noted.touching.iter().filter(|touching| touching.is_deep) {
-            let held = |overlap: &&Overlap| overlap.obstacle == *obstacle && overlap.vertices.contains(vertex);
-            let Some((overlap, exit)) = self.noted.overlaps.iter().find(held).zip(self.exit(*vertex)) else { continue };
-            let share = 1.0 - libm::exp((self.time[0] - self.time[1]) / exit.calm);
+    pub fn damp(&self, v: &mut [f64]) {
+        for Touching { obstacle, vertex, wall, .. } in
+            self.contact_cache.touching.iter().filter(|touching| touching.is_deep)
+        {
+            let is_own =
+                |penetration: &&Penetration| penetration.obstacle == *obstacle && penetration.vertices.contains(vertex);
+            let Some((penetration, depenetration)) =
+                self.contact_cache.penetrations.iter().find(is_own).zip(self.depenetration(*vertex))
+            else {
+                continue;
+            };
+            let share = 1.0 - libm::exp((self.time[0] - self.time[1]) / depenetration.decay);
             for axis in (0..2).filter(|axis| self.inverse_mass[2 * vertex + axis] != 0.0) {
-                let own = if overlap.stays() { 0.0 } else { wall[axis] + exit.speed * overlap.way[axis] };
+                let own = if penetration.stays() {
+                    0.0
+                } else {
+                    wall[axis] + depenetration.speed * penetration.direction[axis]
+                };
                 let v = &mut v[2 * vertex + axis];
                 *v -= share * (*v - own);
             }
@@ -180,13 +202,13 @@ impl Start<'_> {
     }
 
     /// What a surface does to the velocity of a vertex that comes out with it at a speed along its unit normal: see
-    /// [`Surface::answer`]. It gives nothing back, and its work is booked.
+    /// [`Surface::impact_response`]. It gives nothing back, and its work is booked.
     pub fn lift(&self, vertex: usize, normal: [f64; 2], speed: f64, v: &mut [f64; 2]) -> Option<f64> {
-        self.note_inside(Inside::ComesOut);
+        self.record_inside(Inside::ComesOut);
         let outwards = normal.map(|along| speed * along);
         let mut after = [v[0] - outwards[0], v[1] - outwards[1]];
         let surface = Surface { restitution: 0.0, ..self.surface };
-        let kept = surface.answer(normal, [0.0; 2], &mut after)?;
+        let kept = surface.impact_response(normal, [0.0; 2], &mut after)?;
         let mut work = 0.0;
         for axis in (0..2).filter(|axis| self.inverse_mass[2 * vertex + axis] != 0.0) {
             let given = after[axis] + outwards[axis];
@@ -199,6 +221,6 @@ impl Start<'_> {
 }
 
 /// How one of several vertices leaves what it begins inside of.
-pub fn exit_of(exits: &[Exit], vertex: usize) -> Option<&Exit> {
-    exits.get(exits.partition_point(|exit| exit.end <= vertex))
+pub fn depenetration_of(depenetrations: &[Depenetration], vertex: usize) -> Option<&Depenetration> {
+    depenetrations.get(depenetrations.partition_point(|depenetration| depenetration.end <= vertex))
 }

@@ -17,7 +17,7 @@ pub type Masses<'a> = [&'a [[f64; 2]]; 2];
 
 /// What is the same for every vertex: a vector, or one for each of several vertices side by side.
 #[derive(Clone, Copy)]
-pub struct Kick<T = f64x2> {
+pub struct EulerCoefficients<T = f64x2> {
     field: T,
     mass_damping: T,
     drag: T,
@@ -26,7 +26,7 @@ pub struct Kick<T = f64x2> {
     step: T,
 }
 
-impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> EulerCoefficients<T> {
     /// Position and velocity after the step, and the mass times the square of that, number by number; `forces` gives those of each of
     /// N stresses.
     #[inline(always)]
@@ -39,8 +39,8 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
         let mut force = forces(0) + mass * self.field;
         if N > 1 || self.slows {
             force = force - self.mass_damping * mass * v;
-            for law in 1..N {
-                force = force + forces(law);
+            for stress in 1..N {
+                force = force + forces(stress);
             }
             force = force - self.drag * v;
         }
@@ -49,7 +49,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
     }
 }
 
-impl Kick {
+impl EulerCoefficients {
     /// For what acts everywhere, and steps of a length [s].
     #[inline(always)]
     pub fn new(uniform_force: UniformForce, step: f64) -> Self {
@@ -68,7 +68,7 @@ impl Kick {
     pub fn of<const N: usize>(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], forces: [f64x2; N]) -> f64x2 {
         let [mass, inverse_mass] = masses.map(f64x2::new);
         let before = [f64x2::new(*x), f64x2::new(*v)];
-        let [place, velocity, squares] = self.after::<N>(before, [mass, inverse_mass], |law| forces[law]);
+        let [place, velocity, squares] = self.after::<N>(before, [mass, inverse_mass], |stress| forces[stress]);
         // Both numbers are written at once, as they are read next: together what was written apart is not at hand.
         (*x, *v) = (place.to_array(), velocity.to_array());
         squares
@@ -77,7 +77,7 @@ impl Kick {
     /// Moves vertices whose numbers follow each other from `first` on, four at a time and what is left; the sum of their masses times
     /// the squares of their velocities.
     #[inline(always)]
-    pub fn of_run<S: Simd, const N: usize>(
+    pub fn update_run<S: Simd, const N: usize>(
         self,
         set: S,
         first: usize,
@@ -95,7 +95,7 @@ impl Kick {
         let moving = x.iter_mut().zip(v);
         let masses = mass.iter().zip(inverse_mass);
         for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(fours) {
-            self.of_four(set, [x, v], [mass, inverse_mass], forces, &mut sums);
+            self.update_four(set, [x, v], [mass, inverse_mass], forces, &mut sums);
         }
         let [ax, ay, bx, by, cx, cy, dx, dy] = sums;
         let mut squares = f64x2::new([ax, ay]) + f64x2::new([bx, by]) + (f64x2::new([cx, cy]) + f64x2::new([dx, dy]));
@@ -109,7 +109,7 @@ impl Kick {
 
     /// Moves four vertices side by side, and adds to sums in which they stay apart.
     #[inline(always)]
-    fn of_four<S: Simd, const N: usize>(
+    fn update_four<S: Simd, const N: usize>(
         self,
         set: S,
         [x, v]: [&mut [[f64; 2]; 4]; 2],
@@ -120,7 +120,7 @@ impl Kick {
         for part in 0..Wide::<S>::PARTS {
             let wide = |numbers: &Lanes| Wide::load(set, numbers, part);
             let each = |vector: f64x2| wide(&side_by_side([vector; 4]));
-            let kick = Kick {
+            let euler_update = EulerCoefficients {
                 field: each(self.field),
                 mass_damping: each(self.mass_damping),
                 drag: each(self.drag),
@@ -128,8 +128,8 @@ impl Kick {
                 step: each(self.step),
             };
             let masses = [wide(flat(masses[0])), wide(flat(masses[1]))];
-            let forces = |law: usize| wide(&side_by_side([a[law], b[law], c[law], d[law]]));
-            let [place, velocity, squares] = kick.after::<N>([wide(flat(x)), wide(flat(v))], masses, forces);
+            let forces = |stress: usize| wide(&side_by_side([a[stress], b[stress], c[stress], d[stress]]));
+            let [place, velocity, squares] = euler_update.after::<N>([wide(flat(x)), wide(flat(v))], masses, forces);
             place.store(flat_mut(x), part);
             velocity.store(flat_mut(v), part);
             (wide(sums) + squares).store(sums, part);

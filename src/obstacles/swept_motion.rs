@@ -68,8 +68,8 @@ impl Rigid {
         self.turned(normal)
     }
 
-    pub(super) fn direction_back(&self, way: [f64; 2]) -> [f64; 2] {
-        self.turned_back(way)
+    pub(super) fn direction_back(&self, vector: [f64; 2]) -> [f64; 2] {
+        self.turned_back(vector)
     }
 }
 
@@ -79,13 +79,13 @@ impl Rigid {
 /// is put where it would be had it been carried along. What then is straight between start and end stands for the way
 /// relative to the obstacle, so that nothing is passed through however fast either moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carry {
+pub struct SweptMotion {
     pub(super) start: Rigid,
     pub(super) end: Rigid,
     still: bool,
 }
 
-impl Carry {
+impl SweptMotion {
     /// What never moves.
     pub const STILL: Self = Self { start: Rigid::STILL, end: Rigid::STILL, still: true };
 
@@ -115,8 +115,8 @@ impl Carry {
     }
 
     /// A direction of the start, carried along.
-    pub fn direction(&self, way: [f64; 2]) -> [f64; 2] {
-        if self.still { way } else { self.end.turned(self.start.turned_back(way)) }
+    pub fn direction(&self, vector: [f64; 2]) -> [f64; 2] {
+        if self.still { vector } else { self.end.turned(self.start.turned_back(vector)) }
     }
 
     /// The velocity at the start of what was at a point, relative to the obstacle, carried along [m/s].

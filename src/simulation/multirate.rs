@@ -22,7 +22,7 @@ use crate::{
     integrators::Integrator,
     level::Substeps,
     obstacles::Inside,
-    report::Pace,
+    report::SubstepPlan,
     scene::{Scene, SubScene},
     stability::critical_step,
     state::State,
@@ -34,18 +34,18 @@ const SHARE: f64 = 0.5;
 
 /// All bodies and nets with their paces, if they have their own.
 #[derive(Default)]
-pub(super) struct Paces {
-    all: Vec<Walker>,
+pub(super) struct Multirate {
+    all: Vec<SubstepStepper>,
     /// Whether any of them takes more steps than the scene.
-    differ: bool,
+    is_active: bool,
     /// Whether each stops after the first part of a step.
     first_only: bool,
 }
 
 /// A body or net that goes at its own pace.
-struct Walker {
-    alone: Arc<SubScene>,
-    pace: Pace,
+struct SubstepStepper {
+    sub_scene: Arc<SubScene>,
+    plan: SubstepPlan,
     /// Its part of the state.
     state: State,
     /// Where in what the integrator remembers its own part is.
@@ -55,7 +55,7 @@ struct Walker {
 
 /// A stretch of time that is walked.
 #[derive(Clone, Copy)]
-struct Way<'a> {
+struct StepInterval<'a> {
     integrator: &'a dyn Integrator,
     /// Length of a part [s].
     h: f64,
@@ -63,34 +63,34 @@ struct Way<'a> {
     time: [f64; 2],
     /// How many parts are taken of how many.
     taken: u32,
-    parts: u32,
+    substeps: u32,
     grab: Option<Grab>,
 }
 
-impl Paces {
+impl Multirate {
     /// Those of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let mut all: Vec<_> = scene.alone.iter().map(|alone| Walker::new(scene, alone)).collect();
-        let differ = all.iter().any(|walker| walker.pace.steps > 1);
-        for walker in all.iter_mut().filter(|_| differ) {
-            walker.scratch.fit(&walker.alone.scene);
+        let mut all: Vec<_> = scene.sub_scenes.iter().map(|sub_scene| SubstepStepper::new(scene, sub_scene)).collect();
+        let is_active = all.iter().any(|stepper| stepper.plan.steps > 1);
+        for stepper in all.iter_mut().filter(|_| is_active) {
+            stepper.scratch.fit(&stepper.sub_scene.scene);
         }
-        Self { all, differ, first_only: false }
+        Self { all, is_active, first_only: false }
     }
 
     /// Whether any of them takes more steps than the scene.
-    pub const fn differ(&self) -> bool {
-        self.differ
+    pub const fn is_active(&self) -> bool {
+        self.is_active
     }
 
     /// Length of the steps of a body or net [s], where those of the scene have length `h`.
     pub fn step(&self, number: usize, h: f64) -> f64 {
-        self.all.get(number).map_or(h, |walker| walker.pace.step)
+        self.all.get(number).map_or(h, |stepper| stepper.plan.step)
     }
 
     /// Length of the shortest step that any of them takes [s], where those of the scene have length `h`.
     pub fn shortest(&self, h: f64) -> f64 {
-        self.all.iter().map(|walker| walker.pace.step).fold(h, f64::min)
+        self.all.iter().map(|stepper| stepper.plan.step).fold(h, f64::min)
     }
 
     /// Lets each stop after the first part of a step, or not.
@@ -100,42 +100,42 @@ impl Paces {
 
     /// Finds the part of each in what the integrator remembers: how many numbers it is, and these. What was written otherwise
     /// belongs to none.
-    fn recall(&mut self, memory: &[f64]) {
+    fn read_memory(&mut self, memory: &[f64]) {
         let mut at = 0;
-        for walker in &mut self.all {
+        for stepper in &mut self.all {
             let count = memory.get(at).filter(|count| **count >= 0.0 && **count < memory.len() as f64 - at as f64);
             let begin = at + usize::from(count.is_some());
             at = begin + count.map_or(0, |count| *count as usize);
-            walker.memory = begin..at;
+            stepper.memory = begin..at;
         }
     }
 
     /// And writes it.
-    fn remember(&self, memory: &mut Vec<f64>) {
+    fn write_memory(&self, memory: &mut Vec<f64>) {
         memory.clear();
-        if self.all.iter().any(|walker| !walker.state.memory.is_empty()) {
-            for walker in &self.all {
-                memory.push(walker.state.memory.len() as f64);
-                memory.extend_from_slice(&walker.state.memory);
+        if self.all.iter().any(|stepper| !stepper.state.memory.is_empty()) {
+            for stepper in &self.all {
+                memory.push(stepper.state.memory.len() as f64);
+                memory.extend_from_slice(&stepper.state.memory);
             }
         }
     }
 }
 
-impl Walker {
-    fn new(whole: &Scene, alone: &Arc<SubScene>) -> Self {
-        let limit = alone.limit(|scene| {
+impl SubstepStepper {
+    fn new(whole: &Scene, sub_scene: &Arc<SubScene>) -> Self {
+        let limit = sub_scene.limit(|scene| {
             let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
             critical_step(scene, &rest)
         });
         // Vibrations that a scheme lets grow at every step it lets grow at this one.
-        let reach = whole.integrator.kind().stability_limit().filter(|reach| *reach > 0.0).unwrap_or(2.0);
+        let stability_limit = whole.integrator.kind().stability_limit().filter(|limit| *limit > 0.0).unwrap_or(2.0);
         let most = (f64::from(Substeps::MAX) * 60.0 * whole.step).max(1.0);
-        let wanted = limit.map_or(1.0, |limit| whole.step / (SHARE * 0.5 * reach * limit));
+        let wanted = limit.map_or(1.0, |limit| whole.step / (SHARE * 0.5 * stability_limit * limit));
         let steps = libm::ceil(wanted).clamp(1.0, libm::floor(most)) as u32;
         Self {
-            alone: Arc::clone(alone),
-            pace: Pace { steps, step: part(whole.step, steps), limit },
+            sub_scene: Arc::clone(sub_scene),
+            plan: SubstepPlan { steps, step: substep(whole.step, steps), limit },
             state: State::default(),
             memory: 0..0,
             scratch: Scratch::default(),
@@ -143,47 +143,47 @@ impl Walker {
     }
 
     fn numbers(&self) -> Range<usize> {
-        2 * self.alone.vertices.start..2 * self.alone.vertices.end
+        2 * self.sub_scene.vertices.start..2 * self.sub_scene.vertices.end
     }
 
     /// Takes what the integrator remembers from the whole state.
-    fn recall(&mut self, whole: &State) {
+    fn load_memory(&mut self, whole: &State) {
         self.state.memory.clear();
         self.state.memory.extend_from_slice(&whole.memory[self.memory.clone()]);
     }
 
     /// Goes a way from where the whole state says, and writes to it where that led.
-    fn walk(&mut self, way: Way<'_>, whole: &mut State, books: &mut Scratch) {
-        (self.scratch.timed, self.scratch.free, self.scratch.supplied) = (books.timed, books.free, 0.0);
+    fn advance(&mut self, interval: StepInterval<'_>, whole: &mut State, parent: &mut Scratch) {
+        (self.scratch.timed, self.scratch.clear_box, self.scratch.supplied) = (parent.timed, parent.clear_box, 0.0);
         self.scratch.inside = Inside::Nothing;
         self.state.x.clear();
         self.state.x.extend_from_slice(&whole.x[self.numbers()]);
         self.state.v.clear();
         self.state.v.extend_from_slice(&whole.v[self.numbers()]);
-        self.recall(whole);
-        self.take(way);
+        self.load_memory(whole);
+        self.take_substeps(interval);
         whole.x[self.numbers()].copy_from_slice(&self.state.x);
         whole.v[self.numbers()].copy_from_slice(&self.state.v);
-        books.inside = books.inside.max(self.scratch.inside);
-        books.take_over(&mut self.scratch, &self.alone.effects);
+        parent.inside = parent.inside.max(self.scratch.inside);
+        parent.merge(&mut self.scratch, &self.sub_scene.effects);
     }
 
     /// Takes all parts; or all up to the first that leaves the box in which no constraint is asked: whoever looks where the step
     /// led finds that, and has it taken again with the constraints.
-    fn take(&mut self, way: Way<'_>) {
-        let [start, end] = way.time;
-        let length = (end - start) / f64::from(way.parts);
-        let at = |part: u32| if part == way.parts { end } else { start + f64::from(part) * length };
-        for part in 0..way.taken {
-            let mut work = std::mem::take(&mut self.scratch.work);
-            let scene = &self.alone.scene;
-            let time = [at(part), at(part + 1)];
-            let mut system = System { scene, scratch: &mut self.scratch, grab: way.grab, time };
-            let counts = way.integrator.step(&mut system, &mut self.state, &mut work, way.h);
-            self.scratch.work = work;
+    fn take_substeps(&mut self, interval: StepInterval<'_>) {
+        let [start, end] = interval.time;
+        let length = (end - start) / f64::from(interval.substeps);
+        let at = |substep: u32| if substep == interval.substeps { end } else { start + f64::from(substep) * length };
+        for substep in 0..interval.taken {
+            let mut workspace = std::mem::take(&mut self.scratch.workspace);
+            let scene = &self.sub_scene.scene;
+            let time = [at(substep), at(substep + 1)];
+            let mut system = System { scene, scratch: &mut self.scratch, grab: interval.grab, time };
+            let counts = interval.integrator.step(&mut system, &mut self.state, &mut workspace, interval.h);
+            self.scratch.workspace = workspace;
             self.scratch.counts.add(&counts);
-            if let Some(free) = self.scratch.free {
-                if !self.state.is_within(free) {
+            if let Some(clear_box) = self.scratch.clear_box {
+                if !self.state.is_within(clear_box) {
                     return;
                 }
                 self.scratch.pass_over_constraints();
@@ -194,42 +194,42 @@ impl Walker {
 
 impl Simulation {
     /// Bodies and then nets with their paces; nothing if all take the same steps, whatever they are.
-    pub fn paces(&self) -> impl Iterator<Item = Pace> {
-        self.paces.all.iter().map(|walker| walker.pace)
+    pub fn substep_plans(&self) -> impl Iterator<Item = SubstepPlan> {
+        self.multirate.all.iter().map(|stepper| stepper.plan)
     }
 
     /// One step of length h, from one time to another [s], of each body and net that is awake at its own pace.
     pub(super) fn integrate_each(&mut self, h: f64, time: [f64; 2]) {
-        let Self { paces, scene, state, scratch, grab, guard, .. } = self;
+        let Self { multirate, scene, state, scratch, grab, guard, .. } = self;
         let integrator = scene.integrator.kind();
         // The guard may have cut the step in two, four, ..., which is exact.
         let cut = h / scene.step;
-        paces.recall(&state.memory);
-        scratch.begin_books();
+        multirate.read_memory(&state.memory);
+        scratch.begin_statistics();
         let mut supplied = 0.0;
-        for (number, walker) in paces.all.iter_mut().enumerate() {
-            if state.calm.get(number) == Some(&ASLEEP) {
-                walker.recall(state);
+        for (number, stepper) in multirate.all.iter_mut().enumerate() {
+            if state.slow_checks.get(number) == Some(&ASLEEP) {
+                stepper.load_memory(state);
                 scratch.costs[number].pass_over(WHY_ASLEEP);
                 continue;
             }
-            let Range { start, end } = walker.alone.vertices;
+            let Range { start, end } = stepper.sub_scene.vertices;
             let pulled = grab.filter(|grab| (start..end).contains(&grab.vertex));
             let grab = pulled.map(|grab| Grab { vertex: grab.vertex - start, ..grab });
-            let Pace { steps: parts, step, .. } = walker.pace;
-            let taken = if paces.first_only { 1 } else { parts };
-            walker.walk(Way { integrator, h: step * cut, time, taken, parts, grab }, state, scratch);
-            supplied += walker.scratch.supplied;
+            let SubstepPlan { steps: substeps, step, .. } = stepper.plan;
+            let taken = if multirate.first_only { 1 } else { substeps };
+            stepper.advance(StepInterval { integrator, h: step * cut, time, taken, substeps, grab }, state, scratch);
+            supplied += stepper.scratch.supplied;
         }
-        paces.remember(&mut state.memory);
+        multirate.write_memory(&mut state.memory);
         guard.supply(supplied);
     }
 }
 
 /// The length of one of so many parts of a step [s]: just that of as many times more steps in a frame.
-fn part(step: f64, parts: u32) -> f64 {
+fn substep(step: f64, substeps: u32) -> f64 {
     let of = |count: f64| Substeps::new(count as u32).ok().map(Substeps::step);
     let frame = libm::round(1.0 / (60.0 * step));
-    let exact = of(frame).filter(|whole| *whole == step).and_then(|_| of(frame * f64::from(parts)));
-    exact.unwrap_or(step / f64::from(parts))
+    let exact = of(frame).filter(|whole| *whole == step).and_then(|_| of(frame * f64::from(substeps)));
+    exact.unwrap_or(step / f64::from(substeps))
 }

@@ -1,4 +1,4 @@
-use super::{Contact, Inside, Obstacle, Overlap, Rise, Start, Surface};
+use super::{Contact, DepenetrationStep, Inside, Obstacle, Penetration, Start, Surface};
 
 /// Most times a vertex is put back at the end of a step.
 const NOOK: usize = 3;
@@ -6,7 +6,7 @@ const NOOK: usize = 3;
 /// Stops one vertex, by its number and what it touches where the step begins: first where it is near from the beginning,
 /// then where it gets on its way, and last where it would end too near. If it begins deep inside it is brought out; and what
 /// comes after it, of the same body, may enter from behind. Returns whether anything changed.
-pub(super) fn meet<O: Obstacle + ?Sized>(
+pub(super) fn resolve_contact<O: Obstacle + ?Sized>(
     obstacle: &O,
     start: &Start<'_>,
     (vertex, begun): (usize, Option<Contact>),
@@ -16,26 +16,28 @@ pub(super) fn meet<O: Obstacle + ?Sized>(
     let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
     let mut moved = Moved::new(start, vertex, x, v);
     let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
-    let rise = begun.and_then(|contact| {
-        start.rise(vertex, contact.distance, contact.along(before), obstacle.skin()).map(|rise| (contact, rise))
+    let step = begun.and_then(|contact| {
+        start
+            .depenetration_step(vertex, contact.distance, contact.along(before), obstacle.offset())
+            .map(|step| (contact, step))
     });
-    match rise {
-        Some((contact, rise)) => moved.rise(rise, contact.normal, from),
+    match step {
+        Some((contact, step)) => moved.push_out(step, contact.normal, from),
         None => moved.stop(obstacle, begun, from),
     }
     moved.write(x, v)
 }
 
 /// Brings one vertex out that begins deep inside something with this nearest surface; returns whether anything changed.
-pub fn bring_out(
+pub fn push_out_vertex(
     start: &Start<'_>,
-    (vertex, rise): (usize, Rise),
+    (vertex, step): (usize, DepenetrationStep),
     nearest: [f64; 2],
     x: &mut [f64],
     v: &mut [f64],
 ) -> bool {
     let mut moved = Moved::new(start, vertex, x, v);
-    moved.rise(rise, nearest, [start.x[2 * vertex], start.x[2 * vertex + 1]]);
+    moved.push_out(step, nearest, [start.x[2 * vertex], start.x[2 * vertex + 1]]);
     moved.write(x, v)
 }
 
@@ -62,49 +64,51 @@ impl<'a> Moved<'a> {
     }
 
     /// Whether it is stopped by a surface with this normal.
-    fn meets(&self, normal: [f64; 2]) -> bool {
-        let lets_in = || self.start.overlap(self.vertex).is_some_and(|overlap| overlap.lets_in(normal));
+    fn is_stopped_by(&self, normal: [f64; 2]) -> bool {
+        let lets_in = || self.start.penetration(self.vertex).is_some_and(|penetration| penetration.lets_in(normal));
         self.start.faces(self.vertex, normal) && !lets_in()
     }
 
     /// Brings it out, as far and as fast as it has to come: along the way out of its body, or straight away from the surface.
-    fn rise(&mut self, rise: Rise, nearest: [f64; 2], from: [f64; 2]) {
-        let overlap = self.start.overlap(self.vertex);
-        let normal = overlap.map_or(nearest, |overlap| overlap.way);
-        if normal != nearest && self.meets(nearest) {
+    fn push_out(&mut self, step: DepenetrationStep, nearest: [f64; 2], from: [f64; 2]) {
+        let penetration = self.start.penetration(self.vertex);
+        let normal = penetration.map_or(nearest, |penetration| penetration.direction);
+        if normal != nearest && self.is_stopped_by(nearest) {
             self.press(nearest, from);
         }
-        if overlap.is_some_and(Overlap::stays) {
-            self.start.note_inside(Inside::Stays);
+        if penetration.is_some_and(Penetration::stays) {
+            self.start.record_inside(Inside::Stays);
             return;
         }
         let movable = self.start.movable(self.vertex, normal);
         let Some([nx, ny]) = movable.filter(|_| self.start.faces(self.vertex, normal)) else { return };
         // What slides goes no faster along its rail than the rest comes along there.
         let share = normal[0] * nx + normal[1] * ny;
-        let kept = self.start.lift(self.vertex, [nx, ny], share * rise.speed, &mut self.v);
-        let way = [self.to[0] - from[0], self.to[1] - from[1]];
-        let across = way[0] * nx + way[1] * ny;
-        let short = (share * rise.length - across).max(0.0);
+        let kept = self.start.lift(self.vertex, [nx, ny], share * step.speed, &mut self.v);
+        let displacement = [self.to[0] - from[0], self.to[1] - from[1]];
+        let across = displacement[0] * nx + displacement[1] * ny;
+        let short = (share * step.length - across).max(0.0);
         self.to = [self.to[0] + short * nx, self.to[1] + short * ny];
         if let Some(lost) = kept.map(|kept| 1.0 - kept) {
-            self.to[0] -= lost * (way[0] - across * nx);
-            self.to[1] -= lost * (way[1] - across * ny);
+            self.to[0] -= lost * (displacement[0] - across * nx);
+            self.to[1] -= lost * (displacement[1] - across * ny);
         }
     }
 
     /// Stops it wherever it touches.
     fn stop<O: Obstacle + ?Sized>(&mut self, obstacle: &O, begun: Option<Contact>, from: [f64; 2]) {
-        if let Some(contact) = begun.filter(|contact| self.meets(contact.normal)) {
+        if let Some(contact) = begun.filter(|contact| self.is_stopped_by(contact.normal)) {
             self.press(contact.normal, from);
         }
-        let free = begun.map_or(obstacle.reach(), |contact| contact.distance) - obstacle.skin();
-        let way = [self.to[0] - from[0], self.to[1] - from[1]];
-        if free <= 0.0 || way[0] * way[0] + way[1] * way[1] > free * free {
+        let clearance = begun.map_or(obstacle.margin(), |contact| contact.distance) - obstacle.offset();
+        let displacement = [self.to[0] - from[0], self.to[1] - from[1]];
+        if clearance <= 0.0
+            || displacement[0] * displacement[0] + displacement[1] * displacement[1] > clearance * clearance
+        {
             if begun.is_none_or(|contact| contact.distance >= 0.0) {
                 self.travel(obstacle, from);
             }
-            self.leave(obstacle);
+            self.project_out(obstacle);
         }
     }
 
@@ -112,13 +116,13 @@ impl<'a> Moved<'a> {
     fn press(&mut self, normal: [f64; 2], from: [f64; 2]) {
         let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };
         let before = [self.start.v[2 * self.vertex], self.start.v[2 * self.vertex + 1]];
-        let kept = self.surface.answer([nx, ny], before, &mut self.v);
-        let way = [self.to[0] - from[0], self.to[1] - from[1]];
-        let across = way[0] * nx + way[1] * ny;
+        let kept = self.surface.impact_response([nx, ny], before, &mut self.v);
+        let displacement = [self.to[0] - from[0], self.to[1] - from[1]];
+        let across = displacement[0] * nx + displacement[1] * ny;
         let inwards = across.min(0.0);
         match kept {
             Some(kept) if kept < 1.0 => {
-                let along = [way[0] - across * nx, way[1] - across * ny];
+                let along = [displacement[0] - across * nx, displacement[1] - across * ny];
                 let outwards = across - inwards;
                 self.to = [from[0] + kept * along[0] + outwards * nx, from[1] + kept * along[1] + outwards * ny];
             }
@@ -128,29 +132,29 @@ impl<'a> Moved<'a> {
 
     /// Stops where the way first touches; what is left of the way goes on along the surface until it touches again.
     fn travel<O: Obstacle + ?Sized>(&mut self, obstacle: &O, mut from: [f64; 2]) {
-        for slides in [true, false] {
-            let way = [self.to[0] - from[0], self.to[1] - from[1]];
-            let Some((share, normal)) = obstacle.cast(from, way) else { return };
-            if !self.meets(normal) {
+        for may_slide in [true, false] {
+            let displacement = [self.to[0] - from[0], self.to[1] - from[1]];
+            let Some((share, normal)) = obstacle.cast(from, displacement) else { return };
+            if !self.is_stopped_by(normal) {
                 return;
             }
-            from = [from[0] + share * way[0], from[1] + share * way[1]];
+            from = [from[0] + share * displacement[0], from[1] + share * displacement[1]];
             self.press(normal, from);
-            if !slides {
+            if !may_slide {
                 self.to = from;
             }
         }
     }
 
     /// Puts back on the surface what ends inside; in a nook, from one side to the other if need be.
-    fn leave<O: Obstacle + ?Sized>(&mut self, obstacle: &O) {
+    fn project_out<O: Obstacle + ?Sized>(&mut self, obstacle: &O) {
         for _ in 0..NOOK {
             let Some(Contact { distance, normal }) = obstacle.contact(self.to) else { return };
-            if distance >= 0.5 * obstacle.skin() || !self.meets(normal) {
+            if distance >= 0.5 * obstacle.offset() || !self.is_stopped_by(normal) {
                 return;
             }
             let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };
-            let depth = obstacle.skin() - distance;
+            let depth = obstacle.offset() - distance;
             self.to = [self.to[0] + depth * nx, self.to[1] + depth * ny];
             self.press(normal, self.to);
         }

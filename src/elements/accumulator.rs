@@ -1,6 +1,6 @@
 //! Accumulators: what becomes of the forces that are assembled at vertices. They are added to others, or move the vertices at once.
 
-use super::kick::{Kick, Masses, Moving};
+use super::euler_update::{EulerCoefficients, Masses, Moving};
 use pulp::Simd;
 use std::ops::Range;
 use wide::f64x2;
@@ -24,7 +24,7 @@ pub trait Scatter<const N: usize = 1> {
 /// forces. Vertices are counted from its first.
 pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
     /// The same for some of the vertices.
-    type Part<'a>: Accumulator<N>
+    type View<'a>: Accumulator<N>
     where
         Self: 'a;
 
@@ -32,7 +32,7 @@ pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
     fn motion(&self) -> [&[f64]; 2];
 
     /// A range of the vertices.
-    fn part(&mut self, vertices: Range<usize>) -> Self::Part<'_>;
+    fn view(&mut self, vertices: Range<usize>) -> Self::View<'_>;
 
     /// The vertices before a number, and those from it on.
     fn split(self, vertex: usize) -> (Self, Self);
@@ -54,7 +54,7 @@ pub struct Adding<'a> {
 }
 
 impl Accumulator for Adding<'_> {
-    type Part<'a>
+    type View<'a>
         = Adding<'a>
     where
         Self: 'a;
@@ -64,7 +64,7 @@ impl Accumulator for Adding<'_> {
         [self.x, self.v]
     }
 
-    fn part(&mut self, vertices: Range<usize>) -> Adding<'_> {
+    fn view(&mut self, vertices: Range<usize>) -> Adding<'_> {
         let range = 2 * vertices.start..2 * vertices.end;
         Adding {
             x: &self.x[range.clone()],
@@ -139,7 +139,7 @@ impl UniformForce {
 
 /// Moves each vertex by a step of symplectic Euler, `v += h f/m`, then `x += h v`, with the forces of elements and of what acts
 /// everywhere. Where forces are handed out apart, the others are those of the viscous stress.
-pub struct Kicking<'a> {
+pub struct EulerUpdate<'a> {
     /// Positions, flat [m].
     pub x: &'a mut [f64],
     /// Velocities, flat [m/s].
@@ -156,9 +156,9 @@ pub struct Kicking<'a> {
     pub twice_kinetic: f64,
 }
 
-impl<const N: usize> Accumulator<N> for Kicking<'_> {
-    type Part<'a>
-        = Kicking<'a>
+impl<const N: usize> Accumulator<N> for EulerUpdate<'_> {
+    type View<'a>
+        = EulerUpdate<'a>
     where
         Self: 'a;
 
@@ -167,9 +167,9 @@ impl<const N: usize> Accumulator<N> for Kicking<'_> {
         [self.x, self.v]
     }
 
-    fn part(&mut self, vertices: Range<usize>) -> Kicking<'_> {
+    fn view(&mut self, vertices: Range<usize>) -> EulerUpdate<'_> {
         let range = 2 * vertices.start..2 * vertices.end;
-        Kicking {
+        EulerUpdate {
             x: &mut self.x[range.clone()],
             v: &mut self.v[range.clone()],
             mass: &self.mass[range.clone()],
@@ -203,15 +203,15 @@ impl<const N: usize> Accumulator<N> for Kicking<'_> {
     }
 }
 
-impl<const N: usize> Scatter<N> for Kicking<'_> {
+impl<const N: usize> Scatter<N> for EulerUpdate<'_> {
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
-        let ([x, v], [mass, inverse_mass], kick) = self.parts();
+        let ([x, v], [mass, inverse_mass], euler_update) = self.views();
         let mut squares = f64x2::ZERO;
         for (vertex, forces) in forces {
-            squares += kick.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], forces);
+            squares += euler_update.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], forces);
         }
-        self.book(squares);
+        self.add_squares(squares);
     }
 
     #[inline(always)]
@@ -222,23 +222,23 @@ impl<const N: usize> Scatter<N> for Kicking<'_> {
         fours: impl ExactSizeIterator<Item = [[f64x2; N]; 4]>,
         rest: impl ExactSizeIterator<Item = [f64x2; N]>,
     ) {
-        let (moving, masses, kick) = self.parts();
-        let squares = kick.of_run(set, first, moving, masses, fours, rest);
-        self.book(squares);
+        let (moving, masses, euler_update) = self.views();
+        let squares = euler_update.update_run(set, first, moving, masses, fours, rest);
+        self.add_squares(squares);
     }
 }
 
-impl Kicking<'_> {
+impl EulerUpdate<'_> {
     /// Positions and velocities, masses and their reciprocals, all by vertices, and what is the same for all.
     #[inline(always)]
-    fn parts(&mut self) -> (Moving<'_>, Masses<'_>, Kick) {
+    fn views(&mut self) -> (Moving<'_>, Masses<'_>, EulerCoefficients) {
         let moving = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut().0);
         let masses = [self.mass, self.inverse_mass].map(|values| values.as_chunks().0);
-        (moving, masses, Kick::new(self.uniform_force, self.step))
+        (moving, masses, EulerCoefficients::new(self.uniform_force, self.step))
     }
 
     #[inline(always)]
-    fn book(&mut self, squares: f64x2) {
+    fn add_squares(&mut self, squares: f64x2) {
         let [along_x, along_y] = squares.to_array();
         self.twice_kinetic += along_x + along_y;
     }

@@ -16,17 +16,17 @@ use crate::{
 const LINE: usize = 4;
 
 /// For so many corners that are looked at after it, a line of memory is taken to be still near.
-const NEAR: usize = 256;
+const RECENT: usize = 256;
 
 /// A mesh is out of order if each line is fetched from far away more than so many times in a step. Where rows, rings or a curve that fills the
 /// plane are followed that is at most 0.5 times, as the processor sees the next line coming; where thousands of vertices or triangles
 /// are listed anyhow it is 2 to 16 times. What is so small that it is always near is in order in any order.
-const SEVERAL: f64 = 1.5;
+const MAX_FETCHES: f64 = 1.5;
 
 /// Nor is it in order if elements with more corners than these lie between two that meet at a vertex, and in another order less than half
 /// as many: the forces at all those corners have to be kept meanwhile. Where rows are followed it is one row or two; a curve that fills
 /// the plane passes where it has been before half the mesh ago.
-const FAR: usize = 8192;
+const MAX_SPREAD: usize = 8192;
 
 /// A mesh in a better order, if it is out of order; others are left as they are.
 pub(super) fn mesh(mesh: Mesh) -> Mesh {
@@ -45,8 +45,8 @@ pub(super) fn net(net: Net) -> Net {
 
 /// The names of vertices and of elements, springs or fans of triangles, in a better order; nothing where they are in order.
 fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<[Vec<u32>; 2]> {
-    let (scattered, apart) = (fetches(vertices, elements) > SEVERAL, spread(vertices, elements.iter()));
-    if !scattered && N * apart <= FAR {
+    let (scattered, apart) = (fetches(vertices, elements) > MAX_FETCHES, spread(vertices, elements.iter()));
+    if !scattered && N * apart <= MAX_SPREAD {
         return None;
     }
     let near = by_neighbours(vertices, elements);
@@ -62,7 +62,7 @@ fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<[Vec
     if !scattered && !better() {
         return None;
     }
-    Some([by_stretches(vertices, elements, &order), order])
+    Some([by_stages(vertices, elements, &order), order])
 }
 
 /// How often a line of positions is fetched from far away in a sweep over all elements, on average: when neither it nor a line
@@ -73,7 +73,7 @@ fn fetches<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> f64 {
     for (now, corner) in elements.as_flattened().iter().enumerate() {
         let line = *corner as usize / LINE;
         let beside = &seen[line.saturating_sub(1)..seen.len().min(line + 2)];
-        fetched += usize::from(!beside.iter().flatten().any(|before| now - before <= NEAR));
+        fetched += usize::from(!beside.iter().flatten().any(|before| now - before <= RECENT));
         seen[line] = Some(now);
     }
     fetched as f64 / seen.len() as f64
@@ -102,17 +102,17 @@ fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<
         }
     }
     // In which walk each vertex was met last.
-    let mut met = vec![0_u32; vertices];
-    let mut walks = 0;
-    let mut walk = |from: u32, order: &mut Vec<u32>| {
-        walks += 1;
+    let mut visited = vec![0_u32; vertices];
+    let mut traversals = 0;
+    let mut traverse = |from: u32, order: &mut Vec<u32>| {
+        traversals += 1;
         let mut next = order.len();
         order.push(from);
-        met[from as usize] = walks;
+        visited[from as usize] = traversals;
         while let Some(&vertex) = order.get(next) {
             let first = order.len();
             for &corner in around[vertex as usize].iter().flat_map(|element| &elements[*element]) {
-                if std::mem::replace(&mut met[corner as usize], walks) != walks {
+                if std::mem::replace(&mut visited[corner as usize], traversals) != traversals {
                     order.push(corner);
                 }
             }
@@ -128,11 +128,11 @@ fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<
         // Who is met last is at the edge; twice, as far away as can be.
         let (begin, mut from) = (order.len(), start);
         for _ in 0..2 {
-            walk(from, &mut order);
+            traverse(from, &mut order);
             from = order.last().copied().unwrap_or(from);
             order.truncate(begin);
         }
-        walk(from, &mut order);
+        traverse(from, &mut order);
         for (place, vertex) in order.iter().enumerate().skip(begin) {
             places[*vertex as usize] = place as u32;
         }
@@ -142,7 +142,7 @@ fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<
 
 /// The vertices in the order in which their forces are summed: by the stretch of elements after which they have them all, and there
 /// those with as many elements as each other in a row. Then they follow each other in memory.
-fn by_stretches<const N: usize>(vertices: usize, elements: &[[u32; N]], order: &[u32]) -> Vec<u32> {
+fn by_stages<const N: usize>(vertices: usize, elements: &[[u32; N]], order: &[u32]) -> Vec<u32> {
     let (mut count, mut last) = (vec![0_u32; vertices], vec![0; vertices]);
     for (place, element) in order.iter().enumerate() {
         for corner in elements[*element as usize] {

@@ -13,9 +13,9 @@ impl Simulation {
     ///
     /// Only for explicit schemes, whose steps are constrained once at their end: one that leaves the box is gone back for and
     /// taken again, in full.
-    pub(super) fn look_for_room(&mut self) {
+    pub(super) fn find_clear_box(&mut self) {
         let plan = &self.scratch.plan;
-        if self.scratch.free.is_some() || plan.constraints.is_empty() || self.guard.level() > 0 {
+        if self.scratch.clear_box.is_some() || plan.constraints.is_empty() || self.guard.level() > 0 {
             return;
         }
         let explicit = self.scene.integrator.kind().class() == Class::Explicit;
@@ -29,21 +29,22 @@ impl Simulation {
         };
         let (bounds, fastest) = (extents(&self.state.x), extents(&self.state.v));
         let speed = fastest.as_flattened().iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let mut free = grown(bounds, [true; 4], 2.0 * BATCH as f64 * self.scene.step * speed);
-        if !clear(free) {
+        let mut clear_box = grown(bounds, [true; 4], 2.0 * BATCH as f64 * self.scene.step * speed);
+        if !clear(clear_box) {
             return;
         }
         let size = (0..2).map(|axis| bounds[1][axis] - bounds[0][axis]).fold(f64::MIN_POSITIVE, f64::max);
         let sides = [[true; 4], [true, false, false, false], [false, true, false, false], [false, false, true, false]];
         for sides in sides.into_iter().chain([[false, false, false, true]]) {
             for power in (POWERS.1..=POWERS.0).rev() {
-                let larger = grown(free, sides, libm::ldexp(size, power));
+                let larger = grown(clear_box, sides, libm::ldexp(size, power));
                 if clear(larger) {
-                    free = larger;
+                    clear_box = larger;
                 }
             }
         }
-        (self.scratch.free, self.scratch.room, self.scratch.inside) = (Some(free), -1.0, Inside::Nothing);
+        (self.scratch.clear_box, self.scratch.displacement_bound, self.scratch.inside) =
+            (Some(clear_box), -1.0, Inside::Nothing);
     }
 
     /// Whether the step just taken left numbers. A step that was taken without the constraints, but went where one may reach,
@@ -52,16 +53,16 @@ impl Simulation {
     /// Where the energy of motion comes along with a step nobody has to look at every vertex: none can have gone farther than with
     /// all that energy for itself.
     pub(super) fn validates(&mut self) -> bool {
-        if self.scratch.room >= 0.0 {
+        if self.scratch.displacement_bound >= 0.0 {
             return true;
         }
-        if self.state.is_within(self.scratch.free.unwrap_or(WORLD)) {
+        if self.state.is_within(self.scratch.clear_box.unwrap_or(WORLD)) {
             if self.scratch.kinetic.is_some() {
-                self.measure_room();
+                self.update_displacement_bound();
             }
             return true;
         }
-        if self.scratch.free.take().is_none() {
+        if self.scratch.clear_box.take().is_none() {
             return false;
         }
         self.go_back_to(self.state.steps - 1);
@@ -85,10 +86,10 @@ impl Simulation {
     }
 
     /// Looks how far everything may go.
-    pub(super) fn measure_room(&mut self) {
+    pub(super) fn update_displacement_bound(&mut self) {
         let inner = extents(&self.state.x);
-        let outer = self.scratch.free.unwrap_or_else(|| surroundings(inner));
-        self.scratch.room = room(inner, outer);
+        let outer = self.scratch.clear_box.unwrap_or_else(|| surroundings(inner));
+        self.scratch.displacement_bound = displacement_bound(inner, outer);
     }
 }
 
@@ -109,7 +110,7 @@ fn greatest(bounds: Bounds) -> f64 {
 
 /// How far everything in a box can go at least before it leaves another around it, less a share for round-off in a great many
 /// steps.
-fn room(inner: Bounds, outer: Bounds) -> f64 {
+fn displacement_bound(inner: Bounds, outer: Bounds) -> f64 {
     let sides = [0, 1].map(|axis| (inner[0][axis] - outer[0][axis]).min(outer[1][axis] - inner[1][axis]));
     sides[0].min(sides[1]) - 1e-6 * greatest(outer)
 }

@@ -66,7 +66,7 @@ const STATES: usize = 1 << 24;
 
 impl History {
     /// Remembers a document that is about to change. `state` is what the change is about to replace.
-    pub fn remember(&mut self, document: Document, state: Option<Restart>, gesture: Option<Gesture>) {
+    pub fn record(&mut self, document: Document, state: Option<Restart>, gesture: Option<Gesture>) {
         self.future.clear();
         if gesture.is_some() && gesture == self.gesture {
             return;

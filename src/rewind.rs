@@ -49,7 +49,7 @@ impl Rewind {
     }
 
     /// How far back one can go from a time [s].
-    pub fn reach(&self, now: f64) -> f64 {
+    pub fn length(&self, now: f64) -> f64 {
         self.moments.front().map_or(0.0, |first| (now - first.state.time).max(0.0))
     }
 

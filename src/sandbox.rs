@@ -171,7 +171,7 @@ impl Sandbox {
             Command::Reset => {
                 if *self.simulation.state() != self.simulation.scene().start {
                     // What ran is not lost: undo brings it back.
-                    self.history.remember(self.document.clone(), Some(self.simulation.restart()), None);
+                    self.history.record(self.document.clone(), Some(self.simulation.restart()), None);
                 }
                 self.start_over();
             }
@@ -206,7 +206,7 @@ impl Sandbox {
         let before = self.document.clone();
         let replaced = (then != Then::Keep).then(|| self.simulation.restart());
         self.show(document, then, None)?;
-        self.history.remember(before, replaced, gesture);
+        self.history.record(before, replaced, gesture);
         Ok(())
     }
 
@@ -408,8 +408,8 @@ impl Sandbox {
     }
 
     /// How far back time can be turned [s].
-    pub fn rewind_reach(&self) -> f64 {
-        self.rewind.reach(self.simulation.state().time)
+    pub fn rewind_length(&self) -> f64 {
+        self.rewind.length(self.simulation.state().time)
     }
 
     /// Whether any damping is switched on.

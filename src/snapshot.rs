@@ -7,7 +7,7 @@ use crate::{
     fault::Fault,
     guard::negligible,
     level::Level,
-    materials::{Caution, Model},
+    materials::{Model, StripWarning},
     meshes::Mesh,
     obstacles::Inside,
     report::EffectCost,
@@ -79,13 +79,13 @@ pub struct Snapshot {
     /// Whether any damping effect is switched on.
     pub damping: bool,
     /// How many shorter steps the guard takes for one now.
-    pub parts: u32,
+    pub guard_substeps: u32,
     /// Steps that the guard had taken in shorter ones.
     pub guarded: u64,
     /// Whether something is inside a wall, and whether it comes out.
     pub inside: Inside,
     /// How each body and then each net is stepped, where each goes at its own pace.
-    pub paces: Vec<SubstepPlan>,
+    pub substep_plans: Vec<SubstepPlan>,
     /// How many bodies and nets sleep.
     pub asleep: usize,
     /// Number of triangles of bodies that are awake: those that a step computes.
@@ -93,7 +93,7 @@ pub struct Snapshot {
     /// Name and elastic energy [J] of the first body or net that has exploded, if one has.
     pub exploded: Option<(String, f64)>,
     /// How far back time can be turned [s].
-    pub rewind_reach: f64,
+    pub rewind_length: f64,
     /// What each effect cost so far, elements first.
     pub costs: Vec<EffectCost>,
     /// Why time stopped, if something went wrong.
@@ -138,7 +138,7 @@ pub struct BodySnapshot {
     /// Height over rest height.
     pub height_ratio: f64,
     /// Where the model has no honest answer at this stretch, in words.
-    pub caution: Option<String>,
+    pub strip_warning: Option<String>,
 }
 
 /// One net of a snapshot.
@@ -230,14 +230,14 @@ impl Sandbox {
         let asleep = simulation.sleeping().chain(std::iter::repeat(false));
         let awake = scene.bodies.iter().zip(asleep).filter(|(_, asleep)| !asleep);
         snapshot.computed = awake.map(|(body, _)| body.mesh.triangles().len()).sum();
-        snapshot.rewind_reach = self.rewind_reach();
+        snapshot.rewind_length = self.rewind_length();
         snapshot.costs.clear();
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
-        (snapshot.parts, snapshot.guarded) = (simulation.guard_substeps(), simulation.counts().guarded);
+        (snapshot.guard_substeps, snapshot.guarded) = (simulation.guard_substeps(), simulation.counts().guarded);
         snapshot.inside = simulation.inside();
-        snapshot.paces.clear();
-        snapshot.paces.extend(simulation.substep_plans());
+        snapshot.substep_plans.clear();
+        snapshot.substep_plans.extend(simulation.substep_plans());
         snapshot.messages.clone_from(&scene.messages);
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
@@ -304,7 +304,7 @@ impl Sandbox {
             mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
             top_force: if test { body.holding_force(x) } else { 0.0 },
             height_ratio,
-            caution: test.then(|| body.elements.visit(Caution(height_ratio))).flatten(),
+            strip_warning: test.then(|| body.elements.visit(StripWarning(height_ratio))).flatten(),
         }
     }
 

@@ -69,7 +69,7 @@ impl StabilityProbe {
         self.basis.clear();
         let length = norm(&self.vector);
         self.basis.extend(self.vector.iter().map(|value| value / length));
-        let mut projected = Square::new(rounds);
+        let mut projected = SmallMatrix::new(rounds);
         let mut used = 0;
         for round in 0..rounds {
             self.multiply(scene, state, round * count);
@@ -134,12 +134,12 @@ fn longest_step(scene: &Scene, state: &State, square: f64) -> Option<f64> {
 }
 
 /// A small symmetric matrix.
-struct Square {
+struct SmallMatrix {
     size: usize,
     entries: Vec<f64>,
 }
 
-impl Square {
+impl SmallMatrix {
     fn new(size: usize) -> Self {
         Self { size, entries: vec![0.0; size * size] }
     }
@@ -178,7 +178,7 @@ impl Square {
     }
 }
 
-fn rotate(of: &mut Square, one: [usize; 2], other: [usize; 2], [c, s]: [f64; 2]) {
+fn rotate(of: &mut SmallMatrix, one: [usize; 2], other: [usize; 2], [c, s]: [f64; 2]) {
     let (a, b) = (*of.at(one[0], one[1]), *of.at(other[0], other[1]));
     *of.at(one[0], one[1]) = c * a - s * b;
     *of.at(other[0], other[1]) = s * a + c * b;

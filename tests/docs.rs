@@ -9,7 +9,7 @@ mod level_format;
 use clap::{Arg, Args as _, Command};
 use gingerbread::{
     app::keys::TABLE,
-    headless::{Hard, Run, Study},
+    headless::{Hard, RunRequest, Study},
     levels::{BUILT_IN, HARD, built_in},
 };
 use level_format::{anchor, declared};
@@ -168,7 +168,7 @@ fn the_page_of_the_command_line_names_every_option_and_every_field_of_a_report()
         longs.map(|long| format!("--{long}")).collect::<Vec<_>>()
     };
     let commands = [
-        Run::augment_args(Command::new("run")),
+        RunRequest::augment_args(Command::new("run")),
         Study::augment_args(Command::new("study")),
         Hard::augment_args(Command::new("hard")),
     ];

@@ -202,11 +202,11 @@ fn what_is_kept_ends_with_a_restart_and_stays_small() {
     for _ in 0..20 {
         sandbox.advance(6000, &mut || true);
     }
-    assert!((sandbox.rewind_reach() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_reach());
+    assert!((sandbox.rewind_length() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_length());
     sandbox.apply(Command::Reset).unwrap();
     assert!(sandbox.apply(Command::Rewind(1.0)).unwrap_err().to_string().contains("nothing to go back to"));
     sandbox.advance(100, &mut || true);
-    assert!(sandbox.rewind_reach() < 0.1);
+    assert!(sandbox.rewind_length() < 0.1);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{
     EndState,
-    paces::{SubstepReport, paces},
+    substep_report::{SubstepReport, substep_reports},
 };
 use crate::{
     files,
@@ -42,7 +42,8 @@ pub struct RunReport {
     /// Length of a step [s].
     pub step_seconds: f64,
     /// How each body and net stepped that went at its own pace; empty if all took the same steps.
-    pub paces: Vec<SubstepReport>,
+    #[serde(rename = "paces")]
+    pub substeps: Vec<SubstepReport>,
     /// Steps taken.
     pub steps: u64,
     /// Simulated time at the end [s].
@@ -117,7 +118,7 @@ impl RunReport {
             triangles,
             vertices: scene.rest.len() / 2,
             step_seconds: scene.step,
-            paces: paces(simulation),
+            substeps: substep_reports(simulation),
             steps,
             time: state.time,
             force_evaluations: counts.force_evaluations,

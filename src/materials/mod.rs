@@ -105,7 +105,7 @@ pub trait Material: Copy + Send + Sync {
 
     /// What a user should know before trusting a strip of this stretch: where the model has no honest answer, or gives way,
     /// `dP11/ds < 0` along the strip.
-    fn caution(&self, stretch: f64) -> Option<String> {
+    fn strip_warning(&self, stretch: f64) -> Option<String> {
         let Some(width) = self.free_width(stretch) else {
             return Some(format!(
                 "{} has no solution here: with free sides, no positive width is in equilibrium at {stretch:.2} x.",
@@ -175,20 +175,20 @@ impl Model {
         matches!(self, Self::Corotated | Self::StVenantKirchhoff | Self::Hencky)
     }
 
-    /// See [`Material::caution`].
-    pub fn caution(self, lame: Lame, stretch: f64) -> Option<String> {
-        self.visit(lame, Caution(stretch))
+    /// See [`Material::strip_warning`].
+    pub fn strip_warning(self, lame: Lame, stretch: f64) -> Option<String> {
+        self.visit(lame, StripWarning(stretch))
     }
 }
 
-/// Asks for [`Material::caution`] at a stretch.
+/// Asks for [`Material::strip_warning`] at a stretch.
 #[derive(Clone, Copy, Debug)]
-pub struct Caution(pub f64);
+pub struct StripWarning(pub f64);
 
-impl Visitor for Caution {
+impl Visitor for StripWarning {
     type Output = Option<String>;
     fn visit<M: Material>(self, material: &M) -> Option<String> {
-        material.caution(self.0)
+        material.strip_warning(self.0)
     }
 }
 

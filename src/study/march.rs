@@ -38,7 +38,7 @@ pub(super) struct March {
 }
 
 /// Longest time between two looks at the clock, where single steps allow it.
-const LOOK: Duration = Duration::from_micros(400);
+const POLL_INTERVAL: Duration = Duration::from_micros(400);
 
 impl March {
     /// A march of so many frames from a state.
@@ -63,7 +63,7 @@ impl March {
             let elapsed = begin.elapsed();
             self.taken += taken;
             // How steps are bunched changes nothing but how often the clock is read.
-            self.bunch = if elapsed < LOOK { (2 * self.bunch).min(256) } else { (self.bunch / 2).max(1) };
+            self.bunch = if elapsed < POLL_INTERVAL { (2 * self.bunch).min(256) } else { (self.bunch / 2).max(1) };
             if self.simulation.fault().is_some() {
                 self.spent += stopwatch.elapsed();
                 return true;

@@ -223,7 +223,8 @@ fn every_word_and_formula_can_be_written_with_the_letters_the_window_has() {
 #[test]
 fn the_panel_says_how_many_steps_each_body_takes_and_whether_it_may() {
     let mut window = open("pea_and_cake");
-    let parts = |window: &Window| window.state().snapshot().paces.iter().map(|pace| pace.steps).collect::<Vec<_>>();
+    let parts =
+        |window: &Window| window.state().snapshot().substep_plans.iter().map(|pace| pace.steps).collect::<Vec<_>>();
     let words = format!("cake 1, pea {}", parts(&window)[1]);
     assert!(window.query_by_label(&words).is_some());
     assert!(window.query_by_label_contains("the stiffest body takes steps of").is_some());

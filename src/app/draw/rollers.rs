@@ -17,9 +17,9 @@ pub fn rollers(buffer: &mut ShapeBuffer, view: View, snapshot: &Snapshot, points
         let along = if side[0].1 == 0 { vec2(0.0, 1.0) } else { vec2(1.0, 0.0) };
         let reach = wheels().fold(Rect::from_pos(first), |reach, at| reach.union(Rect::from_pos(at)));
         let beyond = along * (4.0 * radius);
-        buffer.line(&[reach.min - beyond, reach.max + beyond], false, 0.6 * radius, view.theme.ink);
+        buffer.line(&[reach.min - beyond, reach.max + beyond], false, 0.6 * radius, view.theme.annotation);
         for at in wheels() {
-            buffer.disc(at, radius, view.theme.ink);
+            buffer.disc(at, radius, view.theme.annotation);
             buffer.disc(at, 0.62 * radius, Color32::WHITE);
         }
     }

@@ -17,14 +17,14 @@ pub struct SubstepReport {
 }
 
 /// Bodies and then nets; nothing if all took the same steps.
-pub(super) fn paces(simulation: &Simulation) -> Vec<SubstepReport> {
+pub(super) fn substep_reports(simulation: &Simulation) -> Vec<SubstepReport> {
     let scene = simulation.scene();
     let names = scene.bodies.iter().map(|body| &body.name).chain(scene.nets.iter().map(|net| &net.name));
-    let row = |(name, pace): (&String, SubstepPlan)| SubstepReport {
+    let row = |(name, plan): (&String, SubstepPlan)| SubstepReport {
         name: name.clone(),
-        steps: pace.steps,
-        step_seconds: pace.step,
-        critical_step_seconds: pace.limit,
+        steps: plan.steps,
+        step_seconds: plan.step,
+        critical_step_seconds: plan.limit,
     };
     names.zip(simulation.substep_plans()).map(row).collect()
 }

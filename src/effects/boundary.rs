@@ -61,11 +61,11 @@ impl EffectParameters for Boundary {
     }
 }
 
-/// One edge of the world.
+/// One edge of the domain.
 struct Edge {
     axis: usize,
     at: f64,
-    /// 1 if the world lies on the side of greater coordinates, otherwise -1.
+    /// 1 if the domain lies on the side of greater coordinates, otherwise -1.
     inwards: f64,
 }
 
@@ -81,7 +81,7 @@ impl Edge {
     }
 }
 
-/// As what a body may begin beyond.
+/// An edge as an obstacle, for depenetration.
 impl Obstacle for Edge {
     fn contact(&self, point: [f64; 2]) -> Option<Contact> {
         let distance = self.distance(point);
@@ -114,7 +114,7 @@ impl Obstacle for Edge {
 struct Edges {
     least: [f64; 2],
     greatest: [f64; 2],
-    /// Two across each axis, in the order of the axes.
+    /// Two edges for each axis, in the order of the axes.
     all: [Edge; 4],
 }
 
@@ -175,7 +175,7 @@ impl Effect for Edges {
 }
 
 impl Edges {
-    /// Puts one vertex back on the edges across one axis.
+    /// Projects one vertex on the edges across one axis; returns whether anything changed.
     #[inline]
     fn put_back(&self, start: &Start<'_>, (vertex, axis): (usize, usize), x: &mut [f64], v: &mut [f64]) -> bool {
         let side = if x[axis] < self.least[axis] || (x[axis] == self.least[axis] && v[axis] < 0.0) {

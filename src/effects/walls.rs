@@ -104,7 +104,7 @@ struct Wall {
 }
 
 impl Wall {
-    /// How it moves in a step.
+    /// Its motion in a step.
     fn swept_motion(&self, [start, end]: [f64; 2]) -> SweptMotion {
         if self.motions.is_empty() {
             return SweptMotion::STILL;
@@ -119,11 +119,11 @@ struct Contacts {
     boundary: Arc<Vec<[u32; 2]>>,
 }
 
-/// How often what was stopped is looked at again, as that may make others touch, before it stays where the step began.
+/// Most passes over stopped edges, because stopping one may make others touch; after them an edge stays at its start.
 const ROUNDS: usize = 8;
 
 impl Contacts {
-    /// The obstacles that are near enough to a box around all ways to be worth a look at each vertex in it.
+    /// Queries for the obstacles that are near a box around the swept vertices.
     fn near(&self, effect: usize, time: [f64; 2], bounds: Bounds) -> impl Iterator<Item = ContactQuery<'_>> + Clone {
         let walls = self.obstacles.iter().enumerate();
         let contact_queries = walls.map(move |(number, wall)| {
@@ -132,8 +132,8 @@ impl Contacts {
         contact_queries.filter(ContactQuery::is_near)
     }
 
-    /// Edges stop at corners, and vertices that this turned aside at obstacles, until nothing touches any more; what still
-    /// would stays where the step began, where nothing touched, or is carried along from there.
+    /// Stops edges at corners and, after that, vertices at obstacles, until nothing touches; vertices that would still
+    /// touch stay at their start, mapped with the obstacle.
     fn stop_edges(&self, bounds: Bounds, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let near = self.near(start.effect, start.time, bounds);
         let mut touched = 0;
@@ -160,7 +160,7 @@ impl Contacts {
     }
 }
 
-/// Puts what was stopped where the step began, carried along with what stopped it.
+/// Resets stopped vertices to the start of the step, mapped with the motion of the obstacle.
 fn return_to_start(swept_motion: &SweptMotion, start: &Start<'_>, checked: &mut [f64], x: &mut [f64], v: &mut [f64]) {
     let changed = x.chunks_exact_mut(2).zip(checked.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate();
     for (vertex, ((x, checked), v)) in changed.filter(|(_, ((x, checked), _))| x != checked) {

@@ -1,11 +1,11 @@
-//! Bodies and one obstacle in one step.
+//! Contact query: the bodies against one obstacle in one step.
 
 use super::{
     Contact, ContactCache, Corner, Depenetration, Inside, Name, Obstacle, Penetration, Start, SweptMotion, Touching,
     corner, resolve,
 };
 
-/// An obstacle on its way through a step, and a box around the ways of all vertices.
+/// An obstacle with its motion in a step, and a box around the swept vertices.
 #[derive(Clone, Copy)]
 pub struct ContactQuery<'a> {
     name: Name,
@@ -15,13 +15,13 @@ pub struct ContactQuery<'a> {
 }
 
 impl<'a> ContactQuery<'a> {
-    /// An obstacle by its name; `bounds` are the least and the greatest corner of the box around the ways of all
+    /// Makes a query for a named obstacle; `bounds` are the least and the greatest corner of the box around the swept
     /// vertices in the world.
     pub fn new((name, obstacle): (Name, &'a dyn Obstacle), swept_motion: SweptMotion, bounds: [[f64; 2]; 2]) -> Self {
         Self { name, obstacle, swept_motion, bounds: swept_motion.bounds(bounds) }
     }
 
-    /// Whether any vertex could touch; false only if none can.
+    /// Whether any vertex could touch; conservative.
     pub fn is_near(&self) -> bool {
         let [least, greatest] = self.swept_motion.built(self.bounds);
         self.obstacle.is_near(least, greatest)
@@ -37,7 +37,7 @@ impl<'a> ContactQuery<'a> {
         self.name
     }
 
-    /// The start of the step as this obstacle sees it.
+    /// The start of the step with the contacts and penetrations of this obstacle alone.
     pub fn for_obstacle<'s>(&self, start: &Start<'s>) -> Start<'s> {
         let ContactCache { touching, penetrations, .. } = start.contact_cache;
         let [effect, number] = self.name;
@@ -47,7 +47,7 @@ impl<'a> ContactQuery<'a> {
         Start { touching: &touching[touched], penetrations: &penetrations[left], ..*start }
     }
 
-    /// Adds which vertices are near it or inside where the step begins.
+    /// Adds the vertices that are within the margin of the obstacle, or inside, at the start of the step.
     pub fn find_touching(&self, start: &Start<'_>, found: &mut Vec<Touching>) {
         let before = found.len();
         if self.swept_motion.is_still() {
@@ -69,7 +69,7 @@ impl<'a> ContactQuery<'a> {
         }
     }
 
-    /// Stops vertices: see [`Obstacle::constrain`].
+    /// Applies contact to vertices; see [`Obstacle::constrain`].
     pub fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let start = &self.for_obstacle(start);
         if self.swept_motion.is_still() {
@@ -90,7 +90,7 @@ impl<'a> ContactQuery<'a> {
         touched
     }
 
-    /// Stops one vertex as the obstacle sees it, which itself does not move.
+    /// Resolves contact of one vertex in the frame of the obstacle.
     fn resolve_contact(
         &self,
         start: &Start<'_>,
@@ -109,7 +109,7 @@ impl<'a> ContactQuery<'a> {
         let outward = outward.as_ref().map(<[f64; 2]>::as_slice);
         let depenetration = start.depenetration(vertex).map(|depenetration| Depenetration { end: 1, ..*depenetration });
         let penetration = start.penetration(vertex).map(|penetration| Penetration { vertices: 0..1, ..*penetration });
-        // Pressed on by what moves a body would be torn from what keeps it inside.
+        // A body that a pin keeps inside is not pushed: a moving obstacle would tear it from the pin.
         if penetration.as_ref().is_some_and(Penetration::stays) {
             start.record_inside(Inside::Stays);
             return false;
@@ -143,20 +143,20 @@ impl<'a> ContactQuery<'a> {
         true
     }
 
-    /// Where a corner is near an edge of a body, that may not move towards it. Returns how many edges were touched.
+    /// Applies contact between near corners and edges of bodies. Returns the number of edges changed.
     pub fn press_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let start = &self.for_obstacle(start);
         corner::press_edges((self.obstacle.corners(), &self.swept_motion, boundary, self.bounds), start, x, v)
     }
 
-    /// Stops edges of bodies where a corner would first touch on their way. Returns how many there were.
+    /// Stops edges of bodies at the first touch of a corner within the step. Returns their number.
     pub fn stop_edges(&self, boundary: &[[u32; 2]], start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let start = &self.for_obstacle(start);
         corner::stop_edges((self.obstacle.corners(), &self.swept_motion, boundary, self.bounds), start, x, v)
     }
 }
 
-/// The obstacle at its place at the end of the step.
+/// The obstacle at the end of the step.
 impl Obstacle for ContactQuery<'_> {
     fn contact(&self, point: [f64; 2]) -> Option<Contact> {
         let contact = self.obstacle.contact(self.swept_motion.end.back(point))?;
@@ -168,7 +168,7 @@ impl Obstacle for ContactQuery<'_> {
         self.obstacle.is_near(least, greatest)
     }
 
-    /// It is looked at in one step, and may be anywhere in the next.
+    /// A query covers one step; the obstacle may be anywhere in the next.
     fn may_touch(&self, _least: [f64; 2], _greatest: [f64; 2]) -> bool {
         true
     }
@@ -187,7 +187,7 @@ impl Obstacle for ContactQuery<'_> {
         Some((share, end.normal(normal)))
     }
 
-    /// For a point where the step begins.
+    /// For a point at the start of the step.
     fn depenetration_distance(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
         self.obstacle.depenetration_distance(
             self.swept_motion.start.back(point),

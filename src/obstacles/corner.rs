@@ -4,34 +4,34 @@ use super::{
 };
 use parry2d::math::Vector;
 
-/// A corner of an obstacle that points outwards, round or sharp: it can touch an edge of a body between two vertices.
+/// A convex corner of an obstacle, round or sharp: it can touch an edge of a body between two vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// The middle of its rounding [m].
+    /// Centre of its rounding [m].
     pub middle: [f64; 2],
     /// Radius of its rounding [m].
     pub radius: f64,
-    /// How near an edge feels it [m].
+    /// Contact margin [m].
     pub margin: f64,
-    /// How near an edge may come [m].
+    /// Contact offset [m].
     pub offset: f64,
 }
 
 impl Corner {
-    /// Whether it is within its reach of a box.
+    /// Whether a box is within its contact margin.
     fn is_near(&self, [least, greatest]: [Vector; 2]) -> bool {
         let (middle, margin) = (Vector::from(self.middle), Vector::splat(self.radius + self.margin));
         middle.cmpge(least - margin).all() && middle.cmple(greatest + margin).all()
     }
 }
 
-/// An edge of a body in a step, from one vertex to another, with the body on its left.
+/// A boundary edge of a body in a step, with the body on its left.
 struct Edge<'a> {
     start: &'a Start<'a>,
-    /// How the corner moves.
+    /// Motion of the corner.
     swept_motion: &'a SweptMotion,
     vertices: [usize; 2],
-    /// The ends at the start, carried along with the corner.
+    /// The ends at the start of the step, mapped to its end with the motion of the corner.
     from: [Vector; 2],
     to: [Vector; 2],
 }
@@ -57,31 +57,31 @@ impl<'a> Edge<'a> {
         }
     }
 
-    /// Whether a corner is within its reach of the box around the edge's way.
+    /// Whether the box around the swept edge is within the contact margin of a corner.
     fn is_near(&self, corner: &Corner) -> bool {
         let least = self.from[0].min(self.from[1]).min(self.to[0].min(self.to[1]));
         let greatest = self.from[0].max(self.from[1]).max(self.to[0].max(self.to[1]));
         corner.is_near([least, greatest])
     }
 
-    /// The point `along` the edge as a mean of its ends' values.
+    /// Value at the position `along` the edge, interpolated between its ends.
     fn mean(&self, values: &[f64], along: f64) -> Vector {
         at(values, self.vertices[0]) * (1.0 - along) + at(values, self.vertices[1]) * along
     }
 
-    /// Whether a corner in this direction may enter the body, which is on its way past it.
+    /// Whether a corner in this direction may enter the body, because depenetration moves the body past it.
     fn lets_in(&self, normal: Vector) -> bool {
         self.start.penetration(self.vertices[0]).is_some_and(|penetration| penetration.lets_in((-normal).into()))
     }
 
-    /// How far a unit impulse in a direction moves that point in that direction [1/kg].
+    /// Mobility of that point along a direction: its velocity change per unit impulse [1/kg].
     fn mobility(&self, along: f64, direction: Vector) -> f64 {
         let shares = [1.0 - along, along];
         let of = |end: usize| (at(self.start.inverse_mass, self.vertices[end]) * direction * direction).element_sum();
         shares[0] * shares[0] * of(0) + shares[1] * shares[1] * of(1)
     }
 
-    /// Moves that point by a length in a direction, as an impulse at it would.
+    /// Moves that point along a direction, distributed on both ends like an impulse at the point.
     fn shift(&self, values: &mut [f64], along: f64, direction: Vector, by: f64) {
         let mobility = self.mobility(along, direction);
         if by == 0.0 || mobility == 0.0 {
@@ -93,7 +93,7 @@ impl<'a> Edge<'a> {
         }
     }
 
-    /// Takes the velocity towards a corner from that point, which friction and restitution share in; returns the share of
+    /// Removes the velocity of that point towards a corner, with friction and restitution; returns the fraction of
     /// tangential velocity that is left.
     fn impact_response(
         &self,
@@ -126,7 +126,8 @@ impl<'a> Edge<'a> {
         Some(kept)
     }
 
-    /// How the edge comes out if that point of it begins inside the rounding of a corner, by a negative gap [m].
+    /// Depenetration step of the edge, if that point of it begins inside the rounding of a corner, by a negative gap
+    /// [m].
     fn depenetration_step(
         &self,
         corner: &Corner,
@@ -138,13 +139,13 @@ impl<'a> Edge<'a> {
         self.start.depenetration_step(self.vertices[0], gap, outwards, corner.offset)
     }
 
-    /// Stops the edge where a corner is near from the beginning.
+    /// Resolves contact with a corner within the contact margin at the start of the step.
     fn press(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
         let Some(Seen { normal, distance, along }) = advance::seen(self.from, Vector::from(corner.middle)) else {
             return false;
         };
         let gap = distance - corner.radius;
-        // The ends are vertices, which the obstacle stops itself.
+        // The ends are vertices, which the obstacle constrains itself.
         if gap >= corner.margin || along <= 0.0 || along >= 1.0 || self.lets_in(normal) {
             return false;
         }
@@ -169,13 +170,13 @@ impl<'a> Edge<'a> {
         kept.is_some() || excess > 0.0
     }
 
-    /// Stops the edge where it would first touch a corner on its way.
+    /// Stops the edge at the first touch of a corner within the step.
     fn stop(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
         let middle = Vector::from(corner.middle);
         let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.offset) else {
             return false;
         };
-        // One that comes out from inside goes on from there.
+        // An edge in depenetration continues from its start.
         let comes_out = || {
             let seen = advance::seen(self.from, middle);
             seen.is_some_and(|seen| {
@@ -190,11 +191,11 @@ impl<'a> Edge<'a> {
             self.impact_response(corner, v, (along, normal), None);
         }
         for (vertex, reached) in self.vertices.into_iter().zip(reached) {
-            // What is held stays where it is, also when a corner comes to it.
+            // A constrained coordinate keeps its value, also when a corner moves to it.
             let free = at(self.start.inverse_mass, vertex).cmpne(Vector::ZERO);
             put(x, vertex, Vector::select(free, reached, at(x, vertex)));
             if share == 0.0 {
-                // What cannot move at all has no speed to gather.
+                // An edge that cannot move within the step takes the velocity of the corner.
                 let wall = Vector::from(self.swept_motion.velocity_at(reached.into()));
                 put(v, vertex, Vector::select(free, wall, at(v, vertex)));
             }
@@ -203,11 +204,11 @@ impl<'a> Edge<'a> {
     }
 }
 
-/// The corners of an obstacle and how they move, the edges of bodies, and least and greatest corner of a box around the ways
-/// of all edges.
+/// The corners of an obstacle and their motion, the edges of bodies, and the least and greatest corner of the box
+/// around the swept edges.
 pub type Bodies<'a> = (&'a [Corner], &'a SweptMotion, &'a [[u32; 2]], [[f64; 2]; 2]);
 
-/// Calls `visit` for every edge and every corner near its way; returns how many edges it changed.
+/// Calls `visit` for every edge and every corner near the swept edge; returns the number of edges changed.
 fn each<'a>(
     (corners, swept_motion, edges, bounds): Bodies<'a>,
     start: &'a Start<'a>,
@@ -230,8 +231,8 @@ fn each<'a>(
     touched
 }
 
-/// Whether a point is inside the bodies with these edges: a ray from it crosses an odd number of them, whichever way round
-/// they are. A body that was put over a corner may leave it.
+/// Whether a point is inside the bodies with these edges, by the parity of the crossings of a ray, for either
+/// orientation. A body that begins over a corner may leave it.
 fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
     let crosses = |edge: &&[u32; 2]| {
         let [a, b] = edge.map(|vertex| at(x, vertex as usize));
@@ -240,14 +241,14 @@ fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
     edges.iter().filter(crosses).count() % 2 == 1
 }
 
-/// Where a corner is within its reach of an edge, the point of the edge nearest to it may not move towards it: an impulse on
-/// both ends, as their masses share it, takes that velocity and that way. Returns the number of edges touched.
+/// Applies contact between corners and edges within the contact margin: an impulse on both ends, distributed by their
+/// masses, removes the approach velocity and displacement of the nearest point. Returns the number of edges changed.
 pub fn press_edges<'a>(bodies: Bodies<'a>, start: &'a Start<'a>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::press)
 }
 
-/// Stops the ends of edges where a corner would first touch between them, and takes the velocity towards it. Returns the
-/// number of edges touched; as they share vertices, another look may find more.
+/// Stops edges at the first touch of a corner and removes the approach velocity. Returns the number of edges changed;
+/// edges share vertices, so that another pass may find more.
 pub fn stop_edges<'a>(bodies: Bodies<'a>, start: &'a Start<'a>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::stop)
 }

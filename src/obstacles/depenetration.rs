@@ -1,25 +1,26 @@
-//! Depenetration: the direction in which a body leaves what it begins inside of.
+//! Depenetration: the direction in which a body leaves the obstacles that it penetrates.
 
 use super::{ContactCache, ContactQuery, Obstacle, Penetration, Start, Touching};
 use std::ops::Range;
 
-/// How many vertices of a body are asked how far they would have to go.
+/// Most vertices of a body whose depenetration distance is computed, of all and of the deep ones.
 const SAMPLES: usize = 64;
 
-/// What is on its way out goes on, unless another is shorter than this share of it.
+/// A body keeps its direction of depenetration unless another path is shorter than this fraction of it.
 const KEEP_DIRECTION: f64 = 0.25;
 
-/// What would end deeper in a wall than this share of its size has no room beyond: it stays where it is, rather than being crushed.
+/// A body that would end deeper in another wall than this fraction of its size stays inside, so that it is not crushed.
 const MAX_BLOCKED: f64 = 0.1;
 
-/// What is pinned and would have to go farther than this share of its size out of half-planes, or than [`MAX_BLOCKED`] out of solids, which
-/// may be in the midst of it, stays too, rather than being torn.
+/// A pinned body that would have to move farther than this fraction of its size out of half-planes, or than
+/// [`MAX_BLOCKED`] out of solids, stays inside, so that it is not torn from its pins.
 const MAX_PINNED: f64 = 0.25;
 
-/// How far into a wall is no way into it, as a share of the way.
+/// Penetration of another wall that counts as round-off, as a fraction of the path.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Finds a way out for every body of which something begins deep inside: of all these obstacles, with what touches them noted.
+/// Finds the direction of depenetration of every body with deep vertices, from all obstacles and the contacts in the
+/// cache, and writes the penetrations.
 pub fn find_penetrations(obstacles: &[ContactQuery<'_>], start: &Start<'_>, contact_cache: &mut ContactCache) {
     let ContactCache { touching, penetrations, directions } = contact_cache;
     let mut first = 0;
@@ -47,7 +48,8 @@ pub fn find_penetrations(obstacles: &[ContactQuery<'_>], start: &Start<'_>, cont
         for obstacle in keeping {
             penetration(obstacle, [0.0; 2]);
         }
-        // Where no way leads out of everything, as between walls that face each other, solids have one, and each wall has its own.
+        // Where no direction leads out of all obstacles, as between walls that face each other, solids get one, and
+        // each wall its own.
         let (solid, flat): (Vec<_>, Vec<&ContactQuery<'_>>) =
             holding.iter().copied().partition(|obstacle| obstacle.is_solid());
         let common = body.find_path(&holding, obstacles, directions);
@@ -66,7 +68,7 @@ pub fn find_penetrations(obstacles: &[ContactQuery<'_>], start: &Start<'_>, cont
             }
             continue;
         }
-        // What slides on a rail across the way is left to the nearest surface.
+        // Vertices on rollers across the direction are projected on the nearest surface.
         if deep().any(|own| start.movable(own.vertex, direction).is_some()) {
             let together = if common.is_some() { &holding } else { &solid };
             for obstacle in together {
@@ -92,14 +94,14 @@ fn mean(vectors: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
     sum.map(|sum| sum / count)
 }
 
-/// A way out of what holds a body.
+/// A path of depenetration.
 #[derive(Clone, Copy)]
 struct DepenetrationPath {
     /// Unit vector.
     direction: [f64; 2],
-    /// How far it is along there until the last of the body is out [m].
+    /// Distance along the direction until the last vertex is out [m].
     length: f64,
-    /// How deep it leads into some half-plane beyond [m].
+    /// Greatest depth in another half-plane at its end [m].
     blocked: f64,
 }
 
@@ -107,23 +109,24 @@ impl DepenetrationPath {
     const NONE: Self = Self { direction: [0.0; 2], length: 0.0, blocked: 0.0 };
 }
 
-/// A body of which something begins deep inside.
+/// A body with vertices deep inside an obstacle.
 struct Body<'a> {
     start: &'a Start<'a>,
     vertices: Range<usize>,
-    /// What touches which obstacle.
+    /// Contacts at the start of the step.
     touching: &'a [Touching],
-    /// The velocity of what is inside, seen from there, in speeds at which that comes out.
+    /// Mean velocity of the deep vertices relative to the obstacles, in units of the depenetration speed.
     relative_velocity: [f64; 2],
 }
 
 impl Body<'_> {
-    /// Whether a vertex begins deep inside of an obstacle, and can be moved.
+    /// Whether a movable vertex begins deep inside an obstacle.
     fn is_in<'t>(&self, obstacle: &ContactQuery<'_>, mut own: impl Iterator<Item = &'t Touching>) -> bool {
         own.any(|own| own.obstacle == obstacle.name() && own.is_deep && self.is_free(own))
     }
 
-    /// Whether a vertex inside of a solid is pinned: what is inside with it then stays, rather than being torn from it.
+    /// Whether a pinned vertex is inside a solid: the part that penetrates with it then stays, so that it is not torn
+    /// from the pin.
     fn is_kept<'t>(&self, obstacle: &ContactQuery<'_>, mut own: impl Iterator<Item = &'t Touching>) -> bool {
         obstacle.is_solid()
             && own.any(|own| own.obstacle == obstacle.name() && own.contact.distance < 0.0 && !self.is_free(own))
@@ -133,7 +136,7 @@ impl Body<'_> {
         self.start.movable(own.vertex, own.contact.normal).is_some()
     }
 
-    /// Some vertices of the body, for all, and some of those that are deep inside.
+    /// A sample of the vertices of the body, and a sample of the deep ones.
     fn samples(&self) -> impl Iterator<Item = [f64; 2]> {
         let some = self.vertices.clone().step_by(self.vertices.len().div_ceil(SAMPLES).max(1));
         let deep = self.touching.iter().filter(|own| own.is_deep && self.vertices.contains(&own.vertex));
@@ -142,7 +145,7 @@ impl Body<'_> {
             .map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]])
     }
 
-    /// The diagonal of a box around it [m].
+    /// Diagonal of its bounding box [m].
     fn size(&self) -> f64 {
         let points = || self.vertices.clone().map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]]);
         let extent = |axis: usize| {
@@ -153,7 +156,7 @@ impl Body<'_> {
         (width * width + height * height).sqrt()
     }
 
-    /// How deep it is in all of these together [m].
+    /// Sum of its depths in these obstacles [m].
     fn depth(&self, flat: &[&ContactQuery<'_>]) -> f64 {
         let mut sum = 0.0;
         for wall in flat {
@@ -167,8 +170,9 @@ impl Body<'_> {
         sum
     }
 
-    /// The direction in which the body is soonest past all that holds it, of those that [`list_directions`] lists; one that runs into
-    /// something else only if every other does. Where it is on a way already, that counts as shorter.
+    /// The direction with the least distance out of the penetrated obstacles, of those that [`list_directions`] lists.
+    /// A direction that leads into another obstacle is taken only if every other does. The distance along the present
+    /// direction of motion counts less.
     fn find_path(
         &self,
         holding: &[&ContactQuery<'_>],
@@ -190,7 +194,7 @@ impl Body<'_> {
             if !long.is_finite() || best.is_some_and(|((trouble, least), _)| trouble == 0 && least <= long) {
                 continue;
             }
-            // Free, hindered, or closed.
+            // 0: free, 1: into a solid or a little into a wall, 2: blocked.
             let (mut trouble, mut blocked) = (0, 0.0_f64);
             for wall in obstacles.iter().filter(|wall| !holds(wall)) {
                 for depth in self.samples().filter_map(|point| wall.blocks(point, direction, length)) {
@@ -206,8 +210,8 @@ impl Body<'_> {
     }
 }
 
-/// Writes the ways out of each obstacle, those half-way between one out of a half-plane and any other, and those along the
-/// half-planes beyond which one would lead.
+/// Lists candidate directions: those of each obstacle, the bisectors of one of a half-plane and any other, and
+/// projections on the half-planes that one would lead into.
 fn list_directions(holding: &[&ContactQuery<'_>], obstacles: &[ContactQuery<'_>], directions: &mut Vec<[f64; 2]>) {
     directions.clear();
     let add = |directions: &mut Vec<[f64; 2]>, direction: [f64; 2]| {
@@ -244,8 +248,8 @@ fn list_directions(holding: &[&ContactQuery<'_>], obstacles: &[ContactQuery<'_>]
 }
 
 impl ContactQuery<'_> {
-    /// Whether a point that goes so far along a way would get into it, or deeper into a half-plane: how deep that is there, and
-    /// nothing for a solid, round which there may be a way [m].
+    /// Depth in this obstacle of a point after a displacement, if it enters or gets deeper; zero for a solid, which the
+    /// body may pass [m].
     fn blocks(&self, point: [f64; 2], direction: [f64; 2], length: f64) -> Option<f64> {
         let from = self.swept_motion().place(point);
         let displacement = direction.map(|along| length * along);

@@ -1,70 +1,70 @@
-//! What begins inside an obstacle, or beyond an edge of the world, leaves it slowly.
+//! Penetration: vertices that begin a step inside an obstacle or outside the domain leave it at a limited speed.
 //!
-//! No step gets a vertex in there, but a level may begin so, a wall may be switched on where a body already is, and a pin may be
-//! taken out. Put on the surface at once, everything inside would be flat on it, with an energy that came from nowhere. Instead
-//! the surface counts as beginning where the vertex is, and comes out with it at a [`Depenetration::speed`] at which the body keeps its
-//! shape: what is inside then moves as one, and a front at speed u in a medium whose waves have the speed c strains it by no more
-//! than u/c (Graff, *Wave Motion in Elastic Solids*, 1975, section 2.1).
+//! No step moves a vertex inside, but a level may begin so, a wall may be switched on at the place of a body, and a pin
+//! may be removed. Projection on the surface in one step would flatten the penetrating part and add energy. Instead the
+//! surface is taken to begin at the vertex and moves out with it at [`Depenetration::speed`], at which the body keeps
+//! its shape: the penetrating part moves as one, and a front at speed u in a medium with wave speed c strains it by no
+//! more than u/c (Graff, *Wave Motion in Elastic Solids*, 1975, section 2.1).
 //!
-//! A body goes along the one direction in which it is soonest past all that it begins inside of, and what else of it follows may
-//! enter solids from behind meanwhile: nearest surfaces would tear it to all sides ([`Penetration`]). What else moves in there fades, and
-//! nothing of that body bounces: between walls that come out to different sides it would gather speed. Where there is no room beyond,
-//! or a pin keeps it, it stays inside.
+//! A body moves along the one direction that leads it out of all penetrated obstacles over the least distance, and the
+//! rest of it may enter solids from behind meanwhile: nearest surfaces would pull it to all sides ([`Penetration`]).
+//! Other motion of the penetrating part is damped, and restitution is zero for that body: between walls that push to
+//! different sides it would gain speed. A body stays inside if the space beyond is too small or if a pin keeps it.
 
 use super::{Contact, ContactQuery, Start, Surface};
 use std::ops::Range;
 
-/// Whether something is deep inside an obstacle or beyond an edge of the world.
+/// Whether a vertex is deep inside an obstacle or outside the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Inside {
-    /// Nothing is.
+    /// No vertex is.
     #[default]
     Nothing,
-    /// Something is, and stays there: a pin keeps it, or there is no room beyond.
+    /// A vertex is, and stays there: a pin keeps it, or the space beyond is too small.
     Stays,
-    /// Something is, and comes out.
+    /// A vertex is, and is pushed out.
     ComesOut,
 }
 
-/// Which obstacle: the number of the effect that it belongs to, and its own among those of that effect.
+/// Name of an obstacle: the number of its effect, and its number within that effect.
 pub type Name = [usize; 2];
 
-/// How some vertices leave what they begin inside of.
+/// Depenetration parameters of a range of vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depenetration {
-    /// One past the last of these vertices; the first follows on those of the exit before.
+    /// End of the range of vertices; it starts at the end of the range before.
     pub end: usize,
-    /// How fast they come out [m/s]; infinite if at once.
+    /// Depenetration speed [m/s]; infinite if in one step.
     pub speed: f64,
-    /// From no deeper than this they come out at once [m]: a small share of a triangle or spring.
+    /// Depth up to which a vertex is projected out in one step [m]: a small fraction of a triangle or spring.
     pub shallow: f64,
-    /// In this time every other motion of what is inside fades to 1/e of what it was [s].
+    /// Time constant with which other motion of the penetrating part decays [s].
     pub decay: f64,
 }
 
-/// A vertex that is near or inside an obstacle where the step begins.
+/// A vertex within the margin of an obstacle, or inside it, at the start of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touching {
     /// The obstacle.
     pub obstacle: Name,
     /// The vertex.
     pub vertex: usize,
-    /// Where it is, carried along with the obstacle.
+    /// The contact, mapped to the end of the step with the obstacle.
     pub contact: Contact,
-    /// Whether it is deep inside, and can be moved: see [`Start::step`].
+    /// Whether it is deep inside and movable: see [`Start::depenetration_step`].
     pub is_deep: bool,
     /// The velocity of the obstacle there [m/s].
     pub wall: [f64; 2],
 }
 
-/// A body or net that begins inside an obstacle, and its way out.
+/// A body or net that penetrates an obstacle, and its direction of depenetration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Penetration {
     /// The obstacle.
     pub obstacle: Name,
     /// The vertices of the body or net.
     pub vertices: Range<usize>,
-    /// Unit vector along the way out; zero if a pin keeps it inside, or if there is no room beyond.
+    /// Unit vector of depenetration; zero if a pin keeps the body inside, or if the space beyond is too small.
     pub direction: [f64; 2],
 }
 
@@ -74,68 +74,69 @@ impl Penetration {
         self.direction == [0.0; 2]
     }
 
-    /// Whether a surface with this normal lies behind, where the rest of the body may enter.
+    /// Whether a surface with this normal lies behind the body, where the rest of it may enter.
     pub fn lets_in(&self, [nx, ny]: [f64; 2]) -> bool {
         self.direction[0] * nx + self.direction[1] * ny < 0.0
     }
 }
 
-/// What is known of a step before anything is stopped, kept to be written again without asking for memory.
+/// Contacts and penetrations at the start of a step. The buffers are reused, so that no step allocates.
 #[derive(Clone, Debug, Default)]
 pub struct ContactCache {
-    /// By obstacles, then by vertices.
+    /// Contacts, sorted by obstacles, then by vertices.
     pub touching: Vec<Touching>,
-    /// By obstacles.
+    /// Penetrations, sorted by obstacles.
     pub penetrations: Vec<Penetration>,
-    /// Unit vectors to choose from.
+    /// Candidate directions of depenetration.
     pub(super) directions: Vec<[f64; 2]>,
 }
 
 impl ContactCache {
-    /// Nothing.
+    /// An empty cache.
     pub const NONE: &Self = &Self { touching: Vec::new(), penetrations: Vec::new(), directions: Vec::new() };
 
-    /// Notes which vertices are near an obstacle or inside where the step begins; obstacles come in the order of their names.
+    /// Records the vertices that are within the margin of an obstacle, or inside, at the start of the step. Obstacles
+    /// come in the order of their names.
     pub fn record(&mut self, obstacle: &ContactQuery<'_>, start: &Start<'_>) {
         obstacle.find_touching(start, &mut self.touching);
     }
 
-    /// Whether anything begins deep inside.
+    /// Whether any vertex begins deep inside.
     pub fn is_inside(&self) -> bool {
         self.touching.iter().any(|touching| touching.is_deep)
     }
 
-    /// Ready for another step.
+    /// Clears the cache for another step.
     pub fn clear(&mut self) {
         self.touching.clear();
         self.penetrations.clear();
     }
 }
 
-/// What a vertex has to do that begins deep inside.
+/// Motion of a vertex in depenetration in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepenetrationStep {
-    /// How fast it comes out at least [m/s].
+    /// Least outward speed [m/s].
     pub speed: f64,
-    /// How far it comes in the step at least [m].
+    /// Least outward displacement in the step [m].
     pub length: f64,
 }
 
 impl Start<'_> {
-    /// Notes that something is inside.
+    /// Records that a vertex is inside.
     pub fn record_inside(&self, inside: Inside) {
         self.inside.set(self.inside.get().max(inside));
     }
 
-    /// How a vertex leaves what it begins inside of, if that is not at once.
+    /// Depenetration parameters of a vertex.
     pub fn depenetration(&self, vertex: usize) -> Option<&Depenetration> {
         depenetration_of(self.depenetrations, vertex)
     }
 
-    /// How a vertex comes out that begins at a distance from a surface [m], moves away from it at a speed [m/s] and is to be kept
-    /// `offset` from it, if it begins deeper inside than it can come in this step. What little another wall may have pressed it in is
-    /// put back at once, but not the last bit of a long way, on which it is as fast as it should be. What stays inside does not come
-    /// out at all.
+    /// Depenetration step of a vertex at a signed distance from a surface [m], with an outward speed [m/s] and a
+    /// contact offset; `None` if it leaves the obstacle within this step. A small depth, such as another wall may
+    /// cause, is projected out in one step, except the last part of a long depenetration, where the vertex keeps the
+    /// depenetration speed. A body that stays inside has speed zero.
     pub fn depenetration_step(
         &self,
         vertex: usize,
@@ -155,8 +156,8 @@ impl Start<'_> {
             .then(|| step_at(depenetration.speed))
     }
 
-    /// What touching does to a vertex. Nothing of what is on its way out bounces: between two walls that it comes out of, it would
-    /// gather speed.
+    /// Surface properties at a vertex. Restitution is zero for a body in depenetration: between two walls that push it
+    /// out it would gain speed.
     pub fn surface_at(&self, vertex: usize) -> Surface {
         let leaves = || {
             self.contact_cache
@@ -170,13 +171,13 @@ impl Start<'_> {
         self.surface
     }
 
-    /// The way out of the obstacle at hand for the body of a vertex, if that begins inside.
+    /// Penetration of the body of a vertex in the current obstacle.
     pub fn penetration(&self, vertex: usize) -> Option<&Penetration> {
         self.penetrations.iter().find(|penetration| penetration.vertices.contains(&vertex))
     }
 
-    /// Takes a share of all motion of what begins deep inside but the one along its way out, once a step and obstacle that it is
-    /// in: shaken between two walls it would gather more of it than it has to.
+    /// Damps the motion of deep vertices, except along the direction of depenetration, once for each step and obstacle:
+    /// between two walls a vertex would gain more speed than needed.
     pub fn damp(&self, v: &mut [f64]) {
         for Touching { obstacle, vertex, wall, .. } in
             self.contact_cache.touching.iter().filter(|touching| touching.is_deep)
@@ -201,8 +202,8 @@ impl Start<'_> {
         }
     }
 
-    /// What a surface does to the velocity of a vertex that comes out with it at a speed along its unit normal: see
-    /// [`Surface::impact_response`]. It gives nothing back, and its work is booked.
+    /// Velocity of a vertex in depenetration, at a speed along its unit normal; see [`Surface::impact_response`].
+    /// Restitution is zero, and the work is added to the supplied energy.
     pub fn lift(&self, vertex: usize, normal: [f64; 2], speed: f64, v: &mut [f64; 2]) -> Option<f64> {
         self.record_inside(Inside::ComesOut);
         let outwards = normal.map(|along| speed * along);
@@ -220,7 +221,7 @@ impl Start<'_> {
     }
 }
 
-/// How one of several vertices leaves what it begins inside of.
+/// Depenetration parameters of a vertex, from those of all ranges.
 pub fn depenetration_of(depenetrations: &[Depenetration], vertex: usize) -> Option<&Depenetration> {
     depenetrations.get(depenetrations.partition_point(|depenetration| depenetration.end <= vertex))
 }

@@ -24,7 +24,7 @@ impl Default for Plane {
     }
 }
 
-/// A way out of a half-plane goes up by more than this share of it.
+/// Least slope of a direction that leads out of a half-plane.
 pub const STEEP: f64 = 1e-3;
 
 struct Wall {
@@ -34,7 +34,7 @@ struct Wall {
 }
 
 impl Plane {
-    /// The unit normal, or `None` if it has no direction.
+    /// The unit normal; `None` if the normal is zero.
     fn unit_normal(&self) -> Option<Vector> {
         let [x, y] = self.normal.get();
         Vector::new(x, y).try_normalize()
@@ -70,7 +70,7 @@ impl Obstacle for Wall {
         (distance < self.eps).then_some(Contact { distance, normal: [normal.x, normal.y] })
     }
 
-    /// The corner that lies farthest against the normal decides.
+    /// Tests the corner that is farthest against the normal.
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         let normal = self.shape.normal;
         let x = if normal.x > 0.0 { least[0] } else { greatest[0] };
@@ -97,7 +97,7 @@ impl Obstacle for Wall {
     }
 }
 
-/// The part of a rectangle that the planes leave free, eps kept clear: a convex polygon, counter-clockwise.
+/// The part of a rectangle in front of all planes, less eps: a convex polygon, counter-clockwise.
 ///
 /// Each plane cuts the polygon that the earlier ones left (Sutherland and Hodgman, 1974).
 pub fn free_region<'a>(planes: impl Iterator<Item = &'a Plane>, least: [f64; 2], greatest: [f64; 2]) -> Vec<[f64; 2]> {

@@ -1,11 +1,11 @@
 use super::{Contact, DepenetrationStep, Inside, Obstacle, Penetration, Start, Surface};
 
-/// Most times a vertex is put back at the end of a step.
+/// Most projections of a vertex at the end of a step.
 const NOOK: usize = 3;
 
-/// Stops one vertex, by its number and what it touches where the step begins: first where it is near from the beginning,
-/// then where it gets on its way, and last where it would end too near. If it begins deep inside it is brought out; and what
-/// comes after it, of the same body, may enter from behind. Returns whether anything changed.
+/// Resolves contact of one vertex, with its contact at the start of the step: first within the margin, then at the
+/// first touch within the step, last at the end point. A deep vertex is pushed out, and vertices of the same body may
+/// enter from behind. Returns whether anything changed.
 pub(super) fn resolve_contact<O: Obstacle + ?Sized>(
     obstacle: &O,
     start: &Start<'_>,
@@ -28,7 +28,8 @@ pub(super) fn resolve_contact<O: Obstacle + ?Sized>(
     moved.write(x, v)
 }
 
-/// Brings one vertex out that begins deep inside something with this nearest surface; returns whether anything changed.
+/// Pushes out one vertex that begins deep inside, with the normal of the nearest surface; returns whether anything
+/// changed.
 pub fn push_out_vertex(
     start: &Start<'_>,
     (vertex, step): (usize, DepenetrationStep),
@@ -41,7 +42,7 @@ pub fn push_out_vertex(
     moved.write(x, v)
 }
 
-/// A vertex on its way through a step.
+/// A vertex during contact resolution.
 struct Moved<'a> {
     start: &'a Start<'a>,
     vertex: usize,
@@ -55,7 +56,7 @@ impl<'a> Moved<'a> {
         Self { start, vertex, surface: start.surface_at(vertex), to: [x[0], x[1]], v: [v[0], v[1]] }
     }
 
-    /// Gives it back; returns whether anything changed.
+    /// Writes position and velocity back; returns whether anything changed.
     fn write(self, x: &mut [f64], v: &mut [f64]) -> bool {
         let touched = self.to != [x[0], x[1]] || self.v != [v[0], v[1]];
         x.copy_from_slice(&self.to);
@@ -63,13 +64,13 @@ impl<'a> Moved<'a> {
         touched
     }
 
-    /// Whether it is stopped by a surface with this normal.
+    /// Whether a surface with this normal stops the vertex.
     fn is_stopped_by(&self, normal: [f64; 2]) -> bool {
         let lets_in = || self.start.penetration(self.vertex).is_some_and(|penetration| penetration.lets_in(normal));
         self.start.faces(self.vertex, normal) && !lets_in()
     }
 
-    /// Brings it out, as far and as fast as it has to come: along the way out of its body, or straight away from the surface.
+    /// Applies a depenetration step, along the direction of its body or along the surface normal.
     fn push_out(&mut self, step: DepenetrationStep, nearest: [f64; 2], from: [f64; 2]) {
         let penetration = self.start.penetration(self.vertex);
         let normal = penetration.map_or(nearest, |penetration| penetration.direction);
@@ -82,7 +83,7 @@ impl<'a> Moved<'a> {
         }
         let movable = self.start.movable(self.vertex, normal);
         let Some([nx, ny]) = movable.filter(|_| self.start.faces(self.vertex, normal)) else { return };
-        // What slides goes no faster along its rail than the rest comes along there.
+        // A vertex on rollers moves no faster along them than the body moves in that direction.
         let share = normal[0] * nx + normal[1] * ny;
         let kept = self.start.lift(self.vertex, [nx, ny], share * step.speed, &mut self.v);
         let displacement = [self.to[0] - from[0], self.to[1] - from[1]];
@@ -95,7 +96,7 @@ impl<'a> Moved<'a> {
         }
     }
 
-    /// Stops it wherever it touches.
+    /// Resolves contact within the margin, within the step and at the end point.
     fn stop<O: Obstacle + ?Sized>(&mut self, obstacle: &O, begun: Option<Contact>, from: [f64; 2]) {
         if let Some(contact) = begun.filter(|contact| self.is_stopped_by(contact.normal)) {
             self.press(contact.normal, from);
@@ -112,7 +113,7 @@ impl<'a> Moved<'a> {
         }
     }
 
-    /// Takes away what moves into a surface with this normal, from a place on.
+    /// Removes inward velocity and the inward part of the displacement from a point.
     fn press(&mut self, normal: [f64; 2], from: [f64; 2]) {
         let Some([nx, ny]) = self.start.movable(self.vertex, normal) else { return };
         let before = [self.start.v[2 * self.vertex], self.start.v[2 * self.vertex + 1]];
@@ -130,7 +131,7 @@ impl<'a> Moved<'a> {
         }
     }
 
-    /// Stops where the way first touches; what is left of the way goes on along the surface until it touches again.
+    /// Stops at the first touch; the rest of the displacement continues along the surface until the next touch.
     fn travel<O: Obstacle + ?Sized>(&mut self, obstacle: &O, mut from: [f64; 2]) {
         for may_slide in [true, false] {
             let displacement = [self.to[0] - from[0], self.to[1] - from[1]];
@@ -146,7 +147,7 @@ impl<'a> Moved<'a> {
         }
     }
 
-    /// Puts back on the surface what ends inside; in a nook, from one side to the other if need be.
+    /// Projects an end point inside the obstacle on the surface, repeatedly in a concave corner.
     fn project_out<O: Obstacle + ?Sized>(&mut self, obstacle: &O) {
         for _ in 0..NOOK {
             let Some(Contact { distance, normal }) = obstacle.contact(self.to) else { return };

@@ -1,16 +1,16 @@
-//! Multirate stepping: each body and net divides a step by itself.
+//! Multirate stepping: each body and net divides a step by its own number of substeps.
 //!
-//! Bodies and nets do not touch each other, so that each may take a step of the scene, of length h, in as many equal parts as it
-//! needs; at the end of the step all meet again. Each needs n = h / ([`SHARE`] `h_critical`) parts, rounded up: one if its step is
-//! short enough as it is. What is stepped is a scene of its own with its own part of the state ([`SubScene`]), so that its motion has
-//! every bit that it would have alone with n times as many steps, and costs no more. Time is cut into equal parts of h, so what
-//! depends on time, which is only obstacles that move, has it to round-off.
+//! Bodies and nets do not interact, so that each may divide a step of the scene, of length h, into n equal substeps; at
+//! the end of the step all have the same time. n = h / ([`SHARE`] `h_critical`), rounded up, and 1 if the step is short
+//! enough. A sub-scene with its own part of the state ([`SubScene`]) is stepped, so that its motion has the same bits,
+//! and the same cost, as alone with n times as many steps. Substeps are equal parts of h; what depends on time, which
+//! is only moving obstacles, is exact to round-off.
 //!
-//! `h_critical` is that at rest. It depends on nothing but the scene: it is found when the scene is built or changed and never
-//! while time runs, so that a checkpoint, a rewind or a saved level goes on with the same steps and the same bits, and no change
-//! of steps lets the energy of a symplectic scheme drift. What is stiff beside what is soft hardly deforms, and half of
-//! `h_critical` leaves room for four times the stiffness. Beyond that the guard notices, as it does everywhere, and takes steps of
-//! the scene in shorter ones, and with them the parts of all.
+//! `h_critical` is the critical step at rest. It depends on the scene alone and is computed when the scene is built or
+//! changed, never while time runs. So a checkpoint, a rewind or a saved level continues with the same steps and bits,
+//! and no change of the step makes the energy of a symplectic scheme drift. A stiff body beside a soft one hardly
+//! deforms, and half of `h_critical` leaves a margin for four times the stiffness. Beyond that the guard detects the
+//! instability and divides the steps of the scene, and with them all substeps.
 
 use super::{
     Simulation,
@@ -29,46 +29,46 @@ use crate::{
 };
 use std::{ops::Range, sync::Arc};
 
-/// The greatest share of its longest stable step at rest that a body or net steps with.
+/// Greatest substep as a fraction of the critical step at rest.
 const SHARE: f64 = 0.5;
 
-/// All bodies and nets with their paces, if they have their own.
+/// Steppers of all bodies and nets; empty without multirate stepping.
 #[derive(Default)]
 pub(super) struct Multirate {
     all: Vec<SubstepStepper>,
-    /// Whether any of them takes more steps than the scene.
+    /// Whether any body or net takes more than one substep.
     is_active: bool,
-    /// Whether each stops after the first part of a step.
+    /// Whether each stops after its first substep.
     first_only: bool,
 }
 
-/// A body or net that goes at its own pace.
+/// Stepper of one body or net.
 struct SubstepStepper {
     sub_scene: Arc<SubScene>,
     plan: SubstepPlan,
-    /// Its part of the state.
+    /// Its part of the state of the scene.
     state: State,
-    /// Where in what the integrator remembers its own part is.
+    /// Its range in the memory of the integrator.
     memory: Range<usize>,
     scratch: Scratch,
 }
 
-/// A stretch of time that is walked.
+/// An interval of time and its substeps.
 #[derive(Clone, Copy)]
 struct StepInterval<'a> {
     integrator: &'a dyn Integrator,
-    /// Length of a part [s].
+    /// Length of a substep [s].
     h: f64,
-    /// Where it begins and ends [s].
+    /// Start and end of the interval [s].
     time: [f64; 2],
-    /// How many parts are taken of how many.
+    /// Number of substeps to take, and number of substeps in the interval.
     taken: u32,
     substeps: u32,
     grab: Option<Grab>,
 }
 
 impl Multirate {
-    /// Those of a scene.
+    /// Makes the steppers of a scene.
     pub fn new(scene: &Scene) -> Self {
         let mut all: Vec<_> = scene.sub_scenes.iter().map(|sub_scene| SubstepStepper::new(scene, sub_scene)).collect();
         let is_active = all.iter().any(|stepper| stepper.plan.steps > 1);
@@ -78,28 +78,28 @@ impl Multirate {
         Self { all, is_active, first_only: false }
     }
 
-    /// Whether any of them takes more steps than the scene.
+    /// Whether any body or net takes more than one substep.
     pub const fn is_active(&self) -> bool {
         self.is_active
     }
 
-    /// Length of the steps of a body or net [s], where those of the scene have length `h`.
+    /// Step length of a body or net [s], where the scene has step length `h`.
     pub fn step(&self, number: usize, h: f64) -> f64 {
         self.all.get(number).map_or(h, |stepper| stepper.plan.step)
     }
 
-    /// Length of the shortest step that any of them takes [s], where those of the scene have length `h`.
+    /// Least step length of all bodies and nets [s], where the scene has step length `h`.
     pub fn shortest(&self, h: f64) -> f64 {
         self.all.iter().map(|stepper| stepper.plan.step).fold(h, f64::min)
     }
 
-    /// Lets each stop after the first part of a step, or not.
+    /// Sets whether each stops after its first substep.
     pub const fn stop_early(&mut self, first_only: bool) {
         self.first_only = first_only;
     }
 
-    /// Finds the part of each in what the integrator remembers: how many numbers it is, and these. What was written otherwise
-    /// belongs to none.
+    /// Finds the range of each stepper in the memory of the integrator: a length and that many numbers. Memory in
+    /// another format belongs to none.
     fn read_memory(&mut self, memory: &[f64]) {
         let mut at = 0;
         for stepper in &mut self.all {
@@ -110,7 +110,7 @@ impl Multirate {
         }
     }
 
-    /// And writes it.
+    /// Writes the memory of all steppers in that format.
     fn write_memory(&self, memory: &mut Vec<f64>) {
         memory.clear();
         if self.all.iter().any(|stepper| !stepper.state.memory.is_empty()) {
@@ -128,7 +128,7 @@ impl SubstepStepper {
             let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
             critical_step(scene, &rest)
         });
-        // Vibrations that a scheme lets grow at every step it lets grow at this one.
+        // A scheme with stability limit zero amplifies vibrations at any step, so at this one too.
         let stability_limit = whole.integrator.kind().stability_limit().filter(|limit| *limit > 0.0).unwrap_or(2.0);
         let most = (f64::from(Substeps::MAX) * 60.0 * whole.step).max(1.0);
         let wanted = limit.map_or(1.0, |limit| whole.step / (SHARE * 0.5 * stability_limit * limit));
@@ -146,13 +146,13 @@ impl SubstepStepper {
         2 * self.sub_scene.vertices.start..2 * self.sub_scene.vertices.end
     }
 
-    /// Takes what the integrator remembers from the whole state.
+    /// Loads its memory from the state of the scene.
     fn load_memory(&mut self, whole: &State) {
         self.state.memory.clear();
         self.state.memory.extend_from_slice(&whole.memory[self.memory.clone()]);
     }
 
-    /// Goes a way from where the whole state says, and writes to it where that led.
+    /// Steps over an interval from the state of the scene, and writes the result back.
     fn advance(&mut self, interval: StepInterval<'_>, whole: &mut State, parent: &mut Scratch) {
         (self.scratch.timed, self.scratch.clear_box, self.scratch.supplied) = (parent.timed, parent.clear_box, 0.0);
         self.scratch.inside = Inside::Nothing;
@@ -168,8 +168,8 @@ impl SubstepStepper {
         parent.merge(&mut self.scratch, &self.sub_scene.effects);
     }
 
-    /// Takes all parts; or all up to the first that leaves the box in which no constraint is asked: whoever looks where the step
-    /// led finds that, and has it taken again with the constraints.
+    /// Takes all substeps, or those up to the first that leaves the box in which constraints are skipped: the check
+    /// after the step finds that and repeats the step with the constraints.
     fn take_substeps(&mut self, interval: StepInterval<'_>) {
         let [start, end] = interval.time;
         let length = (end - start) / f64::from(interval.substeps);
@@ -193,16 +193,16 @@ impl SubstepStepper {
 }
 
 impl Simulation {
-    /// Bodies and then nets with their paces; nothing if all take the same steps, whatever they are.
+    /// Substeps of bodies and then nets; empty if all take the steps of the scene.
     pub fn substep_plans(&self) -> impl Iterator<Item = SubstepPlan> {
         self.multirate.all.iter().map(|stepper| stepper.plan)
     }
 
-    /// One step of length h, from one time to another [s], of each body and net that is awake at its own pace.
+    /// Takes one step of length h, from one time to another [s], of each awake body and net with its own substeps.
     pub(super) fn integrate_each(&mut self, h: f64, time: [f64; 2]) {
         let Self { multirate, scene, state, scratch, grab, guard, .. } = self;
         let integrator = scene.integrator.kind();
-        // The guard may have cut the step in two, four, ..., which is exact.
+        // The guard may have divided the step by 2, 4, ..., which is exact in floating point.
         let cut = h / scene.step;
         multirate.read_memory(&state.memory);
         scratch.begin_statistics();
@@ -226,7 +226,7 @@ impl Simulation {
     }
 }
 
-/// The length of one of so many parts of a step [s]: just that of as many times more steps in a frame.
+/// Length of one of n equal substeps [s]: exactly the step length for n times as many steps a frame.
 fn substep(step: f64, substeps: u32) -> f64 {
     let of = |count: f64| Substeps::new(count as u32).ok().map(Substeps::step);
     let frame = libm::round(1.0 / (60.0 * step));

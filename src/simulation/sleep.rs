@@ -1,67 +1,67 @@
-//! What has come to rest sleeps: its forces are not computed and its vertices stay where they are, until something happens to
-//! it. Bodies and nets do not touch each other, so that each sleeps by itself.
+//! Sleep: the forces of a body or net at rest are not computed and its vertices stay in place, until something acts on
+//! it. Bodies and nets do not interact, so that each sleeps independently.
 //!
-//! Lengths are measured by the size L of the body or net at rest, times by tau = [`WINDOW`]. It falls asleep when
+//! L is the size of the body or net at rest, and tau = [`WINDOW`]. It falls asleep when
 //!
-//! 1. for tau no vertex has been faster than theta L / tau: at such a speed it would come no farther than theta L;
-//! 2. let go from rest now, with walls and friction holding what they hold, it would be accelerated by no more than
-//!    2 theta L / tau² (root mean square over its mass), by which it would come no farther than theta L either;
-//! 3. the forces on all its vertices together are no more than [`BALANCE`] of those that act on it from outside: what is only
-//!    beginning to fall, however slowly, is not at rest.
+//! 1. for tau no vertex has been faster than theta L / tau, at which it would move no farther than theta L;
+//! 2. released from rest, with the reactions of walls and friction, its acceleration is no more than 2 theta L / tau²
+//!    (root mean square over its mass), by which it would move no farther than theta L either;
+//! 3. the net force on all its vertices is no more than [`BALANCE`] of the external forces: a body that begins to fall,
+//!    however slowly, is not at rest.
 //!
-//! What has exploded ([`Scene::has_exploded`]) does not sleep, although walls may hold all that is left of it.
+//! A body that has exploded ([`Scene::has_exploded`]) does not sleep, although walls may hold what is left of it.
 //!
-//! Neither limit is below round-off: a position of size X is known to X 2^-52, which is a speed of that over h, and with the
-//! fastest vibration that h can follow, w = 2/h, an acceleration of that times w².
+//! Neither limit is below round-off: a position of size X has an error of X 2^-52, which is a speed of that over h and,
+//! with the fastest vibration that h resolves, w = 2/h, an acceleration of that times w².
 //!
-//! Its velocities are zero then; its positions keep every bit, asleep and on waking.
+//! Velocities of a sleeping body are zero; its positions keep every bit, asleep and on waking.
 
 use super::{BATCH, Simulation};
 use crate::scene::Scene;
 use std::ops::Range;
 
-/// tau: how long it has to be calm [s].
+/// tau: time below the sleep threshold before sleep [s].
 const WINDOW: f64 = 0.5;
 
-/// theta: how far it may move in that time, as a share of its size.
+/// theta: allowed displacement in that time, as a fraction of its size.
 const THETA: f64 = 1e-4;
 
-/// The net force that counts as none, as a share of the forces from outside.
+/// Net force that counts as zero, as a fraction of the external forces.
 const BALANCE: f64 = 1e-3;
 
-/// How often it is looked at, if steps are short enough [1/s].
+/// Rate of checks, if steps are short enough [1/s].
 const CHECK_RATE: f64 = 120.0;
 
-/// In [`State::slow_checks`](crate::state::State::calm): asleep.
+/// Value of [`State::slow_checks`](crate::state::State::slow_checks) of a sleeping body.
 pub(super) const ASLEEP: u32 = u32::MAX;
 
-/// A body or a net: what sleeps by itself.
+/// A body or a net, which sleeps independently.
 struct Island {
     vertices: Range<usize>,
     /// Diagonal of the box around it at rest [m].
     size: f64,
-    /// Of what can move [kg].
+    /// Mass of its free coordinates [kg].
     mass: f64,
 }
 
-/// All bodies and nets, and which of them sleep.
+/// All bodies and nets, with the sleep parameters.
 #[derive(Default)]
 pub(super) struct Islands {
     all: Vec<Island>,
-    /// Whether there is any sleep in this scene.
+    /// Whether sleep is possible in this scene.
     possible: bool,
-    /// How many sleep.
+    /// Number of sleeping bodies and nets.
     asleep: usize,
-    /// Steps between two looks.
+    /// Steps between two checks.
     every: u64,
-    /// How many looks have to find it calm.
+    /// Number of consecutive checks below the threshold before sleep.
     checks: u32,
-    /// Forces from outside, while they are measured.
+    /// External forces.
     force: Vec<f64>,
 }
 
 impl Islands {
-    /// Those of a scene, with none asleep.
+    /// Makes those of a scene, all awake.
     pub fn new(scene: &Scene) -> Self {
         let ranges = scene.bodies.iter().map(|body| &body.vertices).chain(scene.nets.iter().map(|net| &net.vertices));
         let island = |vertices: &Range<usize>| {
@@ -78,27 +78,27 @@ impl Islands {
 }
 
 impl Island {
-    /// The greatest speed along an axis [m/s] at which it is calm, if it lies so far from the origin along one [m] and takes steps of
-    /// length h [s].
+    /// Sleep threshold of the speed along an axis [m/s], at a distance from the origin [m] and with steps of length h
+    /// [s].
     fn speed_threshold(&self, distance: f64, h: f64) -> f64 {
         (THETA * self.size / WINDOW).max(f64::EPSILON * distance / h)
     }
 }
 
 impl Simulation {
-    /// Which bodies, and after them which nets, sleep.
+    /// Whether each body, and then each net, sleeps.
     pub fn sleeping(&self) -> impl Iterator<Item = bool> {
         let slow_checks = self.state.slow_checks.get(..self.islands.all.len()).filter(|_| self.islands.asleep > 0);
         slow_checks.unwrap_or_default().iter().map(|slow_checks| *slow_checks == ASLEEP)
     }
 
-    /// Whether everything sleeps: steps cost nothing then, and nothing there is to see changes.
+    /// Whether all bodies and nets sleep: steps then cost nothing and change nothing visible.
     pub const fn is_asleep(&self) -> bool {
         let count = self.islands.all.len();
         count > 0 && self.islands.asleep == count
     }
 
-    /// Lets steps pass in which everything sleeps.
+    /// Advances time by steps in which everything sleeps.
     pub(super) fn pass(&mut self, steps: u64) {
         for _ in 0..steps {
             self.state.time += self.scene.step;
@@ -115,7 +115,7 @@ impl Simulation {
         self.stale = true;
     }
 
-    /// Takes who sleeps from the state, after it or the scene was changed.
+    /// Updates sleep from the state, after it or the scene was changed.
     pub(super) fn apply_sleep(&mut self) {
         let slow_checks = &mut self.state.slow_checks;
         if !self.islands.possible || slow_checks.len() != self.islands.all.len() {
@@ -136,7 +136,7 @@ impl Simulation {
         }
     }
 
-    /// Wakes the body or net with a vertex in it.
+    /// Wakes the body or net of a vertex.
     pub(super) fn wake(&mut self, vertex: usize) {
         for (slow_checks, island) in self.state.slow_checks.iter_mut().zip(&self.islands.all) {
             if island.vertices.contains(&vertex) {
@@ -149,7 +149,7 @@ impl Simulation {
         }
     }
 
-    /// Wakes everybody: something acts differently now. Who was calm is still, if the `keep_counters` of looks stays.
+    /// Wakes all bodies and nets after a change. The counters of awake ones stay if `keep_counters` is set.
     pub(super) fn wake_all(&mut self, keep_counters: bool) {
         if !keep_counters {
             self.state.slow_checks.clear();
@@ -162,7 +162,7 @@ impl Simulation {
         self.apply_sleep();
     }
 
-    /// Looks who is calm, if it is time to; call it before the checkpoint of a step is set.
+    /// Counts checks below the sleep threshold, if a check is due; to be called before the checkpoint of a step is set.
     pub(super) fn count_slow_checks(&mut self) {
         let islands = &self.islands;
         if !islands.possible || !self.state.steps.is_multiple_of(islands.every) {
@@ -183,8 +183,8 @@ impl Simulation {
         }
     }
 
-    /// Lets those fall asleep that have been calm for long enough and stay where they are when let go; call it after the
-    /// checkpoint of a step was set.
+    /// Puts bodies and nets to sleep that were below the threshold for long enough and stay at rest when released; to
+    /// be called after the checkpoint of a step was set.
     pub(super) fn fall_asleep(&mut self) {
         let checks = self.islands.checks;
         if !self.islands.possible || self.guard.level() > 0 {
@@ -215,7 +215,8 @@ impl Simulation {
         self.apply_sleep();
     }
 
-    /// Takes a step from rest, each body and net one of its own, and measures the forces from outside; nothing of it counts. The state is what it led to.
+    /// Takes one step from rest, one substep of each body and net, and measures the external forces. Statistics are not
+    /// changed; the state is that after the step.
     fn step_from_rest(&mut self) {
         let clear_box = self.scratch.clear_box.take();
         self.state.v.fill(0.0);
@@ -235,7 +236,7 @@ impl Simulation {
         self.scratch.costs.clone_from(&self.checkpoint.costs);
     }
 
-    /// Whether a body or net hardly moved when it was let go.
+    /// Whether a body or net stays at rest after the step from rest.
     fn rests(&self, number: usize, island: &Island) -> bool {
         let own = 2 * island.vertices.start..2 * island.vertices.end;
         let h = self.multirate.step(number, self.scene.step);
@@ -257,10 +258,10 @@ impl Simulation {
     }
 }
 
-/// Why nothing is called.
+/// Reason for skipping all effects.
 const EVERYTHING: &str = "everything sleeps";
 
-/// The greatest size; what is not a number counts as infinite.
+/// Greatest magnitude; infinite if any value is NaN.
 fn greatest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| if value.abs() <= most { most } else { value.abs().max(most) })
 }

@@ -1,4 +1,4 @@
-//! A scene as a system for integrators.
+//! A scene as a system of second order for integrators.
 
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR, around},
@@ -13,33 +13,33 @@ use crate::{
 use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
 
-/// Why the elements of what sleeps are passed over.
+/// Reason for skipping elements of sleeping bodies.
 pub(super) const ASLEEP: &str = "asleep";
 
-/// Most turns that constraints take in a step.
+/// Most rounds of all constraints in a step.
 const TURNS: usize = 4;
 
-/// The effects of a scene by the part they take in a step, each by its number: what is not listed is not asked.
+/// Numbers of the effects of a scene, by their role in a step.
 #[derive(Default)]
 pub(super) struct Plan {
-    /// Elements of what is awake.
+    /// Elements of awake bodies and nets.
     pub elements: Vec<usize>,
-    /// What else adds forces.
+    /// Other forces.
     pub forces: Vec<usize>,
-    /// What constrains.
+    /// Constraints.
     pub constraints: Vec<usize>,
-    /// What has a say where constraints touch.
+    /// Effects that set surface properties.
     pub surface_effects: Vec<usize>,
-    /// Elements of what sleeps, which are not asked.
+    /// Elements of sleeping bodies and nets, which are skipped.
     pub sleeping: Vec<usize>,
-    /// What touching does.
+    /// Surface properties of contacts.
     pub surface: Surface,
-    /// Number of triangles that are computed in a step: those of bodies that are awake.
+    /// Number of triangles of awake bodies, which a step computes.
     pub triangles: usize,
 }
 
 impl Plan {
-    /// For a scene in which some elements sleep, the first of its effects.
+    /// Makes the plan of a scene; `asleep` tells which of its elements, the first effects, sleep.
     fn new(scene: &Scene, asleep: impl Iterator<Item = bool>) -> Self {
         let mut plan = Self::default();
         let asleep = asleep.chain(std::iter::repeat(false));
@@ -61,31 +61,31 @@ impl Plan {
     }
 }
 
-/// Everything that stepping writes to beside the state.
+/// Everything that stepping writes beside the state.
 #[derive(Default)]
 pub(super) struct Scratch {
-    /// For the integrator.
+    /// Buffers of the integrator.
     pub workspace: Workspace,
-    /// For the effects.
+    /// Scratch of the effects.
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
-    /// Work of obstacles in this step [J]: of those that move, and of those that something begins inside of.
+    /// Work of moving and of penetrated obstacles in this step [J].
     pub supplied: f64,
-    /// Whether something began deep inside one.
+    /// Whether a vertex began deep inside an obstacle.
     pub inside: Inside,
-    /// What is near which obstacle, and who began inside.
+    /// Contacts and penetrations at the start of the step.
     pub contact_cache: ContactCache,
     pub plan: Plan,
-    /// 1/mass [1/kg] with zero for what sleeps, while something does.
+    /// 1/mass [1/kg] with zero for sleeping vertices; empty while nothing sleeps.
     pub masked_inverse_mass: Vec<f64>,
-    /// The box in which no constraint has anything to say, while all ways lie in it.
+    /// Box in which no constraint acts, while all vertices stay in it.
     pub clear_box: Option<Bounds>,
-    /// How far every vertex may still go before it has to be looked where they are; negative if it is not known [m].
+    /// Least distance that a vertex can still move before positions are checked again; negative if unknown [m].
     pub displacement_bound: f64,
-    /// The energy of motion after the step [J], if it came along.
+    /// Kinetic energy after the step [J], if the step computed it.
     pub kinetic: Option<f64>,
-    /// The least mass of what can move [kg].
+    /// Least mass of a free coordinate [kg].
     pub lightest: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
@@ -110,11 +110,11 @@ impl Scratch {
         }
     }
 
-    /// Notes which bodies and nets of a scene sleep; none of their vertices is held yet.
+    /// Sets which bodies and nets sleep; their vertices are not constrained yet.
     pub fn set_sleeping(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
         let plan = Plan::new(scene, asleep);
         if plan.sleeping != self.plan.sleeping {
-            // Other vertices depend on each other now.
+            // The sparsity pattern changes.
             self.workspace.forget();
         }
         self.plan = plan;
@@ -124,20 +124,20 @@ impl Scratch {
         }
     }
 
-    /// Holds vertices that sleep.
+    /// Constrains the vertices of a sleeping body or net.
     pub fn constrain_sleeping(&mut self, vertices: &Range<usize>) {
         self.masked_inverse_mass[2 * vertices.start..2 * vertices.end].fill(0.0);
     }
 
-    /// Takes off from the room what the fastest vertex may have gone in a step of length h [s]: its energy was not above all there
-    /// was, and round-off is far below what is added for it. Less than nothing is left where that is not known.
+    /// Reduces the displacement bound by the greatest displacement in a step of length h [s]: that of the lightest
+    /// vertex with all kinetic energy, enlarged for round-off. Negative if the energy is unknown.
     pub fn reduce_displacement_bound(&mut self, h: f64) {
         let speed = (2.0 * self.kinetic.unwrap_or(f64::NAN) / self.lightest).sqrt();
         self.displacement_bound =
             if speed <= State::LIMIT { self.displacement_bound - 1.000_001 * h * speed } else { -1.0 };
     }
 
-    /// What acts everywhere just now, if nothing else does beside the elements, and nobody wants to know what each effect costs.
+    /// The uniform force, if no other force acts beside the elements and effects are not timed.
     pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
         let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].uniform_force());
@@ -145,7 +145,7 @@ impl Scratch {
         all.filter(|_| !self.timed)
     }
 
-    /// Runs one effect and books its time and, if it is a call of its own, its elements.
+    /// Runs one effect and adds its time and, if it is a separate call, its elements to the statistics.
     fn call_effect<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
         let start = self.timed.then(Instant::now);
         let result = run(&mut self.effects);
@@ -159,7 +159,7 @@ impl Scratch {
         result
     }
 
-    /// Books that all constraints were passed over, and with them what has a say where they touch.
+    /// Records that all constraints, and with them the surface effects, were skipped.
     pub fn pass_over_constraints(&mut self) {
         for number in &self.plan.constraints {
             self.costs[*number].pass_over(NO_OBSTACLE_NEAR);
@@ -171,12 +171,12 @@ impl Scratch {
     }
 }
 
-/// A scene as the integrator sees it.
+/// A scene with scratch, pull and time of a step.
 pub(super) struct System<'a> {
     pub scene: &'a Scene,
     pub scratch: &'a mut Scratch,
     pub grab: Option<Grab>,
-    /// Simulated time where the step begins and where it ends [s].
+    /// Simulated time at the start and at the end of the step [s].
     pub time: [f64; 2],
 }
 
@@ -188,7 +188,7 @@ impl System<'_> {
 }
 
 impl System<'_> {
-    /// Notes what touches which obstacle where a step begins that would end at positions x, and who begins inside.
+    /// Records contacts and penetrations at the start of a step that ends at positions x.
     fn find_contacts(&mut self, start: &Start<'_>, x: &[f64], contact_cache: &mut ContactCache) {
         contact_cache.clear();
         let swept_bounds = around(start.x, x);
@@ -202,7 +202,7 @@ impl System<'_> {
             }
         }
         if contact_cache.is_inside() {
-            // Anything may be in the way. That something is inside is rare enough to ask for memory.
+            // All obstacles may block depenetration. Penetration is rare, so that an allocation is acceptable.
             let anywhere = [[-State::LIMIT; 2], [State::LIMIT; 2]];
             let mut obstacles = Vec::new();
             for number in &self.scratch.plan.constraints {
@@ -214,14 +214,14 @@ impl System<'_> {
     }
 }
 
-/// The effects of a scene without the elements of what sleeps.
+/// The effects of a scene without the elements of sleeping bodies.
 fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effect> {
     let acts = |(number, effect): (usize, &'a Arc<dyn Effect>)| (!plan.sleeping.contains(&number)).then_some(&**effect);
     scene.effects.iter().enumerate().filter_map(acts)
 }
 
 impl System<'_> {
-    /// Books a step in which the vertices are moved while the elements are swept over.
+    /// Updates the statistics of a step in which elements update the vertices themselves.
     pub fn count_euler_update(&mut self, x: &[f64], v: &[f64]) {
         let scene = self.scene;
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
@@ -266,7 +266,7 @@ impl Dynamics for System<'_> {
         }
     }
 
-    /// Of the pull of the mouse, and of which bodies and nets sleep, whose elements are passed over.
+    /// Hash of the pull of the mouse, and of the sleeping bodies and nets, whose elements are skipped.
     fn load_fingerprint(&self) -> u32 {
         let grab = self.grab.map(|Grab { vertex, target: [x, y] }| [vertex as u64 + 1, x.to_bits(), y.to_bits()]);
         let sleeping = self.scratch.plan.sleeping.iter().map(|number| *number as u64 + 1);
@@ -275,7 +275,7 @@ impl Dynamics for System<'_> {
         (hash >> 32) as u32 ^ hash as u32
     }
 
-    /// Where nothing acts but elements and what does the same everywhere, the vertices are moved while the elements are swept over.
+    /// If only elements and uniform forces act, the vertices are updated during force assembly.
     fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
         let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(x, v)) else {
             self.force(x, v, force);
@@ -358,7 +358,7 @@ impl Dynamics for System<'_> {
         (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
     }
 
-    /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
+    /// Applies all constraints in rounds until none changes a vertex, because one may move a vertex into another.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         if !self.constrains() {
             return;
@@ -393,7 +393,7 @@ impl Dynamics for System<'_> {
         start.contact_cache = &contact_cache;
         let count = self.scratch.plan.constraints.len();
         let (mut quiet, mut all) = (0, 0);
-        // The box around the ways of all vertices, as long as nobody has touched one.
+        // Box around the swept vertices, valid until a constraint changes one.
         let mut swept_bounds = None;
         for turn in 0..TURNS * count {
             if turn >= count && quiet + 1 >= count {
@@ -418,7 +418,7 @@ impl Dynamics for System<'_> {
             quiet = if touched == 0 { quiet + 1 } else { 0 };
             all += touched;
         }
-        // Implicit schemes call this more than once a step, and hold what it changes.
+        // Implicit schemes call this more than once a step and constrain the changed vertices.
         if contact_cache.is_inside() && scene.integrator.kind().class() == Class::Explicit {
             start.damp(v);
         }

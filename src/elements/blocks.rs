@@ -1,4 +1,4 @@
-//! Fans of two triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
+//! Blocks of eight fans of two triangles, one fan in each SIMD lane, for passes over a whole mesh.
 
 use super::{
     corners::{Corners, RUN_BLOCKS},
@@ -12,10 +12,10 @@ use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 use std::array;
 
-/// Forces on the middle of each fan of a block and at the ends of its spokes [N].
+/// Forces on the middle vertex of each fan of a block and at the ends of its edge vectors [N].
 pub type CornerForces = [Pairs; 4];
 
-/// The spokes of each fan of a block [m], or how fast they change [m/s].
+/// Edge vectors of each fan of a block [m], or their rates [m/s].
 pub type EdgeVectors = [Pairs; 3];
 
 /// Matrices (2 x 2) of the first, or of the second, triangles of eight fans, column by column.
@@ -27,7 +27,7 @@ struct Matrices([Lanes; 4]);
 struct Shapes {
     /// D0⁻¹ [1/m].
     inverse: Matrices,
-    /// Minus the area [m²], which is the volume of unit thickness: as forces are computed from it.
+    /// Minus the area [m²], which is the volume of unit thickness; the factor of forces.
     minus_area: Lanes,
 }
 
@@ -36,18 +36,18 @@ struct Shapes {
 #[repr(align(64))]
 pub struct Block([Shapes; 2]);
 
-/// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
+/// A first Piola-Kirchhoff stress as a function of F and, if [`Self::RATE`], of dF/dt.
 pub trait StressLaw: Copy + Send + Sync {
-    /// Whether it asks for dF/dt; if not, `rate` is not to be used.
+    /// Whether it depends on dF/dt; if not, `rate` is undefined.
     const RATE: bool;
 
     /// The stress [Pa].
     fn stress<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> Mat2<R>;
 }
 
-/// Several stresses of the same triangles, whose forces are summed up each by itself.
+/// Several stresses of the same triangles, whose forces are summed separately.
 pub trait StressModel<const N: usize>: Copy + Send + Sync {
-    /// Whether any asks for dF/dt; if not, `rate` is not to be used.
+    /// Whether any depends on dF/dt; if not, `rate` is undefined.
     const RATE: bool;
 
     /// The stresses [Pa].
@@ -63,7 +63,7 @@ impl<L: StressLaw> StressModel<1> for L {
     }
 }
 
-/// Two of them.
+/// Two stresses.
 #[derive(Clone, Copy)]
 pub struct Both<A, B>(pub A, pub B);
 
@@ -98,7 +98,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Packs the rest shapes of fans for an instruction set; the lanes left over are triangles of no area.
+    /// Packs the rest shapes of fans for an instruction set; unused lanes are triangles of zero area.
     pub fn new(fans: &[[Rest; 2]], set: Arch) -> Self {
         let order = Order::of_pairs(set);
         let pack = |fans: &[[Rest; 2]]| {
@@ -121,12 +121,12 @@ impl Blocks {
         self.order.set
     }
 
-    /// How many fans there are.
+    /// Number of fans.
     pub const fn fans(&self) -> usize {
         self.fans
     }
 
-    /// All of them.
+    /// All blocks.
     pub fn all(&self) -> &[Block] {
         &self.all
     }
@@ -145,7 +145,7 @@ impl Blocks {
     }
 }
 
-/// The spokes of a fan, from the places of its middle and of their ends.
+/// Edge vectors of a fan, from the positions of its middle vertex and its other vertices.
 #[inline(always)]
 pub fn edge_vectors([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
     let to = |end: [f64; 2]| [end[0] - middle[0], end[1] - middle[1]];
@@ -153,7 +153,7 @@ pub fn edge_vectors([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2];
 }
 
 impl Matrices {
-    /// Those of a part.
+    /// Loads one SIMD register of each entry.
     #[inline(always)]
     fn load<S: Simd>(&self, set: S, part: usize) -> Mat2<Wide<S>> {
         let [m11, m21, m12, m22] = &self.0;
@@ -165,7 +165,7 @@ impl Matrices {
         )
     }
 
-    /// Writes those of a part.
+    /// Stores one SIMD register of each entry.
     #[inline(always)]
     fn store<S: Simd>(&mut self, matrix: Mat2<Wide<S>>, part: usize) {
         let [m11, m21, m12, m22] = &mut self.0;
@@ -193,42 +193,41 @@ fn gradients<S: Simd>(set: S, edge_vectors: &EdgeVectors, block: &Block, part: u
     Mat2::abreast(of_first, of_second)
 }
 
-/// The spokes of a run.
+/// Edge vectors of a run of blocks.
 #[derive(Debug, Default)]
 #[repr(align(64))]
 struct EdgeVectorBuffer([EdgeVectors; RUN_BLOCKS]);
 
-/// The spokes of a run and how fast they change, collected while the forces of the run before were computed; also where a stage ends in
-/// between, as no stage moves a vertex that a later one has to do with.
+/// Edge vectors and rates of the next run, gathered while the forces of the run before were computed; also across
+/// stages, because no stage moves a vertex of a later one.
 #[derive(Debug, Default)]
 pub struct Collected {
     now: EdgeVectorBuffer,
     rates: EdgeVectorBuffer,
-    /// Whether it was.
+    /// Whether they were gathered.
     is_there: bool,
 }
 
-/// Stresses in the first and in the second triangles of two blocks: the one at hand and the one before, by turns.
+/// Stresses in the first and in the second triangles of two blocks: the present and the previous one, alternating.
 #[derive(Default)]
 #[repr(align(64))]
 struct Stresses([[Matrices; 2]; 2]);
 
 /// Computes the forces on all fans from [`StressModel`].
 ///
-/// Stresses wait for roots, quotients and logarithms, and what is made of them waits as well, until the processor can look no further
-/// ahead. So the stresses of both triangles of a fan are computed [`Interleaved`], and the forces are made one block later, when nothing
-/// has to wait.
+/// Roots, quotients and logarithms have a long latency, longer than the reordering window of the processor. So the
+/// stresses of both triangles of a fan are computed [`Interleaved`], and the forces one block later.
 pub struct Forces<'a, L, const N: usize> {
     pub model: L,
     pub corners: &'a Corners<4>,
-    /// The run with which `blocks` begins.
+    /// Number of the first run in `blocks`.
     pub first: usize,
     pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
-    /// The first of its runs, maybe, and then the one after the last.
+    /// Edge vectors of the first run, if gathered; on return those of the run after the last.
     pub collected: &'a mut Collected,
-    /// Those of each stress, run by run.
+    /// Forces of each stress, run by run.
     pub out: [&'a mut [[CornerForces; RUN_BLOCKS]]; N],
 }
 
@@ -265,7 +264,7 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
                             to_second.store(second, part);
                         }
                     }
-                    // What is collected needs other parts of the processor than the stresses do, and both go on at once.
+                    // Gathers use other execution units than stresses, so that both run in parallel.
                     if let Some((of_x, of_v)) = ahead {
                         of_x.collect(number, edge_vectors, now);
                         if L::RATE {
@@ -292,7 +291,8 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
     }
 }
 
-/// The forces at the ends of two spokes, x and y, from the stresses in the triangles between: the columns of -A P D0⁻ᵀ.
+/// Forces at the ends of two edge vectors, x and y, from the stresses in the triangles between: the columns of -A P
+/// D0⁻ᵀ.
 #[inline(always)]
 fn edge_forces<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usize) -> [[Wide<S>; 2]; 2] {
     let (turned, minus_area) = (shapes.inverse.load(set, part).transpose(), Wide::load(set, &shapes.minus_area, part));
@@ -328,7 +328,7 @@ impl<M: Material> WithSimd for Energy<'_, M> {
                 }
                 for lane in self.blocks.order.lane {
                     for (shapes, energies) in shapes.iter().zip(&energies) {
-                        // Where there is no area there is no triangle, and maybe no number.
+                        // A lane without area has no triangle, and may contain NaN.
                         if shapes.minus_area[lane] != 0.0 {
                             sum += energies[lane];
                         }

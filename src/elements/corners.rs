@@ -1,35 +1,35 @@
-//! Which vertices fans of triangles and springs have, in as few bytes as sweeps can read them from.
+//! Vertex indices of fans of triangles and springs, compressed to 16 bits where possible.
 
 use crate::simd::{Indexed16, LANES, Pairs, vector};
 use std::array;
 
-/// For how many blocks of elements what lies between their corners is collected ahead: enough for what is stored number by number to have
-/// arrived when it is read lane by lane, and little enough to stay near the processor.
+/// Number of blocks whose edge vectors are gathered ahead: enough for scalar stores to complete before they are read as
+/// SIMD vectors, and few enough to stay in the cache.
 pub const RUN_BLOCKS: usize = 8;
 
-/// The N corners of each element, run by run. Vertices are counted from the first of a body or of a part of it, or of a net, and so are
-/// the positions or velocities that are read.
+/// The N corners of each element, run by run. Vertices are counted from the first of a body, partition or net, like the
+/// positions or velocities that are read.
 #[derive(Debug)]
 pub struct Corners<const N: usize> {
     starts: Vec<Start>,
-    /// Where the numbers of the corners are, counted from where those of the run's first vertex are; of no use in a run whose vertices
-    /// lie too far apart. The last run is filled up with elements of one vertex.
+    /// 16-bit offsets of the corners' numbers from those of the run's first vertex; invalid in a run whose vertices are
+    /// too far apart. The last run is padded with elements of one vertex.
     indices16: Vec<[u16; N]>,
-    /// The vertices at the corners in such runs, one after another.
+    /// 32-bit vertex indices of such runs.
     indices32: Vec<[u32; N]>,
 }
 
-/// What a run starts with.
+/// Start of a run.
 #[derive(Clone, Copy, Debug)]
 enum Start {
-    /// The least of its vertices.
+    /// 16-bit indices: the least of its vertices.
     Index16(u32),
-    /// Its first element among the far ones.
+    /// 32-bit indices: its first element among them.
     Index32(u32),
 }
 
 impl<const N: usize> Corners<N> {
-    /// Packs the vertices of each element's corners; numbers are counted from a first one.
+    /// Packs the vertices of each element's corners; `start` is subtracted from vertex numbers.
     pub fn new(corners: &[[u32; N]], start: usize) -> Self {
         let count = corners.len().next_multiple_of(RUN_BLOCKS * LANES);
         let (mut indices16, mut indices32) = (Vec::with_capacity(count), Vec::new());
@@ -49,7 +49,7 @@ impl<const N: usize> Corners<N> {
         Self { starts, indices16, indices32 }
     }
 
-    /// What is to be collected from in a run, with nothing to check, if its vertices lie near each other and enough numbers follow.
+    /// Unchecked access to a run, if it has 16-bit indices and enough numbers follow.
     #[inline(always)]
     pub fn ahead<'a>(&'a self, run: usize, values: &'a [f64]) -> Option<Ahead<'a, N>> {
         let Some(Start::Index16(first)) = self.starts.get(run) else { return None };
@@ -57,7 +57,7 @@ impl<const N: usize> Corners<N> {
         Some(Ahead { numbers: values.get(2 * *first as usize..)?.first_chunk()?, blocks })
     }
 
-    /// What lies between the corners of each element of a run: M vectors each.
+    /// Gathers M vectors between the corners of each element of a run.
     pub fn collect<const M: usize>(
         &self,
         run: usize,
@@ -90,7 +90,7 @@ impl<const N: usize> Corners<N> {
     }
 }
 
-/// A run to be collected block by block.
+/// A run with unchecked access, block by block.
 #[derive(Clone, Copy)]
 pub struct Ahead<'a, const N: usize> {
     numbers: &'a Indexed16,
@@ -98,7 +98,7 @@ pub struct Ahead<'a, const N: usize> {
 }
 
 impl<const N: usize> Ahead<'_, N> {
-    /// What lies between the corners of each element of a block.
+    /// Gathers the vectors of each element of a block.
     #[inline(always)]
     pub fn collect<const M: usize>(
         self,

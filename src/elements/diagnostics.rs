@@ -10,31 +10,31 @@ use crate::{
 };
 use pulp::{Arch, Simd, WithSimd};
 
-/// How many blocks of triangles are collected at a time: enough for what is stored number by number to have arrived when it
-/// is read lane by lane.
+/// Number of blocks of triangles gathered at a time: enough for scalar stores to complete before they are read as SIMD
+/// vectors.
 const RUN_BLOCKS: usize = 4;
 
-/// What a sweep over triangles has found.
+/// Diagnostics of all triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diagnostics {
     /// Elastic energy [J].
     pub energy: f64,
     /// Least det F; infinite if there are none.
     pub least: f64,
-    /// How many have det F <= 0.
+    /// Number of triangles with det F <= 0.
     pub inverted: usize,
-    /// How many are beyond where the model's formula is used to the letter.
+    /// Number of triangles in the continued range of the model's formula.
     pub continued: usize,
 }
 
 impl Triangles {
-    /// Energy and shape of the triangles; in the same sweep adds one value a triangle to `values`, in their order, but nothing
-    /// for [`Field::None`].
+    /// Computes the diagnostics and, in the same pass, appends one value for each triangle to `values`, in their order;
+    /// nothing for [`Field::None`].
     pub fn diagnose(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
         self.diagnose_with_energy(None, field, x, values)
     }
 
-    /// The same, where the energy [J] may be known already and is not computed then.
+    /// The same with an energy [J] that may be known and is not computed then.
     pub fn diagnose_with_energy(
         &self,
         energy: Option<f64>,
@@ -76,7 +76,7 @@ impl Eight {
         }
     }
 
-    /// Part of the deformation gradients, and of the areas.
+    /// One SIMD register of deformation gradients and of areas.
     #[inline(always)]
     fn part<S: Simd>(&self, set: S, part: usize) -> (Mat2<Wide<S>>, Wide<S>) {
         let matrix = |of: &[Lanes; 4]| {
@@ -103,7 +103,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
     fn with_simd<S: Simd>(self, set: S) -> Diagnostics {
         let Self { of, material, energy, field, x, out } = self;
         let x = x.as_chunks().0;
-        // Energies wait behind the values until they are summed in the order of the fans, as they are when nothing else is asked for.
+        // Energies are stored behind the values and summed in the order of the fans, as without fields.
         let end = out.len() + if field == Field::None { 0 } else { of.corners().len() };
         let mut next = out.len();
         out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
@@ -130,7 +130,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
                     };
                     value.store(&mut values, part);
                 }
-                // A lane left over holds what is not a triangle here.
+                // Unused lanes are skipped.
                 for lane in 0..corners.len() {
                     let (j, triangle) = (ratios[lane], (run * RUN_BLOCKS + number) * LANES + lane);
                     if energy.is_none() {

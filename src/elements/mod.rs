@@ -1,4 +1,4 @@
-//! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
+//! Elements: triangles and springs, which store elastic energy. An element is an effect like any other to a step.
 
 mod accumulator;
 mod blocks;

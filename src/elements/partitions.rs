@@ -1,8 +1,8 @@
-//! Partitions of a body: ranges of fans whose forces are assembled independently, on as many cores as there are.
+//! Partitions of a body: ranges of fans whose forces are assembled independently, in parallel.
 //!
-//! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions, and gives those
-//! vertices their forces that no other partition has to do with. At an interface vertex the sums of the partitions are added in the
-//! order of the partitions afterwards. So any number of threads gives the same bits.
+//! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions and
+//! sums them at the vertices of no other partition. At an interface vertex the partial sums are added in the order of
+//! the partitions afterwards. So any number of threads gives the same bits.
 
 use super::{
     Accumulator, Scatter,
@@ -18,10 +18,10 @@ use wide::f64x2;
 /// A stage begins with a run.
 const _: () = assert!(STAGE.is_multiple_of(RUN_BLOCKS));
 
-/// The fewest fans of a partition: fewer take less time than it takes to hand them to another core.
+/// Fewest fans of a partition; fewer take less time than a transfer to another core.
 const FANS: usize = 2048;
 
-/// The greatest share of vertices that may lie on interfaces, as one core adds them up; else there are fewer partitions.
+/// Greatest fraction of vertices on interfaces, which one core sums; else there are fewer partitions.
 const INTERFACE: f64 = 0.05;
 
 /// All partitions of a body. Vertices are counted from the first of the body.
@@ -56,8 +56,8 @@ struct Cut {
 }
 
 impl Cut {
-    /// Cuts fans into equal parts. A vertex between the fans of two partitions belongs to the interface if both have to do with it, or
-    /// if the one that has does not own it.
+    /// Cuts fans into equal parts. A vertex between two partitions belongs to the interface if both use it, or if the
+    /// one that uses it does not own it.
     fn new(fans: &[[u32; 4]], vertices: usize, count: usize) -> Self {
         let begin = |part: usize| fans.len() * part / count / LANES * LANES;
         let begins: Vec<_> = (0..count).map(begin).collect();
@@ -121,18 +121,18 @@ impl Partitions {
         self.whole.as_ref().unwrap_or_else(|| &self.all[0].corners)
     }
 
-    /// How many partitions there are.
+    /// Number of partitions.
     pub const fn count(&self) -> usize {
         self.all.len()
     }
 
-    /// How many numbers of scratch the assembly needs for each stress.
+    /// Size of scratch of the assembly for each stress.
     pub fn scratch(&self) -> usize {
         2 * self.slots.len() + self.all.iter().map(|partition| partition.scratch(1)).sum::<usize>()
     }
 
-    /// Computes the forces of stresses on all fans, and hands the sums at their vertices to a target. Returns what the target has
-    /// [summed](Accumulator::sum).
+    /// Assembles the forces of stresses on all fans into an accumulator. Returns the [sum](Accumulator::sum) of the
+    /// accumulator.
     pub fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
         &self,
         model: L,
@@ -168,7 +168,7 @@ impl Partitions {
     }
 }
 
-/// What is the same for all partitions.
+/// Stress model and blocks, common to all partitions.
 #[derive(Clone, Copy)]
 struct Job<'a, L> {
     model: L,
@@ -176,8 +176,8 @@ struct Job<'a, L> {
 }
 
 impl<L> Job<'_, L> {
-    /// Assembles the forces of some partitions; the target holds the vertices that they own. The halves of the list are added as a
-    /// tree, whoever computes them.
+    /// Assembles the forces of some partitions; the accumulator holds the vertices that they own. The sums of halves of
+    /// the list are added as a tree, independent of threads.
     fn run<T: Accumulator<N>, const N: usize>(
         self,
         partitions: &[Partition],
@@ -205,7 +205,7 @@ impl<L> Job<'_, L> {
     }
 }
 
-/// Runs both: at once, if this thread belongs to a pool of several.
+/// Runs both, in parallel if this thread belongs to a thread pool.
 fn join(one: impl FnOnce() -> f64 + Send, other: impl FnOnce() -> f64 + Send) -> (f64, f64) {
     if rayon::current_thread_index().is_some() { rayon::join(one, other) } else { (one(), other()) }
 }

@@ -69,7 +69,7 @@ impl Springs {
         }
     }
 
-    /// The same for another instruction set than the best: with the same bits, in more time.
+    /// The same with another instruction set: the same bits in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
         Self::of_links(self.links.clone(), self.vertices.clone(), set)
@@ -94,8 +94,8 @@ impl Springs {
         self.links.iter().map(stored).sum()
     }
 
-    /// Computes the forces on the particles and hands them to the vertices of a scene. Returns what these have
-    /// [summed](Accumulator::sum).
+    /// Assembles the forces on the particles into an accumulator. Returns the [sum](Accumulator::sum) of the
+    /// accumulator.
     fn assemble(&self, accumulator: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
         let mut accumulator = accumulator.view(self.vertices.clone());
         let (copy, scratch) = scratch.split_at_mut(self.copy());
@@ -117,13 +117,14 @@ impl Springs {
         accumulator.sum()
     }
 
-    /// How many numbers a copy of the positions takes, with enough after them to be read as [`Indexed16`](crate::simd::Near) ones.
+    /// Size of a copy of the positions, with enough numbers after them to be read as
+    /// [`Indexed16`](crate::simd::Indexed16).
     fn copy(&self) -> usize {
         2 * self.vertices.len() + INDEXED16
     }
 
-    /// Adds dampers beside the springs, `c = beta k` [N s/m]: each slows the change of its spring's length and nothing
-    /// else, so that a rigid motion is not damped. At rest it is Rayleigh's `-beta K v`.
+    /// Adds dampers beside the springs, `c = beta k` [N s/m]: each damps only the rate of length of its spring, so that
+    /// a rigid motion is not damped. At rest it is Rayleigh's `-beta K v`.
     pub(crate) fn add_damping(&self, x: &[f64], v: &[f64], beta: f64, force: &mut [f64]) {
         for link in &self.links {
             let Some(([ux, uy], _)) = direction(x, link) else { continue };
@@ -194,7 +195,7 @@ fn block(x: &[f64], link: &Link, tangent: Tangent) -> [f64; 3] {
     [across + along * ux * ux, along * ux * uy, across + along * uy * uy].map(|entry| link.stiffness * entry)
 }
 
-/// What lies between the ends of the springs of a run.
+/// Vectors between the ends of the springs of a run.
 #[derive(Default)]
 #[repr(align(64))]
 struct EdgeVectorBuffer([[Pairs; 1]; RUN_BLOCKS]);
@@ -237,7 +238,7 @@ impl WithSimd for Pulls<'_> {
                     Wide::store_pairs(fx, fy, one, part);
                     Wide::store_pairs(-fx, -fy, other, part);
                 }
-                // As with triangles, what comes next is collected beside the arithmetic.
+                // The next run is gathered in parallel to the arithmetic, as with triangles.
                 if let Some(ahead) = ahead {
                     ahead.collect(number, between, now);
                 }

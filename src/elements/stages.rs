@@ -1,4 +1,4 @@
-//! Sums of the forces at the corners that meet at each vertex, stage by stage.
+//! Sums of corner forces at each vertex, stage by stage.
 
 use super::{Scatter, gather::VertexRun};
 use crate::simd::{Indexed16, Pairs, vector};
@@ -6,7 +6,7 @@ use pulp::{Arch, Simd, WithSimd};
 use std::iter::repeat_n;
 use wide::f64x2;
 
-/// What is left to be summed.
+/// The stages that are still to be summed.
 pub struct Stages<'a> {
     pub runs: &'a [VertexRun],
     pub vertices: &'a [u32],
@@ -17,10 +17,10 @@ pub struct Stages<'a> {
 }
 
 impl<'a> Stages<'a> {
-    /// Sums what is at the corners of the vertices of the next stage, and hands each its forces.
+    /// Sums the corner forces of the vertices of the next stage, and scatters them.
     #[inline(always)]
     pub fn add<const N: usize>(&mut self, corners: [&[Pairs]; N], to: &mut impl Scatter<N>) {
-        /// A closure might stay a call, without the instruction set.
+        /// A closure might not be inlined and lose the instruction set.
         struct Next<'a, 'b, T, const N: usize>(&'a mut Stages<'b>, [&'a [Pairs]; N], &'a mut T);
         impl<T: Scatter<N>, const N: usize> WithSimd for Next<'_, '_, T, N> {
             type Output = ();
@@ -47,7 +47,7 @@ impl<'a> Stages<'a> {
             let places = C::places(self);
             let (of_now, others) = places.split_at((degree * count) as usize);
             *places = others;
-            /// One loop for each of these numbers of corners, with nothing to count or check inside; one for all others.
+            /// One unrolled loop for each of these degrees, without checks; one for all others.
             macro_rules! loops {
                 ($($DEGREE:literal)+) => {
                     match degree {
@@ -68,18 +68,18 @@ impl<'a> Stages<'a> {
     }
 }
 
-/// The forces at the corners, of each of several stresses.
+/// Corner forces of several stresses.
 trait Buffer<'a, const N: usize>: Copy {
-    /// What a place is.
+    /// Index type of a place.
     type Place: Copy + 'a;
 
-    /// Whether places need no check.
+    /// Whether places are 16-bit and need no check.
     const IS_NARROW: bool;
 
-    /// The places that are left.
+    /// The remaining places.
     fn places<'b>(stages: &'b mut Stages<'a>) -> &'b mut &'a [Self::Place];
 
-    /// One of a stress at a place.
+    /// Force of a stress at a place.
     fn at(self, stress: usize, place: Self::Place) -> f64x2;
 }
 
@@ -115,7 +115,7 @@ impl<'a, const N: usize> Buffer<'a, N> for [&Indexed16; N] {
     }
 }
 
-/// All of them up to there, if they are as long as that.
+/// The buffers as [`Indexed16`], if they are long enough.
 #[inline(always)]
 fn as_indexed16<'a, const N: usize>(corners: &[&'a [Pairs]; N]) -> Option<[&'a Indexed16; N]> {
     let indices16 = |corners: &'a [Pairs]| corners.as_flattened().as_flattened().first_chunk();
@@ -148,7 +148,7 @@ fn sum_at_four<'a, C: Buffer<'a, N>, const D: usize, const N: usize>(
     [sum_at(a, corners), sum_at(b, corners), sum_at(c, corners), sum_at(d, corners)]
 }
 
-/// Hands out forces on these vertices.
+/// Scatters forces on these vertices.
 #[inline(always)]
 fn scatter<const N: usize>(vertices: &[u32], forces: impl Iterator<Item = [f64x2; N]>, to: &mut impl Scatter<N>) {
     to.take(vertices.iter().map(|vertex| *vertex as usize).zip(forces));

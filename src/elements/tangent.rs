@@ -1,4 +1,5 @@
-//! The stiffness of triangles: as 2 x 2 blocks between their corners, and times a displacement without them.
+//! Tangent stiffness of triangles: as 2 x 2 blocks between their corners, and as a matrix-free product with a
+//! displacement.
 
 use super::{
     Adding, Triangles,
@@ -13,8 +14,8 @@ use crate::{
 use nalgebra::{Matrix2, Matrix4};
 use pulp::{Simd, WithSimd};
 
-/// How many blocks of eight triangles are collected at a time: enough for what is stored number by number to have arrived when
-/// it is read lane by lane, and little enough to stay near the processor.
+/// Number of blocks of eight triangles gathered at a time: enough for scalar stores to complete before they are read as
+/// SIMD vectors, and few enough to stay in the cache.
 const RUN_BLOCKS: usize = 8;
 
 /// The second derivative of an isotropic energy density.
@@ -23,7 +24,7 @@ pub trait Isotropic: Copy + Send + Sync {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 }
 
-/// That of a material.
+/// The density of a material.
 #[derive(Clone, Copy)]
 struct Stored<'a, M>(&'a M);
 
@@ -34,7 +35,7 @@ impl<M: Material> Isotropic for Stored<'_, M> {
     }
 }
 
-/// Minus the change of a stress with a change of F, which stands in the place of dF/dt.
+/// Minus the directional derivative of a stress by F, in the direction of `change`, which is passed as dF/dt.
 #[derive(Clone, Copy)]
 struct Change<L>(L);
 
@@ -49,7 +50,7 @@ impl<L: Isotropic> StressLaw for Change<L> {
 }
 
 impl Triangles {
-    /// Names the three couples of corners of each triangle.
+    /// Adds the three vertex pairs of each triangle to a sparsity pattern.
     pub(crate) fn add_sparsity(&self, add: &mut dyn FnMut(u32, u32)) {
         for &[a, b, c] in self.corners() {
             add(a, b);
@@ -81,12 +82,13 @@ impl Triangles {
         self.assemble(Change(density), &mut Adding { x, v: d, force: product }, scratch);
     }
 
-    /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.
+    /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or its positive part.
     pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
         self.visit(Elastic { of: self, x, weights, matrix });
     }
 
-    /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, or what is asked for of it.
+    /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, projected as the
+    /// tangent requires.
     pub(crate) fn add_energy_tangent(
         &self,
         x: &[f64],
@@ -117,7 +119,7 @@ impl Triangles {
             let [one, two, across] = self.rest(number).corner_blocks(&tangent(number, &f), weight);
             let turned = across.transpose();
             let (to_one, to_two) = (-one - turned, -across - two);
-            // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
+            // The rows of the first corner are minus the sum of the other two, by translation invariance.
             let [a, b, c] = triangle.map(|corner| corner as usize);
             matrix.diagonal(a, &(-to_one - to_two));
             matrix.diagonal(b, &one);
@@ -168,7 +170,7 @@ struct Assemble<'a, L> {
     of: &'a Triangles,
     x: &'a [[f64; 2]],
     weight: f64,
-    /// What negative eigenvalues are multiplied by.
+    /// Factor of negative eigenvalues.
     negative: Option<f64>,
     matrix: &'a mut BlockMatrix,
 }
@@ -213,7 +215,7 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
     }
 }
 
-/// What both parts of F, U and M, make of the gradient of a corner's shape function, and these times the moduli.
+/// The gradient of a corner's shape function transformed by both parts of F, U and M, and multiplied by the moduli.
 #[derive(Clone, Copy)]
 struct Corner<R> {
     turned: [R; 2],
@@ -259,7 +261,7 @@ fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Mat2<R>
     let (c11, c12, c22) = (two.entry(&two, 0, 0), two.entry(&two, 0, 1), two.entry(&two, 1, 1));
     let (a11, a21) = (one.entry(&two, 0, 0), one.entry(&two, 1, 0));
     let (a12, a22) = (one.entry(&two, 0, 1), one.entry(&two, 1, 1));
-    // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
+    // The rows of the first corner are minus the sum of the other two, by translation invariance.
     let to_one = [-b11 - a11, -b12 - a12, -b12 - a21, -b22 - a22];
     let to_two = [-a11 - c11, -a21 - c12, -a12 - c12, -a22 - c22];
     let off = -to_one[2] - to_two[2];

@@ -8,23 +8,23 @@ use super::{
 };
 use crate::state::State;
 
-/// What walls do to what was held at them from the start.
+/// Wall reactions of the active set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WallReactions {
-    /// All of them push: what was solved for is the step.
+    /// All reactions push: the solution is the step.
     Push,
-    /// They may pull: to be solved again.
+    /// Some may pull: solve again.
     Pull,
-    /// Nothing is held, or there is no telling.
+    /// The set is empty, or the reactions cannot be determined.
     Other,
 }
 
-/// A wall may pull by so small a share of the greatest push: that is round-off, and what the solution is off.
+/// Greatest pull as a fraction of the greatest push: round-off and error of the solution.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Holds what touches a smooth wall where the step begins, and is pressed to it by the forces there. If anything is,
-/// the accelerations make it stay, the step is one of implicit Euler if the scheme does not end at its stage, and it is for [`drop_pulling`]
-/// to say whether that can be.
+/// Adds vertices to the active set that touch a smooth wall at the start of the step and are pressed to it by the
+/// forces there. If there are any, their accelerations keep them in place, the step is one of implicit Euler if the
+/// scheme does not end at its stage, and [`drop_pulling`] checks the reactions.
 pub(super) fn add_resting(
     system: &mut dyn Dynamics,
     state: &State,
@@ -44,7 +44,7 @@ pub(super) fn add_resting(
     if !system.project_contact_velocity([&state.x, &state.v], end_x, end_v) {
         return WallReactions::Other;
     }
-    // As it would have been without the walls: velocities, then positions.
+    // Prediction without walls: velocities, then positions.
     spare.clear();
     spare.extend(v.iter().chain(&state.x));
     pushes.clear();
@@ -78,14 +78,15 @@ pub(super) fn add_resting(
     WallReactions::Pull
 }
 
-/// Whether what took from a velocity left nothing of it across: a bounce leaves some, and so does most of what stops an edge.
+/// Whether a velocity change leaves no normal component: an impact with restitution leaves some, and so do most edge
+/// contacts.
 fn is_stopped(end: [f64; 2], predicted: [f64; 2]) -> bool {
     let change = axes::less(end, predicted);
     axes::dot(end, change).abs() <= ROUND_OFF * axes::dot(change, change)
 }
 
-/// Lets go what [`add_resting`] held where `M z - f`, which the wall does to hold it, points into the wall; and with it whatever came to be
-/// held while that was.
+/// Drops constraints of [`add_resting`] whose reaction `M z - f` pulls, and constraints that were added during the
+/// solve.
 pub(super) fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace) -> WallReactions {
     let Workspace { numbers, axes, pushes, .. } = workspace;
     let [_, _, x, v, z, inverse, _, _, force] = parts::<PARTS>(numbers, pushes.len());
@@ -99,7 +100,7 @@ pub(super) fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace)
     let pulls = |reaction: f64| reaction.is_nan() || reaction < -ROUND_OFF * most;
     let constrained = |inverse: &[f64], vertex| constrained_axes(inverse, system.inverse_mass(), vertex);
     let is_unclear = |vertex| {
-        // Which of two walls pushes, neither of which is along an axis, cannot be told.
+        // With two oblique walls the reaction of each cannot be determined.
         !Axis::of(axes, vertex).is_world()
             && constrained(inverse, vertex) == [true; 2]
             && pair(pushes, vertex) != [0.0; 2]
@@ -126,7 +127,7 @@ pub(super) fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace)
     WallReactions::Pull
 }
 
-/// Whether any wall holds anything.
+/// Whether any wall constrains a vertex.
 pub(super) fn is_any_active(system: &dyn Dynamics, workspace: &mut Workspace) -> bool {
     let numbers = workspace.pushes.len();
     let [_, _, _, _, _, inverse, ..] = parts::<PARTS>(&mut workspace.numbers, numbers);

@@ -1,40 +1,40 @@
-//! Axes of each vertex: normal and tangent of the wall that constrains it.
+//! Local axes of each vertex: normal and tangent of the wall that constrains it.
 
-/// The first of a vertex's own axes, a unit vector; the second is a quarter turn from it. Two numbers a vertex, flat.
+/// The first local axis of a vertex, a unit vector; the second is rotated by 90°. Flat: two numbers a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis([f64; 2]);
 
-/// A change of position or velocity below this share of it is round-off, and says nothing about a direction.
+/// A change of position or velocity below this fraction is round-off and has no direction.
 const ROUND_OFF: f64 = 1e-12;
-/// How much two directions may differ and still count as one.
+/// Greatest difference of two directions that count as equal.
 const SAME: f64 = 1e-6;
 
 impl Axis {
-    /// Those of the world.
+    /// The axes of the world.
     const WORLD: Self = Self([1.0, 0.0]);
 
     pub fn of(axes: &[f64], vertex: usize) -> Self {
         Self(pair(axes, vertex))
     }
 
-    /// Whether they are those of the world.
+    /// Whether they are the axes of the world.
     pub fn is_world(self) -> bool {
         self == Self::WORLD
     }
 
-    /// A vector along these axes, from one along those of the world.
+    /// Components of a vector along the local axes.
     pub fn into_own(self, [x, y]: [f64; 2]) -> [f64; 2] {
         let Self([c, s]) = self;
         if self.is_world() { [x, y] } else { [c * x + s * y, c * y - s * x] }
     }
 
-    /// And back.
+    /// Inverse of [`Self::into_own`].
     pub fn out_of_own(self, [x, y]: [f64; 2]) -> [f64; 2] {
         let Self([c, s]) = self;
         if self.is_world() { [x, y] } else { [c * x - s * y, s * x + c * y] }
     }
 
-    /// `one` along the axes that are held, `other` along the rest.
+    /// `one` along the constrained axes, `other` along the free ones.
     pub fn mix(self, constrained: [bool; 2], one: [f64; 2], other: [f64; 2]) -> [f64; 2] {
         match constrained {
             [true, true] => one,
@@ -68,27 +68,27 @@ fn length(a: [f64; 2]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Gives every vertex the axes of the world.
+/// Resets all vertices to the axes of the world.
 pub(super) fn reset_axes(axes: &mut Vec<f64>, numbers: usize) {
     axes.clear();
     axes.extend(Axis::WORLD.0.into_iter().cycle().take(numbers));
 }
 
-/// Gives one vertex the axes of the world.
+/// Resets one vertex to the axes of the world.
 pub(super) fn reset_axis(axes: &mut [f64], vertex: usize) {
     put(axes, vertex, Axis::WORLD.0);
 }
 
-/// Takes flat vectors along the world's axes to each vertex's own.
+/// Transforms flat vectors to the local axes of each vertex.
 pub(super) fn turn(axes: &[f64], values: &mut [f64]) {
     for (vertex, value) in values.chunks_exact_mut(2).enumerate() {
         value.copy_from_slice(&Axis::of(axes, vertex).into_own([value[0], value[1]]));
     }
 }
 
-/// Holds a vertex where constraints changed the end of a step: across a single `smooth` wall, or wholly. `numbers` are the
-/// axes, 1/mass (zero where held) and accelerations, `end` positions and velocities, `predicted` what velocities and then
-/// positions were before. Returns whether more is held than before.
+/// Constrains a vertex whose end of step constraints have changed: along the normal of a single `smooth` wall, or in
+/// both coordinates. `numbers` are the axes, 1/mass (zero where constrained) and accelerations, `end` positions and
+/// velocities, `predicted` the velocities and then positions before. Returns whether a constraint was added.
 pub(super) fn add_constraint(
     vertex: usize,
     (axes, inverse, z): (&mut [f64], &mut [f64], &mut [f64]),
@@ -103,7 +103,7 @@ pub(super) fn add_constraint(
     let axis = Axis::of(axes, vertex);
     let mut added = [0, 1].map(|k| movable[k] && touched[k]);
     if !axis.is_world() {
-        // Held across one wall already: what counts is a push along it.
+        // Constrained along one normal already: only a change along the tangent adds a constraint.
         let pushed = |to: [f64; 2], from: [f64; 2]| {
             let change = less(to, from);
             axis.into_own(change)[1].abs() > SAME * length(change) + ROUND_OFF * length(from)
@@ -123,8 +123,8 @@ pub(super) fn add_constraint(
     added != [false; 2]
 }
 
-/// The one direction of a change of position and of velocity, each given as after and before; `None` if there are two, or
-/// none that can be told.
+/// The common direction of the changes of position and velocity, each given as after and before; `None` if they differ
+/// or are round-off.
 fn direction([x, predicted_x]: [[f64; 2]; 2], [v, predicted_v]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let told = |to: [f64; 2], from: [f64; 2]| {
         let (change, size) = (less(to, from), length(less(to, from)));

@@ -1,5 +1,5 @@
-//! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks an [`Ode`] for rates or
-//! a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
+//! Time integration. An integrator is independent of physics and dimension: it works on flat vectors and calls an
+//! [`Ode`] for rates or a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
 mod active_set;
 mod axes;
@@ -39,7 +39,7 @@ use crate::{
 };
 
 registry! {
-    /// How a scene is advanced in time.
+    /// Time-stepping schemes.
     pub enum IntegratorKind: dyn Integrator {
         SymplecticEuler(SymplecticEuler),
         ForwardEuler(ForwardEuler),
@@ -63,7 +63,7 @@ impl Default for IntegratorKind {
 
 /// A time-stepping scheme with its parameters.
 pub trait Integrator: Send + Sync {
-    /// Name as it is said, such as `Symplectic Euler`.
+    /// Name in the window, such as `Symplectic Euler`.
     fn title(&self) -> &'static str;
 
     /// The scheme, its order and its stability, for a tooltip.
@@ -76,7 +76,7 @@ pub trait Integrator: Send + Sync {
     fn class(&self) -> Class;
 
     /// The largest z = h w at which an undamped vibration of angular frequency w does not grow; `None` if there is no
-    /// such limit, or the scheme keeps to it by itself.
+    /// such limit, or the scheme controls its step.
     fn stability_limit(&self) -> Option<f64> {
         None
     }
@@ -93,7 +93,7 @@ pub trait Integrator: Send + Sync {
 /// What limits the step of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// Stability: above some h everything blows up.
+    /// Stability: steps above some h are unstable.
     Explicit,
     /// Accuracy alone; equations are solved in every step.
     Implicit,
@@ -132,7 +132,7 @@ impl dyn Integrator + '_ {
     }
 }
 
-/// What is kept between steps so that none after the first allocates; nothing in it changes what a step computes.
+/// Buffers that are kept between steps, so that none after the first allocates; they do not affect results.
 #[derive(Default)]
 pub struct Workspace {
     numbers: Vec<f64>,
@@ -144,25 +144,25 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// For schemes that solve linear systems in this way.
+    /// Makes buffers for schemes with this linear solver.
     pub fn new(linear_solver: LinearSolver) -> Self {
         Self { newton: Newton::new(linear_solver), ..Self::default() }
     }
 
-    /// Forgets which vertices are coupled: for a new scene.
+    /// Invalidates the sparsity pattern, for a new scene.
     pub fn forget(&mut self) {
         self.newton.forget();
     }
 }
 
-/// What a step took beside evaluations of forces.
+/// Counts of a step, beside force evaluations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepCounts {
-    /// Steps inside the step that were taken; 1 unless the error is controlled.
+    /// Inner steps taken; 1 unless the error is controlled.
     pub inner_steps: u64,
-    /// Steps inside the step whose error was too large, taken again with a shorter one.
+    /// Inner steps rejected for their error.
     pub rejected: u64,
-    /// What solving equations took.
+    /// Counts of Newton's method.
     pub newton: NewtonCounts,
 }
 
@@ -171,7 +171,7 @@ impl StepCounts {
     pub const ONE: Self = Self { inner_steps: 1, rejected: 0, newton: NewtonCounts::NONE };
 }
 
-/// Cuts a buffer into equal parts, made large enough first. What is in them is left over from before.
+/// Splits a buffer into equal parts, after enlarging it if necessary. Their content is undefined.
 fn parts<const COUNT: usize>(numbers: &mut Vec<f64>, length: usize) -> [&mut [f64]; COUNT] {
     if numbers.len() < COUNT * length {
         numbers.resize(COUNT * length, 0.0);

@@ -13,7 +13,7 @@ pub struct Net {
     pub vertices: Range<usize>,
     /// Its elements.
     pub springs: Arc<Springs>,
-    /// What its particles and springs are called in the level.
+    /// Names of its particles and springs in the level.
     pub numbering: Numbering,
 }
 

@@ -12,29 +12,29 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-/// A body or net by itself, with everything that acts on it.
+/// A scene with one body or net and the effects that act on it.
 pub struct SubScene {
-    /// What it was built from.
+    /// Level that it was built from.
     level: Level,
-    /// The scene in which there is nothing else.
+    /// The scene of this body or net alone.
     pub scene: Scene,
     /// Its vertices in the whole scene.
     pub vertices: Range<usize>,
     /// The number of each of its effects in the whole scene.
     pub effects: Vec<usize>,
-    /// Its longest stable step at rest, once somebody has asked.
+    /// Its critical step at rest, computed on first use.
     limit: OnceLock<Option<f64>>,
 }
 
 impl SubScene {
-    /// Its longest stable step at rest [s], if anything in it is stiff; found by `measure` where nobody has asked before.
+    /// Its critical step at rest [s], if it has stiffness; computed by `measure` on first use.
     pub fn limit(&self, measure: impl FnOnce(&Scene) -> Option<f64>) -> Option<f64> {
         *self.limit.get_or_init(|| measure(&self.scene))
     }
 }
 
 impl Scene {
-    /// Builds bodies and nets by themselves where a level lets each go at its own pace. What has not changed is taken over.
+    /// Builds the sub-scenes for multirate stepping. Unchanged ones of `previous` are reused.
     pub(super) fn build_sub_scenes(
         &mut self,
         level: &Level,
@@ -57,7 +57,7 @@ impl Scene {
             |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
         let mut sub_scenes = Vec::new();
         for (number, (own, vertices, elements)) in bodies.chain(nets).enumerate() {
-            // What has nothing to act on in it, as the compression guard in a net, is left out.
+            // Effects that cannot act on it, as the compression guard on a net, are omitted.
             let acting = level.effects.iter().filter(there).zip(self.element_count()..);
             let acting = acting.filter(|(listed, _)| listed.effect.kind().build(&elements).is_ok());
             let (listed, numbers): (Vec<_>, Vec<_>) = acting.map(|(listed, number)| (listed.clone(), number)).unzip();

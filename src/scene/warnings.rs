@@ -4,7 +4,7 @@ use super::Scene;
 use crate::state::State;
 
 impl Scene {
-    /// How many vertices are deep inside walls or beyond edges of the world in a state.
+    /// Number of vertices deep inside walls or outside the domain in a state.
     pub fn count_inside(&self, state: &State) -> usize {
         self.effects.iter().map(|effect| effect.count_inside(&state.x, state.time, &self.depenetrations)).sum()
     }

@@ -44,7 +44,7 @@ pub struct Snapshot {
     pub start: Arc<Vec<f64>>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
-    /// Vertices that slide along a side, and the coordinate that is held (0 is x, 1 is y).
+    /// Vertices on rollers along a side, and the fixed coordinate (0 is x, 1 is y).
     pub rollers: Arc<Vec<(u32, usize)>>,
     /// The mouse spring, while it pulls.
     pub pull: Option<Pull>,
@@ -78,33 +78,33 @@ pub struct Snapshot {
     pub width: f64,
     /// Whether any damping effect is switched on.
     pub damping: bool,
-    /// How many shorter steps the guard takes for one now.
+    /// Number of shorter steps that the guard takes for one now.
     pub guard_substeps: u32,
-    /// Steps that the guard had taken in shorter ones.
+    /// Steps that the guard divided.
     pub guarded: u64,
-    /// Whether something is inside a wall, and whether it comes out.
+    /// Whether a vertex is inside a wall, and whether it is pushed out.
     pub inside: Inside,
-    /// How each body and then each net is stepped, where each goes at its own pace.
+    /// Multirate substeps of each body and then each net; empty without multirate stepping.
     pub substep_plans: Vec<SubstepPlan>,
-    /// How many bodies and nets sleep.
+    /// Number of sleeping bodies and nets.
     pub asleep: usize,
     /// Number of triangles of bodies that are awake: those that a step computes.
     pub computed: usize,
     /// Name and elastic energy [J] of the first body or net that has exploded, if one has.
     pub exploded: Option<(String, f64)>,
-    /// How far back time can be turned [s].
+    /// Length of the rewind buffer [s].
     pub rewind_length: f64,
-    /// What each effect cost so far, elements first.
+    /// Cost of each effect so far, elements first.
     pub costs: Vec<EffectCost>,
-    /// Why time stopped, if something went wrong.
+    /// The fault that stopped time, if any.
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
-    /// How often all elements were swept over for what is in here: once for each shape that was looked at.
+    /// Number of evaluations of all elements for snapshots: one for each shape.
     pub evaluations: u64,
-    /// In how many of them the elastic energy had to be computed: stepping had not done it.
+    /// Number of those that computed the elastic energy, where stepping had not.
     pub energy_evaluations: u64,
-    /// Which shape that was last: the generation, the shape in it, and the field.
+    /// The last shape: generation, shape number and field.
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
     pub can_undo: bool,
@@ -129,7 +129,7 @@ pub struct BodySnapshot {
     pub energy: f64,
     /// Least det F.
     pub min_j: f64,
-    /// How many of its triangles are beyond where the model's formula is used to the letter.
+    /// Number of its triangles in the continued range of the model's formula.
     pub continued: usize,
     /// Width at mid height [m], in test levels.
     pub mid_width: f64,
@@ -137,7 +137,7 @@ pub struct BodySnapshot {
     pub top_force: f64,
     /// Height over rest height.
     pub height_ratio: f64,
-    /// Where the model has no honest answer at this stretch, in words.
+    /// Warning where the model is not valid at this stretch.
     pub strip_warning: Option<String>,
 }
 
@@ -193,7 +193,7 @@ impl Snapshot {
 }
 
 impl Sandbox {
-    /// Copies what is to be seen into `snapshot`, reusing its buffers.
+    /// Copies everything visible into `snapshot`, reusing its buffers.
     pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let state = simulation.state();
@@ -213,7 +213,7 @@ impl Sandbox {
         if snapshot.toy.is_none() {
             snapshot.positions.extend_from_slice(x);
         }
-        // What depends on the elements is computed once for each shape, however often it is drawn.
+        // Values of the elements are computed once for each shape, however often it is drawn.
         let seen = Some((self.generation, simulation.shape(), field));
         if snapshot.seen != seen {
             snapshot.seen = seen;
@@ -242,7 +242,7 @@ impl Sandbox {
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
 
-    /// Energies, fields and shapes, in one sweep over the elements; and one over their corners alone, for folds.
+    /// Energies, fields and shapes, in one pass over the elements; and folds, in one over their corners.
     fn diagnose(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let x = &simulation.state().x;

@@ -82,7 +82,7 @@ fn anchors(text: &str) -> Vec<String> {
     for heading in lines(text).filter(|line| line.starts_with('#')) {
         let plain = anchor(heading.trim_start_matches('#').trim());
         let numbered = |count: usize| if count == 0 { plain.clone() } else { format!("{plain}-{count}") };
-        let free = (0..).map(numbered).find(|name| !found.contains(name));
+        let free = (0..=found.len()).map(numbered).find(|name| !found.contains(name));
         found.extend(free);
     }
     found

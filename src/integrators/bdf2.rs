@@ -42,7 +42,7 @@ impl Integrator for Bdf2 {
     }
 }
 
-/// Marks this kind's memory: positions, then velocities, one step before.
+/// Tag of this kind's memory: positions, then velocities, one step before.
 const TAG: f64 = 2.0;
 
 impl SecondOrder for Bdf2 {
@@ -63,8 +63,8 @@ impl SecondOrder for Bdf2 {
             }
             [x + share * v, v]
         });
-        // A wall that grips acts along itself by as much as what is pressed to it in a step: the formula's two thirds of a step
-        // would leave a third of that out.
+        // Friction acts for the whole step with the normal impulse of that step: the two thirds of a step in the
+        // formula would omit a third of it.
         if system.has_friction()
             && (0..count / 2).any(|vertex| implicit::touched_axes(state, workspace, vertex).1 != [false; 2])
         {
@@ -73,7 +73,7 @@ impl SecondOrder for Bdf2 {
         }
         memory::open(state, TAG, h, 2 * count).copy_from_slice(&workspace.past);
         for vertex in 0..count / 2 {
-            // Where a wall acted there is no smooth past: the formula then goes on from what the wall left.
+            // Where a wall acted there is no smooth past: the formula continues from the state after contact.
             let (axis, constrained) = implicit::touched_axes(state, workspace, vertex);
             let (x, v) = (pair(&state.x, vertex), pair(&state.v, vertex));
             let past = memory::own(&mut state.memory);

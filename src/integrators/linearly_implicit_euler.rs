@@ -42,14 +42,14 @@ impl Integrator for LinearlyImplicitEuler {
     }
 }
 
-/// The share of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
+/// Fraction of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
 const IMPACT: f64 = 0.1;
 
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let Workspace { numbers, spare, newton, axes, .. } = workspace;
         let [x, v, predicted_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
-        // Linearised at z = 0 with nothing moved: there x and v are those of the state.
+        // Linearised at z = 0, where x and v are those of the state.
         predicted_v.copy_from_slice(&state.v);
         none.fill(0.0);
         g.fill(0.0);

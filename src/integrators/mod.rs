@@ -72,7 +72,7 @@ pub trait Integrator: Send + Sync {
     /// The order p: the error of positions at a fixed time shrinks as h^p.
     fn order(&self) -> u32;
 
-    /// What limits the step.
+    /// Limit of the step.
     fn class(&self) -> Class;
 
     /// The largest z = h w at which an undamped vibration of angular frequency w does not grow; `None` if there is no
@@ -90,7 +90,7 @@ pub trait Integrator: Send + Sync {
     fn scheme(&self) -> Scheme<'_>;
 }
 
-/// What limits the step of a scheme.
+/// Limit of the step of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Stability: steps above some h are unstable.

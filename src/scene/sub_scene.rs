@@ -1,4 +1,4 @@
-//! Sub-scenes: each body and net of a scene by itself.
+//! Sub-scenes: scenes of single bodies and nets.
 
 use super::{Scene, SceneError};
 use crate::{

@@ -8,9 +8,9 @@ use crate::{effects::Bounds, integrators::Class, obstacles::Inside, state::State
 const POWERS: (i32, i32) = (4, -8);
 
 impl Simulation {
-    /// Finds a box around all vertices in which no constraint acts, if it has room for some steps. Constraints are
-    /// skipped until a vertex leaves the box: as it is convex, the displacements of all vertices lie in it as well, and
-    /// the check of every step finds whether they do. So a distant wall costs nothing.
+    /// Finds a box around all vertices in which no constraint acts, if it is large enough for some steps. Constraints
+    /// are skipped until a vertex leaves the box: as it is convex, the displacements of all vertices lie in it as well,
+    /// and the check of every step finds whether they do. So a distant wall costs nothing.
     ///
     /// Only for explicit schemes, which apply constraints once at the end of a step: a step that leaves the box is
     /// repeated in full.

@@ -135,7 +135,7 @@ fn members(body: &[&str]) -> Vec<Item> {
                 item.fields.push((name.to_owned(), kind.trim_end_matches(',').to_owned()));
             }
         } else if let Some(words) = text.strip_prefix("///") {
-            next.doc = format!("{} {}", next.doc, words.trim()).trim().to_owned();
+            format!("{} {}", next.doc, words.trim()).trim().clone_into(&mut next.doc);
         } else if text.starts_with("#[") {
             next.default |= text.contains("default");
         } else if let Some((name, kind)) = text.strip_prefix("pub ").and_then(|field| field.split_once(": ")) {

@@ -23,7 +23,7 @@ const OUTLINE: f32 = 1.5;
 const CRUMBLED: usize = 10;
 
 /// What does not change while a body moves.
-struct StaticBody {
+struct ConstantPart {
     /// Its boundary, the body on the left.
     loops: Vec<Vec<u32>>,
     /// Its edges, each once.
@@ -38,7 +38,7 @@ struct StaticBody {
 #[derive(Default)]
 pub struct Bodies {
     generation: Option<u64>,
-    static_bodies: Vec<StaticBody>,
+    constant: Vec<ConstantPart>,
     /// The vertices on the screen.
     points: Vec<Pos2>,
     line: Vec<Pos2>,
@@ -47,11 +47,11 @@ pub struct Bodies {
 impl Bodies {
     /// Places the vertices on the screen.
     pub fn place(&mut self, snapshot: &Snapshot, view: View) {
-        if self.generation != Some(snapshot.generation) || self.static_bodies.len() != snapshot.bodies.len() {
+        if self.generation != Some(snapshot.generation) || self.constant.len() != snapshot.bodies.len() {
             self.generation = Some(snapshot.generation);
             let scale = |i: usize| snapshot.level.bodies.get(i).map_or(1.0, |body| body.place.scale.get() as f32);
-            self.static_bodies =
-                snapshot.bodies.iter().enumerate().map(|(i, body)| StaticBody::new(body, scale(i))).collect();
+            self.constant =
+                snapshot.bodies.iter().enumerate().map(|(i, body)| ConstantPart::new(body, scale(i))).collect();
         }
         self.points.clear();
         let positions = snapshot.positions.chunks_exact(2);
@@ -86,13 +86,14 @@ impl Bodies {
         scale: &Scale,
     ) {
         let field = options.field != Field::None && options.field == snapshot.field;
-        for (body, static_body) in snapshot.bodies.iter().zip(&self.static_bodies) {
+        for (body, constant_part) in snapshot.bodies.iter().zip(&self.constant) {
             let Some(points) = self.points.get(body.vertices.clone()) else { continue };
             let values = snapshot.values.get(body.triangles.clone()).filter(|_| field);
-            match fill.choose(static_body.areas(fill, (body, points), snapshot.inverted > 0, options.wireframe, view)) {
+            match fill.choose(constant_part.areas(fill, (body, points), snapshot.inverted > 0, options.wireframe, view))
+            {
                 Detail::Full => {}
                 Detail::Outline => {
-                    static_body.outline(buffer, view, points, &mut self.line);
+                    constant_part.outline(buffer, view, points, &mut self.line);
                     continue;
                 }
                 Detail::Points => {
@@ -104,20 +105,20 @@ impl Bodies {
                 Some(values) => buffer.facets(points, body.mesh.triangles(), scale.colors(values)),
                 None => buffer.sheet(points, body.mesh.triangles(), view.theme.dough),
             }
-            static_body.rim(buffer, view, points, &mut self.line, values.is_none());
+            constant_part.rim(buffer, view, points, &mut self.line, values.is_none());
             if options.wireframe {
-                static_body.wireframe(buffer, view, points, values.is_some());
+                constant_part.wireframe(buffer, view, points, values.is_some());
             }
             if values.is_none() {
-                static_body.specks(buffer, view, body, points);
+                constant_part.specks(buffer, view, body, points);
             }
             let inverted = if snapshot.inverted > 0 { inside_out(buffer, view, body, points) } else { 0 };
             let opacity = if values.is_some() || options.wireframe { 0.55 } else { 1.0 };
-            let style = IcingStyle { opacity, scale: static_body.scale };
+            let style = IcingStyle { opacity, scale: constant_part.scale };
             if inverted * CRUMBLED > body.triangles.len() {
                 // Icing would only hide what is left of the body.
             } else if body.mesh.icing().is_empty() {
-                icing::edge(buffer, view, &static_body.loops, points, &mut self.line, style);
+                icing::edge(buffer, view, &constant_part.loops, points, &mut self.line, style);
             } else {
                 icing::strokes(buffer, view, &body.mesh, points, &mut self.line, style);
             }
@@ -128,7 +129,7 @@ impl Bodies {
     }
 }
 
-impl StaticBody {
+impl ConstantPart {
     fn new(body: &BodySnapshot, scale: f32) -> Self {
         let triangles = body.mesh.triangles();
         let mut edges: Vec<[u32; 2]> = triangles

@@ -6,7 +6,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
-    level::{Level, Paces, Substeps, Toggle},
+    level::{Level, SubstepMode, Substeps, Toggle},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -112,9 +112,9 @@ fn paces(criterion: &mut Criterion) {
         let state = scene.start.clone();
         Simulation::new(scene, state)
     };
-    let pea = build(&own).paces().map(|pace| pace.steps).max().unwrap();
+    let pea = build(&own).substep_plans().map(|pace| pace.steps).max().unwrap();
     let same = Substeps::new(own.substeps.get() * pea).unwrap();
-    let same = Level { paces: Paces::Same, substeps: same, ..own.clone() };
+    let same = Level { paces: SubstepMode::Same, substeps: same, ..own.clone() };
     let mut group = criterion.benchmark_group("pea and cake, a frame");
     for (name, level) in [("own paces", own), ("the pea's pace", same)] {
         let (mut run, substeps) = (build(&level), u64::from(level.substeps.get()));

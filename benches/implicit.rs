@@ -9,7 +9,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gingerbread::{
     effects::Effect as _,
     files,
-    integrators::{ImplicitEuler, SecondOrder, Work},
+    integrators::{ImplicitEuler, SecondOrder, Workspace},
     materials::Model,
     meshes::NoFiles,
     scene::Scene,
@@ -51,9 +51,9 @@ struct System {
 impl System {
     fn new(n: u32, model: Model) -> Self {
         let simulation = sheet(n, model);
-        let mut couples = Vec::new();
-        simulation.scene().effects.iter().for_each(|effect| effect.couples(&mut |a, b| couples.push([a, b])));
-        let matrix = BlockMatrix::new(simulation.scene().rest.len() / 2, &couples);
+        let mut pattern = Vec::new();
+        simulation.scene().effects.iter().for_each(|effect| effect.sparsity_pattern(&mut |a, b| pattern.push([a, b])));
+        let matrix = BlockMatrix::new(simulation.scene().rest.len() / 2, &pattern);
         let mut system = Self { simulation, matrix };
         system.assemble(Tangent::Definite);
         system
@@ -185,7 +185,7 @@ fn paths(criterion: &mut Criterion) {
         let simulation = sheet(n, model);
         let scene = simulation.scene();
         let mut physics = Physics::new(scene);
-        let mut run = |work: &mut Work| {
+        let mut run = |work: &mut Workspace| {
             let mut state = scene.start.clone();
             let begin = Instant::now();
             let mut step =
@@ -193,7 +193,7 @@ fn paths(criterion: &mut Criterion) {
             let linear: u64 = (0..3).map(|_| step()).sum();
             (begin.elapsed(), linear)
         };
-        let mut works = [LinearSolver::Direct, LinearSolver::Iterative, LinearSolver::Chosen].map(Work::new);
+        let mut works = [LinearSolver::Direct, LinearSolver::Iterative, LinearSolver::Chosen].map(Workspace::new);
         let mut least = [f64::INFINITY; 3];
         // The first round settles what is settled once for a topology.
         let linear = works.each_mut().map(|work| run(work).1);

@@ -1,10 +1,10 @@
-//! Commands: every user action on a sandbox as data. Nothing else changes it, so a list of commands is a replay, a bug report and what undo
-//! works on.
+//! Commands: every user action on a sandbox as data. The sandbox changes by commands alone, so that a list of commands
+//! is a replay, a bug report and the unit of undo.
 
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, Paces, RunMode, Substeps, Toggle},
+    level::{EffectLevel, Level, MassLevel, RunMode, SubstepMode, Substeps, Toggle},
     materials::{MaterialParameters, Model},
     meshes::MeshKind,
     nets::NetKind,
@@ -12,15 +12,15 @@ use crate::{
     toys::ToyKind,
 };
 
-/// What the sandbox is doing.
+/// Mode of the sandbox.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Nothing moves; clicks pin and unpin.
+    /// Edit: time is stopped; clicks pin and unpin.
     #[default]
     Edit,
-    /// Time runs, without the effects that only collide mode has.
+    /// Simulate: time runs, without the effects of collide mode.
     Simulate,
-    /// Time runs, with gravity, walls and whatever else the level keeps for this mode.
+    /// Collide: time runs, with gravity, walls and the other effects of this mode.
     Collide,
 }
 
@@ -33,60 +33,60 @@ impl From<RunMode> for Mode {
     }
 }
 
-/// The shape a test level starts from.
+/// Start shape of a test level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pose {
-    /// As stretched as the level's test says.
+    /// The stretch of the level's test.
     Stretched,
-    /// As compressed as the level's test says.
+    /// The compression of the level's test.
     Compressed,
 }
 
-/// One thing to do. Commands that change the document (the level) can be undone.
+/// One user action. Commands that change the document (the level) can be undone.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Goes to a mode; positions and velocities stay.
+    /// Changes the mode; positions and velocities stay.
     SetMode(Mode),
     /// Pauses, or lets time run. In edit mode running goes to the level's own mode.
     SetRunning(bool),
     /// Takes one step, paused.
     StepOnce,
-    /// Puts positions and velocities back to the start.
+    /// Resets positions and velocities to the start.
     Reset,
-    /// Turns time back by so much [s], as far as the last seconds are kept, and pauses; a fault is forgotten.
+    /// Rewinds by a time [s], as far as the buffer reaches, and pauses; clears a fault.
     Rewind(f64),
-    /// Puts bodies that lie over themselves where they are free of folds; time goes on from there.
+    /// Resets tangled bodies to a shape without folds; time continues from there.
     Untangle,
     /// Begins to pull a vertex (by its number in the scene) towards a point [m].
     Grab(usize, [f64; 2]),
     /// Moves the point that the grabbed vertex is pulled to [m].
     Pull([f64; 2]),
-    /// Lets go.
+    /// Ends the pull.
     Release,
 
     /// Replaces the whole document and starts it, in edit mode. The old one can be had back with undo.
     Open(Box<Level>),
-    /// Every body follows this model; positions and velocities go back to the start.
+    /// Sets the constitutive model of every body; positions and velocities are reset to the start.
     SetModel(Model),
-    /// What a body (by number) is made of.
+    /// Sets the material of a body (by number).
     SetMaterial(usize, MaterialParameters),
-    /// Where a body (by number) gets its triangles from. Everything starts over; pins stay at their places.
+    /// Sets the mesh of a body (by number). Everything is reset; pins stay at their places.
     SetMesh(usize, MeshKind),
-    /// How heavy a body (by number) is.
+    /// Sets the mass of a body (by number).
     SetMass(usize, MassLevel),
-    /// What a net (by number) is made of, and the mass of its particles. Its particles stay where they are.
+    /// Sets the springs of a net (by number) and the mass of its particles, which stay in place.
     SetNet(usize, NetKind, ParticleMass),
-    /// The numbers of the toy; it starts over.
+    /// Sets the parameters of the toy and restarts it.
     SetToy(ToyKind),
-    /// Steps per 1/60 s.
+    /// Sets the steps per 1/60 s.
     SetSubsteps(Substeps),
-    /// Who takes how many steps.
-    SetPaces(Paces),
-    /// The time-stepping scheme, with its parameters; positions and velocities stay.
+    /// Sets the mode of multirate stepping.
+    SetSubstepMode(SubstepMode),
+    /// Sets the time-stepping scheme, with its parameters; positions and velocities stay.
     SetIntegrator(IntegratorKind),
-    /// Whether an unstable step is taken again in shorter ones.
+    /// Switches the guard.
     SetGuard(Toggle),
-    /// Whether what has come to rest sleeps.
+    /// Switches sleep.
     SetSleep(Toggle),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
@@ -104,34 +104,34 @@ pub enum Command {
     SetSideBySide(bool),
     /// Ends a gesture: the next change of the same slider is undone on its own.
     EndGesture,
-    /// Takes the last change of the document back.
+    /// Undoes the last change of the document.
     Undo,
-    /// Makes it again.
+    /// Redoes it.
     Redo,
 }
 
-/// What a command is about: two runs of one experiment may be computed differently.
+/// Subject of a command: two runs of one experiment may differ in numerics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
-    /// What happens: the scene, what acts on it, and time.
+    /// The experiment: scene, effects and time.
     Experiment,
-    /// How that is computed: scheme, step, constitutive model, mesh.
+    /// The numerics: scheme, step, constitutive model, mesh.
     Method,
 }
 
 impl Command {
-    /// Whether it is a pull, as the pointer asks for it in every frame.
+    /// Whether it is a pull, which the pointer sends in every frame.
     pub const fn is_of_the_hand(&self) -> bool {
         matches!(self, Self::Grab(..) | Self::Pull(_) | Self::Release)
     }
 
-    /// What it is about.
+    /// Subject of the command.
     pub const fn about(&self) -> About {
         match self {
             Self::SetModel(_)
             | Self::SetMesh(..)
             | Self::SetSubsteps(_)
-            | Self::SetPaces(_)
+            | Self::SetSubstepMode(_)
             | Self::SetIntegrator(_)
             | Self::SetGuard(_)
             | Self::SetSleep(_) => About::Method,

@@ -2,7 +2,9 @@
 
 use crate::{
     command::Pose,
-    level::{BodyLevel, EffectLevel, Level, Paces, Pin, Place, RunMode, StretchTest, Substeps, Switch, Toggle, When},
+    level::{
+        BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, SubstepMode, Substeps, Switch, Toggle, When,
+    },
     materials::Model,
     meshes::MeshKind,
     quantity::{Factor, Point},
@@ -21,18 +23,18 @@ pub struct Document {
     pub side_by_side: Option<[f64; 2]>,
 }
 
-/// Past and future documents. An entry carries the moment of the run that its change replaced, if it did.
+/// Undo history: past and future documents. An entry has the restart data of the run that its change replaced, if any.
 #[derive(Clone, Default)]
 pub struct History {
     past: Vec<(Document, Option<Restart>)>,
     future: Vec<(Document, Option<Restart>)>,
-    /// What the last change was about, while its gesture goes on.
+    /// Subject of the last change, while its gesture lasts.
     gesture: Option<Gesture>,
-    /// How many changes were ever remembered.
+    /// Number of changes ever recorded.
     count: u64,
 }
 
-/// What a change is about; changes about the same thing in one gesture are undone as one.
+/// Subject of a change; changes of the same subject in one gesture are undone as one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gesture {
     /// The material of a body.
@@ -53,18 +55,18 @@ pub enum Gesture {
     Integrator(&'static str),
 }
 
-/// Most changes that are remembered.
+/// Most changes in the history.
 const DEPTH: usize = 200;
 
-/// How far apart strips side by side are at least, middle to middle, in widths: a pressed one bulges.
+/// Least distance of strips side by side, between their centres, in widths: a compressed one bulges.
 const APART: f64 = 1.4;
 
-/// Most numbers that the remembered states may have: 128 MB.
+/// Most numbers in the states of the history: 128 MB.
 const STATES: usize = 1 << 24;
 
 impl History {
-    /// Remembers a document that is about to change. `state` is what the change is about to replace.
-    pub fn remember(&mut self, document: Document, state: Option<Restart>, gesture: Option<Gesture>) {
+    /// Records a document before a change. `state` is the run that the change replaces.
+    pub fn record(&mut self, document: Document, state: Option<Restart>, gesture: Option<Gesture>) {
         self.future.clear();
         if gesture.is_some() && gesture == self.gesture {
             return;
@@ -80,17 +82,17 @@ impl History {
         }
     }
 
-    /// Ends a gesture: the next change is remembered whatever it is about.
+    /// Ends a gesture: the next change is recorded separately.
     pub fn end_gesture(&mut self) {
         self.gesture = None;
     }
 
-    /// The document to go back (or, if `forth`, forward) to, with its state.
+    /// The document of the next undo (or, if `forth`, redo), with its state.
     pub fn next(&self, forth: bool) -> Option<&(Document, Option<Restart>)> {
         if forth { self.future.last() } else { self.past.last() }
     }
 
-    /// Has gone there; what was there before is kept on the other side.
+    /// Completes an undo or redo; the document before is kept for the opposite.
     pub fn went(&mut self, forth: bool, before: Document, replaced: Option<Restart>) {
         let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
         from.pop();
@@ -98,17 +100,17 @@ impl History {
         self.gesture = None;
     }
 
-    /// How many changes were ever remembered: more than before if the last change was, and was no part of a gesture.
+    /// Number of changes ever recorded: it grows with each change that is no part of a gesture.
     pub const fn count(&self) -> u64 {
         self.count
     }
 
-    /// Whether there is something to go back to.
+    /// Whether there is something to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is something to go forward to.
+    /// Whether there is something to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
@@ -231,7 +233,7 @@ impl Default for Level {
             about: String::new(),
             mode: RunMode::Simulate,
             substeps: Substeps::default(),
-            paces: Paces::default(),
+            paces: SubstepMode::default(),
             integrator: crate::integrators::IntegratorKind::default(),
             guard: Toggle::On,
             sleep: Toggle::On,

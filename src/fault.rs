@@ -12,13 +12,13 @@ pub struct Fault {
     pub step: u64,
     /// Simulated time before it [s].
     pub time: f64,
-    /// What went first.
+    /// Where the step failed.
     pub culprit: Culprit,
-    /// What most likely went wrong.
+    /// Most likely cause.
     pub cause: Cause,
 }
 
-/// Where a step went wrong.
+/// Place of a failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Culprit {
     /// A triangle of a body.
@@ -43,7 +43,7 @@ pub enum Culprit {
     Toy,
 }
 
-/// What most likely went wrong.
+/// Most likely cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
     /// The step was longer than the stability limit.
@@ -55,22 +55,22 @@ pub enum Cause {
     },
     /// A triangle lost its area under a material whose energy is not defined there.
     Crushed(Model),
-    /// Positions or speeds grew out of all bounds.
+    /// Positions or speeds exceeded all bounds.
     Overflow,
-    /// Energy came from nowhere, even in far shorter steps.
+    /// Unexplained energy, even in far shorter steps.
     Energy,
     /// The equations of an implicit step were not solved, or an error-controlled one was given up.
     Unsolved,
 }
 
 impl Fault {
-    /// Looks for the cause: `state` is the last good state, `before` one a few steps earlier; `finite` says whether the step
-    /// that failed still left numbers. `step` is the length of the shortest steps that anything took [s].
+    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier; `finite` tells whether
+    /// the failed step left finite numbers. `step` is the length of the shortest steps of any body or net [s].
     pub fn find(scene: &Scene, [state, before]: [&State; 2], step: f64, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
             .unwrap_or((Culprit::Toy, None));
-        // The limit h w = 2 scaled to the scheme's; schemes without one cannot fail by it.
+        // The limit h w = 2 scaled to that of the scheme; schemes without one are excluded.
         let limit = scene.integrator.kind().stability_limit().and_then(|reach| {
             let limits = [&scene.start, before].map(|state| critical_step(scene, state));
             limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)

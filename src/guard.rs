@@ -2,81 +2,82 @@
 
 use crate::{level::SavedGuard, report::Energies, scene::Scene};
 
-/// Watches one run for energy that comes from nowhere.
+/// Energy check of one run.
 ///
-/// Between two changes from outside, nothing in a scene supplies energy: gravity and springs only convert it, damping and
-/// contact take it. With the mechanical energy M (kinetic, elastic) and the potential P, `M + P` can never exceed what was put in.
-/// A moving obstacle is outside: what its push on each vertex does, impulse times velocity of the obstacle there, is booked as
-/// put in. Where a scheme solves for the rest of a body with what was pushed held, that is an estimate; while it brings a body out of
-/// a wall it began in, all that came is.
-/// Schemes err by a bounded share even when they are stable (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones
-/// may drift slowly, which is a lesson rather than an accident. So a step counts as unstable only if both hold: M is above twice
-/// what is available, and M + P grew by 8 % of M in this one step, as it does near and above the stability limit.
+/// Between two changes from outside, nothing in a scene supplies energy: gravity and springs convert it, damping and
+/// contact dissipate it. The mechanical energy M (kinetic, elastic) and the potential P satisfy M + P <= supplied
+/// energy. A moving obstacle is external: its impulse on each vertex times its velocity there is added to the supplied
+/// energy. Where a scheme solves for the rest of a body with pushed vertices constrained, that is an estimate; in
+/// depenetration all gained energy is added. Schemes have a bounded relative error even when they are stable
+/// (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones may drift slowly, which is a property to
+/// show rather than a failure. So a step counts as unstable only if both hold: M is above twice the available energy,
+/// and M + P grew by 8 % of M in this one step, as it does near and above the stability limit.
 ///
-/// What came in before it was noticed, up to about twice what there was, is only taken back as far as the last 10 to 20 steps go.
+/// Energy gained before detection, up to about twice the energy there was, is only removed as far as the last 10 to 20
+/// steps.
 ///
-/// Looking at all energies costs as much as a step. It is only done when the kinetic energy, which is cheap, has grown by half
-/// since the last look.
+/// All energies cost as much as a step. They are computed only when the kinetic energy, which is cheap, has grown by
+/// half since the last check.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guard {
-    /// What was put in so far, from the energies' zero [J]; found when it is first needed.
+    /// Supplied energy so far [J]; computed when it is first needed.
     put_in: Option<f64>,
-    /// The energy at the start, and what changes from outside have added since [J].
+    /// Energy at the start, and changes from outside since [J].
     start: f64,
-    /// Kinetic energy up to which nothing is looked at [J].
-    unsuspicious: f64,
-    /// Mechanical energy and total after the last step, where every step is looked at [J].
+    /// Kinetic energy up to which no check is made [J].
+    kinetic_threshold: f64,
+    /// Mechanical energy and total after the last step, while every step is checked [J].
     last: Option<[f64; 2]>,
-    /// Every step is taken in 2^level shorter ones.
+    /// Refinement level: every step is divided into 2^level shorter ones.
     level: u32,
-    /// Steps since it last had to be raised.
-    calm: u32,
-    /// How many there have to be before longer steps are tried again; doubled whenever that failed.
-    patience: u32,
+    /// Stable steps since the level was last raised.
+    stable_steps: u32,
+    /// Stable steps before longer steps are tried again; doubled whenever that failed.
+    retry_after: u32,
 }
 
-/// What the guard makes of a step.
+/// Result of the check of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing to object.
+    /// Stable.
     Fine,
-    /// Energy came from nowhere.
+    /// Unexplained energy.
     Unstable,
-    /// The energies before the step are needed to tell.
+    /// The energies before the step are needed.
     Unknown,
 }
 
 impl Guard {
-    /// A step is taken in up to 2^6 = 64 shorter ones.
+    /// Greatest level: up to 2^6 = 64 shorter steps.
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
-    /// Longer steps are tried again after so many steps without trouble, at first and at most.
-    const PATIENCE: [u32; 2] = [32, 2048];
+    /// Stable steps before longer steps are tried again, at first and at most.
+    const RETRY_STEPS: [u32; 2] = [32, 2048];
 
-    /// As a level file holds it, with the hash of the state that it belongs to; `None` before the first step, or if an energy is not
+    /// The guard for a level file, with the hash of its state; `None` before the first step, or if an energy is not
     /// finite.
     pub fn saved(&self, state: u64) -> Option<SavedGuard> {
         let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
         let (mechanical, total) = last.unwrap_or_default();
-        let finite = [supplied, self.start, self.unsuspicious, mechanical, total].into_iter().all(f64::is_finite);
+        let finite = [supplied, self.start, self.kinetic_threshold, mechanical, total].into_iter().all(f64::is_finite);
         finite.then_some(SavedGuard {
             state,
             supplied,
             start: self.start,
-            threshold: self.unsuspicious,
+            threshold: self.kinetic_threshold,
             last,
             level: self.level,
-            quiet: self.calm,
-            retry: self.patience,
+            quiet: self.stable_steps,
+            retry: self.retry_after,
         })
     }
 
-    /// How many shorter steps a step is made of: 2^level.
+    /// Refinement level; a step is divided into 2^level shorter ones.
     pub const fn level(&self) -> u32 {
         self.level
     }
 
-    /// Forgets all: the state was put somewhere else.
+    /// Resets the guard after the state was set.
     pub fn reset(&mut self) {
         *self = Self::default();
     }
@@ -86,79 +87,80 @@ impl Guard {
         self.put_in.is_none()
     }
 
-    /// Takes note of the energies at the start.
+    /// Sets the energies at the start.
     pub fn begin(&mut self, energies: Energies) {
         self.put_in = Some(energies.total());
         self.start = energies.total();
     }
 
-    /// What was put in so far, if it is known [J].
+    /// Supplied energy so far, if it is known [J].
     pub const fn put_in(&self) -> Option<f64> {
         self.put_in
     }
 
-    /// Goes back to what was put in up to an earlier moment.
-    pub const fn book(&mut self, put_in: Option<f64>) {
+    /// Restores the supplied energy of an earlier moment.
+    pub const fn set_put_in(&mut self, put_in: Option<f64>) {
         self.put_in = put_in;
     }
 
-    /// Takes note of work of moving obstacles [J].
+    /// Adds work of moving obstacles [J].
     pub fn supply(&mut self, work: f64) {
         if let Some(put_in) = &mut self.put_in {
             *put_in += work;
         }
     }
 
-    /// Takes energies of a stable scheme for what they are, where more was put in than is known; see [`Self::is_possible`].
+    /// Accepts the energies of a stable scheme, where more energy was supplied than is known; see
+    /// [`Self::is_possible`].
     pub fn allow(&mut self, after: Energies) {
         self.put_in = self.put_in.map(|put_in| put_in.max(after.total()));
         self.last = None;
     }
 
-    /// Whether something in a scene can have supplied energy up to this total [J]: not more than a hundred times what its elements
-    /// store at a stretch of one, or what was there at the start.
+    /// Whether a scene can have supplied energy up to this total [J]: at most 100 times the energy of its elements at a
+    /// strain of one, or the energy at the start.
     pub fn is_possible(&self, scene: &Scene, total: f64) -> bool {
         total <= 100.0 * scale(scene).max(self.start.abs())
     }
 
-    /// Whether elements store so much that nothing at all can have stretched them so: not even an obstacle that moves faster than
-    /// anything that is modelled here. What obstacles seem to have supplied to a body that explodes is no work.
-    fn is_absurd(&self, scene: &Scene, elastic: f64) -> bool {
+    /// Whether elements store more than anything can have supplied, even a fast obstacle. The apparent work of an obstacle
+    /// on an exploding body is no work.
+    fn is_impossible(&self, scene: &Scene, elastic: f64) -> bool {
         let scale = scale(scene);
         scale > 0.0 && elastic > 1e6 * scale.max(self.start.abs())
     }
 
-    /// Takes note of a change from outside, such as a pull: what it added to the energies, or took, was put in.
+    /// Adds the energy difference of a change from outside, such as a pull, to the supplied energy.
     pub fn changed(&mut self, before: Energies, after: Energies) {
         if let Some(put_in) = &mut self.put_in {
-            // What was dissipated since is gone, but an excess stays one.
+            // Dissipated energy is not available again, but an excess stays.
             *put_in = put_in.min(before.total()) + after.total() - before.total();
             self.start += after.total() - before.total();
         }
-        (self.unsuspicious, self.last) = (0.0, None);
+        (self.kinetic_threshold, self.last) = (0.0, None);
     }
 
-    /// Whether the kinetic energy after a step [J] asks for a look at all energies.
-    pub fn is_suspicious(&self, kinetic: f64) -> bool {
-        self.last.is_some() || kinetic > self.unsuspicious
+    /// Whether the kinetic energy after a step [J] requires a check of all energies.
+    pub fn exceeds_threshold(&self, kinetic: f64) -> bool {
+        self.last.is_some() || kinetic > self.kinetic_threshold
     }
 
-    /// The greatest kinetic energy that is not suspicious [J]; less than nothing if any is.
-    pub const fn unsuspicious(&self) -> f64 {
-        if self.last.is_some() { -1.0 } else { self.unsuspicious }
+    /// Greatest kinetic energy that requires no check [J]; negative if every step is checked.
+    pub const fn kinetic_threshold(&self) -> f64 {
+        if self.last.is_some() { -1.0 } else { self.kinetic_threshold }
     }
 
-    /// Judges a step by the energies after it, and those before it, if they are known.
+    /// Checks a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);
-        if self.put_in.is_some() && self.is_absurd(scene, after.elastic) {
+        if self.put_in.is_some() && self.is_impossible(scene, after.elastic) {
             return Verdict::Unstable;
         }
         let mechanical = after.kinetic + after.elastic;
         let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
         if mechanical <= 2.0 * available.max(0.0) + slack {
             self.last = None;
-            self.unsuspicious = 1.5 * after.kinetic + slack;
+            self.kinetic_threshold = 1.5 * after.kinetic + slack;
             return Verdict::Fine;
         }
         let known = before.map(|before| [before.kinetic + before.elastic, before.total()]).or(self.last);
@@ -170,41 +172,41 @@ impl Guard {
         Verdict::Fine
     }
 
-    /// Takes shorter steps from now on, if it may. Returns whether it does.
+    /// Raises the refinement level, if possible. Returns whether it did.
     pub fn refine(&mut self) -> bool {
-        (self.unsuspicious, self.last, self.calm) = (0.0, None, 0);
-        self.patience = self.patience.saturating_mul(2).clamp(Self::PATIENCE[0], Self::PATIENCE[1]);
+        (self.kinetic_threshold, self.last, self.stable_steps) = (0.0, None, 0);
+        self.retry_after = self.retry_after.saturating_mul(2).clamp(Self::RETRY_STEPS[0], Self::RETRY_STEPS[1]);
         let may = self.level < Self::MOST;
         self.level += u32::from(may);
         may
     }
 
-    /// Once more as short, after a length that held: just below the stability limit a scheme is stable, but its energy swings
-    /// widely.
-    pub fn leave_room(&mut self) {
+    /// Raises the level once more after a stable length: just below the stability limit the energy of a scheme
+    /// oscillates widely.
+    pub fn refine_further(&mut self) {
         self.level = (self.level + 1).min(Self::MOST);
     }
 
-    /// Takes energies for what they are: something supplied them.
+    /// Accepts the energies as supplied by the scene.
     pub fn accept(&mut self, level: u32, energies: Energies) {
-        self.give_up(level);
+        self.restore_level(level);
         self.put_in = Some(energies.total());
     }
 
-    /// Back to the length of steps there was.
-    pub fn give_up(&mut self, level: u32) {
-        (self.level, self.unsuspicious, self.last) = (level, 0.0, None);
+    /// Restores an earlier refinement level.
+    pub fn restore_level(&mut self, level: u32) {
+        (self.level, self.kinetic_threshold, self.last) = (level, 0.0, None);
     }
 
-    /// Books a step without trouble. Returns whether steps are longer from now on.
-    pub fn calm_down(&mut self) -> bool {
+    /// Records a stable step. Returns whether the level was lowered.
+    pub fn record_stable_step(&mut self) -> bool {
         if self.level == 0 {
             return false;
         }
-        self.calm = self.calm.saturating_add(1);
-        let longer = self.calm >= self.patience;
+        self.stable_steps = self.stable_steps.saturating_add(1);
+        let longer = self.stable_steps >= self.retry_after;
         if longer {
-            (self.level, self.calm) = (self.level - 1, 0);
+            (self.level, self.stable_steps) = (self.level - 1, 0);
         }
         longer
     }
@@ -215,21 +217,21 @@ impl From<&SavedGuard> for Guard {
         Self {
             put_in: Some(saved.supplied),
             start: saved.start,
-            unsuspicious: saved.threshold,
+            kinetic_threshold: saved.threshold,
             last: saved.last.map(|(mechanical, total)| [mechanical, total]),
             level: saved.level.min(Self::MOST),
-            calm: saved.quiet,
-            patience: saved.retry,
+            stable_steps: saved.quiet,
+            retry_after: saved.retry,
         }
     }
 }
 
-/// An energy that is round-off to a scene [J].
+/// Energy that counts as round-off in a scene [J].
 pub(crate) fn negligible(scene: &Scene) -> f64 {
     1e-12 * scale(scene)
 }
 
-/// What the elements of a scene store at a stretch of one [J].
+/// Energy scale of the elements of a scene, at a strain of one [J].
 fn scale(scene: &Scene) -> f64 {
     let bodies = scene.bodies.iter().map(|body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>());
     let links = scene.nets.iter().flat_map(|net| net.springs.links());

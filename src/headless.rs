@@ -6,20 +6,20 @@ mod ending;
 mod hard;
 mod interrupt;
 mod outputs;
-mod paces;
 mod progress;
 mod report;
 mod study;
+mod substep_report;
 
 pub use end_state::{Beginning, EndState, GREATEST_GAIN, GREATEST_J};
 pub use ending::{EXIT_CODES, Ending};
 pub use hard::{Hard, hard};
 pub use interrupt::Interrupt;
 pub use outputs::Outputs;
-pub use paces::PaceReport;
-pub use progress::{PER_CENT, Pace, Progress};
+pub use progress::{PER_CENT, Progress, ProgressOptions};
 pub use report::{EffectReport, EnergyReport, RunReport};
 pub use study::{Study, study};
+pub use substep_report::SubstepReport;
 
 use crate::{
     files::{self, FileError},
@@ -44,7 +44,7 @@ use web_time::Instant;
 
 /// What to run and what to write.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub struct Run {
+pub struct RunRequest {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
     /// Simulated time to run [s].
@@ -74,7 +74,7 @@ pub struct Run {
     pub save: Option<PathBuf>,
     /// How progress is shown.
     #[command(flatten)]
-    pub pace: Pace,
+    pub progress_options: ProgressOptions,
 }
 
 /// Why a headless command stopped.
@@ -118,7 +118,7 @@ impl HeadlessError {
 ///
 /// # Errors
 /// [`HeadlessError`] if the run cannot begin. What goes wrong later is told in the [`Ending`], and what could be written has been.
-pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
+pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     let mut level = read(&request.level)?;
     let options =
         [("--state", request.state.as_ref()), ("--report", request.report.as_ref()), ("--save", request.save.as_ref())];
@@ -144,7 +144,7 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
     let begin = Instant::now();
-    step_with_progress(&request.pace, &mut simulation, steps, "steps");
+    step_with_progress(&request.progress_options, &mut simulation, steps, "steps");
     let wall_seconds = begin.elapsed().as_secs_f64();
     let mut report = RunReport::new(&level, &simulation, wall_seconds);
     (report.warnings, report.end_state) = (warnings, EndState::of(&beginning, &simulation));
@@ -154,7 +154,12 @@ pub fn run(request: &Run) -> Result<Ending, HeadlessError> {
     if outputs.path("--report").is_some() && report.partial.is_none() {
         let mut timed = prepared(request, &level)?;
         timed.set_timed(true);
-        step_with_progress(&request.pace, &mut timed, steps, "steps of the second run, which measures effects,");
+        step_with_progress(
+            &request.progress_options,
+            &mut timed,
+            steps,
+            "steps of the second run, which measures effects,",
+        );
         match stopped(timed.counts().steps) {
             None => report.set_effects(&level, &timed),
             Some(signal) => {
@@ -278,7 +283,7 @@ fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
 }
 
 /// The simulation that is asked for, before its first step.
-fn prepared(request: &Run, level: &Level) -> Result<Simulation, HeadlessError> {
+fn prepared(request: &RunRequest, level: &Level) -> Result<Simulation, HeadlessError> {
     let mut simulation = start(level, &request.level)?;
     if request.untangle
         && let Some(free) = untangled(simulation.scene(), simulation.state())
@@ -289,10 +294,10 @@ fn prepared(request: &Run, level: &Level) -> Result<Simulation, HeadlessError> {
 }
 
 /// Takes so many steps, or fewer if there is a fault or a signal.
-fn step_with_progress(pace: &Pace, simulation: &mut Simulation, steps: u64, unit: &'static str) {
+fn step_with_progress(progress_options: &ProgressOptions, simulation: &mut Simulation, steps: u64, unit: &'static str) {
     // Between two looks at a signal and two moves of the bar; slow steps are taken one by one.
-    const LOOK: Duration = Duration::from_millis(200);
-    let progress = Progress::new(pace, steps, unit);
+    const POLL_INTERVAL: Duration = Duration::from_millis(200);
+    let progress = Progress::new(progress_options, steps, unit);
     let most = steps.div_ceil(100).max(200);
     let (mut taken, mut piece) = (0, 1);
     while taken < steps && simulation.fault().is_none() && Interrupt::seen().is_none() {
@@ -301,9 +306,9 @@ fn step_with_progress(pace: &Pace, simulation: &mut Simulation, steps: u64, unit
         let done = simulation.advance(asked, &mut || Interrupt::seen().is_none());
         taken += done;
         progress.set(taken);
-        if begin.elapsed() > LOOK {
+        if begin.elapsed() > POLL_INTERVAL {
             piece = (piece / 2).max(1);
-        } else if begin.elapsed() < LOOK / 4 {
+        } else if begin.elapsed() < POLL_INTERVAL / 4 {
             piece = (10 * piece).min(most);
         }
     }

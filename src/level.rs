@@ -10,7 +10,7 @@ mod steps;
 
 pub use saved::{SavedGuard, SavedState};
 pub use script::{Action, ScriptedAction, frame};
-pub use steps::{Paces, Substeps};
+pub use steps::{SubstepMode, Substeps};
 
 use crate::{
     effects::EffectKind,
@@ -40,7 +40,7 @@ pub struct Level {
     pub substeps: Substeps,
     /// Whether a body or net that needs shorter steps takes them by itself.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub paces: Paces,
+    pub paces: SubstepMode,
     /// The time-stepping scheme.
     #[serde(default)]
     pub integrator: IntegratorKind,

@@ -1,8 +1,7 @@
 //! Gingerbread: a 2D deformable-body FEM sandbox, as a simulation library with a window on top.
 //!
-//! A **level file** says what there is and which effects act; a **scene** is built from it once and does not change
-//! while time runs; an **integrator** advances the **state**; the window draws a **snapshot** and answers with
-//! **commands**.
+//! A **level file** lists bodies and effects; a **scene** is built from it once and does not change while time runs; an
+//! **integrator** advances the **state**; the window draws a **snapshot** and sends **commands**.
 //!
 //! ```text
 //! levels/x.ron --serde--> Level --build--> Scene (constant) --+
@@ -13,44 +12,44 @@
 //!          +------- applied at the start of App::logic --------> Sandbox::apply
 //! ```
 //!
-//! # The rooms, in reading order
+//! # Modules, in reading order
 //!
-//! Each uses only those before it (`tests/house.rs` keeps that). Where a room has kinds, its `mod.rs` holds the trait
-//! and the list, and each kind is one file beside it: a new one is that file, its `mod` line and one entry in
-//! `registry!`. Menus, level files and tests walk the same list.
+//! Each module uses only those before it (`tests/house.rs` checks this). Where a module has kinds, its `mod.rs` holds the
+//! trait and the list, and each kind is one file beside it: a new kind is that file, its `mod` line and one entry in
+//! `registry!`. Menus, level files and tests use the same list.
 //!
-//! | room | what it knows |
+//! | module | content |
 //! |---|---|
 //! | [`text`] | decoding of text files |
-//! | [`quantity`] | physical quantities that cannot hold a bad value, with unit and range |
+//! | [`quantity`] | physical quantities with unit and valid range |
 //! | `registry` | the macro behind every list of kinds |
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
 //! | [`table`] | tables as CSV |
 //! | `random` | pseudo-random numbers with a fixed seed |
 //! | [`simd`] | SIMD vectors: formulas for one number or for several at once, with the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
-//! | [`meshes`] | where triangles come from: the gingerbread man, rectangles, disks, outlines, files |
-//! | [`nets`] | where particles and springs come from: chains, sheets, lists |
-//! | [`obstacles`] | what bodies bump into; the one room that says parry2d |
+//! | [`meshes`] | triangle meshes: the gingerbread man, rectangles, disks, outlines, files |
+//! | [`nets`] | particles and springs: chains, sheets, lists |
+//! | [`obstacles`] | contact with rigid obstacles; the only module that uses parry2d |
 //! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, conjugate gradients, Newton's method |
-//! | [`effects`] and [`elements`] | everything that acts: gravity, damping, walls, and the triangles and springs themselves |
-//! | [`state`] | positions and velocities: what moves |
-//! | [`integrators`] | how time passes, without any physics |
+//! | [`effects`] and [`elements`] | forces and constraints: gravity, damping, walls, and the triangles and springs |
+//! | [`state`] | positions and velocities |
+//! | [`integrators`] | time integration, independent of physics |
 //! | [`toys`] | small systems with an exact solution: the circle, the pendulum |
-//! | [`level`] | what a file may say |
-//! | [`scene`] | a level made ready for stepping |
-//! | [`stability`] | how long a step may be |
-//! | [`untangle`] | where a body lies over itself, and how it gets out |
-//! | [`report`], [`guard`], [`fault`] | what stepping cost, what keeps it stable, and why it stopped |
-//! | [`simulation`] | scene and state together: taking steps |
-//! | [`rewind`] | the last seconds, to go back to |
-//! | [`command`], [`document`], [`sandbox`] | what a person can do, what can be undone, and doing it |
-//! | [`snapshot`] | what a frame of the window is drawn from |
-//! | [`study`] | what accuracy costs in time: references, work-precision diagrams, mesh studies, drift |
-//! | [`levels`], [`files`] | the levels that come along; reading and saving |
-//! | [`hard`] | what is hard to hold: the gallery of hard cases, and what decides them |
+//! | [`level`] | the level format |
+//! | [`scene`] | a level built for stepping |
+//! | [`stability`] | the longest stable step |
+//! | [`untangle`] | inversion recovery |
+//! | [`report`], [`guard`], [`fault`] | step statistics, the energy check of steps, and faults |
+//! | [`simulation`] | stepping of a scene and its state |
+//! | [`rewind`] | the states of the last seconds |
+//! | [`command`], [`document`], [`sandbox`] | user actions, undo, and their execution |
+//! | [`snapshot`] | the data of a frame of the window |
+//! | [`study`] | accuracy and cost: references, work-precision diagrams, mesh studies, drift |
+//! | [`levels`], [`files`] | built-in levels; reading and saving |
+//! | [`hard`] | the gallery of hard cases and their verdicts |
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
-//! | `app` | the window; the one room that says egui; feature `window` |
+//! | `app` | the window; the only module that uses egui; feature `window` |
 //!
 //! Without both features the crate is the simulation alone.
 

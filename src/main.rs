@@ -23,7 +23,7 @@ struct Arguments {
 enum Command {
     /// Steps a level without a window.
     #[command(after_help = headless::EXIT_CODES)]
-    Run(headless::Run),
+    Run(headless::RunRequest),
     /// Tells what accuracy costs: errors against times for many integrators and steps, or for many meshes.
     #[command(after_help = headless::EXIT_CODES)]
     Study(headless::Study),

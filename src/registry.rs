@@ -1,7 +1,7 @@
-//! One list for every room: a kind named in `registry!` can be written in a level file, appears in the menus and is
-//! walked by the tests. Adding a kind is its file, its `mod` line and one entry here.
+//! Registry of kinds: a kind in `registry!` can be written in a level file, appears in the menus and is covered by the
+//! tests. A new kind is its file, its `mod` line and one entry here.
 
-/// Declares the enum of all kinds of a room.
+/// Declares the enum of all kinds of a module.
 ///
 /// `enum Name: dyn Trait { Kind(Type), .. }` holds the parameters of a kind; `kind()` and `kind_mut()` give the trait.
 /// `enum Name: static Trait(Parameters) via Visitor { Kind(Type), .. }` only names a kind; `visit` builds `Type` from
@@ -25,12 +25,12 @@ macro_rules! registry {
                 match self { $(Self::$Kind(_) => stringify!($Kind)),+ }
             }
 
-            /// What the kind can do.
+            /// The trait object of the kind.
             $vis fn kind(&self) -> &dyn $Trait {
                 match self { $(Self::$Kind(kind) => kind),+ }
             }
 
-            /// What the kind can do, with its parameters open to change.
+            /// The mutable trait object of the kind.
             $vis fn kind_mut(&mut self) -> &mut dyn $Trait {
                 match self { $(Self::$Kind(kind) => kind),+ }
             }

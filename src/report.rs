@@ -1,23 +1,23 @@
-//! What stepping cost: counts that tests pin, and clocks that are only shown.
+//! Step statistics: counts, which are reproducible, and times, which are not.
 
 use crate::integrators::StepCounts;
 use std::time::Duration;
 
-/// Counts of the steps taken since the simulation began, or began anew.
+/// Counts since the start of the simulation, or since the last reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Steps taken.
     pub steps: u64,
-    /// Evaluations of all forces together; of a body or net that goes at its own pace, of its forces by themselves.
+    /// Evaluations of all forces; with multirate stepping, of the forces of one body or net.
     pub force_evaluations: u64,
-    /// Steps inside the steps; more than `steps` if the integrator controls its error, or if bodies and nets go at their own pace,
-    /// whose steps are then added up.
+    /// Inner steps; more than `steps` if the integrator controls its error, or with multirate stepping, where substeps
+    /// are summed.
     pub inner_steps: u64,
-    /// Steps inside the steps that were taken again, shorter, for their error.
+    /// Inner steps rejected for their error.
     pub rejected: u64,
     /// Iterations of Newton's method.
     pub newton_iterations: u64,
-    /// How often a Newton step was cut short by its line search.
+    /// Newton steps halved by the line search.
     pub line_search_cuts: u64,
     /// Sparse factorisations.
     pub factorisations: u64,
@@ -27,26 +27,26 @@ pub struct Counts {
     pub unconverged: u64,
     /// Iterations of conjugate gradients for linear systems.
     pub linear_iterations: u64,
-    /// Linear systems solved with what had been factorised for an earlier one.
+    /// Linear systems solved with an earlier factor.
     pub reused_factors: u64,
-    /// Solves whose linear systems were factorised after all, as iterations were too slow.
+    /// Solves that changed from slow iterations to factorisation.
     pub abandoned_iterations: u64,
-    /// Vertices whose velocity or position an effect changed.
+    /// Vertices whose velocity or position a constraint changed.
     pub constrained: u64,
-    /// Steps that the guard had taken in shorter ones.
+    /// Steps that the guard divided.
     pub guarded: u64,
-    /// Steps that brought out what began inside a wall or beyond an edge of the world.
+    /// Steps with depenetration.
     pub pushed_out: u64,
     /// Steps in which everything slept.
     pub slept: u64,
     /// Triangles of bodies that were awake, summed over the steps.
     pub triangle_steps: u64,
-    /// Attempts at a step that the guard threw away.
+    /// Steps that the guard rejected.
     pub retaken: u64,
 }
 
 impl Counts {
-    /// Books what an integrator did.
+    /// Adds the counts of an integrator.
     pub fn add(&mut self, step: &StepCounts) {
         self.inner_steps += step.inner_steps;
         self.rejected += step.rejected;
@@ -60,64 +60,64 @@ impl Counts {
         self.abandoned_iterations += step.newton.abandoned;
     }
 
-    /// Steps that were computed: those in which not everything slept.
+    /// Steps in which not everything slept.
     pub const fn computed(&self) -> u64 {
         self.steps - self.slept
     }
 
-    /// Adds what steps of a part of a scene by itself did; they are no steps of the scene.
-    pub const fn take_over(&mut self, part: &Self) {
+    /// Adds the counts of a sub-scene; its steps are not steps of the scene.
+    pub const fn merge(&mut self, part: &Self) {
         self.force_evaluations += part.force_evaluations;
         self.inner_steps += part.inner_steps;
         self.constrained += part.constrained;
     }
 }
 
-/// How a body or net is stepped that goes at its own pace.
+/// Multirate substeps of a body or net.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace {
-    /// In how many equal parts it takes every step of the scene.
+pub struct SubstepPlan {
+    /// Number of substeps in a step of the scene.
     pub steps: u32,
-    /// Length of a part [s].
+    /// Length of a substep [s].
     pub step: f64,
     /// The longest stable step at rest of symplectic Euler [s], if anything in it is stiff.
     pub limit: Option<f64>,
 }
 
-/// What one effect cost.
+/// Cost of one effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectCost {
     /// Name of the effect.
     pub name: &'static str,
     /// Time spent in it; zero unless the simulation was asked to measure.
     pub time: Duration,
-    /// How often it was called.
+    /// Number of calls.
     pub calls: u64,
     /// Elements (vertices, triangles, ...) touched, summed over the calls.
     pub elements: u64,
-    /// Whether it may be passed over.
+    /// Whether it may be skipped.
     pub auto: bool,
-    /// How often it was passed over.
+    /// Number of skipped calls.
     pub skipped: u64,
-    /// Steps of the scene in which what it acts on slept.
+    /// Steps in which the bodies that it acts on slept.
     pub slept: u64,
-    /// Why it was passed over when it last could have been called; nothing if it was called.
+    /// Reason for the last skip; `None` if it was called.
     pub idle: Option<&'static str>,
 }
 
 impl EffectCost {
-    /// An effect that has cost nothing yet.
+    /// Cost of an effect before its first call.
     pub const fn none(name: &'static str, auto: bool) -> Self {
         Self { name, time: Duration::ZERO, calls: 0, elements: 0, auto, skipped: 0, slept: 0, idle: None }
     }
 
-    /// Books that it was passed over.
+    /// Records a skipped call.
     pub const fn pass_over(&mut self, why: &'static str) {
         self.skipped += 1;
         self.idle = Some(why);
     }
 
-    /// Books a call.
+    /// Records a call.
     pub const fn call(&mut self, elements: usize) {
         self.calls += 1;
         self.elements += elements as u64;
@@ -128,11 +128,11 @@ impl EffectCost {
 /// Energies of a scene [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
-    /// Of motion.
+    /// Kinetic energy.
     pub kinetic: f64,
-    /// Of deformation.
+    /// Elastic energy.
     pub elastic: f64,
-    /// Of everything else that stores: gravity, the mouse spring.
+    /// Other potential energy: gravity, the mouse spring.
     pub potential: f64,
 }
 

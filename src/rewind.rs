@@ -3,7 +3,7 @@
 use crate::simulation::{Restart, Simulation};
 use std::collections::VecDeque;
 
-/// Moments of the last seconds, one for every frame of simulated time, as far as the memory allows.
+/// Restart data of the last seconds, one for every frame of simulated time, as far as the memory limit allows.
 #[derive(Debug, Default)]
 pub struct Rewind {
     moments: VecDeque<Restart>,
@@ -17,8 +17,8 @@ impl Rewind {
     /// Most numbers that are kept: 128 MB.
     const MOST: usize = 16_000_000;
 
-    /// Keeps the present moment of a run, unless the last one kept is less than a frame older. A moment of an earlier time, or of
-    /// another scene, is a new beginning.
+    /// Records the present moment of a run, unless the last one is less than a frame older. A moment of an earlier
+    /// time, or of another scene, clears the buffer.
     pub fn keep(&mut self, run: &Simulation) {
         let state = run.state();
         if let Some(Restart { state: last, .. }) = self.moments.back() {
@@ -32,14 +32,14 @@ impl Rewind {
         let numbers = self.moments.back().map_or(0, Restart::len).max(1);
         let full = self.moments.len() > Self::MOST / numbers;
         let old = self.moments.front().is_some_and(|first| first.state.time < state.time - Self::SECONDS);
-        // The buffers of the one that goes are good for the one that comes.
+        // Buffers of the dropped moment are reused.
         let mut kept = if full || old { self.moments.pop_front().unwrap_or_default() } else { Restart::default() };
         run.write_restart(&mut kept);
         self.moments.push_back(kept);
     }
 
-    /// The latest moment that is at least so much older than a time [s], or the oldest there is; later ones are forgotten. Never one
-    /// of a later time.
+    /// The latest moment that is older than a time by at least this much [s], or the oldest one; later ones are
+    /// dropped. Never one of a later time.
     pub fn back(&mut self, now: f64, seconds: f64) -> Option<Restart> {
         let wanted = now - seconds + 1e-6 * Self::FRAME;
         while self.moments.len() > 1 && self.moments.back().is_some_and(|last| last.state.time > wanted) {
@@ -48,12 +48,12 @@ impl Rewind {
         self.moments.back().filter(|last| last.state.time <= now).cloned()
     }
 
-    /// How far back one can go from a time [s].
-    pub fn reach(&self, now: f64) -> f64 {
+    /// Length of the recorded time before a time [s].
+    pub fn length(&self, now: f64) -> f64 {
         self.moments.front().map_or(0.0, |first| (now - first.state.time).max(0.0))
     }
 
-    /// Forgets all.
+    /// Clears the buffer.
     pub fn clear(&mut self) {
         self.moments.clear();
     }

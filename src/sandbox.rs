@@ -34,32 +34,32 @@ pub struct Sandbox {
     shelf: VecDeque<Body>,
 }
 
-/// A mesh with more triangles takes so long to make that it is kept for a while.
+/// Meshes with more triangles than this are cached, because they take long to make.
 const LARGE: usize = 5000;
 
-/// How many of those are kept.
+/// Number of cached bodies.
 const SHELVED: usize = 3;
 
-/// Why a command was refused; nothing has changed.
+/// Reason for refusing a command; nothing has changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// The level that would come out cannot be built.
+    /// The resulting level cannot be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A body cannot be of this material.
+    /// The material is not possible for a body.
     #[error(transparent)]
     Material(#[from] BadMaterial),
-    /// The command does not fit what is there.
+    /// The command does not fit the present document.
     #[error("{0}")]
     NotHere(&'static str),
 }
 
-/// What a change of the document does to positions and velocities.
+/// Effect of a change of the document on positions and velocities.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Then {
     /// They stay.
     Keep,
-    /// They go to the state the level was saved in, or to the start.
+    /// They are reset to the saved state of the level, or to the start.
     Restart,
     /// The same, and files are read anew.
     Reload,
@@ -90,7 +90,7 @@ impl Sandbox {
         })
     }
 
-    /// A second one in the same state and with the same past, which goes its own way from here on.
+    /// A copy in the same state and with the same history, which is independent from here on.
     #[must_use]
     pub fn fork(&self) -> Self {
         let mut simulation = Simulation::new(self.simulation.scene().clone(), self.simulation.state().clone());
@@ -108,7 +108,7 @@ impl Sandbox {
         }
     }
 
-    /// Goes on from another moment of the same scene; what is pulled stays pulled, unless scripted actions say what is.
+    /// Continues from restart data of the same scene; the pull stays, unless scripted actions set it.
     pub(crate) fn resume(&mut self, moment: &Restart) {
         let grab = self.simulation.grab();
         self.simulation.resume(moment);
@@ -117,20 +117,20 @@ impl Sandbox {
         }
     }
 
-    /// Puts positions and velocities back to the start, without a way back.
+    /// Resets positions and velocities to the start, without undo.
     pub(crate) fn start_over(&mut self) {
         let start = self.simulation.scene().start.clone();
         self.resume(&Restart::from(start));
         self.begin_anew();
     }
 
-    /// Takes a mesh that was made elsewhere for when a command asks for its recipe.
+    /// Adds a mesh that was made elsewhere to the cache.
     #[cfg(feature = "window")]
     pub(crate) fn prepare(&mut self, body: Body) {
         self.shelve([body]);
     }
 
-    /// Keeps bodies with large meshes for a while: going back and forth between them need not make them again.
+    /// Caches bodies with large meshes, so that undo and redo need not make them again.
     fn shelve(&mut self, bodies: impl IntoIterator<Item = Body>) {
         for body in bodies.into_iter().filter(|body| body.mesh.triangles().len() > LARGE) {
             self.shelf.retain(|known| known.recipe() != body.recipe());
@@ -141,7 +141,7 @@ impl Sandbox {
         }
     }
 
-    /// The scene that is shown, with all meshes that are known beside it, if a level needs one of them.
+    /// The present scene with all cached meshes, if a level needs one of them.
     fn with_shelved(&self, level: &Level) -> Option<Scene> {
         let scene = self.simulation.scene();
         let wanted = |body: &&Body| level.bodies.iter().any(|listed| listed.mesh == *body.recipe());
@@ -153,13 +153,13 @@ impl Sandbox {
         })
     }
 
-    /// Nothing that was before counts any more.
+    /// Clears everything that belongs to the scene before.
     fn begin_anew(&mut self) {
         self.rewind.clear();
         self.simulation.count_anew();
     }
 
-    /// Does what a command says, at once.
+    /// Applies a command at once.
     ///
     /// # Errors
     /// [`Refused`] if it cannot be done; nothing has changed then.
@@ -170,8 +170,8 @@ impl Sandbox {
             Command::StepOnce => self.step_once()?,
             Command::Reset => {
                 if *self.simulation.state() != self.simulation.scene().start {
-                    // What ran is not lost: undo brings it back.
-                    self.history.remember(self.document.clone(), Some(self.simulation.restart()), None);
+                    // The run is recorded for undo.
+                    self.history.record(self.document.clone(), Some(self.simulation.restart()), None);
                 }
                 self.start_over();
             }
@@ -206,7 +206,7 @@ impl Sandbox {
         let before = self.document.clone();
         let replaced = (then != Then::Keep).then(|| self.simulation.restart());
         self.show(document, then, None)?;
-        self.history.remember(before, replaced, gesture);
+        self.history.record(before, replaced, gesture);
         Ok(())
     }
 
@@ -219,7 +219,7 @@ impl Sandbox {
         Ok(())
     }
 
-    /// Makes a document the one that is shown. If it cannot be built nothing changes.
+    /// Shows a document. If it cannot be built, nothing changes.
     fn show(&mut self, document: Document, then: Then, moment: Option<Restart>) -> Result<(), Refused> {
         let shown = without_state(&document.shown());
         let shelved = self.with_shelved(&shown);
@@ -310,7 +310,7 @@ impl Sandbox {
         Ok(())
     }
 
-    /// Goes back, and pauses.
+    /// Rewinds and pauses.
     fn turn_back(&mut self, seconds: f64) -> Result<(), Refused> {
         let now = self.simulation.state().time;
         let length = self.simulation.state().x.len();
@@ -356,7 +356,7 @@ impl Sandbox {
         rest.map_while(|point| Point::new([point[0] + x - from_x, point[1] + y - from_y]).ok()).collect()
     }
 
-    /// What is edited: the level, and how a test level is shown.
+    /// The document: the level, and how a test level is shown.
     pub const fn document(&self) -> &Document {
         &self.document
     }
@@ -366,7 +366,7 @@ impl Sandbox {
         self.simulation.scene().step
     }
 
-    /// The running simulation, to look at.
+    /// The running simulation.
     pub const fn simulation(&self) -> &Simulation {
         &self.simulation
     }
@@ -386,13 +386,13 @@ impl Sandbox {
         self.is_live() && (!self.simulation.is_asleep() || self.simulation.expects_actions())
     }
 
-    /// Takes up to `steps` steps; `more` is asked every few steps whether there is time for more. Returns how many were taken.
-    /// A step that fails leaves the last finite state and a fault in the snapshot.
+    /// Takes up to `steps` steps and returns their number; `more` is called every few steps and returns whether to
+    /// continue. A failed step leaves the last finite state and a fault in the snapshot.
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         if !self.is_live() {
             return 0;
         }
-        // The start of every frame, so that a fault can be left behind.
+        // The start of every frame is recorded, so that a fault can be rewound.
         let per_frame = (Rewind::FRAME / self.step_length()).round().max(1.0) as u64;
         let mut taken = 0;
         while taken < steps && self.is_live() && (taken == 0 || more()) {
@@ -407,9 +407,9 @@ impl Sandbox {
         taken
     }
 
-    /// How far back time can be turned [s].
-    pub fn rewind_reach(&self) -> f64 {
-        self.rewind.reach(self.simulation.state().time)
+    /// Length of the rewind buffer [s].
+    pub fn rewind_length(&self) -> f64 {
+        self.rewind.length(self.simulation.state().time)
     }
 
     /// Whether any damping is switched on.

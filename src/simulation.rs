@@ -1,13 +1,14 @@
-//! A scene with its state: taking steps, keeping the books, and never letting a number that is none reach anyone.
+//! Simulation: a scene with its state, steps, statistics, checkpoints and faults. No state that it returns contains NaN
+//! or infinity.
 
-mod books;
 mod checkpoint;
+mod displacement_bound;
 mod energies;
-mod paces;
-mod reach;
+mod multirate;
 mod restart;
 mod script;
 mod sleep;
+mod statistics;
 mod system;
 mod toy;
 
@@ -23,7 +24,7 @@ use crate::{
 };
 use checkpoint::Checkpoint;
 use energies::Elastic;
-use paces::Paces;
+use multirate::Multirate;
 pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
@@ -35,35 +36,35 @@ use toy::ToySystem;
 pub struct Simulation {
     scene: Scene,
     state: State,
-    /// Some steps ago, to go back to when a step fails.
+    /// Checkpoint to return to when a step fails.
     checkpoint: Checkpoint,
-    /// The one before, and whether nothing but steps of one length lies between.
+    /// The checkpoint before, and whether only steps of one length lie between the two.
     older: Checkpoint,
     joined: bool,
-    /// Whether something other than a step has changed since.
+    /// Whether something other than a step has changed the state since the checkpoint.
     stale: bool,
     scratch: Scratch,
     islands: Islands,
-    paces: Paces,
+    multirate: Multirate,
     grab: Option<Grab>,
     script: Option<Script>,
     guard: Guard,
     fault: Option<Fault>,
-    /// Counts what changed: scenes, states, pulls and steps.
+    /// Counts changes of the scene, the state, the pull, and steps.
     revision: u64,
-    /// The step that this part of the run began with: earlier ones were counted elsewhere.
+    /// First step that is counted; earlier ones were counted before.
     first: u64,
-    /// Counts what may have changed the shape of anything, or what it is made of.
+    /// Counts changes of shapes and materials.
     shape: u64,
     elastic: RefCell<Elastic>,
 }
 
-/// Steps between two checkpoints, and between two looks at the clock.
+/// Steps between two checkpoints, and between two calls of `more`.
 const BATCH: u64 = 10;
 
 impl Simulation {
-    /// A scene in a state. The state must belong to the scene (see [`Scene::first_state`]); one that was saved is
-    /// continued by [`Self::open`].
+    /// Makes a simulation of a scene in a state. The state must belong to the scene (see [`Scene::first_state`]);
+    /// [`Self::open`] continues a saved one.
     pub fn new(scene: Scene, state: State) -> Self {
         let mut scratch = Scratch::default();
         scratch.fit(&scene);
@@ -74,7 +75,7 @@ impl Simulation {
             joined: false,
             stale: true,
             islands: Islands::new(&scene),
-            paces: Paces::new(&scene),
+            multirate: Multirate::new(&scene),
             scene,
             state,
             scratch,
@@ -87,12 +88,12 @@ impl Simulation {
             shape: 0,
             elastic: RefCell::default(),
         };
-        simulation.settle_sleepers();
+        simulation.apply_sleep();
         simulation
     }
 
-    /// Swaps the scene; the state stays, and newly pinned vertices stop. A scene with other vertices needs another state at
-    /// once (see [`Self::set_state`]). Counts go on, and whoever slept is awake.
+    /// Replaces the scene. The state stays, and newly pinned vertices stop. A scene with other vertices needs another
+    /// state at once (see [`Self::set_state`]). Counts continue, and all bodies wake.
     pub fn replace_scene(&mut self, scene: Scene) {
         let before = self.watched().filter(|_| scene.start.x.len() == self.state.x.len());
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
@@ -100,12 +101,12 @@ impl Simulation {
         }
         let paced = self.scene.step == scene.step;
         (self.scene, self.stale) = (scene, true);
-        // What an integrator remembers is of another system.
+        // The memory of the integrator belongs to the old system.
         self.state.memory.clear();
         self.revision += 1;
         self.shape += 1;
         self.scratch.fit(&self.scene);
-        (self.islands, self.paces) = (Islands::new(&self.scene), Paces::new(&self.scene));
+        (self.islands, self.multirate) = (Islands::new(&self.scene), Multirate::new(&self.scene));
         self.wake_all(paced);
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
@@ -113,22 +114,22 @@ impl Simulation {
         }
     }
 
-    /// Puts the simulation into a state, from which it begins anew; a fault is forgotten, and scripted actions before its time count
-    /// as performed. See [`Self::resume`].
+    /// Sets the state and resets the guard, the grab and the fault. Scripted actions before its time count as
+    /// performed. See [`Self::resume`].
     pub fn set_state(&mut self, state: State) {
         (self.state, self.stale) = (state, true);
         self.first = self.state.steps;
         self.revision += 1;
         self.shape += 1;
-        (self.scratch.free, self.scratch.room, self.scratch.inside) = (None, -1.0, Inside::Nothing);
+        (self.scratch.clear_box, self.scratch.displacement_bound, self.scratch.inside) = (None, -1.0, Inside::Nothing);
         self.grab = None;
         self.guard.reset();
         self.fault = None;
         self.seek();
-        self.settle_sleepers();
+        self.apply_sleep();
     }
 
-    /// Pulls a vertex, or lets go.
+    /// Sets or ends the pull of the mouse.
     pub fn set_grab(&mut self, grab: Option<Grab>) {
         if self.grab == grab {
             return;
@@ -144,53 +145,53 @@ impl Simulation {
         }
     }
 
-    /// Whether the guard has a say: a toy has no energy to lose, and what controls its error has its own guard.
+    /// Whether the guard checks steps: toys have no energy, and error-controlled schemes check their own error.
     fn is_guarded(&self) -> bool {
         let controlled = self.scene.integrator.kind().class() == Class::ErrorControlled;
         self.scene.guard && self.scene.toy.is_none() && !controlled
     }
 
-    /// The energies before a change from outside, if the guard has to know.
+    /// Energies before a change from outside, if the guard needs them.
     fn watched(&self) -> Option<Energies> {
         (self.is_guarded() && !self.guard.is_new()).then(|| self.energies())
     }
 
-    /// Differs from before if anything may have changed: the scene, the state, the pull.
+    /// Revision number; changes with the scene, the state and the pull.
     pub const fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// What the mouse pulls.
+    /// The pull of the mouse.
     pub const fn grab(&self) -> Option<Grab> {
         self.grab
     }
 
-    /// The constant side.
+    /// The scene.
     pub const fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The moving side.
+    /// The state.
     pub const fn state(&self) -> &State {
         &self.state
     }
 
-    /// Why stepping stopped, if it did.
+    /// The fault that stopped stepping, if any.
     pub const fn fault(&self) -> Option<&Fault> {
         self.fault.as_ref()
     }
 
-    /// How many shorter steps the guard takes for one now.
-    pub const fn parts(&self) -> u32 {
+    /// Number of shorter steps that the guard takes for one now.
+    pub const fn guard_substeps(&self) -> u32 {
         1 << self.guard.level()
     }
 
-    /// What stepping cost so far.
+    /// Counts so far.
     pub const fn counts(&self) -> Counts {
         self.scratch.counts
     }
 
-    /// Counts from zero again.
+    /// Resets the counts.
     pub fn count_anew(&mut self) {
         for counts in [&mut self.scratch.counts, &mut self.checkpoint.counts, &mut self.older.counts] {
             *counts = Counts::default();
@@ -198,7 +199,7 @@ impl Simulation {
         self.first = self.state.steps;
     }
 
-    /// What each effect cost so far.
+    /// Cost of each effect so far.
     pub fn costs(&self) -> &[EffectCost] {
         &self.scratch.costs
     }
@@ -208,12 +209,12 @@ impl Simulation {
         self.scratch.timed = timed;
     }
 
-    /// Takes up to `steps` steps; every few, `more` is asked whether to go on, until it says no: a few more may be taken then. Returns how
-    /// many were taken.
+    /// Takes up to `steps` steps and returns their number. Calls `more` every few steps and stops after it returns
+    /// false; a few more steps may be taken then.
     ///
-    /// Every step is checked. If one leaves anything that is not a number, or the [`Guard`] finds it unstable, the state before
-    /// it is restored, exactly. Where the scene is guarded the step is then taken in shorter ones; if that does not help
-    /// either, the fault is kept until the state is set anew.
+    /// Every step is checked. If one leaves NaN or infinity, or the [`Guard`] finds it unstable, the state before it is
+    /// restored exactly. In a guarded scene the step is then taken in shorter ones; if that fails too, the fault is
+    /// kept until the state is set anew.
     ///
     /// Scripted actions are performed at their times; see [`Self::follow`].
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
@@ -230,9 +231,9 @@ impl Simulation {
         taken
     }
 
-    /// The same without scripted actions.
+    /// Takes steps without scripted actions.
     fn advance_freely(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
-        // Who has said that it is enough is not asked again.
+        // `more` is not called again after it returned false.
         let mut enough = false;
         let more = &mut || {
             enough = enough || !more();
@@ -258,12 +259,12 @@ impl Simulation {
         taken
     }
 
-    /// Takes a step if it can be taken; a fault otherwise. Returns whether it was taken.
+    /// Takes a step, or sets a fault. Returns whether it was taken.
     fn take_step(&mut self) -> bool {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
-            // A checkpoint that a run continues from has seen this step already.
+            // A checkpoint that a run continues from was set at this step already.
             if self.stale || self.checkpoint.state.steps != self.state.steps {
-                self.look_who_is_calm();
+                self.count_slow_checks();
                 self.set_checkpoint();
             }
             self.fall_asleep();
@@ -271,20 +272,20 @@ impl Simulation {
                 self.pass(1);
                 return true;
             }
-            self.look_for_room();
+            self.find_clear_box();
         }
         self.step();
         if !self.is_sound() {
             return self.retake();
         }
-        // Going back relies on all steps since the checkpoint being of one length.
-        self.stale |= self.guard.calm_down();
+        // Replay from the checkpoint needs all steps since then to have one length.
+        self.stale |= self.guard.record_stable_step();
         true
     }
 
-    /// One step, in as many shorter ones as the guard wants.
+    /// Takes one step, divided as the guard requires.
     fn step(&mut self) {
-        let parts = self.parts();
+        let parts = self.guard_substeps();
         let h = self.scene.step / f64::from(parts);
         let (start, end) = (self.state.time, self.state.time + self.scene.step);
         let at = |part: u32| if part == parts { end } else { start + f64::from(part) * h };
@@ -292,7 +293,7 @@ impl Simulation {
             self.integrate(h, [at(part), at(part + 1)]);
         }
         if self.state.steps >= self.first {
-            self.scratch.book_steps(1);
+            self.scratch.count_steps(1);
             self.scratch.counts.guarded += u64::from(parts > 1);
             self.scratch.counts.pushed_out += u64::from(self.pushes_out());
         }
@@ -305,45 +306,45 @@ impl Simulation {
     /// One step of the scheme, of length h, from one time to another [s].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
         (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, Inside::Nothing, None);
-        if self.paces.differ() {
+        if self.multirate.is_active() {
             return self.integrate_each(h, time);
         }
-        let mut work = std::mem::take(&mut self.scratch.work);
+        let mut workspace = std::mem::take(&mut self.scratch.workspace);
         let integrator = self.scene.integrator.kind();
         let counts = match (&self.scene.toy, integrator.scheme()) {
             (Some(toy), Scheme::First(scheme)) => {
                 let mut system = ToySystem { toy: toy.kind(), counts: &mut self.scratch.counts };
-                scheme.step(&mut system, &mut self.state, &mut work, h)
+                scheme.step(&mut system, &mut self.state, &mut workspace, h)
             }
-            // A toy with another scheme is not built.
+            // Scenes reject toys with such a scheme.
             (Some(_), Scheme::Second(_)) => StepCounts::ONE,
             (None, _) => {
                 let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab, time };
-                integrator.step(&mut system, &mut self.state, &mut work, h)
+                integrator.step(&mut system, &mut self.state, &mut workspace, h)
             }
         };
-        self.scratch.work = work;
-        self.scratch.shrink_room(h);
-        if self.scratch.free.is_some() {
+        self.scratch.workspace = workspace;
+        self.scratch.reduce_displacement_bound(h);
+        if self.scratch.clear_box.is_some() {
             self.scratch.pass_over_constraints();
         }
         self.scratch.counts.add(&counts);
         self.guard.supply(self.scratch.supplied);
     }
 
-    /// Whether the step just taken left numbers, and no energy from nowhere.
+    /// Whether the last step left finite numbers and no unexplained energy.
     fn is_sound(&mut self) -> bool {
         if !self.validates() {
             return false;
         }
-        if !self.is_guarded() || !self.is_suspicious() {
+        if !self.is_guarded() || !self.needs_energy_check() {
             return true;
         }
         let after = self.energies();
         let total = after.total();
         let is_solved = self.scene.integrator.kind().class() == Class::Implicit;
         if self.pushes_out() && is_solved && self.guard.is_possible(&self.scene, total) {
-            // What brings a body out pushes with forces that such a scheme does not tell.
+            // The work of depenetration is unknown with implicit schemes.
             self.guard.allow(after);
             return true;
         }
@@ -357,22 +358,22 @@ impl Simulation {
         verdict == Verdict::Fine
     }
 
-    /// Whether all energies have to be looked at. After the many products of an implicit step that costs little, and its equations
-    /// may have been answered far away, by a shape that is stretched and hardly moves.
-    fn is_suspicious(&self) -> bool {
+    /// Whether the guard needs all energies. After an implicit step their cost is small, and its equations may have a
+    /// distant solution, with a stretched shape that hardly moves.
+    fn needs_energy_check(&self) -> bool {
         self.scene.integrator.kind().class() == Class::Implicit
-            || self.guard.is_suspicious(self.scratch.kinetic.unwrap_or_else(|| self.kinetic_energy()))
+            || self.guard.exceeds_threshold(self.scratch.kinetic.unwrap_or_else(|| self.kinetic_energy()))
     }
 
-    /// Goes back to the checkpoint after a step that failed, and comes back to it in shorter steps, as far as the guard may; a
-    /// fault, just before the step, if that does not help. Returns whether the step was taken.
+    /// Replays from the checkpoint to a failed step in shorter steps, as far as the guard allows; sets a fault just
+    /// before the step if that fails. Returns whether the step was taken.
     ///
-    /// Where three lengths of the step agree on the energy that came, it did not come from nowhere: something in the scene
-    /// supplied it, such as a wall that begins inside a body.
+    /// Where three step lengths agree on the energy gain, the scene supplied it, such as a wall that begins inside a
+    /// body.
     fn retake(&mut self) -> bool {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
-        self.scratch.free = None;
-        // Energy from nowhere was there before it was noticed.
+        self.scratch.clear_box = None;
+        // Unexplained energy arose before it was detected.
         if finite && self.joined {
             std::mem::swap(&mut self.checkpoint, &mut self.older);
             self.joined = false;
@@ -390,7 +391,7 @@ impl Simulation {
                 sound = self.is_sound();
             }
             if sound {
-                self.guard.leave_room();
+                self.guard.refine_further();
                 self.stale = true;
                 return true;
             }
@@ -406,9 +407,9 @@ impl Simulation {
             }
         }
         let earlier = self.checkpoint.state.clone();
-        self.guard.give_up(level);
+        self.guard.restore_level(level);
         self.go_back_to(failed - 1);
-        let step = self.paces.shortest(self.scene.step);
+        let step = self.multirate.shortest(self.scene.step);
         self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
         false
     }

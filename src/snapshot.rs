@@ -7,7 +7,7 @@ use crate::{
     fault::Fault,
     guard::negligible,
     level::Level,
-    materials::{Caution, Model},
+    materials::{Model, StripWarning},
     meshes::Mesh,
     obstacles::Inside,
     report::EffectCost,
@@ -19,7 +19,7 @@ use std::{ops::Range, sync::Arc};
 
 pub use crate::{
     elements::Field,
-    report::{Energies, Pace},
+    report::{Energies, SubstepPlan},
     toys::Reading,
 };
 
@@ -44,8 +44,8 @@ pub struct Snapshot {
     pub start: Arc<Vec<f64>>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
-    /// Vertices that slide along a side, and the coordinate that is held (0 is x, 1 is y).
-    pub slides: Arc<Vec<(u32, usize)>>,
+    /// Vertices on rollers along a side, and the fixed coordinate (0 is x, 1 is y).
+    pub rollers: Arc<Vec<(u32, usize)>>,
     /// The mouse spring, while it pulls.
     pub pull: Option<Pull>,
     /// What the triangles are coloured by.
@@ -78,33 +78,33 @@ pub struct Snapshot {
     pub width: f64,
     /// Whether any damping effect is switched on.
     pub damping: bool,
-    /// How many shorter steps the guard takes for one now.
-    pub parts: u32,
-    /// Steps that the guard had taken in shorter ones.
+    /// Number of shorter steps that the guard takes for one now.
+    pub guard_substeps: u32,
+    /// Steps that the guard divided.
     pub guarded: u64,
-    /// Whether something is inside a wall, and whether it comes out.
+    /// Whether a vertex is inside a wall, and whether it is pushed out.
     pub inside: Inside,
-    /// How each body and then each net is stepped, where each goes at its own pace.
-    pub paces: Vec<Pace>,
-    /// How many bodies and nets sleep.
+    /// Multirate substeps of each body and then each net; empty without multirate stepping.
+    pub substep_plans: Vec<SubstepPlan>,
+    /// Number of sleeping bodies and nets.
     pub asleep: usize,
     /// Number of triangles of bodies that are awake: those that a step computes.
     pub computed: usize,
     /// Name and elastic energy [J] of the first body or net that has exploded, if one has.
     pub exploded: Option<(String, f64)>,
-    /// How far back time can be turned [s].
-    pub rewind_reach: f64,
-    /// What each effect cost so far, elements first.
+    /// Length of the rewind buffer [s].
+    pub rewind_length: f64,
+    /// Cost of each effect so far, elements first.
     pub costs: Vec<EffectCost>,
-    /// Why time stopped, if something went wrong.
+    /// The fault that stopped time, if any.
     pub fault: Option<Fault>,
     /// Repairs and warnings from building the scene.
     pub messages: Vec<String>,
-    /// How often all elements were swept over for what is in here: once for each shape that was looked at.
-    pub sweeps: u64,
-    /// In how many of them the elastic energy had to be computed: stepping had not done it.
-    pub energy_sweeps: u64,
-    /// Which shape that was last: the generation, the shape in it, and the field.
+    /// Number of evaluations of all elements for snapshots: one for each shape.
+    pub evaluations: u64,
+    /// Number of those that computed the elastic energy, where stepping had not.
+    pub energy_evaluations: u64,
+    /// The last shape: generation, shape number and field.
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
     pub can_undo: bool,
@@ -129,7 +129,7 @@ pub struct BodySnapshot {
     pub energy: f64,
     /// Least det F.
     pub min_j: f64,
-    /// How many of its triangles are beyond where the model's formula is used to the letter.
+    /// Number of its triangles in the continued range of the model's formula.
     pub continued: usize,
     /// Width at mid height [m], in test levels.
     pub mid_width: f64,
@@ -137,8 +137,8 @@ pub struct BodySnapshot {
     pub top_force: f64,
     /// Height over rest height.
     pub height_ratio: f64,
-    /// Where the model has no honest answer at this stretch, in words.
-    pub caution: Option<String>,
+    /// Warning where the model is not valid at this stretch.
+    pub strip_warning: Option<String>,
 }
 
 /// One net of a snapshot.
@@ -193,7 +193,7 @@ impl Snapshot {
 }
 
 impl Sandbox {
-    /// Copies what is to be seen into `snapshot`, reusing its buffers.
+    /// Copies everything visible into `snapshot`, reusing its buffers.
     pub fn snapshot(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let state = simulation.state();
@@ -207,13 +207,13 @@ impl Sandbox {
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
         snapshot.pins = Arc::clone(&scene.pins);
-        snapshot.slides = Arc::clone(&scene.slides);
+        snapshot.rollers = Arc::clone(&scene.rollers);
         snapshot.toy = self.toy();
         snapshot.positions.clear();
         if snapshot.toy.is_none() {
             snapshot.positions.extend_from_slice(x);
         }
-        // What depends on the elements is computed once for each shape, however often it is drawn.
+        // Values of the elements are computed once for each shape, however often it is drawn.
         let seen = Some((self.generation, simulation.shape(), field));
         if snapshot.seen != seen {
             snapshot.seen = seen;
@@ -230,19 +230,19 @@ impl Sandbox {
         let asleep = simulation.sleeping().chain(std::iter::repeat(false));
         let awake = scene.bodies.iter().zip(asleep).filter(|(_, asleep)| !asleep);
         snapshot.computed = awake.map(|(body, _)| body.mesh.triangles().len()).sum();
-        snapshot.rewind_reach = self.rewind_reach();
+        snapshot.rewind_length = self.rewind_length();
         snapshot.costs.clear();
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
-        (snapshot.parts, snapshot.guarded) = (simulation.parts(), simulation.counts().guarded);
+        (snapshot.guard_substeps, snapshot.guarded) = (simulation.guard_substeps(), simulation.counts().guarded);
         snapshot.inside = simulation.inside();
-        snapshot.paces.clear();
-        snapshot.paces.extend(simulation.paces());
+        snapshot.substep_plans.clear();
+        snapshot.substep_plans.extend(simulation.substep_plans());
         snapshot.messages.clone_from(&scene.messages);
         (snapshot.can_undo, snapshot.can_redo) = (self.history.can_undo(), self.history.can_redo());
     }
 
-    /// Energies, fields and shapes, in one sweep over the elements; and one over their corners alone, for folds.
+    /// Energies, fields and shapes, in one pass over the elements; and folds, in one over their corners.
     fn diagnose(&self, field: Field, snapshot: &mut Snapshot) {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let x = &simulation.state().x;
@@ -254,7 +254,7 @@ impl Sandbox {
         let mut first = 0;
         for (number, body) in scene.bodies.iter().enumerate() {
             let energy = simulation.known_energy(number);
-            let shape = body.elements.survey_knowing(energy, field, x, &mut snapshot.values);
+            let shape = body.elements.diagnose_with_energy(energy, field, x, &mut snapshot.values);
             snapshot.min_j = snapshot.min_j.min(shape.least);
             snapshot.inverted += shape.inverted;
             if snapshot.exploded.is_none() && scene.has_exploded(number, shape.energy, shape.inverted) {
@@ -278,12 +278,12 @@ impl Sandbox {
             }
         }
         if simulation.known_energy(0).is_none() {
-            snapshot.energy_sweeps += 1;
+            snapshot.energy_evaluations += 1;
             let bodies = snapshot.bodies.iter().map(|body| body.energy);
-            simulation.learn(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
+            simulation.set_elastic_energies(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
         }
         snapshot.wound = Tangle::of_all(scene, x).wound;
-        snapshot.sweeps += 1;
+        snapshot.evaluations += 1;
     }
 
     fn body(&self, body: &Body, triangles: Range<usize>, shape: Diagnostics) -> BodySnapshot {
@@ -304,7 +304,7 @@ impl Sandbox {
             mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
             top_force: if test { body.holding_force(x) } else { 0.0 },
             height_ratio,
-            caution: test.then(|| body.elements.visit(Caution(height_ratio))).flatten(),
+            strip_warning: test.then(|| body.elements.visit(StripWarning(height_ratio))).flatten(),
         }
     }
 

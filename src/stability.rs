@@ -1,9 +1,9 @@
 //! Stability limit: the highest natural frequency, by Lanczos iteration on the stiffness.
 
-use crate::{elements::make_room, random::irregular, scene::Scene, state::State};
+use crate::{elements::reserve_scratch, random::irregular, scene::Scene, state::State};
 
-/// The longest stable step of symplectic Euler near a state [s], or `None` if nothing is stiff there or the stiffness is
-/// not a number. The same holds for both Verlet schemes without damping.
+/// The longest stable step of symplectic Euler near a state [s], or `None` if there is no stiffness or it is NaN. The
+/// same holds for both Verlet schemes without damping.
 pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     longest_step(scene, state, largest_eigenvalue(scene, state)?)
 }
@@ -22,19 +22,19 @@ pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
     Some(last)
 }
 
-/// Lanczos rounds between two restarts of the converged answer.
+/// Lanczos iterations between two restarts of the converged computation.
 const ROUNDS: usize = 16;
-/// Most restarts of it; a few are enough for meshes of 100,000 triangles.
+/// Most restarts; a few are enough for meshes of 100,000 triangles.
 const RESTARTS: usize = 20;
-/// Change of the eigenvalue between two restarts, as a share of it, at which it is converged.
+/// Relative change of the eigenvalue between two restarts at which it is converged.
 const CONVERGED: f64 = 1e-4;
 
-/// A running estimate of the longest stable step, made better by every look.
+/// A running estimate of the longest stable step, refined by every call.
 ///
-/// It is a restarted Lanczos iteration for the largest eigenvalue w² of M⁻¹ K, K the stiffness of all effects
-/// (Golub and Van Loan, *Matrix Computations*, section 10.1), on the symmetric `M^(-1/2) K M^(-1/2)`. What is kept is the
-/// best vector; a state that changes little between two looks hardly changes it, so that a few rounds a frame follow a
-/// moving scene. From an irregular start, 16 rounds leave an error of a few per cent. The estimate of w is from below.
+/// It is a restarted Lanczos iteration for the largest eigenvalue w² of M⁻¹ K, K the stiffness of all effects (Golub
+/// and Van Loan, *Matrix Computations*, section 10.1), on the symmetric `M^(-1/2) K M^(-1/2)`. The best vector is kept;
+/// a state that changes little between two calls hardly changes it, so that a few iterations a frame follow a moving
+/// scene. From an irregular start, 16 iterations leave an error of a few per cent. The estimate of w is from below.
 #[derive(Clone, Debug, Default)]
 pub struct StabilityProbe {
     vector: Vec<f64>,
@@ -45,8 +45,8 @@ pub struct StabilityProbe {
 }
 
 impl StabilityProbe {
-    /// The longest stable step at a state [s] after so many more rounds, each of one product with the stiffness; `None`
-    /// if nothing is stiff or the stiffness is not a number.
+    /// The longest stable step at a state [s] after a number of further iterations, each of one product with the
+    /// stiffness; `None` if there is no stiffness or it is NaN.
     pub fn refine(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
         longest_step(scene, state, self.largest_eigenvalue(scene, state, rounds.max(2))?)
     }
@@ -65,16 +65,16 @@ impl StabilityProbe {
         for buffer in [&mut self.displacement, &mut self.product] {
             buffer.resize(count, 0.0);
         }
-        make_room(&mut self.scratch, scene.scratch());
+        reserve_scratch(&mut self.scratch, scene.scratch());
         self.basis.clear();
         let length = norm(&self.vector);
         self.basis.extend(self.vector.iter().map(|value| value / length));
-        let mut projected = Square::new(rounds);
+        let mut projected = SmallMatrix::new(rounds);
         let mut used = 0;
         for round in 0..rounds {
             self.multiply(scene, state, round * count);
             used = round + 1;
-            // Against every vector before, twice: round-off would bring the largest eigenvalue in again and again.
+            // Full reorthogonalisation, twice: round-off would reintroduce the largest eigenvalue.
             for pass in 0..2 {
                 for (number, before) in self.basis.chunks_exact(count).enumerate() {
                     let share = dot(&self.product, before);
@@ -134,12 +134,12 @@ fn longest_step(scene: &Scene, state: &State, square: f64) -> Option<f64> {
 }
 
 /// A small symmetric matrix.
-struct Square {
+struct SmallMatrix {
     size: usize,
     entries: Vec<f64>,
 }
 
-impl Square {
+impl SmallMatrix {
     fn new(size: usize) -> Self {
         Self { size, entries: vec![0.0; size * size] }
     }
@@ -148,7 +148,7 @@ impl Square {
         &mut self.entries[row * self.size + column]
     }
 
-    /// The largest eigenvalue of the leading part of so many rows, and its vector, by Jacobi rotations
+    /// The largest eigenvalue of the leading submatrix with this number of rows, and its vector, by Jacobi rotations
     /// (Golub and Van Loan, section 8.5).
     fn largest(mut self, count: usize) -> (f64, Vec<f64>) {
         let mut vectors = Self::new(self.size);
@@ -178,7 +178,7 @@ impl Square {
     }
 }
 
-fn rotate(of: &mut Square, one: [usize; 2], other: [usize; 2], [c, s]: [f64; 2]) {
+fn rotate(of: &mut SmallMatrix, one: [usize; 2], other: [usize; 2], [c, s]: [f64; 2]) {
     let (a, b) = (*of.at(one[0], one[1]), *of.at(other[0], other[1]));
     *of.at(one[0], one[1]) = c * a - s * b;
     *of.at(other[0], other[1]) = s * a + c * b;

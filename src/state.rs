@@ -1,4 +1,4 @@
-//! What moves: everything that is needed to continue a scene exactly.
+//! State: positions, velocities and everything else that is needed to continue a scene exactly.
 
 /// Positions and velocities, flat: two numbers a vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,32 +11,32 @@ pub struct State {
     pub time: f64,
     /// Steps taken.
     pub steps: u64,
-    /// What the integrator remembers between steps.
+    /// Memory of the integrator between steps.
     pub memory: Vec<f64>,
-    /// For each body and then each net, how many looks in a row have found it calm; the greatest number if it sleeps. Empty if
-    /// nobody has looked yet.
-    pub calm: Vec<u32>,
+    /// For each body and then each net, the number of consecutive checks below the sleep threshold; the greatest number
+    /// if it sleeps. Empty before the first check.
+    pub slow_checks: Vec<u32>,
 }
 
 impl State {
-    /// Beyond this distance [m] or speed [m/s] a state is not one of a deformable body any more, but of an explosion.
+    /// Greatest valid distance [m] and speed [m/s]; beyond, the body has exploded.
     pub const LIMIT: f64 = 1e15;
 
-    /// Whether every position and velocity is a number, and of a size that can still mean something: up to [`Self::LIMIT`].
+    /// Whether every position and velocity is finite and at most [`Self::LIMIT`].
     pub fn is_finite(&self) -> bool {
-        // No early end: without a branch in the loop the processor compares several numbers at once.
+        // No early exit: a loop without branches is vectorised.
         let within = |values: &[f64]| values.iter().fold(true, |all, value| all & (value.abs() <= Self::LIMIT));
         pulp::Arch::new().dispatch(|| within(&self.x) && within(&self.v))
     }
 
-    /// Whether every position lies between two corners, and every velocity is of a size that can still mean something.
+    /// Whether every position lies in a box and every velocity is at most [`Self::LIMIT`].
     pub fn is_within(&self, [least, greatest]: [[f64; 2]; 2]) -> bool {
-        // Many vertices side by side; numbers rather than conditions are summed, as processors do that several at once.
+        // Sums of numbers instead of conditions are vectorised.
         const COUNT: usize = 16;
         let corners = [least, greatest].map(|corner| std::array::from_fn::<f64, COUNT, _>(|number| corner[number % 2]));
         let [least, greatest] = &corners;
         let beyond = |x: f64, least: f64, greatest: f64| {
-            // What is not a number is neither.
+            // NaN fails both comparisons.
             let (low, high) = (if x >= least { 0.0 } else { 1.0 }, if x <= greatest { 0.0 } else { 1.0 });
             low + high
         };
@@ -58,7 +58,7 @@ impl State {
         rest && pulp::Arch::new().dispatch(within)
     }
 
-    /// A fingerprint of every bit of positions and velocities (FNV-1a, 64 bit): equal states, equal numbers.
+    /// Hash of every bit of positions and velocities (FNV-1a, 64 bit): equal states have equal hashes.
     pub fn hash(&self) -> u64 {
         let numbers = self.x.iter().chain(&self.v);
         numbers

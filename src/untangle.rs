@@ -1,8 +1,8 @@
 //! Inversion recovery: finds a shape without inverted triangles and folds.
 //!
-//! An inverted triangle pushes back, and as a rule a tangled body finds home by itself. It may also end in a true local minimum
-//! of its energy with every triangle the right way up: a vertex whose triangles go round it twice, which no small motion can
-//! undo. [`untangled`] puts such a body where it would be without.
+//! Inverted triangles have restoring forces, and most tangled bodies recover by themselves. A body may also end in a
+//! local minimum of its energy without inverted triangles: a vertex whose triangles go round it twice, which no small
+//! motion can undo. [`untangled`] replaces such a shape.
 
 use crate::{
     materials::nearest_rotation,
@@ -12,22 +12,22 @@ use crate::{
 };
 use nalgebra::{Matrix2, Matrix4, Vector2};
 
-/// What is wrong with the shape of bodies.
+/// Inverted triangles and folds of bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tangle {
-    /// Triangles that are inside out, det F <= 0.
+    /// Number of inverted triangles, det F <= 0.
     pub inverted: usize,
-    /// Vertices inside a body whose triangles do not go round them exactly once.
+    /// Number of interior vertices with a winding number other than one.
     pub wound: usize,
 }
 
 impl Tangle {
-    /// Of a body at flat positions of the whole scene [m].
+    /// Counts those of a body at flat positions of the whole scene [m].
     ///
-    /// How often the triangles of a vertex go round it is how often their edges pass a fixed ray from it: one more for each
-    /// passed counter-clockwise, one less for each passed clockwise.
+    /// The winding number of a vertex is the number of crossings of a fixed ray from it by the edges of its triangles:
+    /// plus one for each counter-clockwise crossing, minus one for each clockwise one.
     pub fn of(body: &Body, x: &[f64]) -> Self {
-        // What is on the boundary need not be gone round.
+        // Boundary vertices are excluded.
         const BOUNDARY: i32 = i32::MIN / 2;
         let mut rounds = vec![0; body.vertices.len()];
         for vertex in body.boundary.as_flattened() {
@@ -48,27 +48,28 @@ impl Tangle {
         Self { inverted, wound }
     }
 
-    /// Of all bodies together.
+    /// The sum over all bodies.
     pub fn of_all(scene: &Scene, x: &[f64]) -> Self {
         let bodies = scene.bodies.iter().map(|body| Self::of(body, x));
         bodies.fold(Self::default(), |a, b| Self { inverted: a.inverted + b.inverted, wound: a.wound + b.wound })
     }
 
-    /// Whether anything is wrong.
+    /// Whether there are inverted triangles or folds.
     pub fn is_some(self) -> bool {
         self != Self::default()
     }
 }
 
-/// The state with every tangled body in a shape without folds; the others stay. `None` if none is tangled.
+/// The state with every tangled body replaced by a shape without folds; the others stay. `None` if none is tangled.
 ///
-/// A body without pins takes its rest shape, placed and turned to fit best where it is, and keeps its momentum and angular
-/// momentum. One with pins takes the shape that minimises `sum of A |F - R|²` with one turn R for all its triangles, which is a
-/// convex problem and so has one answer, and stops. If its pins themselves are crossed, even that has folds.
+/// A body without pins takes its rest shape in the rigid placement that fits best, and keeps its momentum and angular
+/// momentum. A pinned body takes the shape that minimises `sum of A |F - R|²` with one rotation R for all its
+/// triangles, which is a convex problem with a unique solution, and its velocities become zero. If its pins themselves
+/// are crossed, even that shape has folds.
 pub fn untangled(scene: &Scene, state: &State) -> Option<State> {
     let mut found = None;
     for body in scene.bodies.iter().filter(|body| Tangle::of(body, &state.x).is_some()) {
-        let state = found.get_or_insert_with(|| State { memory: Vec::new(), calm: Vec::new(), ..state.clone() });
+        let state = found.get_or_insert_with(|| State { memory: Vec::new(), slow_checks: Vec::new(), ..state.clone() });
         let numbers = 2 * body.vertices.start..2 * body.vertices.end;
         if scene.inverse_mass[numbers].contains(&0.0) {
             spread(scene, body, state);
@@ -87,8 +88,8 @@ struct Fit {
 }
 
 impl Fit {
-    /// The one nearest to the positions of these vertices, by the sum of squares with these weights (Kabsch's algorithm, whose
-    /// rotation in two dimensions has a closed form).
+    /// The best fit to the positions of these vertices, by weighted least squares (Kabsch's algorithm, whose rotation
+    /// in two dimensions has a closed form).
     fn new(scene: &Scene, x: &[f64], weights: impl Iterator<Item = (usize, f64)> + Clone) -> Self {
         let mut sums = (0.0, Vector2::zeros(), Vector2::zeros());
         for (vertex, weight) in weights.clone() {
@@ -106,7 +107,7 @@ impl Fit {
     }
 }
 
-/// Puts a body that nothing holds into its rest shape, moving as a whole.
+/// Resets an unconstrained body to its rest shape with a rigid motion.
 fn lay_out(scene: &Scene, body: &Body, state: &mut State) {
     let masses = body.vertices.clone().map(|vertex| (vertex, scene.mass[2 * vertex]));
     let fit = Fit::new(scene, &state.x, masses.clone());
@@ -127,21 +128,21 @@ fn lay_out(scene: &Scene, body: &Body, state: &mut State) {
     }
 }
 
-/// Spreads a body that is held somewhere evenly between what holds it.
+/// Resets a constrained body to the minimiser between its constraints.
 fn spread(scene: &Scene, body: &Body, state: &mut State) {
     let free = |vertex: usize| [scene.inverse_mass[2 * vertex], scene.inverse_mass[2 * vertex + 1]];
     let held = body.vertices.clone().filter(|vertex| free(*vertex) == [0.0; 2]).map(|vertex| (vertex, 1.0));
     let all = body.vertices.clone().map(|vertex| (vertex, 1.0));
-    // One point says nothing about the turn.
+    // One point does not determine the rotation.
     let fit =
         if held.clone().nth(1).is_some() { Fit::new(scene, &state.x, held) } else { Fit::new(scene, &state.x, all) };
     let count = scene.rest.len();
     let mut matrix = {
-        let mut couples = Vec::new();
-        body.elements.name_couples(&mut |a, b| couples.push([a, b]));
-        BlockMatrix::new(count / 2, &couples)
+        let mut pattern = Vec::new();
+        body.elements.add_sparsity(&mut |a, b| pattern.push([a, b]));
+        BlockMatrix::new(count / 2, &pattern)
     };
-    // The second derivative of A |F - R|² / 2, which is the same everywhere.
+    // The second derivative of A |F - R|² / 2, which is constant.
     body.elements.add_tangent(&scene.rest, 1.0, &mut matrix, |_, _| Matrix4::identity());
     let (mut away, mut weight) = (vec![0.0; count], vec![0.0; count]);
     for vertex in body.vertices.clone() {
@@ -150,7 +151,7 @@ fn spread(scene: &Scene, body: &Body, state: &mut State) {
             let number = 2 * vertex + axis;
             state.v[number] = 0.0;
             if inverse_mass == 0.0 {
-                // What is held is away from where the fit has it; all else follows.
+                // Constrained vertices deviate from the fit; the others follow.
                 away[number] = place[axis] - state.x[number];
             } else {
                 weight[number] = 1.0;
@@ -161,7 +162,7 @@ fn spread(scene: &Scene, body: &Body, state: &mut State) {
     let mut change = vec![0.0; count];
     matrix.add_product(&away, &mut change);
     let Some(mut factor) = Factor::new(&matrix) else { return };
-    // A body on rollers may be moved along them: by nothing, then.
+    // A body on rollers may translate along them: that displacement is zero.
     let holding = 1e-9;
     if factor.factorise(&matrix, &weight, holding) {
         factor.solve(&mut change);

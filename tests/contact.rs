@@ -7,7 +7,7 @@ use common::{Random, level, models, sheet, simulation};
 use gingerbread::{
     effects::EffectKind,
     files, levels,
-    obstacles::{Carry, Encounter, Inside, Noted, Obstacle, ObstacleKind, Start, Surface},
+    obstacles::{ContactCache, ContactQuery, Inside, Obstacle, ObstacleKind, Start, Surface, SweptMotion},
 };
 use std::cell::Cell;
 
@@ -27,18 +27,18 @@ fn stopped(obstacle: &dyn Obstacle, from: [f64; 2], x: [f64; 2], v: [f64; 2]) ->
         outward: None,
         time: [0.0; 2],
         supplied: &Cell::new(0.0),
-        exits: &[],
+        depenetrations: &[],
         effect: 0,
         touching: &[],
-        overlaps: &[],
-        noted: Noted::NONE,
+        penetrations: &[],
+        contact_cache: ContactCache::NONE,
         inside: &Cell::new(Inside::Nothing),
     };
     let (mut x, mut after) = (x, v);
-    let alone = Encounter::new(([0, 0], obstacle), Carry::STILL, [from, x]);
-    let mut noted = Noted::default();
-    noted.look(&alone, &start);
-    start.noted = &noted;
+    let alone = ContactQuery::new(([0, 0], obstacle), SweptMotion::STILL, [from, x]);
+    let mut contact_cache = ContactCache::default();
+    contact_cache.record(&alone, &start);
+    start.contact_cache = &contact_cache;
     alone.constrain(&start, &mut x, &mut after);
     (x, after)
 }

@@ -8,7 +8,7 @@ use gingerbread::{
     command::Command,
     files,
     integrators::{Class, IntegratorKind, Scheme},
-    level::{Level, Paces, Substeps, Toggle},
+    level::{Level, SubstepMode, Substeps, Toggle},
     levels::BUILT_IN,
     materials::MaterialParameters,
     quantity::Young,
@@ -36,7 +36,12 @@ fn pieces(seed: u64) -> Vec<u64> {
 fn difference(one: &Simulation, other: &Simulation) -> String {
     let (a, b) = (one.state(), other.state());
     let gap = greatest_gap(&a.x, &b.x);
-    format!("positions by up to {gap} m, memory {}, calm {:?} and {:?}", a.memory == b.memory, a.calm, b.calm)
+    format!(
+        "positions by up to {gap} m, memory {}, calm {:?} and {:?}",
+        a.memory == b.memory,
+        a.slow_checks,
+        b.slow_checks
+    )
 }
 
 /// Runs a level in one piece and in several with a save between them. Returns how often the guard took steps again.
@@ -72,7 +77,7 @@ fn saved_runs_continue_bit_equal_with_every_integrator() {
             seed += 1;
             let guard = Toggle::from(!seed.is_multiple_of(4));
             let substeps = Substeps::new([2, 8, 30][seed as usize % 3]).unwrap();
-            let paces = if seed.is_multiple_of(5) { Paces::Own } else { level.paces };
+            let paces = if seed.is_multiple_of(5) { SubstepMode::Own } else { level.paces };
             let level = Level { integrator: integrator.clone(), guard, substeps, paces, ..level.clone() };
             retaken += compare(&level, seed);
         }

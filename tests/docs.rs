@@ -9,7 +9,7 @@ mod level_format;
 use clap::{Arg, Args as _, Command};
 use gingerbread::{
     app::keys::TABLE,
-    headless::{Hard, Run, Study},
+    headless::{Hard, RunRequest, Study},
     levels::{BUILT_IN, HARD, built_in},
 };
 use level_format::{anchor, declared};
@@ -172,7 +172,7 @@ fn the_command_line_page_names_options_and_report_fields() {
         longs.map(|long| format!("--{long}")).collect::<Vec<_>>()
     };
     let commands = [
-        Run::augment_args(Command::new("run")),
+        RunRequest::augment_args(Command::new("run")),
         Study::augment_args(Command::new("study")),
         Hard::augment_args(Command::new("hard")),
     ];

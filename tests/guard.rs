@@ -104,9 +104,9 @@ fn after_every_implicit_step_it_looks_at_what_is_stored_too() {
     let sweeps = |integrator: &str, guard: &str| {
         let mut run = released("Corotated", 0.1, &format!("integrator: {integrator}(), guard: {guard}"));
         run.advance(1, &mut || true);
-        let before = run.energy_sweeps();
+        let before = run.energy_evaluations();
         run.advance(50, &mut || true);
-        run.energy_sweeps() - before
+        run.energy_evaluations() - before
     };
     for integrator in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint"] {
         assert_eq!((sweeps(integrator, "On"), sweeps(integrator, "Off")), (50, 0), "{integrator}");
@@ -198,11 +198,11 @@ fn what_is_kept_ends_with_a_restart_and_stays_small() {
     for _ in 0..20 {
         sandbox.advance(6000, &mut || true);
     }
-    assert!((sandbox.rewind_reach() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_reach());
+    assert!((sandbox.rewind_length() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_length());
     sandbox.apply(Command::Reset).unwrap();
     assert!(sandbox.apply(Command::Rewind(1.0)).unwrap_err().to_string().contains("nothing to go back to"));
     sandbox.advance(100, &mut || true);
-    assert!(sandbox.rewind_reach() < 0.1);
+    assert!(sandbox.rewind_length() < 0.1);
 }
 
 #[test]

@@ -196,16 +196,16 @@ fn energy_from_nowhere_is_noticed_even_after_more_was_lost() {
     let scene: Scene = scene("stretch_2");
     let energies = |kinetic, elastic, potential| Energies { kinetic, elastic, potential };
     let mut ledger = Ledger::new(&scene, energies(0.0, 10.0, 5.0));
-    ledger.look(energies(10.0, 0.0, 5.0));
-    ledger.look(energies(4.0, 0.0, 5.0));
+    ledger.record(energies(10.0, 0.0, 5.0));
+    ledger.record(energies(4.0, 0.0, 5.0));
     assert_eq!(ledger.gain(), 0.0);
     // A pull from outside puts 6 J in; what was lost before is not there any more.
     ledger.changed(energies(4.0, 0.0, 5.0), energies(4.0, 0.0, 11.0));
-    ledger.look(energies(10.0, 0.0, 5.0));
+    ledger.record(energies(10.0, 0.0, 5.0));
     assert_eq!(ledger.gain(), 0.0);
-    ledger.look(energies(11.0, 0.0, 5.0));
+    ledger.record(energies(11.0, 0.0, 5.0));
     assert!((ledger.gain() - 0.1).abs() < 1e-12, "{}", ledger.gain());
-    ledger.look(energies(f64::NAN, 0.0, 5.0));
+    ledger.record(energies(f64::NAN, 0.0, 5.0));
     assert_eq!(ledger.gain(), f64::INFINITY);
 }
 

@@ -36,9 +36,9 @@ fn shaken(scene: &Scene, size: f64, speed: f64) -> State {
 }
 
 fn assembled(scene: &Scene, motion: Motion<'_>, weights: Weights) -> BlockMatrix {
-    let mut couples = Vec::new();
-    scene.effects.iter().for_each(|effect| effect.couples(&mut |a, b| couples.push([a, b])));
-    let mut matrix = BlockMatrix::new(scene.rest.len() / 2, &couples);
+    let mut pattern = Vec::new();
+    scene.effects.iter().for_each(|effect| effect.sparsity_pattern(&mut |a, b| pattern.push([a, b])));
+    let mut matrix = BlockMatrix::new(scene.rest.len() / 2, &pattern);
     for _ in 0..2 {
         matrix.clear();
         scene.effects.iter().for_each(|effect| effect.add_stiffness(motion, weights, &mut matrix));
@@ -163,11 +163,11 @@ impl Equations for Chain {
             let block = Matrix2::new(slope(0), 0.0, 0.0, slope(1));
             matrix.diagonal(vertex, &block);
             matrix.diagonal(vertex - 1, &block);
-            matrix.couple(&-block);
+            matrix.off_diagonal(&-block);
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         (1..self.0.len() as u32 / 2).for_each(|vertex| add(vertex - 1, vertex));
     }
 

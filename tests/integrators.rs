@@ -10,7 +10,7 @@ use common::{
 use gingerbread::{
     effects::Grab,
     files,
-    integrators::{Class, IntegratorKind, Ode, Scheme, Work},
+    integrators::{Class, IntegratorKind, Ode, Scheme, Workspace},
     level::Level,
     meshes::NoFiles,
     scene::Scene,
@@ -71,7 +71,7 @@ fn first_order_schemes_leave_the_circle_as_predicted() {
         ("RungeKutta4", (1.0 - z.powi(6) / 72.0 + z.powi(8) / 576.0).sqrt()),
     ];
     for (name, growth) in growth {
-        let (kind, mut work) = (named(name), Work::default());
+        let (kind, mut work) = (named(name), Workspace::default());
         let Scheme::First(scheme) = kind.kind().scheme() else { panic!("{name} should serve any system") };
         let mut state = State { x: vec![1.0, 0.0], ..State::default() };
         for _ in 0..50 {
@@ -105,7 +105,8 @@ fn dormand_prince_swings_as_long_as_the_elliptic_integral_says() {
         let toy = files::parse(&text, "pendulum").unwrap().toy.unwrap();
         let kind = dormand_prince(1e-10);
         let Scheme::First(scheme) = kind.kind().scheme() else { panic!("it needs rates alone") };
-        let (mut state, mut work) = (State { x: toy.kind().exact(0.0).to_vec(), ..State::default() }, Work::default());
+        let (mut state, mut work) =
+            (State { x: toy.kind().exact(0.0).to_vec(), ..State::default() }, Workspace::default());
         let (start, period) = (state.x[0], 2.0 * std::f64::consts::PI * ratio);
         for _ in 0..40 {
             scheme.step(&mut Rate(&toy), &mut state, &mut work, period / 40.0);
@@ -142,13 +143,13 @@ fn the_error_is_proportional_to_the_tolerance() {
 
 #[test]
 fn a_stiff_moment_shortens_the_inner_step_and_it_recovers() {
-    let (kind, mut work, mut state) = (dormand_prince(1e-6), Work::default(), particle());
+    let (kind, mut work, mut state) = (dormand_prince(1e-6), Workspace::default(), particle());
     let mut inner = |square: f64, state: &mut State| {
         let mut system = Oscillator { square, cubic: 0.0, damping: 0.0, evaluations: 0 };
         (0..10).map(|_| kind.kind().step(&mut system, state, &mut work, 0.2)).last().unwrap()
     };
     let calm = inner(4.0, &mut state);
-    let mut work = Work::default();
+    let mut work = Workspace::default();
     let mut stiff = Oscillator { square: 4e6, cubic: 0.0, damping: 0.0, evaluations: 0 };
     let moment = kind.kind().step(&mut stiff, &mut state, &mut work, 0.2);
     assert!(moment.rejected >= 1 && moment.inner_steps > 50 * calm.inner_steps, "{calm:?} {moment:?}");
@@ -239,9 +240,9 @@ fn a_free_body_keeps_its_angular_momentum() {
 /// `v(t) = (x(t + h) - x(t - h))/(2 h)`, and for D = 0 all of velocity Verlet's numbers.
 #[test]
 fn position_verlet_reports_the_central_difference() {
-    let (h, kind, mut work, mut state) = (0.05, named("PositionVerlet"), Work::default(), particle());
+    let (h, kind, mut work, mut state) = (0.05, named("PositionVerlet"), Workspace::default(), particle());
     let [mut system, mut same] = [(); 2].map(|()| Oscillator { square: 4.0, cubic: 0.8, damping: 0.0, evaluations: 0 });
-    let (mut other, mut others) = (particle(), Work::default());
+    let (mut other, mut others) = (particle(), Workspace::default());
     let mut seen = Vec::new();
     for step in 0..50 {
         kind.kind().step(&mut system, &mut state, &mut work, h);
@@ -306,7 +307,7 @@ fn the_integrator_can_be_changed_during_motion() {
 #[test]
 fn a_velocity_set_from_outside_overrides_the_memory() {
     for name in ["Bdf2", "PositionVerlet"] {
-        let (kind, mut work, mut state) = (named(name), Work::default(), particle());
+        let (kind, mut work, mut state) = (named(name), Workspace::default(), particle());
         let mut system = Oscillator::linear(2.0);
         for _ in 0..10 {
             kind.kind().step(&mut system, &mut state, &mut work, 1e-3);

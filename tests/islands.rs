@@ -9,7 +9,7 @@ use gingerbread::{
     effects::Grab,
     files,
     integrators::{Class, IntegratorKind},
-    level::{Level, Paces, Substeps, Switch, Toggle},
+    level::{Level, SubstepMode, Substeps, Switch, Toggle},
     meshes::NoFiles,
     report::EffectCost,
     sandbox::Sandbox,
@@ -56,13 +56,13 @@ fn explicit() -> impl Iterator<Item = IntegratorKind> {
 
 /// In how many parts each takes a step.
 fn parts(run: &Simulation) -> Vec<u32> {
-    run.paces().map(|pace| pace.steps).collect()
+    run.substep_plans().map(|pace| pace.steps).collect()
 }
 
 /// The level in which all take as many more steps.
 fn finer(level: Level, times: u32) -> Level {
     let substeps = Substeps::new(level.substeps.get() * times).unwrap();
-    Level { substeps, paces: Paces::Same, ..level }
+    Level { substeps, paces: SubstepMode::Same, ..level }
 }
 
 /// Runs a scene in bunches of steps, and each of its bodies and nets alone in as many steps; pulls the pea on the way.
@@ -136,14 +136,14 @@ fn a_stiff_pea_does_not_slow_a_soft_cake() {
     let mut run = simulation(&table(&["cake", "pea"], EVERYTHING));
     let [cake, pea] = parts(&run)[..] else { unreachable!() };
     assert!((cake, pea > 8) == (1, true), "{cake} {pea}");
-    let limits: Vec<_> = run.paces().map(|pace| pace.step / pace.limit.unwrap()).collect();
+    let limits: Vec<_> = run.substep_plans().map(|pace| pace.step / pace.limit.unwrap()).collect();
     assert!(
         limits.iter().all(|share| *share <= 0.5) && limits[1] > 0.5 * f64::from(pea - 1) / f64::from(pea),
         "{limits:?}"
     );
     for substeps in [7, 11, 20, 23, 49] {
         let substeps = Substeps::new(substeps).unwrap();
-        for pace in simulation(&Level { substeps, ..table(&["cake", "pea"], "") }).paces() {
+        for pace in simulation(&Level { substeps, ..table(&["cake", "pea"], "") }).substep_plans() {
             assert_eq!(pace.step, Substeps::new(substeps.get() * pace.steps).unwrap().step());
         }
     }
@@ -153,7 +153,7 @@ fn a_stiff_pea_does_not_slow_a_soft_cake() {
     assert_eq!(called[0], (100, 100 * triangles[0]));
     assert_eq!(called[1], (100 * u64::from(pea), 100 * u64::from(pea) * triangles[1]));
     assert_eq!(run.counts().steps, 100);
-    let mut same = simulation(&Level { paces: Paces::Same, ..table(&["cake"], "") });
+    let mut same = simulation(&Level { paces: SubstepMode::Same, ..table(&["cake"], "") });
     same.advance(100, &mut || true);
     assert_eq!(run.state().time.to_bits(), same.state().time.to_bits(), "all meet at the end of every step");
 }
@@ -167,9 +167,9 @@ fn only_multirate_stepping_keeps_the_pea_stable() {
         let taken = run.advance(400, &mut || true);
         (taken, (run.energies().total() / before - 1.0).abs())
     };
-    let (taken, change) = energy(Paces::Own);
+    let (taken, change) = energy(SubstepMode::Own);
     assert!(taken == 400 && change < 0.01, "{taken} {change}");
-    let (taken, change) = energy(Paces::Same);
+    let (taken, change) = energy(SubstepMode::Same);
     assert!(taken < 400 || change > 1.0 || change.is_nan(), "{taken} {change}");
 }
 
@@ -178,7 +178,7 @@ fn where_nobody_needs_more_steps_nothing_changes() {
     for integrator in explicit() {
         let own =
             Level { integrator, substeps: Substeps::new(600).unwrap(), ..table(&["cake", "pea", "chain"], EVERYTHING) };
-        let same = Level { paces: Paces::Same, ..own.clone() };
+        let same = Level { paces: SubstepMode::Same, ..own.clone() };
         let (mut own, mut same) = (simulation(&own), simulation(&same));
         assert_eq!(parts(&own), [1, 1, 1]);
         assert_eq!(parts(&same), [0; 0]);
@@ -193,7 +193,7 @@ fn where_nobody_needs_more_steps_nothing_changes() {
 fn what_stiffness_does_not_limit_takes_the_steps_of_the_level() {
     for integrator in IntegratorKind::all().into_iter().filter(|kind| kind.kind().class() != Class::Explicit) {
         let own = Level { integrator, ..table(&["cake", "pea"], EVERYTHING) };
-        let same = Level { paces: Paces::Same, ..own.clone() };
+        let same = Level { paces: SubstepMode::Same, ..own.clone() };
         let (mut own, mut same) = (simulation(&own), simulation(&same));
         own.advance(5, &mut || true);
         same.advance(5, &mut || true);
@@ -393,7 +393,7 @@ fn the_step_counts_follow_edits_and_their_undo() {
     sandbox.apply(Command::SetSubsteps(Substeps::new(40).unwrap())).unwrap();
     assert_eq!(parts(sandbox.simulation()), [1, before[1].div_ceil(2)]);
     sandbox.apply(Command::TogglePin(CAKE + PEA - 1)).unwrap();
-    sandbox.apply(Command::SetPaces(Paces::Same)).unwrap();
+    sandbox.apply(Command::SetSubstepMode(SubstepMode::Same)).unwrap();
     assert_eq!(parts(sandbox.simulation()), [0; 0]);
     let fork = sandbox.fork();
     assert_eq!(parts(fork.simulation()), parts(sandbox.simulation()));
@@ -402,7 +402,7 @@ fn the_step_counts_follow_edits_and_their_undo() {
 #[test]
 fn levels_take_the_same_steps_for_all_unless_they_say_so() {
     let plain = level("(name: \"\")");
-    assert_eq!(plain.paces, Paces::Same);
+    assert_eq!(plain.paces, SubstepMode::Same);
     assert!(!files::write(&plain).unwrap().contains("paces"));
 }
 

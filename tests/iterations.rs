@@ -6,7 +6,7 @@ mod common;
 
 use common::{level, models, named, physics::Physics};
 use gingerbread::{
-    integrators::{IntegratorKind, Work},
+    integrators::{IntegratorKind, Workspace},
     meshes::NoFiles,
     scene::Scene,
     solvers::{LinearSolver, NewtonCounts},
@@ -41,7 +41,7 @@ fn stepped(
     floor: f64,
     integrator: &IntegratorKind,
     from: &State,
-    work: &mut Work,
+    work: &mut Workspace,
 ) -> (State, NewtonCounts) {
     let mut state = from.clone();
     let mut physics = Physics::new(scene);
@@ -59,7 +59,7 @@ fn farthest(one: &[f64], other: &[f64]) -> f64 {
 /// How far steps by iterations end from those with factors, as a share of what the scheme is off in each, at least of the longest
 /// way; the greatest of some steps, and what all of them took.
 fn compare(scene: &Scene, floor: f64, integrator: &IntegratorKind, steps: usize) -> (f64, NewtonCounts) {
-    let [mut direct, mut iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(Work::new);
+    let [mut direct, mut iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(Workspace::new);
     let mut state = scene.start.clone();
     let (mut greatest, mut all) = (0.0_f64, NewtonCounts::NONE);
     for _ in 0..steps {
@@ -98,8 +98,8 @@ fn iterative_and_direct_steps_agree() {
 fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
     let scene = sheet(20, "NeoHookean", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
     let euler = named("ImplicitEuler");
-    let step = |from: &State, work: &mut Work| stepped(&scene, 1e-4, &euler, from, work);
-    let mut work = Work::new(LinearSolver::Iterative);
+    let step = |from: &State, work: &mut Workspace| stepped(&scene, 1e-4, &euler, from, work);
+    let mut work = Workspace::new(LinearSolver::Iterative);
     let mut states = vec![scene.start.clone()];
     for _ in 0..4 {
         let (next, counts) = step(states.last().unwrap(), &mut work);
@@ -108,7 +108,7 @@ fn the_same_step_has_the_same_bits_whatever_was_solved_before() {
     }
     for pair in states.windows(2).rev() {
         work.forget();
-        for work in [&mut work, &mut Work::new(LinearSolver::Iterative)] {
+        for work in [&mut work, &mut Workspace::new(LinearSolver::Iterative)] {
             assert_eq!(step(&pair[0], work).0, pair[1]);
         }
     }
@@ -120,7 +120,7 @@ fn the_iteration_count_hardly_depends_on_the_mesh() {
     let [small, large] = [20, 80].map(|n| {
         let scene = sheet(n, "Corotated", 0.3, "pins: [Left], stretch: (1.1, 0.95),");
         let euler = named("ImplicitEuler");
-        stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(LinearSolver::Iterative)).1
+        stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Workspace::new(LinearSolver::Iterative)).1
     });
     assert!(large.abandoned == 0 && large.iterations <= small.iterations, "{small:?} {large:?}");
     assert!(2 * large.linear_iterations <= 3 * small.linear_iterations, "{small:?} {large:?}");
@@ -133,7 +133,7 @@ fn the_coupling_pattern_chooses_the_linear_solver() {
         for model in ["Corotated", "NeoHookean"] {
             let scene = sheet(n, model, 0.3, "stretch: (1.1, 0.95),");
             let euler = named("ImplicitEuler");
-            let step = |path| stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Work::new(path));
+            let step = |path| stepped(&scene, f64::NEG_INFINITY, &euler, &scene.start, &mut Workspace::new(path));
             let (chosen, counts) = step(LinearSolver::Chosen);
             assert_eq!(counts.linear_iterations > 0, path == LinearSolver::Iterative, "{n}: {counts:?}");
             assert!((chosen, counts) == step(path), "{n} {model}");

@@ -6,7 +6,7 @@ mod common;
 use common::{MODES, folder::Folder, level, sheet, simulation};
 use gingerbread::{
     files::{self, Disk, FileError},
-    level::{Level, Paces, RunMode, Switch},
+    level::{Level, RunMode, SubstepMode, Switch},
     levels::BUILT_IN,
     materials::Model,
     scene::{Scene, SceneError},
@@ -50,7 +50,8 @@ fn every_level_is_stable_at_its_step_with_and_without_damping() {
             for &model in Model::ALL {
                 level.bodies.iter_mut().for_each(|body| body.material = body.material.with_model(model));
                 let simulation = simulation(&level);
-                let share = if level.paces == Paces::Own { greatest_share(&simulation) } else { share(&simulation) };
+                let share =
+                    if level.paces == SubstepMode::Own { greatest_share(&simulation) } else { share(&simulation) };
                 // A toy has no stiffness that would limit the step.
                 let Some(share) = share else {
                     assert!(level.toy.is_some(), "{file}");
@@ -73,7 +74,7 @@ fn share(simulation: &Simulation) -> Option<f64> {
 
 /// The same of the body or net that is nearest to its own limit, where each goes at its own pace.
 fn greatest_share(simulation: &Simulation) -> Option<f64> {
-    let shares = simulation.scene().alone.iter().zip(simulation.paces()).filter_map(|(alone, pace)| {
+    let shares = simulation.scene().sub_scenes.iter().zip(simulation.substep_plans()).filter_map(|(alone, pace)| {
         let rest = State { x: alone.scene.rest.clone(), ..alone.scene.start.clone() };
         Some(pace.step / critical_step(&alone.scene, &rest)?)
     });

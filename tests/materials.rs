@@ -523,24 +523,24 @@ fn impossible_elasticity_is_refused_with_its_range() {
 #[test]
 fn a_model_without_an_answer_says_so() {
     let half = parameters(100.0, 0.5, Plane::Stress).unwrap().lame();
-    let caution = |model: Model, stretch| model.caution(half, stretch);
-    assert!(caution(Model::StVenantKirchhoff, 2.0).unwrap().contains("width"));
-    assert!(caution(Model::StVenantKirchhoff, 0.57).unwrap().contains("58 %"));
-    assert!(caution(Model::StVenantKirchhoff, 0.6).is_none());
-    assert!(caution(Model::StVenantKirchhoff, 1.7).is_none());
+    let strip_warning = |model: Model, stretch| model.strip_warning(half, stretch);
+    assert!(strip_warning(Model::StVenantKirchhoff, 2.0).unwrap().contains("width"));
+    assert!(strip_warning(Model::StVenantKirchhoff, 0.57).unwrap().contains("58 %"));
+    assert!(strip_warning(Model::StVenantKirchhoff, 0.6).is_none());
+    assert!(strip_warning(Model::StVenantKirchhoff, 1.7).is_none());
     // nu = 0.5 in plane stress: no width from s² - 1 = 1/nu on, that is from s = sqrt(3) = 1.732.
-    assert!(caution(Model::StVenantKirchhoff, 1.733).is_some());
-    assert!(caution(Model::NeoHookean, 2.0).is_none());
-    assert!(caution(Model::Corotated, 2.0).is_none());
+    assert!(strip_warning(Model::StVenantKirchhoff, 1.733).is_some());
+    assert!(strip_warning(Model::NeoHookean, 2.0).is_none());
+    assert!(strip_warning(Model::Corotated, 2.0).is_none());
     // The force of a logarithmic strip goes as ln(s)/s: it falls from s = e on.
-    assert!(caution(Model::Hencky, 2.71).is_none());
-    assert!(caution(Model::Hencky, 2.73).unwrap().contains("gives way"));
+    assert!(strip_warning(Model::Hencky, 2.71).is_none());
+    assert!(strip_warning(Model::Hencky, 2.73).unwrap().contains("gives way"));
     // Flat is no barrier for the model that takes an inverted triangle: a strip pressed far enough collapses.
-    assert!(caution(Model::StableNeoHookean, 0.3).is_none());
-    assert!(caution(Model::StableNeoHookean, 0.2).unwrap().contains("gives way"));
-    assert!([0.01, 0.6, 2.0].iter().all(|&stretch| caution(Model::FixedCorotated, stretch).is_none()));
+    assert!(strip_warning(Model::StableNeoHookean, 0.3).is_none());
+    assert!(strip_warning(Model::StableNeoHookean, 0.2).unwrap().contains("gives way"));
+    assert!([0.01, 0.6, 2.0].iter().all(|&stretch| strip_warning(Model::FixedCorotated, stretch).is_none()));
     let strain = parameters(100.0, 0.25, Plane::Strain).unwrap().lame();
     // nu >= 1/s² in plane strain: from s = 2 on.
-    assert!(Model::StVenantKirchhoff.caution(strain, 1.999).is_none());
-    assert!(Model::StVenantKirchhoff.caution(strain, 2.001).is_some());
+    assert!(Model::StVenantKirchhoff.strip_warning(strain, 1.999).is_none());
+    assert!(Model::StVenantKirchhoff.strip_warning(strain, 2.001).is_some());
 }

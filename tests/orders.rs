@@ -9,7 +9,7 @@ use common::{
 };
 use gingerbread::{
     files,
-    integrators::{Dynamics, IntegratorKind, Scheme, Work},
+    integrators::{Dynamics, IntegratorKind, Scheme, Workspace},
     level::Level,
     solvers::{BlockMatrix, Weights},
     state::State,
@@ -82,7 +82,7 @@ impl Dynamics for Pendulum {
         product[0] += libm::cos(x[0]) * d[0];
     }
 
-    fn couples(&self, _: &mut dyn FnMut(u32, u32)) {}
+    fn sparsity_pattern(&self, _: &mut dyn FnMut(u32, u32)) {}
 
     fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
         matrix.diagonal(0, &(Matrix2::new(libm::cos(x[0]), 0.0, 0.0, 0.0) * weights.position));
@@ -101,7 +101,7 @@ fn measured_order_matches_on_the_exact_pendulum() {
         let first = [0, 800, 150, 150, 40, 14][kind.kind().order() as usize];
         assert_order(&kind, "pendulum,", |refine| {
             let mut state = State { x: vec![start[0], 0.0], v: vec![start[1], 0.0], ..State::default() };
-            let mut work = Work::default();
+            let mut work = Workspace::default();
             let steps = first * refine;
             for _ in 0..steps {
                 kind.kind().step(&mut Pendulum, &mut state, &mut work, time / steps as f64);
@@ -111,7 +111,7 @@ fn measured_order_matches_on_the_exact_pendulum() {
         let Scheme::First(scheme) = kind.kind().scheme() else { continue };
         assert_order(&kind, "pendulum as a toy,", |refine| {
             let mut state = State { x: start.to_vec(), ..State::default() };
-            let mut work = Work::default();
+            let mut work = Workspace::default();
             let steps = first * refine;
             for _ in 0..steps {
                 scheme.step(&mut Rate(&toy), &mut state, &mut work, time / steps as f64);

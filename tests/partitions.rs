@@ -19,7 +19,7 @@ fn large(body: &str, rest: &str) -> Level {
 fn work(simulation: &Simulation) -> impl PartialEq + std::fmt::Debug {
     let costs = simulation.costs().iter().map(|cost| (cost.name, cost.calls, cost.elements, cost.skipped, cost.idle));
     let state = simulation.state();
-    (state.hash(), state.time, state.calm.clone(), simulation.counts(), costs.collect::<Vec<_>>())
+    (state.hash(), state.time, state.slow_checks.clone(), simulation.counts(), costs.collect::<Vec<_>>())
 }
 
 /// Runs a level on this thread and in pools of one, two, three and eight threads, and compares state and books. Returns the first.
@@ -31,7 +31,7 @@ fn compare(level: &Level, steps: u64) -> Simulation {
         let mut run = simulation(level);
         pool.install(|| run.advance(steps, &mut || true));
         assert_eq!(work(&run), work(&alone), "{threads} threads");
-        assert_eq!((run.fault(), run.parts()), (alone.fault(), alone.parts()), "{threads} threads");
+        assert_eq!((run.fault(), run.guard_substeps()), (alone.fault(), alone.guard_substeps()), "{threads} threads");
     }
     alone
 }

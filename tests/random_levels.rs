@@ -8,7 +8,7 @@ use common::level;
 use gingerbread::{
     command::{Command, Mode},
     integrators::{IntegratorKind, Scheme},
-    level::{Level, Paces},
+    level::{Level, SubstepMode},
     meshes::NoFiles,
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
@@ -146,7 +146,7 @@ proptest! {
     fn random_multirate_levels_stay_finite_and_in_the_world((level, drags) in scene()) {
         // Bodies that take 100,000 steps a frame take them, but not in a test; with common steps all are in the test above.
         if level.bodies.iter().all(|body| body.material.lame().mu < 1e4) {
-            pull(Level { paces: Paces::Own, ..level }, drags)?;
+            pull(Level { paces: SubstepMode::Own, ..level }, drags)?;
         }
     }
 }

@@ -139,9 +139,9 @@ fn bits_of(elements: &dyn Effect, motion: Motion<'_>) -> Vec<u64> {
     let mut random = Random(6);
     let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; motion.x.len()]);
     elements.force(motion, &mut scratch, &mut force);
-    let mut couples = Vec::new();
-    elements.couples(&mut |a, b| couples.push([a, b]));
-    let mut matrix = BlockMatrix::new(motion.x.len() / 2, &couples);
+    let mut pattern = Vec::new();
+    elements.sparsity_pattern(&mut |a, b| pattern.push([a, b]));
+    let mut matrix = BlockMatrix::new(motion.x.len() / 2, &pattern);
     matrix.clear();
     elements.add_stiffness(motion, Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Definite }, &mut matrix);
     let d: Vec<_> = motion.x.iter().map(|_| random.between(-1.0, 1.0)).collect();
@@ -358,9 +358,9 @@ fn swept_stiffness_matches_single_triangles() {
     let mut random = Random(4);
     for_every_sheet(|simulation, x, model| {
         let elements = &simulation.scene().bodies[0].elements;
-        let mut couples = Vec::new();
-        elements.couples(&mut |a, b| couples.push([a, b]));
-        let mut matrix = BlockMatrix::new(x.len() / 2, &couples);
+        let mut pattern = Vec::new();
+        elements.sparsity_pattern(&mut |a, b| pattern.push([a, b]));
+        let mut matrix = BlockMatrix::new(x.len() / 2, &pattern);
         let motion = Motion { x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
         let d: Vec<_> = x.iter().map(|_| random.between(-1.0, 1.0)).collect();
         for (tangent, change) in kinds {

@@ -264,7 +264,7 @@ fn every_change_of_what_acts_wakes_and_moves_nothing() {
         Command::TogglePin(3),
         Command::SetGuard(Toggle::Off),
         Command::SetSleep(Toggle::Off),
-        Command::SetPaces(gingerbread::level::Paces::Own),
+        Command::SetSubstepMode(gingerbread::level::SubstepMode::Own),
         Command::Grab(3, [0.5, 0.5]),
     ];
     for change in changes {

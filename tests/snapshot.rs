@@ -28,19 +28,19 @@ fn a_state_is_surveyed_once_however_often_it_is_drawn() {
     for _ in 0..5 {
         sandbox.snapshot(Field::VonMises, &mut snapshot);
     }
-    assert_eq!(snapshot.sweeps, 1, "one sweep for energies, shapes and stress");
+    assert_eq!(snapshot.evaluations, 1, "one sweep for energies, shapes and stress");
     sandbox.snapshot(Field::None, &mut snapshot);
-    assert_eq!((snapshot.sweeps, snapshot.values.len()), (2, 0), "stress is not computed where it is not shown");
+    assert_eq!((snapshot.evaluations, snapshot.values.len()), (2, 0), "stress is not computed where it is not shown");
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     sandbox.advance(7, &mut || true);
     sandbox.snapshot(Field::Volume, &mut snapshot);
     let (energies, (min_j, inverted)) = (sandbox.simulation().energies(), sandbox.simulation().inversion());
     assert_eq!((snapshot.energies, snapshot.min_j, snapshot.inverted), (energies, min_j, inverted));
     assert_eq!(snapshot.values.iter().copied().fold(f64::INFINITY, f64::min), min_j);
-    let (sweeps, before) = (snapshot.sweeps, snapshot.energies);
+    let (sweeps, before) = (snapshot.evaluations, snapshot.energies);
     sandbox.apply(Command::Grab(0, [0.5, 0.5])).unwrap();
     sandbox.snapshot(Field::Volume, &mut snapshot);
-    assert_eq!((snapshot.sweeps, snapshot.energies), (sweeps, sandbox.simulation().energies()));
+    assert_eq!((snapshot.evaluations, snapshot.energies), (sweeps, sandbox.simulation().energies()));
     assert!(snapshot.energies.potential > before.potential, "a pull stores energy, and moves nothing yet");
 }
 
@@ -52,7 +52,8 @@ fn elastic_energy_is_computed_once_per_shape() {
     let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
     let mut snapshot = Snapshot::default();
     sandbox.snapshot(Field::VonMises, &mut snapshot);
-    let sweeps = |sandbox: &Sandbox, drawn: &Snapshot| sandbox.simulation().energy_sweeps() + drawn.energy_sweeps;
+    let sweeps =
+        |sandbox: &Sandbox, drawn: &Snapshot| sandbox.simulation().energy_evaluations() + drawn.energy_evaluations;
     assert_eq!(sweeps(&sandbox, &snapshot), 1);
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
     sandbox.advance(1, &mut || true);
@@ -133,7 +134,7 @@ fn colours_and_counts_match_single_triangles() {
             assert_eq!(found.continued, each.iter().filter(|((_, continued), _)| *continued).count());
             let energy: f64 = each.iter().map(|((alone, _), area)| alone[0] * area).sum();
             assert!((found.energy - energy).abs() <= 1e-12 * energy || energy.is_nan() && found.energy.is_nan());
-            assert_eq!(elements.survey_knowing(Some(7.0), field, &x, &mut values).energy, 7.0);
+            assert_eq!(elements.diagnose_with_energy(Some(7.0), field, &x, &mut values).energy, 7.0);
         }
     }
 }

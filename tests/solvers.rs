@@ -29,19 +29,19 @@ fn patterns() -> Vec<(usize, Vec<[u32; 2]>)> {
     ];
     for count in [10_u32, 60, 150] {
         let any = |random: &mut Random| random.between(0.0, f64::from(count)) as u32;
-        let couples = (0..2 * count).map(|_| [any(&mut random), any(&mut random)]).filter(|[a, b]| a != b);
-        patterns.push((count as usize, couples.collect()));
+        let pattern = (0..2 * count).map(|_| [any(&mut random), any(&mut random)]).filter(|[a, b]| a != b);
+        patterns.push((count as usize, pattern.collect()));
     }
     patterns
 }
 
 /// A positive definite matrix with this pattern.
-fn filled(vertices: usize, couples: &[[u32; 2]]) -> BlockMatrix {
+fn filled(vertices: usize, pattern: &[[u32; 2]]) -> BlockMatrix {
     let mut random = Random(vertices as u64);
-    let mut matrix = BlockMatrix::new(vertices, couples);
-    for [a, b] in couples {
+    let mut matrix = BlockMatrix::new(vertices, pattern);
+    for [a, b] in pattern {
         let block = Matrix2::from_fn(|_, _| random.between(-1.0, 1.0));
-        matrix.couple(&block);
+        matrix.off_diagonal(&block);
         for vertex in [*a, *b] {
             matrix.diagonal(vertex as usize, &Matrix2::from_diagonal_element(2.0));
         }
@@ -94,9 +94,9 @@ fn the_factor_agrees_with_a_dense_solution() {
             place.swap(last, random.between(0.0, last as f64 + 1.0) as usize);
         }
         let renumbered: Vec<_> =
-            matrix.couples().iter().map(|[a, b]| [place[*b as usize], place[*a as usize]]).collect();
+            matrix.pattern().iter().map(|[a, b]| [place[*b as usize], place[*a as usize]]).collect();
         let mut other = BlockMatrix::new(vertices, &renumbered);
-        matrix.blocks().iter().for_each(|block| other.couple(&block.transpose()));
+        matrix.blocks().iter().for_each(|block| other.off_diagonal(&block.transpose()));
         let mut moved = vec![0.0; b.len()];
         for (vertex, block) in matrix.diagonals().iter().enumerate() {
             let to = place[vertex] as usize;
@@ -115,8 +115,8 @@ fn the_factor_agrees_with_a_dense_solution() {
 
 #[test]
 fn what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest() {
-    for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
-        let matrix = filled(vertices, &couples);
+    for (number, (vertices, pattern)) in patterns().into_iter().enumerate() {
+        let matrix = filled(vertices, &pattern);
         let mut random = Random(number as u64);
         let count = 2 * vertices;
         let weight: Vec<_> = (0..count).map(|_| random.between(-0.5, 1.0).max(0.0)).collect();
@@ -161,11 +161,11 @@ fn an_indefinite_matrix_is_reported() {
 
 #[test]
 fn a_matrix_knows_which_list_it_was_made_for() {
-    for (vertices, couples) in patterns() {
-        let matrix = filled(vertices, &couples);
-        assert!(matrix.is_for(vertices, &couples));
-        assert!(!matrix.is_for(vertices + 1, &couples));
-        if let Some(([a, b], rest)) = couples.split_first() {
+    for (vertices, pattern) in patterns() {
+        let matrix = filled(vertices, &pattern);
+        assert!(matrix.is_for(vertices, &pattern));
+        assert!(!matrix.is_for(vertices + 1, &pattern));
+        if let Some(([a, b], rest)) = pattern.split_first() {
             assert!(!matrix.is_for(vertices, rest));
             assert!(!matrix.is_for(vertices, &[&[[*b, *a]], rest].concat()));
         }
@@ -184,7 +184,7 @@ fn nothing_at_all_is_solved_too() {
 /// `A z = b`, with some numbers fixed.
 struct Linear {
     matrix: BlockMatrix,
-    couples: Vec<[u32; 2]>,
+    pattern: Vec<[u32; 2]>,
     b: Vec<f64>,
     inverse_weight: Vec<f64>,
 }
@@ -200,11 +200,11 @@ impl Equations for Linear {
 
     fn derivative(&mut self, _: &[f64], _: Tangent, matrix: &mut BlockMatrix) {
         self.matrix.diagonals().iter().enumerate().for_each(|(vertex, block)| matrix.diagonal(vertex, block));
-        self.matrix.blocks().iter().for_each(|block| matrix.couple(block));
+        self.matrix.blocks().iter().for_each(|block| matrix.off_diagonal(block));
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        self.couples.iter().for_each(|[a, b]| add(*a, *b));
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.pattern.iter().for_each(|[a, b]| add(*a, *b));
     }
 
     fn inverse_weight(&self) -> &[f64] {
@@ -221,16 +221,16 @@ impl Equations for Linear {
 /// Any vertices may be coupled and any numbers fixed.
 #[test]
 fn iterations_agree_with_the_factor() {
-    for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
-        let matrix = filled(vertices, &couples);
-        let couples = matrix.couples().to_vec();
+    for (number, (vertices, pattern)) in patterns().into_iter().enumerate() {
+        let matrix = filled(vertices, &pattern);
+        let pattern = matrix.pattern().to_vec();
         let mut random = Random(number as u64);
         let b: Vec<_> = (0..2 * vertices).map(|_| random.between(-1.0, 1.0)).collect();
         for fixed in [0.0, 0.3, 1.0] {
             let inverse_weight: Vec<_> =
                 b.iter().map(|_| f64::from(u8::from(random.between(0.0, 1.0) >= fixed))).collect();
             let mut equations =
-                Linear { matrix: matrix.clone(), couples: couples.clone(), b: b.clone(), inverse_weight };
+                Linear { matrix: matrix.clone(), pattern: pattern.clone(), b: b.clone(), inverse_weight };
             let [direct, iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(|path| {
                 let mut z = vec![0.0; b.len()];
                 let counts = Newton::new(path).solve(&mut equations, &mut z);

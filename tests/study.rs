@@ -17,7 +17,8 @@ use gingerbread::{
     meshes::NoFiles,
     sandbox::Sandbox,
     study::{
-        MOST_RUNS, NoErrors, NoOrder, Plan, Price, ReferenceJob, Run, Setting, Source, Status, Trial, WorkPrecision,
+        MOST_RUNS, NoErrors, NoOrder, Plan, Price, ReferenceJob, Setting, Source, Status, Trial, TrialRun,
+        WorkPrecision,
     },
 };
 use program::{Folder, gingerbread, said};
@@ -83,7 +84,7 @@ fn a_reference_meets_its_own_error_bound() {
     assert!(rough.own_error <= 1e-6 && rough.own_error > 0.0);
     let finer = reference_of(&trial, 1e-10);
     let Source::Fine(setting) = &rough.source else { unreachable!("nothing here is known exactly") };
-    let outcome = Run::new(&trial, setting).advance(&trial, &finer, WHOLE).unwrap();
+    let outcome = TrialRun::new(&trial, setting).advance(&trial, &finer, WHOLE).unwrap();
     assert!(outcome.error <= rough.own_error, "{:e} above {:e}", outcome.error, rough.own_error);
 }
 
@@ -212,7 +213,7 @@ fn an_applied_suggestion_keeps_its_promise() {
         assert_eq!(Setting::of(&changed), suggestion.setting);
         let again = trial(&changed, 0.2);
         let reference = reference_of(&again, Plan::default().smallest_error);
-        let outcome = Run::new(&again, &again.current).advance(&again, &reference, WHOLE).unwrap();
+        let outcome = TrialRun::new(&again, &again.current).advance(&again, &reference, WHOLE).unwrap();
         assert_eq!(outcome.error, suggestion.outcome.error, "{suggestion}");
     }
     let sentence = diagram.suggest(0.01, Price::Time).unwrap().to_string();

@@ -169,7 +169,7 @@ impl Facts {
             substeps: level.substeps,
             limit,
             class: level.integrator.kind().class(),
-            multirate: !now.paces.is_empty(),
+            multirate: !now.substep_plans.is_empty(),
             guard: level.guard == Toggle::On,
             weak: !compression && now.bodies.iter().any(|body| body.model == Model::StVenantKirchhoff),
             side_by_side: now.side_by_side,

@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 const COLORS: usize = 256;
 
 /// How long [s] values must be small before the range follows them down.
-const PATIENCE: f32 = 1.5;
+const SHRINK_DELAY: f32 = 1.5;
 
 /// Time constant [s] with which the shown range goes to a new one.
 const EASE: f32 = 0.12;
@@ -41,8 +41,8 @@ pub struct Scale {
     /// Where it is.
     high: f64,
     /// How long it could have been smaller [s], and the largest value since.
-    calm: f32,
-    calm_high: f64,
+    below_time: f32,
+    below_high: f64,
     sorted: Vec<f64>,
     /// The largest typical value of its own, and of another scale that it shares its range with.
     typical: f64,
@@ -56,20 +56,20 @@ impl Scale {
         let wanted = round_up(self.typical.max(self.heeded).max(floor(snapshot)));
         if self.field != snapshot.field || self.generation != Some(snapshot.generation) {
             (self.field, self.generation) = (snapshot.field, Some(snapshot.generation));
-            (self.goal, self.high, self.calm) = (wanted, wanted, 0.0);
+            (self.goal, self.high, self.below_time) = (wanted, wanted, 0.0);
             return;
         }
         if wanted > self.goal {
             self.goal = wanted;
         }
         if wanted < 0.45 * self.goal {
-            self.calm_high = if self.calm > 0.0 { self.calm_high.max(wanted) } else { wanted };
-            self.calm += dt;
+            self.below_high = if self.below_time > 0.0 { self.below_high.max(wanted) } else { wanted };
+            self.below_time += dt;
         } else {
-            self.calm = 0.0;
+            self.below_time = 0.0;
         }
-        if self.calm > PATIENCE {
-            (self.goal, self.calm) = (self.calm_high, 0.0);
+        if self.below_time > SHRINK_DELAY {
+            (self.goal, self.below_time) = (self.below_high, 0.0);
         }
         let step = f64::from(1.0 - (-dt / EASE).exp());
         self.high *= (step * (self.goal / self.high).ln()).exp();
@@ -85,7 +85,7 @@ impl Scale {
 
     /// Whether the range is on its way to another one.
     pub fn is_moving(&self) -> bool {
-        self.field != Field::None && (self.high != self.goal || self.calm > 0.0)
+        self.field != Field::None && (self.high != self.goal || self.below_time > 0.0)
     }
 
     /// The values at the two ends of the map.

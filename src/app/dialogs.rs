@@ -1,5 +1,5 @@
 //! Native dialogs for opening and saving, polled so that nothing waits for them. Where there are none (a browser, a bare
-//! system) the answer is [`Answer::Unavailable`], and the window asks for text instead.
+//! system) the answer is [`DialogResult::Unavailable`], and the window asks for text instead.
 
 use super::panels::Export;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ impl Purpose {
 
 /// What came out of a dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum DialogResult {
     /// This file.
     Chosen(Purpose, PathBuf),
     /// There is no native dialog here.
@@ -52,7 +52,7 @@ pub use nowhere::Dialogs;
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
-    use super::{Answer, PathBuf, Purpose};
+    use super::{DialogResult, PathBuf, Purpose};
     use eframe::egui::Context;
     use rfd::{AsyncFileDialog, FileHandle};
     use std::{
@@ -125,10 +125,10 @@ mod native {
         }
 
         /// Looks whether a dialog was answered. Never waits.
-        pub fn poll(&mut self, ctx: &Context) -> Option<Answer> {
+        pub fn poll(&mut self, ctx: &Context) -> Option<DialogResult> {
             let waker = Waker::from(Arc::new(Repaint(ctx.clone())));
             if let Some(purpose) = self.refused.take() {
-                return Some(Answer::Unavailable(purpose));
+                return Some(DialogResult::Unavailable(purpose));
             }
             let pending = self.open.as_mut()?;
             let Poll::Ready(choice) = pending.choice.as_mut().poll(&mut std::task::Context::from_waker(&waker)) else {
@@ -136,11 +136,11 @@ mod native {
             };
             let Pending { purpose, since, .. } = self.open.take()?;
             let Some(path) = choice.map(|file| file.path().to_path_buf()) else {
-                return (since.elapsed() < TOO_FAST).then_some(Answer::Unavailable(purpose));
+                return (since.elapsed() < TOO_FAST).then_some(DialogResult::Unavailable(purpose));
             };
             self.folder = path.parent().map(PathBuf::from);
             let path = if purpose == Purpose::Open { path } else { with_extension(path, purpose.name()) };
-            Some(Answer::Chosen(purpose, path))
+            Some(DialogResult::Chosen(purpose, path))
         }
     }
 
@@ -160,7 +160,7 @@ mod native {
 
 #[cfg(target_arch = "wasm32")]
 mod nowhere {
-    use super::{Answer, Purpose};
+    use super::{DialogResult, Purpose};
 
     /// A browser has no file dialogs that can be waited for.
     #[derive(Default)]
@@ -185,8 +185,8 @@ mod nowhere {
         }
 
         /// Looks whether there is an answer.
-        pub fn poll(&mut self, _ctx: &eframe::egui::Context) -> Option<Answer> {
-            self.asked.take().map(Answer::Unavailable)
+        pub fn poll(&mut self, _ctx: &eframe::egui::Context) -> Option<DialogResult> {
+            self.asked.take().map(DialogResult::Unavailable)
         }
     }
 }

@@ -21,7 +21,7 @@ pub struct Binding {
     /// Whether holding the key does it again and again.
     pub repeats: bool,
     /// What it does.
-    pub act: fn(&Snapshot) -> Act,
+    pub action: fn(&Snapshot) -> KeyAction,
 }
 
 /// When a line of the table applies.
@@ -41,7 +41,7 @@ pub enum When {
 
 /// What a key asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Act {
+pub enum KeyAction {
     /// A change of the sandbox.
     Do(Command),
     /// Shows or hides the list of keys.
@@ -54,7 +54,7 @@ pub enum Act {
 
 impl When {
     /// Whether the line applies now.
-    pub fn holds(self, now: &Snapshot) -> bool {
+    pub fn applies(self, now: &Snapshot) -> bool {
         match self {
             Self::Always => true,
             Self::Edit => now.mode == Mode::Edit,
@@ -92,9 +92,9 @@ const fn binding(
     words: &'static str,
     when: When,
     shortcuts: &'static [KeyboardShortcut],
-    act: fn(&Snapshot) -> Act,
+    action: fn(&Snapshot) -> KeyAction,
 ) -> Binding {
-    Binding { label, words, when, shortcuts, repeats: false, act }
+    Binding { label, words, when, shortcuts, repeats: false, action }
 }
 
 /// How far a press turns time back [s]. A held key repeats about 30 times a second.
@@ -102,22 +102,26 @@ const BACK: f64 = 0.05;
 
 /// Everything keys and mouse do.
 pub static TABLE: &[Binding] = &[
-    binding("Click", "pin or free the vertex nearest to the cursor", When::Edit, &[], |_| Act::Mouse),
-    binding("R", "remove all pins", When::Edit, &[key(Key::R)], |_| Act::Do(Command::ClearPins)),
-    binding("Drag", "pull a vertex", When::Moving, &[], |_| Act::Mouse),
-    binding("R", "start over: positions and velocities", When::Moving, &[key(Key::R)], |_| Act::Do(Command::Reset)),
+    binding("Click", "pin or free the vertex nearest to the cursor", When::Edit, &[], |_| KeyAction::Mouse),
+    binding("R", "remove all pins", When::Edit, &[key(Key::R)], |_| KeyAction::Do(Command::ClearPins)),
+    binding("Drag", "pull a vertex", When::Moving, &[], |_| KeyAction::Mouse),
+    binding("R", "start over: positions and velocities", When::Moving, &[key(Key::R)], |_| {
+        KeyAction::Do(Command::Reset)
+    }),
     Binding {
         repeats: true,
         ..binding("Backspace", "go back in time; hold to go back further", When::Moving, &[key(Key::Backspace)], |_| {
-            Act::Do(Command::Rewind(BACK))
+            KeyAction::Do(Command::Rewind(BACK))
         })
     },
     binding("Space", "run or pause", When::Always, &[key(Key::Space)], |now| {
-        Act::Do(Command::SetRunning(now.mode == Mode::Edit || !now.running))
+        KeyAction::Do(Command::SetRunning(now.mode == Mode::Edit || !now.running))
     }),
     binding("M", "edit / simulate", When::Always, &[key(Key::M)], |now| toggle(now, Mode::Simulate)),
     binding("T", "edit / collide", When::Always, &[key(Key::T)], |now| toggle(now, Mode::Collide)),
-    binding("D", "damping on or off", When::Always, &[key(Key::D)], |now| Act::Do(Command::SetDamping(!now.damping))),
+    binding("D", "damping on or off", When::Always, &[key(Key::D)], |now| {
+        KeyAction::Do(Command::SetDamping(!now.damping))
+    }),
     binding("C", "corotated model, and start over", When::Bodies, &[key(Key::C)], |_| model(Model::Corotated)),
     binding("V", "St. Venant-Kirchhoff model, and start over", When::Bodies, &[key(Key::V)], |_| {
         model(Model::StVenantKirchhoff)
@@ -131,14 +135,14 @@ pub static TABLE: &[Binding] = &[
     }),
     binding("H", "Hencky model, and start over", When::Bodies, &[key(Key::H)], |_| model(Model::Hencky)),
     binding("U", "untangle bodies that overlap themselves", When::Bodies, &[key(Key::U)], |_| {
-        Act::Do(Command::Untangle)
+        KeyAction::Do(Command::Untangle)
     }),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
     Binding {
         repeats: true,
         ..binding("Ctrl+Z", "undo: pins, sliders, model, level", When::Always, &[command(Key::Z)], |_| {
-            Act::Do(Command::Undo)
+            KeyAction::Do(Command::Undo)
         })
     },
     Binding {
@@ -148,25 +152,25 @@ pub static TABLE: &[Binding] = &[
             "redo (also Ctrl+Shift+Z)",
             When::Always,
             &[command(Key::Y), KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z)],
-            |_| Act::Do(Command::Redo),
+            |_| KeyAction::Do(Command::Redo),
         )
     },
     binding("B", "compare: a second pane B beside A, or A alone", When::Always, &[key(Key::B)], |_| {
-        Act::ToggleComparison
+        KeyAction::ToggleComparison
     }),
-    binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| Act::ToggleHelp),
+    binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| KeyAction::ToggleHelp),
 ];
 
-const fn model(model: Model) -> Act {
-    Act::Do(Command::SetModel(model))
+const fn model(model: Model) -> KeyAction {
+    KeyAction::Do(Command::SetModel(model))
 }
 
-const fn pose(pose: Pose) -> Act {
-    Act::Do(Command::SetPose(pose))
+const fn pose(pose: Pose) -> KeyAction {
+    KeyAction::Do(Command::SetPose(pose))
 }
 
-fn toggle(now: &Snapshot, mode: Mode) -> Act {
-    Act::Do(Command::SetMode(if now.mode == mode { Mode::Edit } else { mode }))
+fn toggle(now: &Snapshot, mode: Mode) -> KeyAction {
+    KeyAction::Do(Command::SetMode(if now.mode == mode { Mode::Edit } else { mode }))
 }
 
 impl Binding {
@@ -179,7 +183,7 @@ impl Binding {
 
 /// The line that the key of `binding` stands for now: an earlier key of the same frame may have changed the mode.
 pub fn now(binding: &Binding, now: &Snapshot) -> Option<&'static Binding> {
-    TABLE.iter().find(|b| b.label == binding.label && b.when.holds(now))
+    TABLE.iter().find(|b| b.label == binding.label && b.when.applies(now))
 }
 
 /// Takes the keys of the table out of this frame's input, so that Space presses no button and arrows move no focus.
@@ -209,7 +213,7 @@ fn forget_question_mark(input: &mut InputState) {
 /// Whether the event belongs to the table.
 fn take(event: &Event, now: &Snapshot, found: &mut Vec<&'static Binding>) -> bool {
     let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return false };
-    let Some(binding) = TABLE.iter().find(|b| b.is_pressed_by(*key, *modifiers) && b.when.holds(now)) else {
+    let Some(binding) = TABLE.iter().find(|b| b.is_pressed_by(*key, *modifiers) && b.when.applies(now)) else {
         return false;
     };
     if !repeat || binding.repeats {

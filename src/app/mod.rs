@@ -9,8 +9,8 @@ mod colour;
 pub mod compare;
 mod dialogs;
 mod draw;
-mod file_work;
 mod gallery;
+mod handle_files;
 mod jobs;
 pub mod keys;
 mod meshing;
@@ -41,7 +41,7 @@ use gallery::Gallery;
 use jobs::Jobs;
 use meshing::Meshing;
 use meter::Meter;
-use panels::{Desk, FileRequest, History, Notice, View};
+use panels::{FileRequest, History, Notice, PanelContext, View};
 use web_time::Instant;
 
 /// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
@@ -306,7 +306,7 @@ impl App {
         let elapsed = now - self.last.replace(now).unwrap_or(now);
         let step = panes.as_ref().map_or(self.sandbox.step_length(), |panes| panes.round_length(&self.sandbox));
         let owed = self.clock.owe(clock::steadied(elapsed, step), step);
-        let before = self.work();
+        let before = self.step_counts();
         let (start, budget) = (Instant::now(), self.budget);
         let more = &mut || start.elapsed().as_secs_f64() < budget;
         let taken = match &mut self.comparison {
@@ -315,20 +315,20 @@ impl App {
         };
         let physics = start.elapsed().as_secs_f64();
         if elapsed > 0.0 {
-            let after = self.work();
+            let after = self.step_counts();
             let work = [0, 1].map(|number| after[number].saturating_sub(before[number]));
             self.clock.pay(Spent { elapsed, step, owed, taken, physics, frame, work });
         }
     }
 
     /// Steps that were computed so far, those that the guard threw away among them, and how many they would be if it divided none.
-    fn work(&self) -> [u64; 2] {
+    fn step_counts(&self) -> [u64; 2] {
         let mut sum = [0, 0];
         for sandbox in [&self.sandbox].into_iter().chain(self.comparison.as_ref().map(|panes| &panes.b)) {
             let simulation = sandbox.simulation();
             let counts = simulation.counts();
             // What controls its error divides its steps itself; nobody guards it.
-            let each = simulation.paces().map(|pace| u64::from(pace.steps)).sum::<u64>().max(1);
+            let each = simulation.substep_plans().map(|plan| u64::from(plan.steps)).sum::<u64>().max(1);
             let undivided = if simulation.scene().integrator.kind().class() == Class::ErrorControlled {
                 counts.inner_steps
             } else {
@@ -358,21 +358,21 @@ impl App {
                     jobs.grant(request, sandbox);
                 }
             }
-            if (number == chosen || jobs.twin().is_some() || jobs.is_busy()) && jobs.work(sandbox, gauge) {
+            if (number == chosen || jobs.twin().is_some() || jobs.is_busy()) && jobs.advance(sandbox, gauge) {
                 ctx.request_repaint();
             }
-            if doubts[number] && jobs.look_at_rest(sandbox) {
+            if doubts[number] && jobs.measure_rest_limit(sandbox) {
                 ctx.request_repaint();
             }
         }
     }
 
     /// Copies what is to be seen. While the panes are on their way to meet, what they showed last stays.
-    fn look(&mut self) {
+    fn update_snapshot(&mut self) {
         let field = self.view.stage.field;
         match &mut self.comparison {
             Some(panes) if panes.is_between() => return,
-            Some(panes) => panes.look(&self.sandbox, &mut self.snapshot, field),
+            Some(panes) => panes.update_snapshots(&self.sandbox, &mut self.snapshot, field),
             None => self.sandbox.snapshot(field, &mut self.snapshot),
         }
         self.history.record(&self.snapshot);
@@ -400,14 +400,14 @@ impl eframe::App for App {
         if let Some(panes) = &mut self.comparison {
             panes.jobs.follow(&panes.b);
         }
-        self.file_work(ctx);
+        self.handle_files(ctx);
         self.apply_requests();
         self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.time_effects();
         self.advance(ctx.input(|input| input.time), time_of_frame);
         self.study(ctx);
-        self.look();
+        self.update_snapshot();
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
@@ -423,7 +423,7 @@ impl eframe::App for App {
             None => (&self.snapshot, &self.history, &self.jobs),
         };
         let (rates, gallery, first) = (self.clock.rates(), &self.gallery, &self.snapshot);
-        let desk = Desk { now, rates, gallery, history, jobs, meter: &self.meter, comparison: panes, first };
+        let context = PanelContext { now, rates, gallery, history, jobs, meter: &self.meter, comparison: panes, first };
         let canvas = &mut self.canvas;
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {
@@ -433,7 +433,7 @@ impl eframe::App for App {
             }
             _ => canvas.show(ui, first, &view.stage, commands),
         };
-        panels::show(ui, &desk, &mut self.view, &mut draw, &mut self.commands);
+        panels::show(ui, &context, &mut self.view, &mut draw, &mut self.commands);
         if let (Some(panes), Some(stage)) = (&mut self.comparison, stage) {
             panes.stage = stage;
         }

@@ -40,9 +40,9 @@ pub struct Theme {
     /// The vertex that would be picked.
     pub glow: Color32,
     /// Lines and numbers on the stage.
-    pub ink: Color32,
+    pub annotation: Color32,
     /// Less important lines and numbers on the stage.
-    pub faint_ink: Color32,
+    pub faint_annotation: Color32,
     /// Behind numbers on the stage.
     pub card: Color32,
     /// Panels.
@@ -66,7 +66,7 @@ pub struct Theme {
     /// It works: stable, honest.
     pub good: Color32,
     /// Be careful.
-    pub caution: Color32,
+    pub warning: Color32,
     /// It went wrong.
     pub bad: Color32,
     /// Lines of plots, in this order; told apart by colour-blind eyes.
@@ -99,8 +99,8 @@ static NIGHT: Theme = Theme {
     candy: [rgb(0xD7_443E), rgb(0x3E_9B6E)],
     pull: rgb(0xE5_484D),
     glow: rgb(0xFF_D98A),
-    ink: rgb(0xF2_F5FB),
-    faint_ink: rgb(0xA9_B9D4),
+    annotation: rgb(0xF2_F5FB),
+    faint_annotation: rgb(0xA9_B9D4),
     card: rgba(0x0C_1526, 205),
     panel: rgb(0x16_2238),
     well: rgb(0x0E_1829),
@@ -112,7 +112,7 @@ static NIGHT: Theme = Theme {
     on_accent: rgb(0xFF_F7EA),
     accent_line: rgb(0xE0_A067),
     good: rgb(0x6F_CF97),
-    caution: rgb(0xF2_B85C),
+    warning: rgb(0xF2_B85C),
     bad: rgb(0xFF_7B7F),
     series: [rgb(0xE0_A067), rgb(0x6C_B6F2), rgb(0x6F_CF97), rgb(0xF0_82B4), rgb(0xF2_E06B), rgb(0xB9_A5F5)],
 };
@@ -135,8 +135,8 @@ static DAY: Theme = Theme {
     candy: [rgb(0xD7_443E), rgb(0x3E_9B6E)],
     pull: rgb(0xE5_484D),
     glow: rgb(0xFF_C24B),
-    ink: rgb(0x3A_2614),
-    faint_ink: rgb(0x7C_674E),
+    annotation: rgb(0x3A_2614),
+    faint_annotation: rgb(0x7C_674E),
     card: rgba(0xFF_FCF5, 225),
     panel: rgb(0xF7_EFE0),
     well: rgb(0xFF_FCF5),
@@ -148,7 +148,7 @@ static DAY: Theme = Theme {
     on_accent: rgb(0xFF_FBF3),
     accent_line: rgb(0x8F_4F1C),
     good: rgb(0x1F_7A4D),
-    caution: rgb(0x9A_5B00),
+    warning: rgb(0x9A_5B00),
     bad: rgb(0xB8_2A30),
     series: [rgb(0xA0_5A1E), rgb(0x1F_6FB5), rgb(0x1F_7A4D), rgb(0xB8_3B78), rgb(0x8A_7400), rgb(0x6B_4FC0)],
 };
@@ -196,7 +196,7 @@ impl Theme {
             faint_bg_color: self.button[0].gamma_multiply(0.35),
             extreme_bg_color: self.well,
             code_bg_color: self.well,
-            warn_fg_color: self.caution,
+            warn_fg_color: self.warning,
             error_fg_color: self.bad,
             window_corner_radius: CornerRadius::same(12),
             menu_corner_radius: CornerRadius::same(10),

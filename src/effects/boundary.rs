@@ -3,7 +3,9 @@
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
     elements::Elements,
-    obstacles::{Carry, Contact, Encounter, Exit, Obstacle, STEEP, Start, bring_out, exit_of},
+    obstacles::{
+        Contact, ContactQuery, Depenetration, Obstacle, STEEP, Start, SweptMotion, depenetration_of, push_out_vertex,
+    },
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -59,11 +61,11 @@ impl EffectParameters for Boundary {
     }
 }
 
-/// One edge of the world.
+/// One edge of the domain.
 struct Edge {
     axis: usize,
     at: f64,
-    /// 1 if the world lies on the side of greater coordinates, otherwise -1.
+    /// 1 if the domain lies on the side of greater coordinates, otherwise -1.
     inwards: f64,
 }
 
@@ -79,7 +81,7 @@ impl Edge {
     }
 }
 
-/// As what a body may begin beyond.
+/// An edge as an obstacle, for depenetration.
 impl Obstacle for Edge {
     fn contact(&self, point: [f64; 2]) -> Option<Contact> {
         let distance = self.distance(point);
@@ -90,21 +92,21 @@ impl Obstacle for Edge {
         self.distance(least).min(self.distance(greatest)) < 0.0
     }
 
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         self.is_near(least, greatest)
     }
 
-    fn reach(&self) -> f64 {
+    fn margin(&self) -> f64 {
         0.0
     }
 
-    fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
+    fn depenetration_distance(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
         let depth = -self.distance(point);
         let along = self.inwards * direction[self.axis];
         (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
     }
 
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
         act(self.normal());
     }
 }
@@ -112,7 +114,7 @@ impl Obstacle for Edge {
 struct Edges {
     least: [f64; 2],
     greatest: [f64; 2],
-    /// Two across each axis, in the order of the axes.
+    /// Two edges for each axis, in the order of the axes.
     all: [Edge; 4],
 }
 
@@ -133,20 +135,27 @@ impl Effect for Edges {
         true
     }
 
-    fn count_inside(&self, x: &[f64], _: f64, exits: &[Exit]) -> usize {
+    fn count_inside(&self, x: &[f64], _: f64, depenetrations: &[Depenetration]) -> usize {
         let is_inside = |(vertex, point): &(usize, &[f64; 2])| {
-            let shallow = exit_of(exits, *vertex).map_or(0.0, |exit| exit.shallow);
+            let shallow = depenetration_of(depenetrations, *vertex).map_or(0.0, |depenetration| depenetration.shallow);
             let beyond = |axis: usize| (self.least[axis] - point[axis]).max(point[axis] - self.greatest[axis]);
             beyond(0).max(beyond(1)) > shallow
         };
         x.as_chunks().0.iter().enumerate().filter(is_inside).count()
     }
 
-    fn encounters<'a>(&'a self, number: usize, _: [f64; 2], ways: Bounds, act: &mut dyn FnMut(Encounter<'a>)) {
+    fn contact_queries<'a>(
+        &'a self,
+        number: usize,
+        _: [f64; 2],
+        swept_bounds: Bounds,
+        act: &mut dyn FnMut(ContactQuery<'a>),
+    ) {
         let edges = self.all.iter().enumerate();
-        let encounter =
-            |(edge, obstacle): (usize, &'a Edge)| Encounter::new(([number, edge], obstacle), Carry::STILL, ways);
-        edges.map(encounter).filter(Encounter::is_near).for_each(act);
+        let contact_query = |(edge, obstacle): (usize, &'a Edge)| {
+            ContactQuery::new(([number, edge], obstacle), SweptMotion::STILL, swept_bounds)
+        };
+        edges.map(contact_query).filter(ContactQuery::is_near).for_each(act);
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
@@ -166,7 +175,7 @@ impl Effect for Edges {
 }
 
 impl Edges {
-    /// Puts one vertex back on the edges across one axis.
+    /// Projects one vertex on the edges across one axis; returns whether anything changed.
     #[inline]
     fn put_back(&self, start: &Start<'_>, (vertex, axis): (usize, usize), x: &mut [f64], v: &mut [f64]) -> bool {
         let side = if x[axis] < self.least[axis] || (x[axis] == self.least[axis] && v[axis] < 0.0) {
@@ -182,12 +191,13 @@ impl Edges {
         }
         let from = [start.x[2 * vertex], start.x[2 * vertex + 1]];
         let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
-        let seen = Encounter::new(([start.effect, side], edge), Carry::STILL, [from, from]).at_hand(start);
-        if let Some(rise) = seen.rise(vertex, edge.distance(from), edge.inwards * before[axis], 0.0) {
-            return bring_out(&seen, (vertex, rise), normal, x, v);
+        let seen =
+            ContactQuery::new(([start.effect, side], edge), SweptMotion::STILL, [from, from]).for_obstacle(start);
+        if let Some(step) = seen.depenetration_step(vertex, edge.distance(from), edge.inwards * before[axis], 0.0) {
+            return push_out_vertex(&seen, (vertex, step), normal, x, v);
         }
         let mut after = [v[0], v[1]];
-        let kept = start.surface_at(vertex).answer(normal, before, &mut after);
+        let kept = start.surface_at(vertex).impact_response(normal, before, &mut after);
         let changed = after != [v[0], v[1]] || x[axis] != edge.at;
         v.copy_from_slice(&after);
         x[axis] = edge.at;

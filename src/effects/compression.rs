@@ -2,7 +2,7 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Isotropic, Law, Triangles},
+    elements::{Adding, Elements, Isotropic, StressLaw, Triangles},
     materials::{Moduli, Parts},
     quantity::{CompressionStrength, Quantity},
     simd::{Mat2, Real},
@@ -58,11 +58,11 @@ impl EffectParameters for Compression {
     }
 }
 
-/// s (2 mu + lambda) of one body [Pa].
+/// Barrier density of one body with the factor s (2 mu + lambda) [Pa].
 #[derive(Clone, Copy)]
 struct Squeezed(f64);
 
-impl Law for Squeezed {
+impl StressLaw for Squeezed {
     const RATE: bool = false;
 
     #[inline(always)]
@@ -96,7 +96,7 @@ struct Resistance {
 }
 
 impl Resistance {
-    fn law(&self, body: &Triangles) -> Squeezed {
+    fn density(&self, body: &Triangles) -> Squeezed {
         Squeezed(self.strength * (2.0 * body.lame().mu + body.lame().lambda))
     }
 }
@@ -120,8 +120,8 @@ impl Effect for Resistance {
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
         let of = |body: &Arc<Triangles>| {
-            let law = self.law(body);
-            body.gradients(motion.x).map(|(f, area)| area * law.energy(&f)).sum::<f64>()
+            let density = self.density(body);
+            body.gradients(motion.x).map(|(f, area)| area * density.energy(&f)).sum::<f64>()
         };
         self.bodies.iter().map(of).sum()
     }
@@ -129,24 +129,24 @@ impl Effect for Resistance {
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         for body in &self.bodies {
             let mut forces = Adding { x: motion.x, v: &[], force: &mut *force };
-            body.assemble(self.law(body), &mut forces, &mut scratch[..body.scratch()]);
+            body.assemble(self.density(body), &mut forces, &mut scratch[..body.scratch()]);
         }
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], scratch: &mut [f64], product: &mut [f64]) {
         for body in &self.bodies {
-            body.add_energy_change([motion.x, d], &mut scratch[..body.scratch()], product, self.law(body));
+            body.add_energy_change([motion.x, d], &mut scratch[..body.scratch()], product, self.density(body));
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        self.bodies.iter().for_each(|body| body.name_couples(add));
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.bodies.iter().for_each(|body| body.add_sparsity(add));
     }
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
         for body in &self.bodies {
-            let law = self.law(body);
-            body.add_energy_tangent(motion.x, weights, matrix, law);
+            let density = self.density(body);
+            body.add_energy_tangent(motion.x, weights, matrix, density);
         }
     }
 }

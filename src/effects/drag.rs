@@ -61,7 +61,7 @@ impl Effect for Viscous {
         if self.0 == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
-    /// The lightest free vertex is slowed most.
+    /// The lightest free vertex has the largest damping rate.
     fn damping(&self, motion: Motion<'_>) -> [f64; 2] {
         [self.0 * motion.inverse_mass.iter().copied().fold(0.0, f64::max), 0.0]
     }

@@ -44,14 +44,14 @@ impl EffectParameters for Friction {
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
-        Ok(Box::new(Coating(self.coefficient.get())))
+        Ok(Box::new(ContactCoefficient(self.coefficient.get())))
     }
 }
 
 /// mu.
-struct Coating(f64);
+struct ContactCoefficient(f64);
 
-impl Effect for Coating {
+impl Effect for ContactCoefficient {
     fn name(&self) -> &'static str {
         "Friction"
     }
@@ -60,7 +60,7 @@ impl Effect for Coating {
         0
     }
 
-    fn coats(&self) -> bool {
+    fn is_surface_effect(&self) -> bool {
         true
     }
 

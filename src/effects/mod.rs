@@ -1,5 +1,5 @@
-//! Everything that acts on bodies beside their own elasticity. Each effect is one file with two types: its parameters,
-//! which a level lists, and what is built from them to take part in a step. [`EffectKind`] lists them all.
+//! Effects: forces and constraints on bodies beside their elasticity. Each effect is one file with two types: its
+//! parameters, which a level lists, and the built effect, which takes part in a step. [`EffectKind`] lists them all.
 
 mod boundary;
 mod compression;
@@ -23,15 +23,15 @@ pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
-    elements::{Elements, Kicking, UniformForce},
-    obstacles::{Encounter, Exit, Start, Surface},
+    elements::{Elements, EulerUpdate, UniformForce},
+    obstacles::{ContactQuery, Depenetration, Start, Surface},
     quantity::Quantity,
     registry::registry,
     solvers::{BlockMatrix, Weights},
 };
 
 registry! {
-    /// What can act on bodies.
+    /// Kinds of effects.
     pub enum EffectKind: dyn EffectParameters {
         Gravity(Gravity),
         Rayleigh(Rayleigh),
@@ -47,81 +47,81 @@ registry! {
 
 /// The parameters of an effect.
 pub trait EffectParameters {
-    /// Name as it is said, such as `Gravity`.
+    /// Name in the window, such as `Gravity`.
     fn title(&self) -> &'static str;
 
-    /// What it does, with the formula, for a tooltip.
+    /// Description with the formula, for a tooltip.
     fn about(&self) -> &'static str;
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 
-    /// The same numbers, by what they belong to.
+    /// The same numbers in groups.
     fn groups(&mut self) -> Vec<Group<'_>> {
         vec![Group { title: None, solid: None, numbers: self.parameters() }]
     }
 
-    /// Whether it is damping, which the key D switches.
+    /// Whether it is damping; the key D switches damping.
     fn is_damping(&self) -> bool {
         false
     }
 
-    /// What it means to list it more than once.
+    /// Policy for an effect that is listed more than once.
     fn duplicate_policy(&self) -> DuplicatePolicy {
         DuplicatePolicy::Both
     }
 
-    /// Why it will never do anything as it is listed, if that is so.
+    /// Reason why the effect has no effect as listed, if there is one.
     fn ineffective(&self) -> Option<&'static str> {
         None
     }
 
-    /// What else the user should know of it.
+    /// Notes for the user.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// What a window should draw for it at a time [s], if it has a place.
+    /// Shapes to draw at a time [s].
     fn shapes(&self, _time: f64) -> Vec<Shape> {
         Vec::new()
     }
 
-    /// Readies the effect for stepping.
+    /// Builds the effect for stepping.
     ///
     /// # Errors
     /// A sentence, if the parameters do not fit together.
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String>;
 }
 
-/// Numbers of an effect that belong to the same thing.
+/// A group of parameters of an effect.
 pub struct Group<'a> {
-    /// What that is called, if it is not the effect itself.
+    /// Title of the group; `None` for the effect itself.
     pub title: Option<String>,
-    /// Which of the [`Shape::Solid`]s of the effect it is, if it is one.
+    /// Number of the [`Shape::Solid`] that it belongs to, if any.
     pub solid: Option<usize>,
     /// The numbers.
     pub numbers: Vec<&'a mut dyn Quantity>,
 }
 
-/// What it means to list an effect more than once.
+/// Policy for an effect that is listed more than once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DuplicatePolicy {
     /// Both act.
     Both,
-    /// Both act, but hardly anybody wants that: why, in words.
+    /// Both act, which is unusual: reason in words.
     Odd(&'static str),
-    /// Only one can count, and which one is not said: why, in words.
+    /// Only one can act, and the level does not say which: reason in words.
     Ambiguous(&'static str),
 }
 
-/// Something with a place that a window can draw; all points in world coordinates [m].
+/// A shape to draw; all points in world coordinates [m].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// The free inside of walls: a convex polygon, counter-clockwise, cut off where there are no walls.
+    /// The free region between walls: a convex polygon, counter-clockwise, clipped where there are no walls.
     Room(Vec<[f64; 2]>),
     /// A solid obstacle: its outline, counter-clockwise.
     Solid(Vec<[f64; 2]>),
-    /// A rectangle that nothing leaves: least and greatest corner.
+    /// The domain: least and greatest corner.
     Edges([f64; 2], [f64; 2]),
 }
 
@@ -136,12 +136,12 @@ pub struct Motion<'a> {
     pub mass: &'a [f64],
     /// 1/mass [1/kg]; zero where a vertex is pinned.
     pub inverse_mass: &'a [f64],
-    /// What the mouse does.
+    /// Vertex that the mouse pulls.
     pub grab: Option<Grab>,
 }
 
 impl Motion<'_> {
-    /// That nothing moves, if that is so: why damping has nothing to do.
+    /// Reason to skip damping, if all velocities are zero.
     pub fn stillness(&self) -> Option<&'static str> {
         self.v.iter().all(|v| *v == 0.0).then_some("nothing moves")
     }
@@ -150,7 +150,7 @@ impl Motion<'_> {
 /// Least and greatest corner of a box [m].
 pub type Bounds = [[f64; 2]; 2];
 
-/// Least and greatest corner of the box around the ways of all vertices.
+/// Box around the positions of all vertices before and after a step.
 pub fn around(before: &[f64], after: &[f64]) -> Bounds {
     let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
     for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
@@ -165,13 +165,13 @@ pub fn around(before: &[f64], after: &[f64]) -> Bounds {
     ]
 }
 
-/// Why a constraint is passed over.
-pub const OUT_OF_REACH: &str = "nothing within reach";
+/// Reason for skipping a constraint.
+pub const NO_OBSTACLE_NEAR: &str = "nothing within reach";
 
-/// Why what changes contacts is passed over.
+/// Reason for skipping an effect on contact surfaces.
 pub const NO_CONTACT: &str = "nothing touches";
 
-/// Why an effect with no strength is passed over.
+/// Reason for skipping an effect with zero strength.
 pub(crate) const ZERO: &str = "its strength is zero";
 
 /// A vertex pulled towards a point.
@@ -183,32 +183,32 @@ pub struct Grab {
     pub target: [f64; 2],
 }
 
-/// A term of the physics, ready for stepping. What a term does not do is left at its empty default.
+/// An effect, built for stepping. Methods that do not apply keep their empty default.
 pub trait Effect: Send + Sync {
     /// Name in reports.
     fn name(&self) -> &'static str;
 
-    /// How many elements (vertices, triangles, ...) one call touches.
+    /// Number of elements (vertices, triangles, ...) in one call.
     fn elements(&self, motion: Motion<'_>) -> usize;
 
-    /// How many numbers of scratch [`Self::force`] and [`Self::stiffness_times`] need; what is in it does not matter.
+    /// Size of the scratch of [`Self::force`] and [`Self::stiffness_times`]; its content does not matter.
     fn scratch(&self) -> usize {
         0
     }
 
-    /// Why [`Self::force`] would add nothing at this moment, if it would: in a few words, and at less cost than adding it. Only
-    /// what leaves every bit as it is counts.
+    /// Reason why [`Self::force`] adds nothing at this moment, if so: in a few words, and at less cost than adding it.
+    /// Only if every bit stays as it is.
     fn idle(&self, _motion: Motion<'_>) -> Option<&'static str> {
         None
     }
 
-    /// Whether [`Self::constrain`] certainly changes nothing in steps, now and at any later time, in which the ways of all
-    /// vertices lie in a box; if it cannot tell, it does not.
-    fn is_clear(&self, _ways: Bounds) -> bool {
+    /// Whether [`Self::constrain`] changes nothing, now and at any later time, in steps in which all vertices stay in a
+    /// box; conservative.
+    fn is_clear(&self, _swept_bounds: Bounds) -> bool {
         false
     }
 
-    /// Whether it does the same at every time. What does not keeps everything awake.
+    /// Whether it does not depend on time. An effect that does prevents sleep.
     fn is_steady(&self) -> bool {
         true
     }
@@ -221,61 +221,70 @@ pub trait Effect: Send + Sync {
     /// Adds the force on every vertex [N] to `force` (two numbers a vertex).
     fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
 
-    /// What it does, if it does the same everywhere: [`Self::force`] then adds just that.
+    /// The uniform force, if [`Self::force`] adds exactly that.
     fn uniform_force(&self) -> Option<UniformForce> {
         None
     }
 
-    /// Elements only: computes the same forces as [`Self::force`], with those of what acts everywhere, and moves the vertices by
-    /// them, each as soon as it has all of its force. There is as much scratch as any effect of the scene asks for.
-    fn kick(&self, _vertices: &mut Kicking<'_>, _scratch: &mut [f64]) {}
+    /// Elements only: computes the same forces as [`Self::force`], adds the uniform force, and updates each vertex by
+    /// symplectic Euler as soon as its force is complete. The scratch is as large as the largest of any effect of the
+    /// scene.
+    fn euler_update(&self, _vertices: &mut EulerUpdate<'_>, _scratch: &mut [f64]) {}
 
     /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
     fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _scratch: &mut [f64], _product: &mut [f64]) {}
 
-    /// Names every couple of different vertices whose forces depend on each other, in the order in which
-    /// [`Self::add_stiffness`] adds their blocks. A couple may be named more than once.
-    fn couples(&self, _add: &mut dyn FnMut(u32, u32)) {}
+    /// Sparsity pattern: calls `add` for every pair of different vertices whose forces depend on each other, in the
+    /// order in which [`Self::add_stiffness`] adds their blocks. A pair may occur more than once.
+    fn sparsity_pattern(&self, _add: &mut dyn FnMut(u32, u32)) {}
 
-    /// Adds `ax (-d force/dx) + av (-d force/dv)` to a matrix: any diagonal blocks, and one block for every couple, in the
-    /// order of [`Self::couples`]. The matrix is symmetric; what is not, is left out and only slows Newton's method down.
+    /// Adds `ax (-d force/dx) + av (-d force/dv)` to a matrix: any diagonal blocks, and one block for every pair, in
+    /// the order of [`Self::sparsity_pattern`]. The matrix is symmetric; an unsymmetric part is omitted and only slows
+    /// Newton's method down.
     fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut BlockMatrix) {}
 
-    /// Rayleigh's alpha [1/s] and beta [s], if this is damping; where it differs from vertex to vertex, the largest.
+    /// Rayleigh's alpha [1/s] and beta [s], if this is damping; the largest over the vertices.
     fn damping(&self, _motion: Motion<'_>) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// How many times the displacement `d` [m] from the positions `x` may be gone, at most, for an energy with a barrier not to be
-    /// left; infinite if there is nothing in the way.
+    /// Largest multiple of the displacement `d` [m] from the positions `x` that stays within the barrier of an energy;
+    /// infinite without a barrier.
     fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY
     }
 
-    /// Calls `act` with every obstacle that this effect, which has a number, puts in the way of a step from a time to another [s] in
-    /// which the ways of all vertices lie in a box.
-    fn encounters<'a>(&'a self, _number: usize, _time: [f64; 2], _ways: Bounds, _act: &mut dyn FnMut(Encounter<'a>)) {}
+    /// Calls `act` with a contact query for every obstacle of this effect, by its number, in a step from a time to
+    /// another [s] in which all vertices stay in a box.
+    fn contact_queries<'a>(
+        &'a self,
+        _number: usize,
+        _time: [f64; 2],
+        _swept_bounds: Bounds,
+        _act: &mut dyn FnMut(ContactQuery<'a>),
+    ) {
+    }
 
-    /// Changes positions and velocities at the end of a step that are not allowed, seen from its start. What it left once it
-    /// leaves unchanged. Returns how many vertices were touched.
+    /// Projects positions and velocities at the end of a step on the constraints, given its start. A second call
+    /// changes nothing. Returns the number of vertices changed.
     fn constrain(&self, _start: &Start<'_>, _x: &mut [f64], _v: &mut [f64]) -> usize {
         0
     }
 
-    /// How many vertices are deep inside what stands in their way, at these positions [m] and this time [s].
-    fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Exit]) -> usize {
+    /// Number of vertices deep inside obstacles, at these positions [m] and this time [s].
+    fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Depenetration]) -> usize {
         0
     }
 
-    /// Changes what happens where constraints touch a vertex.
+    /// Sets surface properties of contacts.
     fn set_surface(&self, _surface: &mut Surface) {}
 
-    /// Whether it has a say where constraints touch, and nowhere else.
-    fn coats(&self) -> bool {
+    /// Whether it only sets surface properties.
+    fn is_surface_effect(&self) -> bool {
         false
     }
 
-    /// Whether it constrains. Such an effect has no force.
+    /// Whether it is a constraint. A constraint has no force.
     fn constrains(&self) -> bool {
         false
     }

@@ -48,8 +48,8 @@ impl EffectParameters for MouseSpring {
 /// Stiffness k [N/m].
 struct Pulling(f64);
 
-/// From the vertex to the cursor [m].
-fn reach(x: &[f64], grab: Grab) -> [f64; 2] {
+/// Vector from the vertex to the cursor [m].
+fn displacement(x: &[f64], grab: Grab) -> [f64; 2] {
     let at = 2 * grab.vertex;
     [grab.target[0] - x[at], grab.target[1] - x[at + 1]]
 }
@@ -69,14 +69,14 @@ impl Effect for Pulling {
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
         motion.grab.map_or(0.0, |grab| {
-            let [dx, dy] = reach(motion.x, grab);
+            let [dx, dy] = displacement(motion.x, grab);
             0.5 * self.0 * (dx * dx + dy * dy)
         })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         if let Some(grab) = motion.grab {
-            let [dx, dy] = reach(motion.x, grab);
+            let [dx, dy] = displacement(motion.x, grab);
             force[2 * grab.vertex] += self.0 * dx;
             force[2 * grab.vertex + 1] += self.0 * dy;
         }

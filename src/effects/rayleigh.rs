@@ -2,7 +2,7 @@
 
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Law, Springs, Triangles, UniformForce},
+    elements::{Adding, Elements, Springs, StressLaw, Triangles, UniformForce},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
     simd::{Mat2, Real},
@@ -70,7 +70,7 @@ impl EffectParameters for Rayleigh {
 fn viscous_tangent(f: &Matrix2<f64>, rate: &Matrix2<f64>, weights: Weights, [mu, lambda]: [f64; 2]) -> Matrix4<f64> {
     let product = f.transpose() * rate;
     let stress = (product + product.transpose()) * mu + Matrix2::identity() * (lambda * product.trace());
-    // Half of the change of F, to which its transpose is added, goes the way of V.
+    // Half of the change of F enters like V; its transpose is added.
     let moved = f * weights.velocity + rate * weights.position;
     let left = f * moved.transpose();
     let left = (left + left.transpose()) * (0.5 * mu);
@@ -100,7 +100,7 @@ impl Viscous {
     }
 }
 
-impl Law for Viscous {
+impl StressLaw for Viscous {
     const RATE: bool = true;
 
     #[inline(always)]
@@ -111,7 +111,7 @@ impl Law for Viscous {
     }
 }
 
-/// Whether none of these vertices moves, so that no stress comes of it: where a body sleeps.
+/// Whether all these vertices are at rest, as those of a sleeping body: their viscous stress is zero.
 fn is_still(v: &[f64], vertices: &Range<usize>) -> bool {
     v[2 * vertices.start..2 * vertices.end].iter().all(|v| *v == 0.0)
 }
@@ -138,7 +138,7 @@ impl Effect for Damping {
         if self.alpha == 0.0 && self.beta == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
-    /// Enough for elastic forces as well: see [`Self::uniform_force`].
+    /// Includes scratch for elastic forces; see [`Self::uniform_force`].
     fn scratch(&self) -> usize {
         2 * self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
     }
@@ -159,21 +159,21 @@ impl Effect for Damping {
             *force -= self.alpha * mass * v;
         }
         for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
-            let law = Viscous::new(self.beta, body.lame());
+            let viscous = Viscous::new(self.beta, body.lame());
             let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
-            body.assemble(law, &mut forces, &mut scratch[..body.scratch()]);
+            body.assemble(viscous, &mut forces, &mut scratch[..body.scratch()]);
         }
         for net in self.nets.iter().filter(|net| !is_still(motion.v, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for body in &self.bodies {
-            body.name_couples(add);
+            body.add_sparsity(add);
         }
         for net in &self.nets {
-            net.couples(add);
+            net.sparsity_pattern(add);
         }
     }
 
@@ -182,7 +182,7 @@ impl Effect for Damping {
         for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
             matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));
         }
-        // What damping changes with x need not be positive; what it changes with v is.
+        // The derivative of damping by x may be indefinite; that by v is not.
         let weights = match weights.tangent {
             Tangent::Exact => weights,
             _ => Weights { position: 0.0, ..weights },

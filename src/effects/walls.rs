@@ -4,7 +4,8 @@ use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape, around};
 use crate::{
     elements::Elements,
     obstacles::{
-        Ball, Carry, Encounter, Exit, MotionKind, Obstacle, ObstacleKind, Rigid, Start, exit_of, placed, room,
+        Ball, ContactQuery, Depenetration, MotionKind, Obstacle, ObstacleKind, Rigid, Start, SweptMotion,
+        depenetration_of, free_region, placed,
     },
     quantity::Quantity,
 };
@@ -71,7 +72,7 @@ impl EffectParameters for Walls {
             }
         }
         if !planes.is_empty() {
-            shapes.insert(0, Shape::Room(room(planes.iter(), [0.0, 0.0], [1.0, 1.0])));
+            shapes.insert(0, Shape::Room(free_region(planes.iter(), [0.0, 0.0], [1.0, 1.0])));
         }
         shapes
     }
@@ -103,12 +104,12 @@ struct Wall {
 }
 
 impl Wall {
-    /// How it moves in a step.
-    fn carry(&self, [start, end]: [f64; 2]) -> Carry {
+    /// Its motion in a step.
+    fn swept_motion(&self, [start, end]: [f64; 2]) -> SweptMotion {
         if self.motions.is_empty() {
-            return Carry::STILL;
+            return SweptMotion::STILL;
         }
-        Carry::new(placed(&self.motions, start), placed(&self.motions, end))
+        SweptMotion::new(placed(&self.motions, start), placed(&self.motions, end))
     }
 }
 
@@ -118,21 +119,21 @@ struct Contacts {
     boundary: Arc<Vec<[u32; 2]>>,
 }
 
-/// How often what was stopped is looked at again, as that may make others touch, before it stays where the step began.
+/// Most passes over stopped edges, because stopping one may make others touch; after them an edge stays at its start.
 const ROUNDS: usize = 8;
 
 impl Contacts {
-    /// The obstacles that are near enough to a box around all ways to be worth a look at each vertex in it.
-    fn near(&self, effect: usize, time: [f64; 2], bounds: Bounds) -> impl Iterator<Item = Encounter<'_>> + Clone {
+    /// Queries for the obstacles that are near a box around the swept vertices.
+    fn near(&self, effect: usize, time: [f64; 2], bounds: Bounds) -> impl Iterator<Item = ContactQuery<'_>> + Clone {
         let walls = self.obstacles.iter().enumerate();
-        let encounters = walls.map(move |(number, wall)| {
-            Encounter::new(([effect, number], wall.obstacle.as_ref()), wall.carry(time), bounds)
+        let contact_queries = walls.map(move |(number, wall)| {
+            ContactQuery::new(([effect, number], wall.obstacle.as_ref()), wall.swept_motion(time), bounds)
         });
-        encounters.filter(Encounter::is_near)
+        contact_queries.filter(ContactQuery::is_near)
     }
 
-    /// Edges stop at corners, and vertices that this turned aside at obstacles, until nothing touches any more; what still
-    /// would stays where the step began, where nothing touched, or is carried along from there.
+    /// Stops edges at corners and, after that, vertices at obstacles, until nothing touches; vertices that would still
+    /// touch stay at their start, mapped with the obstacle.
     fn stop_edges(&self, bounds: Bounds, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
         let near = self.near(start.effect, start.time, bounds);
         let mut touched = 0;
@@ -144,11 +145,11 @@ impl Contacts {
             touched += stopped;
             near.clone().for_each(|wall| touched += wall.constrain(start, x, v));
         }
-        let mut held = x.to_vec();
+        let mut checked = x.to_vec();
         for _ in 0..self.boundary.len() {
             let stopped = near.clone().map(|wall| {
                 let stopped = wall.stop_edges(&self.boundary, start, x, v);
-                hold_back(wall.carry(), start, &mut held, x, v);
+                return_to_start(wall.swept_motion(), start, &mut checked, x, v);
                 stopped
             });
             if stopped.sum::<usize>() == 0 {
@@ -159,16 +160,16 @@ impl Contacts {
     }
 }
 
-/// Puts what was stopped where the step began, carried along with what stopped it.
-fn hold_back(carry: &Carry, start: &Start<'_>, held: &mut [f64], x: &mut [f64], v: &mut [f64]) {
-    let changed = x.chunks_exact_mut(2).zip(held.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate();
-    for (vertex, ((x, held), v)) in changed.filter(|(_, ((x, held), _))| x != held) {
-        let from = carry.place([start.x[2 * vertex], start.x[2 * vertex + 1]]);
-        let wall = carry.velocity_at(from);
+/// Resets stopped vertices to the start of the step, mapped with the motion of the obstacle.
+fn return_to_start(swept_motion: &SweptMotion, start: &Start<'_>, checked: &mut [f64], x: &mut [f64], v: &mut [f64]) {
+    let changed = x.chunks_exact_mut(2).zip(checked.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate();
+    for (vertex, ((x, checked), v)) in changed.filter(|(_, ((x, checked), _))| x != checked) {
+        let from = swept_motion.place([start.x[2 * vertex], start.x[2 * vertex + 1]]);
+        let wall = swept_motion.velocity_at(from);
         for axis in (0..2).filter(|axis| start.inverse_mass[2 * vertex + axis] != 0.0) {
             (x[axis], v[axis]) = (from[axis], wall[axis]);
         }
-        held.copy_from_slice(x);
+        checked.copy_from_slice(x);
     }
 }
 
@@ -182,7 +183,7 @@ impl Effect for Contacts {
     }
 
     fn is_clear(&self, [least, greatest]: Bounds) -> bool {
-        self.obstacles.iter().all(|wall| wall.motions.is_empty() && !wall.obstacle.may_reach(least, greatest))
+        self.obstacles.iter().all(|wall| wall.motions.is_empty() && !wall.obstacle.may_touch(least, greatest))
     }
 
     fn is_steady(&self) -> bool {
@@ -193,19 +194,25 @@ impl Effect for Contacts {
         true
     }
 
-    fn count_inside(&self, x: &[f64], time: f64, exits: &[Exit]) -> usize {
+    fn count_inside(&self, x: &[f64], time: f64, depenetrations: &[Depenetration]) -> usize {
         let is_inside = |(vertex, point): &(usize, &[f64; 2])| {
-            let shallow = exit_of(exits, *vertex).map_or(0.0, |exit| exit.shallow);
+            let shallow = depenetration_of(depenetrations, *vertex).map_or(0.0, |depenetration| depenetration.shallow);
             self.obstacles.iter().any(|wall| {
-                let contact = wall.obstacle.contact(wall.carry([time; 2]).place_built(**point));
-                contact.is_some_and(|contact| contact.distance < wall.obstacle.skin() - shallow)
+                let contact = wall.obstacle.contact(wall.swept_motion([time; 2]).place_built(**point));
+                contact.is_some_and(|contact| contact.distance < wall.obstacle.offset() - shallow)
             })
         };
         x.as_chunks().0.iter().enumerate().filter(is_inside).count()
     }
 
-    fn encounters<'a>(&'a self, number: usize, time: [f64; 2], ways: Bounds, act: &mut dyn FnMut(Encounter<'a>)) {
-        self.near(number, time, ways).for_each(act);
+    fn contact_queries<'a>(
+        &'a self,
+        number: usize,
+        time: [f64; 2],
+        swept_bounds: Bounds,
+        act: &mut dyn FnMut(ContactQuery<'a>),
+    ) {
+        self.near(number, time, swept_bounds).for_each(act);
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {

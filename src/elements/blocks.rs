@@ -1,7 +1,7 @@
-//! Fans of two triangles in blocks of eight, one in each lane: where a whole mesh is swept over.
+//! Blocks of eight fans of two triangles, one fan in each SIMD lane, for passes over a whole mesh.
 
 use super::{
-    corners::{Corners, RUN},
+    corners::{Corners, RUN_BLOCKS},
     triangle::Rest,
 };
 use crate::{
@@ -12,11 +12,11 @@ use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 use std::array;
 
-/// Forces on the middle of each fan of a block and at the ends of its spokes [N].
+/// Forces on the middle vertex of each fan of a block and at the ends of its edge vectors [N].
 pub type CornerForces = [Pairs; 4];
 
-/// The spokes of each fan of a block [m], or how fast they change [m/s].
-pub type Spokes = [Pairs; 3];
+/// Edge vectors of each fan of a block [m], or their rates [m/s].
+pub type EdgeVectors = [Pairs; 3];
 
 /// Matrices (2 x 2) of the first, or of the second, triangles of eight fans, column by column.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +27,7 @@ struct Matrices([Lanes; 4]);
 struct Shapes {
     /// D0⁻¹ [1/m].
     inverse: Matrices,
-    /// Minus the area [m²], which is the volume of unit thickness: as forces are computed from it.
+    /// Minus the area [m²], which is the volume of unit thickness; the factor of forces.
     minus_area: Lanes,
 }
 
@@ -36,25 +36,25 @@ struct Shapes {
 #[repr(align(64))]
 pub struct Block([Shapes; 2]);
 
-/// A first Piola-Kirchhoff stress as a function of F and, if it asks for it, dF/dt.
-pub trait Law: Copy + Send + Sync {
-    /// Whether it asks for dF/dt; if not, `rate` is not to be used.
+/// A first Piola-Kirchhoff stress as a function of F and, if [`Self::RATE`], of dF/dt.
+pub trait StressLaw: Copy + Send + Sync {
+    /// Whether it depends on dF/dt; if not, `rate` is undefined.
     const RATE: bool;
 
     /// The stress [Pa].
     fn stress<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> Mat2<R>;
 }
 
-/// Several stresses of the same triangles, whose forces are summed up each by itself.
+/// Several stresses of the same triangles, whose forces are summed separately.
 pub trait StressModel<const N: usize>: Copy + Send + Sync {
-    /// Whether any asks for dF/dt; if not, `rate` is not to be used.
+    /// Whether any depends on dF/dt; if not, `rate` is undefined.
     const RATE: bool;
 
     /// The stresses [Pa].
     fn stresses<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> [Mat2<R>; N];
 }
 
-impl<L: Law> StressModel<1> for L {
+impl<L: StressLaw> StressModel<1> for L {
     const RATE: bool = L::RATE;
 
     #[inline(always)]
@@ -63,11 +63,11 @@ impl<L: Law> StressModel<1> for L {
     }
 }
 
-/// Two of them.
+/// Two stresses.
 #[derive(Clone, Copy)]
 pub struct Both<A, B>(pub A, pub B);
 
-impl<A: Law, B: Law> StressModel<2> for Both<A, B> {
+impl<A: StressLaw, B: StressLaw> StressModel<2> for Both<A, B> {
     const RATE: bool = A::RATE || B::RATE;
 
     #[inline(always)]
@@ -80,7 +80,7 @@ impl<A: Law, B: Law> StressModel<2> for Both<A, B> {
 #[derive(Clone, Copy)]
 pub struct Elastic<M>(pub M);
 
-impl<M: Material> Law for Elastic<M> {
+impl<M: Material> StressLaw for Elastic<M> {
     const RATE: bool = false;
 
     #[inline(always)]
@@ -98,7 +98,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Packs the rest shapes of fans for an instruction set; the lanes left over are triangles of no area.
+    /// Packs the rest shapes of fans for an instruction set; unused lanes are triangles of zero area.
     pub fn new(fans: &[[Rest; 2]], set: Arch) -> Self {
         let order = Order::of_pairs(set);
         let pack = |fans: &[[Rest; 2]]| {
@@ -121,12 +121,12 @@ impl Blocks {
         self.order.set
     }
 
-    /// How many fans there are.
+    /// Number of fans.
     pub const fn fans(&self) -> usize {
         self.fans
     }
 
-    /// All of them.
+    /// All blocks.
     pub fn all(&self) -> &[Block] {
         &self.all
     }
@@ -145,15 +145,15 @@ impl Blocks {
     }
 }
 
-/// The spokes of a fan, from the places of its middle and of their ends.
+/// Edge vectors of a fan, from the positions of its middle vertex and its other vertices.
 #[inline(always)]
-pub fn spokes([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
+pub fn edge_vectors([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2]; 3] {
     let to = |end: [f64; 2]| [end[0] - middle[0], end[1] - middle[1]];
     [to(first), to(second), to(third)]
 }
 
 impl Matrices {
-    /// Those of a part.
+    /// Loads one SIMD register of each entry.
     #[inline(always)]
     fn load<S: Simd>(&self, set: S, part: usize) -> Mat2<Wide<S>> {
         let [m11, m21, m12, m22] = &self.0;
@@ -165,7 +165,7 @@ impl Matrices {
         )
     }
 
-    /// Writes those of a part.
+    /// Stores one SIMD register of each entry.
     #[inline(always)]
     fn store<S: Simd>(&mut self, matrix: Mat2<Wide<S>>, part: usize) {
         let [m11, m21, m12, m22] = &mut self.0;
@@ -178,58 +178,57 @@ impl Matrices {
 
 /// The matrices D of the first or the second triangles of part of a block.
 #[inline(always)]
-fn edges<S: Simd>(set: S, spokes: &Spokes, side: usize, part: usize) -> Mat2<Wide<S>> {
+fn edges<S: Simd>(set: S, edge_vectors: &EdgeVectors, side: usize, part: usize) -> Mat2<Wide<S>> {
     let ([m11, m21], [m12, m22]) =
-        (Wide::load_pairs(set, &spokes[side], part), Wide::load_pairs(set, &spokes[side + 1], part));
+        (Wide::load_pairs(set, &edge_vectors[side], part), Wide::load_pairs(set, &edge_vectors[side + 1], part));
     Mat2::new(m11, m12, m21, m22)
 }
 
 /// F, or dF/dt, of the first and of the second triangles of part of a block: D D0⁻¹.
 #[inline(always)]
-fn gradients<S: Simd>(set: S, spokes: &Spokes, block: &Block, part: usize) -> Mat2<Interleaved<Wide<S>>> {
+fn gradients<S: Simd>(set: S, edge_vectors: &EdgeVectors, block: &Block, part: usize) -> Mat2<Interleaved<Wide<S>>> {
     let Block([first, second]) = block;
-    let of_first = edges(set, spokes, 0, part).times(first.inverse.load(set, part));
-    let of_second = edges(set, spokes, 1, part).times(second.inverse.load(set, part));
+    let of_first = edges(set, edge_vectors, 0, part).times(first.inverse.load(set, part));
+    let of_second = edges(set, edge_vectors, 1, part).times(second.inverse.load(set, part));
     Mat2::abreast(of_first, of_second)
 }
 
-/// The spokes of a run.
+/// Edge vectors of a run of blocks.
 #[derive(Debug, Default)]
 #[repr(align(64))]
-struct Run([Spokes; RUN]);
+struct EdgeVectorBuffer([EdgeVectors; RUN_BLOCKS]);
 
-/// The spokes of a run and how fast they change, collected while the forces of the run before were computed; also where a stage ends in
-/// between, as no stage moves a vertex that a later one has to do with.
+/// Edge vectors and rates of the next run, gathered while the forces of the run before were computed; also across
+/// stages, because no stage moves a vertex of a later one.
 #[derive(Debug, Default)]
 pub struct Collected {
-    now: Run,
-    rates: Run,
-    /// Whether it was.
+    now: EdgeVectorBuffer,
+    rates: EdgeVectorBuffer,
+    /// Whether they were gathered.
     is_there: bool,
 }
 
-/// Stresses in the first and in the second triangles of two blocks: the one at hand and the one before, by turns.
+/// Stresses in the first and in the second triangles of two blocks: the present and the previous one, alternating.
 #[derive(Default)]
 #[repr(align(64))]
 struct Stresses([[Matrices; 2]; 2]);
 
 /// Computes the forces on all fans from [`StressModel`].
 ///
-/// Stresses wait for roots, quotients and logarithms, and what is made of them waits as well, until the processor can look no further
-/// ahead. So the stresses of both triangles of a fan are computed [`Interleaved`], and the forces are made one block later, when nothing
-/// has to wait.
+/// Roots, quotients and logarithms have a long latency, longer than the reordering window of the processor. So the
+/// stresses of both triangles of a fan are computed [`Interleaved`], and the forces one block later.
 pub struct Forces<'a, L, const N: usize> {
-    pub laws: L,
+    pub model: L,
     pub corners: &'a Corners<4>,
-    /// The run with which `blocks` begins.
+    /// Number of the first run in `blocks`.
     pub first: usize,
     pub blocks: &'a [Block],
     pub x: &'a [f64],
     pub v: &'a [f64],
-    /// The first of its runs, maybe, and then the one after the last.
+    /// Edge vectors of the first run, if gathered; on return those of the run after the last.
     pub collected: &'a mut Collected,
-    /// Those of each stress, run by run.
-    pub out: [&'a mut [[CornerForces; RUN]]; N],
+    /// Forces of each stress, run by run.
+    pub out: [&'a mut [[CornerForces; RUN_BLOCKS]]; N],
 }
 
 impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
@@ -237,15 +236,15 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { laws, corners, first, blocks, x, v, collected, mut out } = self;
+        let Self { model, corners, first, blocks, x, v, collected, mut out } = self;
         let Collected { now, rates, is_there } = collected;
         let mut stresses: [Stresses; N] = array::from_fn(|_| Stresses::default());
-        for (run, blocks) in (first..).zip(blocks.chunks(RUN)) {
+        for (run, blocks) in (first..).zip(blocks.chunks(RUN_BLOCKS)) {
             let out = out.each_mut().map(|out| &mut out[run - first]);
             if !*is_there {
-                corners.collect(run, x, spokes, &mut now.0);
+                corners.collect(run, x, edge_vectors, &mut now.0);
                 if L::RATE {
-                    corners.collect(run, v, spokes, &mut rates.0);
+                    corners.collect(run, v, edge_vectors, &mut rates.0);
                 }
             }
             let of = |moving| corners.ahead(run + 1, moving);
@@ -257,32 +256,32 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
                     for part in 0..Wide::<S>::PARTS {
                         let f = gradients(set, now, block, part);
                         let rate = if L::RATE { gradients(set, rates, block, part) } else { f };
-                        let of_laws = laws.stresses(f, rate);
-                        for law in 0..N {
-                            let [first, second] = of_laws[law].both();
-                            let [to_first, to_second] = &mut stresses[law].0[number % 2];
+                        let of_model = model.stresses(f, rate);
+                        for stress in 0..N {
+                            let [first, second] = of_model[stress].both();
+                            let [to_first, to_second] = &mut stresses[stress].0[number % 2];
                             to_first.store(first, part);
                             to_second.store(second, part);
                         }
                     }
-                    // What is collected needs other parts of the processor than the stresses do, and both go on at once.
+                    // Gathers use other execution units than stresses, so that both run in parallel.
                     if let Some((of_x, of_v)) = ahead {
-                        of_x.collect(number, spokes, now);
+                        of_x.collect(number, edge_vectors, now);
                         if L::RATE {
-                            of_v.collect(number, spokes, rates);
+                            of_v.collect(number, edge_vectors, rates);
                         }
                     }
                 }
                 let Some(before) = number.checked_sub(1) else { continue };
                 let Block([shapes, others]) = &blocks[before];
                 for part in 0..Wide::<S>::PARTS {
-                    for law in 0..N {
-                        let [one, other] = &stresses[law].0[before % 2];
-                        let [first, second] = on_spokes(set, shapes, one, part);
-                        let [also, third] = on_spokes(set, others, other, part);
+                    for stress in 0..N {
+                        let [one, other] = &stresses[stress].0[before % 2];
+                        let [first, second] = edge_forces(set, shapes, one, part);
+                        let [also, third] = edge_forces(set, others, other, part);
                         let second = [second[0] + also[0], second[1] + also[1]];
                         let middle = [-first[0] - second[0] - third[0], -first[1] - second[1] - third[1]];
-                        for (out, [x, y]) in out[law][before].iter_mut().zip([middle, first, second, third]) {
+                        for (out, [x, y]) in out[stress][before].iter_mut().zip([middle, first, second, third]) {
                             Wide::store_pairs(x, y, out, part);
                         }
                     }
@@ -292,9 +291,10 @@ impl<const N: usize, L: StressModel<N>> WithSimd for Forces<'_, L, N> {
     }
 }
 
-/// The forces at the ends of two spokes, x and y, from the stresses in the triangles between: the columns of -A P D0⁻ᵀ.
+/// Forces at the ends of two edge vectors, x and y, from the stresses in the triangles between: the columns of -A P
+/// D0⁻ᵀ.
 #[inline(always)]
-fn on_spokes<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usize) -> [[Wide<S>; 2]; 2] {
+fn edge_forces<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usize) -> [[Wide<S>; 2]; 2] {
     let (turned, minus_area) = (shapes.inverse.load(set, part).transpose(), Wide::load(set, &shapes.minus_area, part));
     let h = stresses.load(set, part).times(turned) * minus_area;
     [[h.m11, h.m21], [h.m12, h.m22]]
@@ -313,11 +313,11 @@ impl<M: Material> WithSimd for Energy<'_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> f64 {
-        let mut now = Run::default();
+        let mut now = EdgeVectorBuffer::default();
         let mut energies = [Lanes::default(); 2];
         let mut sum = 0.0;
-        for (run, blocks) in self.blocks.all().chunks(RUN).enumerate() {
-            self.corners.collect(run, self.x, spokes, &mut now.0);
+        for (run, blocks) in self.blocks.all().chunks(RUN_BLOCKS).enumerate() {
+            self.corners.collect(run, self.x, edge_vectors, &mut now.0);
             for (now, block) in now.0.iter().zip(blocks) {
                 let Block(shapes) = block;
                 for part in 0..Wide::<S>::PARTS {
@@ -328,7 +328,7 @@ impl<M: Material> WithSimd for Energy<'_, M> {
                 }
                 for lane in self.blocks.order.lane {
                     for (shapes, energies) in shapes.iter().zip(&energies) {
-                        // Where there is no area there is no triangle, and maybe no number.
+                        // A lane without area has no triangle, and may contain NaN.
                         if shapes.minus_area[lane] != 0.0 {
                             sum += energies[lane];
                         }

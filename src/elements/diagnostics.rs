@@ -10,38 +10,44 @@ use crate::{
 };
 use pulp::{Arch, Simd, WithSimd};
 
-/// How many blocks of triangles are collected at a time: enough for what is stored number by number to have arrived when it
-/// is read lane by lane.
-const RUN: usize = 4;
+/// Number of blocks of triangles gathered at a time: enough for scalar stores to complete before they are read as SIMD
+/// vectors.
+const RUN_BLOCKS: usize = 4;
 
-/// What a sweep over triangles has found.
+/// Diagnostics of all triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diagnostics {
     /// Elastic energy [J].
     pub energy: f64,
     /// Least det F; infinite if there are none.
     pub least: f64,
-    /// How many have det F <= 0.
+    /// Number of triangles with det F <= 0.
     pub inverted: usize,
-    /// How many are beyond where the model's formula is used to the letter.
+    /// Number of triangles in the continued range of the model's formula.
     pub continued: usize,
 }
 
 impl Triangles {
-    /// Energy and shape of the triangles; in the same sweep adds one value a triangle to `values`, in their order, but nothing
-    /// for [`Field::None`].
+    /// Computes the diagnostics and, in the same pass, appends one value for each triangle to `values`, in their order;
+    /// nothing for [`Field::None`].
     pub fn diagnose(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
-        self.survey_knowing(None, field, x, values)
+        self.diagnose_with_energy(None, field, x, values)
     }
 
-    /// The same, where the energy [J] may be known already and is not computed then.
-    pub fn survey_knowing(&self, energy: Option<f64>, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
+    /// The same with an energy [J] that may be known and is not computed then.
+    pub fn diagnose_with_energy(
+        &self,
+        energy: Option<f64>,
+        field: Field,
+        x: &[f64],
+        values: &mut Vec<f64>,
+    ) -> Diagnostics {
         struct Visit<'a>(&'a Triangles, Option<f64>, Field, &'a [f64], &'a mut Vec<f64>);
         impl Visitor for Visit<'_> {
             type Output = Diagnostics;
             fn visit<M: Material>(self, material: &M) -> Diagnostics {
                 let Self(of, energy, field, x, out) = self;
-                Arch::new().dispatch(Sweep { of, material, energy, field, x, out })
+                Arch::new().dispatch(DiagnosticsKernel { of, material, energy, field, x, out })
             }
         }
         self.visit(Visit(self, energy, field, x, values))
@@ -70,18 +76,18 @@ impl Eight {
         }
     }
 
-    /// Part of the deformation gradients, and of the areas.
+    /// One SIMD register of deformation gradients and of areas.
     #[inline(always)]
     fn part<S: Simd>(&self, set: S, part: usize) -> (Mat2<Wide<S>>, Wide<S>) {
-        let square = |of: &[Lanes; 4]| {
+        let matrix = |of: &[Lanes; 4]| {
             let [m11, m21, m12, m22] = [0, 1, 2, 3].map(|entry| Wide::load(set, &of[entry], part));
             Mat2::new(m11, m12, m21, m22)
         };
-        (square(&self.edges).times(square(&self.inverse)), Wide::load(set, &self.area, part))
+        (matrix(&self.edges).times(matrix(&self.inverse)), Wide::load(set, &self.area, part))
     }
 }
 
-struct Sweep<'a, M> {
+struct DiagnosticsKernel<'a, M> {
     of: &'a Triangles,
     material: &'a M,
     energy: Option<f64>,
@@ -90,23 +96,23 @@ struct Sweep<'a, M> {
     out: &'a mut Vec<f64>,
 }
 
-impl<M: Material> WithSimd for Sweep<'_, M> {
+impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
     type Output = Diagnostics;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Diagnostics {
         let Self { of, material, energy, field, x, out } = self;
         let x = x.as_chunks().0;
-        // Energies wait behind the values until they are summed in the order of the fans, as they are when nothing else is asked for.
+        // Energies are stored behind the values and summed in the order of the fans, as without fields.
         let end = out.len() + if field == Field::None { 0 } else { of.corners().len() };
         let mut next = out.len();
         out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
         let mut found = Diagnostics { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
-        let mut eights = [Eight::default(); RUN];
+        let mut eights = [Eight::default(); RUN_BLOCKS];
         let [mut ratios, mut energies, mut values] = [Lanes::default(); 3];
-        for (run, corners) in of.corners().chunks(RUN * LANES).enumerate() {
+        for (run, corners) in of.corners().chunks(RUN_BLOCKS * LANES).enumerate() {
             for (number, (eight, corners)) in eights.iter_mut().zip(corners.chunks(LANES)).enumerate() {
-                eight.collect(of, x, (run * RUN + number) * LANES, corners);
+                eight.collect(of, x, (run * RUN_BLOCKS + number) * LANES, corners);
             }
             for (number, (eight, corners)) in eights.iter().zip(corners.chunks(LANES)).enumerate() {
                 for part in 0..Wide::<S>::PARTS {
@@ -124,9 +130,9 @@ impl<M: Material> WithSimd for Sweep<'_, M> {
                     };
                     value.store(&mut values, part);
                 }
-                // A lane left over holds what is not a triangle here.
+                // Unused lanes are skipped.
                 for lane in 0..corners.len() {
-                    let (j, triangle) = (ratios[lane], (run * RUN + number) * LANES + lane);
+                    let (j, triangle) = (ratios[lane], (run * RUN_BLOCKS + number) * LANES + lane);
                     if energy.is_none() {
                         out[end + of.slot(triangle)] = energies[lane];
                     }

@@ -1,8 +1,8 @@
-//! Fields that triangles are coloured by.
+//! Fields for the colour of triangles.
 
 use super::Triangles;
 
-/// What triangles can be coloured by.
+/// Field that triangles are coloured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Field {
     /// Plain gingerbread.

@@ -1,68 +1,67 @@
-//! From forces at the corners of elements to forces on vertices.
+//! Gather-based force assembly: sums of corner forces at vertices.
 
 use super::stages::Stages;
-use crate::simd::{LANES, NEAR, Order, Pairs, SPARE, lined};
+use crate::simd::{INDEXED16, LANES, Order, Pairs, SPARE, lined};
 use pulp::Arch;
 use std::{iter::repeat_n, ops::Range};
 
-/// After how many blocks of elements the vertices are summed that have all their forces by then: enough for long runs of
-/// vertices in a row, and little enough for the forces to be still near the processor.
+/// Blocks of a stage, after which the vertices with complete forces are summed: enough for long runs of consecutive
+/// vertices, and few enough for the forces to stay in the cache.
 pub const STAGE: usize = 32;
 
-/// The same in elements.
+/// Elements of a stage.
 pub const STAGE_ELEMENTS: usize = LANES * STAGE;
 
-/// For each vertex the corners that meet there.
+/// For each vertex, the element corners at it.
 ///
-/// Forces go to a buffer of corners first and are then summed vertex by vertex, always in the order of the elements of the whole: the
-/// sum is the same on every run, and no two elements write to the same place. Vertices with as many corners as each other
-/// are summed one after another, so that the processor never has to guess how many there are; where nearly all have as many, the others
-/// are summed as if they had.
+/// Forces are written to a buffer of corners and then summed vertex by vertex, in the order of all elements: the sum is
+/// the same in every run, and no two elements write to the same place. Vertices of equal degree are summed in one loop
+/// without branch misprediction; where nearly all have the same degree, the others are padded.
 #[derive(Debug)]
 pub struct Gather {
-    /// Vertices that are summed over as many places as each other.
-    runs: Vec<Run>,
-    /// The vertices, counted from the first of the body, net or partition.
+    /// Runs of vertices with equal number of places.
+    runs: Vec<VertexRun>,
+    /// Vertices, counted from the first of the body, net or partition.
     vertices: Vec<u32>,
-    /// Where their corners' forces are in the buffer, counted in numbers, one vertex after another: in a buffer so small that 16 bits reach
-    /// everywhere,
-    near: Vec<u16>,
-    /// or else.
-    far: Vec<u32>,
-    /// How many stages the buffer of corners holds.
+    /// 16-bit places of their corners' forces in the buffer, in numbers, vertex by vertex, if the buffer is small
+    /// enough.
+    indices16: Vec<u16>,
+    /// 32-bit places otherwise.
+    indices32: Vec<u32>,
+    /// Number of stages in the buffer of corners.
     window: usize,
-    /// How many blocks of elements there are.
+    /// Number of blocks of elements.
     blocks: usize,
-    /// What the forces are computed with.
+    /// Instruction set of the forces.
     set: Arch,
 }
 
-/// Vertices that are summed over as many places as each other.
+/// Runs of vertices with equal number of places.
 #[derive(Clone, Copy, Debug)]
-pub struct Run {
-    /// When they have all their forces.
+pub struct VertexRun {
+    /// Stage after which their forces are complete.
     pub stage: u32,
-    /// How many places each is summed over: one for each corner, and maybe some where there is nothing.
+    /// Number of places of each vertex: one for each corner, and padding.
     pub degree: u32,
-    /// How many vertices there are.
+    /// Number of vertices.
     pub count: u32,
-    /// Whether their numbers follow each other.
+    /// Whether their numbers are consecutive.
     pub dense: bool,
 }
 
-/// A place among [`Near`](crate::lanes::Near) numbers where there is no force: at the end, where no corner is.
+/// Place without a force, for padding: at the end of [`Indexed16`](crate::simd::Indexed16) numbers, where no corner is.
 const NOTHING: u16 = u16::MAX;
 
-/// The vertices of a stage are summed as if they all had as many corners as the one with the most, if that makes no more than so many
-/// times the sums: nothing is added where they have fewer.
+/// Greatest cost of padding: the vertices of a stage are padded to the greatest degree if that makes at most this many
+/// times the sums. Padding adds zero.
 const WASTE: f64 = 1.25;
 
-/// Vertices in a row are a run of their own if runs are so long on average.
+/// Consecutive vertices form runs of their own if runs have this average length.
 const LONG: usize = 8;
 
 impl Gather {
-    /// `corners` holds the numbers of each element's corners, whose forces are stored in an order; only the vertices that are `summed`,
-    /// ascending, are given their sums. In the scene the first of them is a vertex of its own number, by which lines of memory begin.
+    /// `corners` are the vertices of each element's corners, whose forces are stored in an order; only the vertices in
+    /// `summed`, ascending, get sums. `first` is the scene number of the first vertex, for alignment to cache lines.
     pub fn new<const N: usize>(corners: &[[u32; N]], summed: Vec<u32>, first: usize, order: &Order) -> Self {
         let blocks = corners.len().div_ceil(LANES);
         let count = corners.as_flattened().iter().chain(&summed).max().map_or(0, |most| *most as usize + 1);
@@ -76,17 +75,17 @@ impl Gather {
             let stage = |corner: Option<&(usize, usize)>| corner.map_or(0, |(element, _)| element / STAGE_ELEMENTS);
             (stage(all.first()), stage(all.last()))
         };
-        // Until a vertex has all its forces they have to stay in the buffer.
+        // Forces stay in the buffer until the vertex is complete.
         let stays = |all: &Vec<(usize, usize)>| ends(all).1 - ends(all).0;
         let window = 1 + meeting.iter().map(stays).max().unwrap_or(0);
         let place = |&(element, number): &(usize, usize)| {
             let block = element / LANES % (window * STAGE);
             2 * ((block * N + number) * LANES + order.place[element % LANES])
         };
-        let near = window * STAGE * LANES * 2 * N <= NOTHING.into();
+        let is_narrow = window * STAGE * LANES * 2 * N <= NOTHING.into();
         // A vertex is summed in the stage of its last corner.
         let stage = |vertex: u32| ends(&meeting[vertex as usize]).1;
-        let met = |vertex: &&u32| near && !meeting[**vertex as usize].is_empty();
+        let met = |vertex: &&u32| is_narrow && !meeting[**vertex as usize].is_empty();
         let of_met = summed.iter().filter(met).map(|vertex| (stage(*vertex), meeting[*vertex as usize].len()));
         let degrees = degrees(blocks.div_ceil(STAGE), of_met);
         let degree = |vertex: u32| {
@@ -101,9 +100,9 @@ impl Gather {
             let follows = |one: &u32, other: &u32| one + 1 == *other;
             let dense = LONG * alike.chunk_by(follows).count() <= alike.len();
             let joins = move |one: &u32, other: &u32| !dense || follows(one, other);
-            let run = move |run: &[u32]| Run { stage, degree, count: run.len() as u32, dense };
+            let run = move |run: &[u32]| VertexRun { stage, degree, count: run.len() as u32, dense };
             alike.chunk_by(joins).flat_map(move |all| {
-                // Fours begin where a line of memory may.
+                // Groups of four vertices are aligned to cache lines.
                 let head = (4 - (first + all[0] as usize) % 4) % 4;
                 let (head, all) = all.split_at(if dense { head.min(all.len()) } else { 0 });
                 [head, all].into_iter().filter(|run| !run.is_empty()).map(run)
@@ -114,13 +113,13 @@ impl Gather {
             let all = &meeting[vertex as usize];
             all.iter().map(place).chain(repeat_n(NOTHING.into(), degree(vertex) - all.len()))
         });
-        let (mut of_near, mut far) = (Vec::new(), Vec::new());
-        if near {
-            of_near.extend(places.map(|place| place as u16));
+        let (mut of_indices16, mut indices32) = (Vec::new(), Vec::new());
+        if is_narrow {
+            of_indices16.extend(places.map(|place| place as u16));
         } else {
-            far.extend(places.map(|place| place as u32));
+            indices32.extend(places.map(|place| place as u32));
         }
-        Self { runs, vertices: ordered, near: of_near, far, window, blocks, set: order.set }
+        Self { runs, vertices: ordered, indices16: of_indices16, indices32, window, blocks, set: order.set }
     }
 
     /// The instruction set.
@@ -128,12 +127,12 @@ impl Gather {
         self.set
     }
 
-    /// How many blocks of elements the buffer of corners has to hold.
+    /// Number of blocks in the buffer of corners.
     pub const fn buffer(&self) -> usize {
         self.window * STAGE
     }
 
-    /// How many stages there are.
+    /// Number of stages.
     pub const fn count(&self) -> usize {
         self.blocks.div_ceil(STAGE)
     }
@@ -143,7 +142,7 @@ impl Gather {
         stage * STAGE..((stage + 1) * STAGE).min(self.blocks)
     }
 
-    /// The first block in the buffer that the elements of a stage write to: what they overwrite was summed before.
+    /// First block in the buffer for a stage; what it overwrites was summed before.
     pub const fn slot(&self, stage: usize) -> usize {
         stage % self.window * STAGE
     }
@@ -153,16 +152,16 @@ impl Gather {
         Stages {
             runs: self.runs.as_slice(),
             vertices: self.vertices.as_slice(),
-            near: self.near.as_slice(),
-            far: self.far.as_slice(),
+            indices16: self.indices16.as_slice(),
+            indices32: self.indices32.as_slice(),
             stage: 0,
             set: self.set,
         }
     }
 }
 
-/// How many corners all vertices of each of so many stages are to be summed over, where they may have fewer: for each vertex, its stage
-/// and how many it has.
+/// Common degree of all vertices in each stage, if padding to it is cheap; from the stage and the degree of each
+/// vertex.
 fn degrees(stages: usize, of_vertices: impl Iterator<Item = (usize, usize)>) -> Vec<Option<usize>> {
     let mut of_stages = vec![(0, 0, 0); stages];
     for (stage, degree) in of_vertices {
@@ -173,23 +172,23 @@ fn degrees(stages: usize, of_vertices: impl Iterator<Item = (usize, usize)>) -> 
     of_stages.into_iter().map(|of| alike(of).then_some(of.0)).collect()
 }
 
-/// How many numbers of scratch hold so many [`Pairs`], and can be read as [`Near`].
-pub const fn room(pairs: usize) -> usize {
+/// Size of scratch for a number of [`Pairs`] that can be read as [`Indexed16`](crate::simd::Indexed16).
+pub const fn scratch_size(pairs: usize) -> usize {
     let numbers = 2 * LANES * pairs;
-    (if numbers < NEAR { NEAR.next_multiple_of(2 * LANES) } else { numbers }) + SPARE
+    (if numbers < INDEXED16 { INDEXED16.next_multiple_of(2 * LANES) } else { numbers }) + SPARE
 }
 
-/// Makes room in scratch. Zeros are asked for, not written: what is never touched takes no memory.
-pub fn make_room(scratch: &mut Vec<f64>, numbers: usize) {
+/// Enlarges scratch. The allocator provides zeros, so that untouched pages take no memory.
+pub fn reserve_scratch(scratch: &mut Vec<f64>, numbers: usize) {
     if scratch.len() < numbers {
         *scratch = vec![0.0; numbers];
     }
 }
 
-/// [`Pairs`] in scratch, from where a line of memory begins, with nothing at the place [`NOTHING`].
+/// [`Pairs`] in scratch, aligned to a cache line, with zero at the place [`NOTHING`].
 pub fn pairs(scratch: &mut [f64]) -> &mut [Pairs] {
     let numbers = lined(scratch);
-    if let Some(nothing) = numbers.get_mut(NOTHING.into()..NEAR) {
+    if let Some(nothing) = numbers.get_mut(NOTHING.into()..INDEXED16) {
         nothing.fill(0.0);
     }
     numbers.as_chunks_mut().0.as_chunks_mut().0

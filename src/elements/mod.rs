@@ -1,26 +1,26 @@
-//! Elements: the pieces that store elastic energy. An element is an effect like any other to whoever takes a step.
+//! Elements: triangles and springs, which store elastic energy. An element is an effect like any other to a step.
 
+mod accumulator;
 mod blocks;
 mod corners;
 mod diagnostics;
+mod euler_update;
 mod fields;
 mod gather;
-mod kick;
 mod partitions;
 mod spring;
 mod stages;
 mod tangent;
-mod target;
 mod triangle;
 
-pub(crate) use blocks::Law;
+pub use accumulator::{Accumulator, Adding, EulerUpdate, Scatter, UniformForce};
+pub(crate) use blocks::StressLaw;
 pub use diagnostics::Diagnostics;
 pub use fields::Field;
-pub(crate) use gather::{STAGE_ELEMENTS, make_room};
+pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub(crate) use partitions::is_unpartitioned;
 pub use spring::Springs;
 pub(crate) use tangent::Isotropic;
-pub use target::{Accumulator, Adding, Kicking, Scatter, UniformForce};
 pub use triangle::Triangles;
 
 use std::sync::Arc;

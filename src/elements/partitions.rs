@@ -1,27 +1,27 @@
-//! Partitions of a body: ranges of fans whose forces are assembled independently, on as many cores as there are.
+//! Partitions of a body: ranges of fans whose forces are assembled independently, in parallel.
 //!
-//! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions, and gives those
-//! vertices their forces that no other partition has to do with. At an interface vertex the sums of the partitions are added in the
-//! order of the partitions afterwards. So any number of threads gives the same bits.
+//! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions and
+//! sums them at the vertices of no other partition. At an interface vertex the partial sums are added in the order of
+//! the partitions afterwards. So any number of threads gives the same bits.
 
 use super::{
     Accumulator, Scatter,
     blocks::{Block, Blocks, Collected, Forces, StressModel},
-    corners::{Corners, RUN},
-    gather::{Gather, STAGE, STAGE_ELEMENTS, pairs, room},
+    corners::{Corners, RUN_BLOCKS},
+    gather::{Gather, STAGE, STAGE_ELEMENTS, pairs, scratch_size},
 };
-use crate::simd::{LANES, NEAR, Order, Pairs};
+use crate::simd::{INDEXED16, LANES, Order, Pairs};
 use pulp::Simd;
 use std::{array::from_fn, ops::Range};
 use wide::f64x2;
 
 /// A stage begins with a run.
-const _: () = assert!(STAGE.is_multiple_of(RUN));
+const _: () = assert!(STAGE.is_multiple_of(RUN_BLOCKS));
 
-/// The fewest fans of a partition: fewer take less time than it takes to hand them to another core.
+/// Fewest fans of a partition; fewer take less time than a transfer to another core.
 const FANS: usize = 2048;
 
-/// The greatest share of vertices that may lie on interfaces, as one core adds them up; else there are fewer partitions.
+/// Greatest fraction of vertices on interfaces, which one core sums; else there are fewer partitions.
 const INTERFACE: f64 = 0.05;
 
 /// All partitions of a body. Vertices are counted from the first of the body.
@@ -70,8 +70,8 @@ impl Cut {
         cut
     }
 
-    /// Cuts fans into equal parts. A vertex between the fans of two partitions belongs to the interface if both have to do with it, or
-    /// if the one that has does not own it.
+    /// Cuts fans into equal parts. A vertex between two partitions belongs to the interface if both use it, or if the
+    /// one that uses it does not own it.
     fn new(fans: &[[u32; 4]], vertices: usize, count: usize) -> Self {
         let begin = |part: usize| fans.len() * part / count / STAGE_ELEMENTS * STAGE_ELEMENTS;
         let begins: Vec<_> = (0..count).map(begin).collect();
@@ -136,67 +136,67 @@ impl Partitions {
         self.whole.as_ref().unwrap_or_else(|| &self.all[0].corners)
     }
 
-    /// How many partitions there are.
+    /// Number of partitions.
     pub const fn count(&self) -> usize {
         self.all.len()
     }
 
-    /// How many numbers of scratch the assembly needs for each stress.
+    /// Size of scratch of the assembly for each stress.
     pub fn scratch(&self) -> usize {
         2 * self.slots.len() + self.all.iter().map(|partition| partition.scratch(1)).sum::<usize>()
     }
 
-    /// Computes the forces of stresses on all fans, and hands the sums at their vertices to a target. Returns what the target has
-    /// [summed](Accumulator::sum).
+    /// Assembles the forces of stresses on all fans into an accumulator. Returns the [sum](Accumulator::sum) of the
+    /// accumulator.
     pub fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
         &self,
-        laws: L,
+        model: L,
         blocks: &Blocks,
-        target: &mut T,
+        accumulator: &mut T,
         scratch: &mut [f64],
     ) -> f64 {
         let (partial, copies) = scratch.split_at_mut(2 * N * self.slots.len());
         let partial = partial.as_chunks_mut().0;
         if self.all.len() > 1 {
-            let [x, v] = target.motion();
+            let [x, v] = accumulator.motion();
             let mut left = &mut *copies;
             for partition in &self.all {
                 let own = left.split_off_mut(..partition.scratch(N)).unwrap_or_default();
                 partition.copy_shared([x, if L::RATE { v } else { &[] }], own);
             }
         }
-        let job = Job { laws, blocks: blocks.all() };
-        let sum = job.run(&self.all, target.part(0..self.vertices), copies, partial);
+        let job = Job { model, blocks: blocks.all() };
+        let sum = job.run(&self.all, accumulator.view(0..self.vertices), copies, partial);
         let mut begin = 0;
-        target.take(self.interface.iter().map(|&(vertex, end)| {
+        accumulator.take(self.interface.iter().map(|&(vertex, end)| {
             let slots = &self.slots[begin..end as usize];
             begin = end as usize;
             let mut forces = [f64x2::ZERO; N];
             for &slot in slots {
-                for (law, force) in forces.iter_mut().enumerate() {
-                    *force += f64x2::new(partial[slot as usize * N + law]);
+                for (stress, force) in forces.iter_mut().enumerate() {
+                    *force += f64x2::new(partial[slot as usize * N + stress]);
                 }
             }
             (vertex as usize, forces)
         }));
-        sum + target.sum()
+        sum + accumulator.sum()
     }
 }
 
-/// What is the same for all partitions.
+/// Stress model and blocks, common to all partitions.
 #[derive(Clone, Copy)]
 struct Job<'a, L> {
-    laws: L,
+    model: L,
     blocks: &'a [Block],
 }
 
 impl<L> Job<'_, L> {
-    /// Assembles the forces of some partitions; the target holds the vertices that they own. The halves of the list are added as a
-    /// tree, whoever computes them.
+    /// Assembles the forces of some partitions; the accumulator holds the vertices that they own. The sums of halves of
+    /// the list are added as a tree, independent of threads.
     fn run<T: Accumulator<N>, const N: usize>(
         self,
         partitions: &[Partition],
-        target: T,
+        accumulator: T,
         scratch: &mut [f64],
         partial: &mut [[f64; 2]],
     ) -> f64
@@ -205,13 +205,13 @@ impl<L> Job<'_, L> {
     {
         let (first, second) = match partitions {
             [] => return 0.0,
-            [partition] => return partition.assemble(self, target, scratch, partial),
+            [partition] => return partition.assemble(self, accumulator, scratch, partial),
             _ => partitions.split_at(partitions.len() / 2),
         };
         let sizes = |partition: &Partition| [partition.owned.len(), partition.scratch(N), N * partition.shared.len()];
         let [vertices, numbers, slots] =
             first.iter().map(sizes).fold([0; 3], |sums, sizes| from_fn(|which| sums[which] + sizes[which]));
-        let (one, other) = target.split(vertices);
+        let (one, other) = accumulator.split(vertices);
         let (scratch, other_scratch) = scratch.split_at_mut(numbers);
         let (partial, other_partial) = partial.split_at_mut(slots);
         let sums =
@@ -220,7 +220,7 @@ impl<L> Job<'_, L> {
     }
 }
 
-/// Runs both: at once, if this thread belongs to a pool of several.
+/// Runs both, in parallel if this thread belongs to a thread pool.
 fn join(one: impl FnOnce() -> f64 + Send, other: impl FnOnce() -> f64 + Send) -> (f64, f64) {
     if rayon::current_thread_index().is_some() { rayon::join(one, other) } else { (one(), other()) }
 }
@@ -251,14 +251,14 @@ impl Partition {
     }
 
     /// How many numbers a copy of the positions takes, with so many after them that from any of them on there are
-    /// [`Near`](crate::simd::Near) ones.
+    /// [`Indexed16`](crate::simd::Near) ones.
     fn copy(&self) -> usize {
-        2 * (self.owned.len() + self.shared.len()) + NEAR
+        2 * (self.owned.len() + self.shared.len()) + INDEXED16
     }
 
     /// How many numbers of scratch it needs for N stresses.
     fn scratch(&self, stresses: usize) -> usize {
-        2 * self.copy() + stresses * room(4 * self.gather.buffer())
+        2 * self.copy() + stresses * scratch_size(4 * self.gather.buffer())
     }
 
     /// Copies what its fans have to do with at the interface.
@@ -278,47 +278,47 @@ impl Partition {
     /// `partial`.
     fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
         &self,
-        Job { laws, blocks }: Job<'_, L>,
-        target: T,
+        Job { model, blocks }: Job<'_, L>,
+        accumulator: T,
         scratch: &mut [f64],
         partial: &mut [[f64; 2]],
     ) -> f64 {
         let (x, scratch) = scratch.split_at_mut(self.copy());
         let (v, mut scratch) = scratch.split_at_mut(self.copy());
         let own = 2 * self.owned.len();
-        let [from_x, from_v] = target.motion();
+        let [from_x, from_v] = accumulator.motion();
         x[..own].copy_from_slice(&from_x[..own]);
         if L::RATE {
             v[..own].copy_from_slice(&from_v[..own]);
         }
-        let each = room(4 * self.gather.buffer());
+        let each = scratch_size(4 * self.gather.buffer());
         let mut forces: [&mut [Pairs]; N] = from_fn(|_| pairs(scratch.split_off_mut(..each).unwrap_or_default()));
         let mut collected = Collected::default();
-        let mut target = Local { target, owned: self.owned.len(), partial };
+        let mut accumulator = Local { accumulator, owned: self.owned.len(), partial };
         let mut stages = self.gather.stages();
         for stage in 0..self.gather.count() {
             let span = self.gather.span(stage);
             let slot = 4 * self.gather.slot(stage);
             let out = forces.each_mut().map(|forces| forces[slot..].as_chunks_mut().0.as_chunks_mut().0);
             self.gather.set().dispatch(Forces {
-                laws,
+                model,
                 corners: &self.corners,
-                first: span.start / RUN,
+                first: span.start / RUN_BLOCKS,
                 blocks: &blocks[self.blocks.clone()][span],
                 x,
                 v,
                 collected: &mut collected,
                 out,
             });
-            stages.add(forces.each_ref().map(|forces| &**forces), &mut target);
+            stages.add(forces.each_ref().map(|forces| &**forces), &mut accumulator);
         }
-        target.target.sum()
+        accumulator.accumulator.sum()
     }
 }
 
 /// The target of a partition, and the partial sums at the interface.
 struct Local<'a, T> {
-    target: T,
+    accumulator: T,
     /// How many vertices come before those of the interface.
     owned: usize,
     partial: &'a mut [[f64; 2]],
@@ -327,11 +327,11 @@ struct Local<'a, T> {
 impl<T: Scatter<N>, const N: usize> Scatter<N> for Local<'_, T> {
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
-        let Self { target, owned, partial } = self;
-        target.take(forces.filter(|&(vertex, forces)| {
+        let Self { accumulator, owned, partial } = self;
+        accumulator.take(forces.filter(|&(vertex, forces)| {
             let Some(at) = vertex.checked_sub(*owned) else { return true };
-            for (law, force) in forces.iter().enumerate() {
-                partial[at * N + law] = force.to_array();
+            for (stress, force) in forces.iter().enumerate() {
+                partial[at * N + stress] = force.to_array();
             }
             false
         }));
@@ -348,6 +348,6 @@ impl<T: Scatter<N>, const N: usize> Scatter<N> for Local<'_, T> {
         if first + 4 * fours.len() + rest.len() > self.owned {
             return self.take((first..).zip(fours.flatten().chain(rest)));
         }
-        self.target.take_run(set, first, fours, rest);
+        self.accumulator.take_run(set, first, fours, rest);
     }
 }

@@ -1,14 +1,14 @@
 //! Spring elements.
 
 use super::{
-    Accumulator, Adding, Kicking,
-    corners::{Corners, RUN},
-    gather::{Gather, pairs, room},
+    Accumulator, Adding, EulerUpdate,
+    corners::{Corners, RUN_BLOCKS},
+    gather::{Gather, pairs, scratch_size},
 };
 use crate::{
     effects::{Effect, Motion},
     nets::{Link, Net},
-    simd::{LANES, Lanes, NEAR, Order, Pairs, Real, Wide},
+    simd::{INDEXED16, LANES, Lanes, Order, Pairs, Real, Wide},
     solvers::{BlockMatrix, Tangent, Weights},
 };
 use nalgebra::Matrix2;
@@ -69,7 +69,7 @@ impl Springs {
         }
     }
 
-    /// The same for another instruction set than the best: with the same bits, in more time.
+    /// The same with another instruction set: the same bits in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
         Self::of_links(self.links.clone(), self.vertices.clone(), set)
@@ -94,12 +94,12 @@ impl Springs {
         self.links.iter().map(stored).sum()
     }
 
-    /// Computes the forces on the particles and hands them to the vertices of a scene. Returns what these have
-    /// [summed](Accumulator::sum).
-    fn assemble(&self, target: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
-        let mut target = target.part(self.vertices.clone());
+    /// Assembles the forces on the particles into an accumulator. Returns the [sum](Accumulator::sum) of the
+    /// accumulator.
+    fn assemble(&self, accumulator: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
+        let mut accumulator = accumulator.view(self.vertices.clone());
         let (copy, scratch) = scratch.split_at_mut(self.copy());
-        copy[..2 * self.vertices.len()].copy_from_slice(target.motion()[0]);
+        copy[..2 * self.vertices.len()].copy_from_slice(accumulator.motion()[0]);
         let (gather, pairs) = (&self.gather, pairs(scratch));
         let mut stages = gather.stages();
         for stage in 0..gather.count() {
@@ -107,23 +107,24 @@ impl Springs {
             let out = pairs[2 * gather.slot(stage)..].as_chunks_mut().0.as_chunks_mut().0;
             gather.set().dispatch(Pulls {
                 ends: &self.ends,
-                first: span.start / RUN,
+                first: span.start / RUN_BLOCKS,
                 blocks: &self.blocks[span],
                 x: copy,
                 out,
             });
-            stages.add([&*pairs], &mut target);
+            stages.add([&*pairs], &mut accumulator);
         }
-        target.sum()
+        accumulator.sum()
     }
 
-    /// How many numbers a copy of the positions takes, with enough after them to be read as [`Near`](crate::simd::Near) ones.
+    /// Size of a copy of the positions, with enough numbers after them to be read as
+    /// [`Indexed16`](crate::simd::Indexed16).
     fn copy(&self) -> usize {
-        2 * self.vertices.len() + NEAR
+        2 * self.vertices.len() + INDEXED16
     }
 
-    /// Adds dampers beside the springs, `c = beta k` [N s/m]: each slows the change of its spring's length and nothing
-    /// else, so that a rigid motion is not damped. At rest it is Rayleigh's `-beta K v`.
+    /// Adds dampers beside the springs, `c = beta k` [N s/m]: each damps only the rate of length of its spring, so that
+    /// a rigid motion is not damped. At rest it is Rayleigh's `-beta K v`.
     pub(crate) fn add_damping(&self, x: &[f64], v: &[f64], beta: f64, force: &mut [f64]) {
         for link in &self.links {
             let Some(([ux, uy], _)) = direction(x, link) else { continue };
@@ -149,7 +150,7 @@ fn add_block(matrix: &mut BlockMatrix, link: &Link, [xx, xy, yy]: [f64; 3]) {
     for end in link.ends {
         matrix.diagonal(end as usize, &block);
     }
-    matrix.couple(&-block);
+    matrix.off_diagonal(&-block);
 }
 
 /// From the first end to the second.
@@ -194,10 +195,10 @@ fn block(x: &[f64], link: &Link, tangent: Tangent) -> [f64; 3] {
     [across + along * ux * ux, along * ux * uy, across + along * uy * uy].map(|entry| link.stiffness * entry)
 }
 
-/// What lies between the ends of the springs of a run.
+/// Vectors between the ends of the springs of a run.
 #[derive(Default)]
 #[repr(align(64))]
-struct Run([[Pairs; 1]; RUN]);
+struct EdgeVectorBuffer([[Pairs; 1]; RUN_BLOCKS]);
 
 /// Computes the forces at both ends of all springs.
 struct Pulls<'a> {
@@ -207,7 +208,7 @@ struct Pulls<'a> {
     blocks: &'a [Block],
     x: &'a [f64],
     /// The forces, run by run.
-    out: &'a mut [[[Pairs; 2]; RUN]],
+    out: &'a mut [[[Pairs; 2]; RUN_BLOCKS]],
 }
 
 impl WithSimd for Pulls<'_> {
@@ -217,8 +218,8 @@ impl WithSimd for Pulls<'_> {
     fn with_simd<S: Simd>(self, set: S) {
         let Self { ends, first, blocks, x, out } = self;
         let between = |[a, b]: [[f64; 2]; 2]| [[b[0] - a[0], b[1] - a[1]]];
-        let (mut now, mut ahead) = (Run::default(), None);
-        let runs = blocks.chunks(RUN);
+        let (mut now, mut ahead) = (EdgeVectorBuffer::default(), None);
+        let runs = blocks.chunks(RUN_BLOCKS);
         let last = first + runs.len();
         for ((run, blocks), out) in (first..last).zip(runs).zip(out) {
             if ahead.is_none() {
@@ -237,7 +238,7 @@ impl WithSimd for Pulls<'_> {
                     Wide::store_pairs(fx, fy, one, part);
                     Wide::store_pairs(-fx, -fy, other, part);
                 }
-                // As with triangles, what comes next is collected beside the arithmetic.
+                // The next run is gathered in parallel to the arithmetic, as with triangles.
                 if let Some(ahead) = ahead {
                     ahead.collect(number, between, now);
                 }
@@ -260,14 +261,14 @@ impl Effect for Springs {
     }
 
     fn scratch(&self) -> usize {
-        self.copy() + room(2 * self.gather.buffer())
+        self.copy() + scratch_size(2 * self.gather.buffer())
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         self.assemble(&mut Adding { x: motion.x, v: &[], force }, scratch);
     }
 
-    fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+    fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
         vertices.twice_kinetic += self.assemble(vertices, &mut scratch[..self.scratch()]);
     }
 
@@ -278,7 +279,7 @@ impl Effect for Springs {
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for link in &self.links {
             add(link.ends[0], link.ends[1]);
         }

@@ -1,8 +1,9 @@
-//! The stiffness of triangles: as 2 x 2 blocks between their corners, and times a displacement without them.
+//! Tangent stiffness of triangles: as 2 x 2 blocks between their corners, and as a matrix-free product with a
+//! displacement.
 
 use super::{
     Adding, Triangles,
-    blocks::Law,
+    blocks::StressLaw,
     triangle::{Rest, edges},
 };
 use crate::{
@@ -13,9 +14,9 @@ use crate::{
 use nalgebra::{Matrix2, Matrix4};
 use pulp::{Simd, WithSimd};
 
-/// How many blocks of eight triangles are collected at a time: enough for what is stored number by number to have arrived when
-/// it is read lane by lane, and little enough to stay near the processor.
-const RUN: usize = 8;
+/// Number of blocks of eight triangles gathered at a time: enough for scalar stores to complete before they are read as
+/// SIMD vectors, and few enough to stay in the cache.
+const RUN_BLOCKS: usize = 8;
 
 /// The second derivative of an isotropic energy density.
 pub trait Isotropic: Copy + Send + Sync {
@@ -23,7 +24,7 @@ pub trait Isotropic: Copy + Send + Sync {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 }
 
-/// That of a material.
+/// The density of a material.
 #[derive(Clone, Copy)]
 struct Stored<'a, M>(&'a M);
 
@@ -34,11 +35,11 @@ impl<M: Material> Isotropic for Stored<'_, M> {
     }
 }
 
-/// Minus the change of a stress with a change of F, which stands in the place of dF/dt.
+/// Minus the directional derivative of a stress by F, in the direction of `change`, which is passed as dF/dt.
 #[derive(Clone, Copy)]
 struct Change<L>(L);
 
-impl<L: Isotropic> Law for Change<L> {
+impl<L: Isotropic> StressLaw for Change<L> {
     const RATE: bool = true;
 
     #[inline(always)]
@@ -49,8 +50,8 @@ impl<L: Isotropic> Law for Change<L> {
 }
 
 impl Triangles {
-    /// Names the three couples of corners of each triangle.
-    pub(crate) fn name_couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    /// Adds the three vertex pairs of each triangle to a sparsity pattern.
+    pub(crate) fn add_sparsity(&self, add: &mut dyn FnMut(u32, u32)) {
         for &[a, b, c] in self.corners() {
             add(a, b);
             add(a, c);
@@ -76,23 +77,24 @@ impl Triangles {
         [x, d]: [&[f64]; 2],
         scratch: &mut [f64],
         product: &mut [f64],
-        law: impl Isotropic,
+        density: impl Isotropic,
     ) {
-        self.assemble(Change(law), &mut Adding { x, v: d, force: product }, scratch);
+        self.assemble(Change(density), &mut Adding { x, v: d, force: product }, scratch);
     }
 
-    /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or what is positive of it.
+    /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or its positive part.
     pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
         self.visit(Elastic { of: self, x, weights, matrix });
     }
 
-    /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, or what is asked for of it.
+    /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, projected as the
+    /// tangent requires.
     pub(crate) fn add_energy_tangent(
         &self,
         x: &[f64],
         weights: Weights,
         matrix: &mut BlockMatrix,
-        law: impl Isotropic,
+        density: impl Isotropic,
     ) {
         let negative = match weights.tangent {
             Tangent::Exact => None,
@@ -100,7 +102,7 @@ impl Triangles {
             Tangent::Absolute => Some(-1.0),
         };
         let (x, weight) = (x.as_chunks().0, weights.position);
-        self.set().dispatch(Assemble { law, of: self, x, weight, negative, matrix });
+        self.set().dispatch(Assemble { density, of: self, x, weight, negative, matrix });
     }
 
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
@@ -117,14 +119,14 @@ impl Triangles {
             let [one, two, across] = self.rest(number).corner_blocks(&tangent(number, &f), weight);
             let turned = across.transpose();
             let (to_one, to_two) = (-one - turned, -across - two);
-            // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
+            // The rows of the first corner are minus the sum of the other two, by translation invariance.
             let [a, b, c] = triangle.map(|corner| corner as usize);
             matrix.diagonal(a, &(-to_one - to_two));
             matrix.diagonal(b, &one);
             matrix.diagonal(c, &two);
-            matrix.couple(&to_one);
-            matrix.couple(&to_two);
-            matrix.couple(&across);
+            matrix.off_diagonal(&to_one);
+            matrix.off_diagonal(&to_two);
+            matrix.off_diagonal(&across);
         }
     }
 }
@@ -164,11 +166,11 @@ impl Visitor for Elastic<'_> {
 
 /// Adds the blocks of all triangles, eight at a time.
 struct Assemble<'a, L> {
-    law: L,
+    density: L,
     of: &'a Triangles,
     x: &'a [[f64; 2]],
     weight: f64,
-    /// What negative eigenvalues are multiplied by.
+    /// Factor of negative eigenvalues.
     negative: Option<f64>,
     matrix: &'a mut BlockMatrix,
 }
@@ -178,14 +180,14 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { law, of, x, weight, negative, matrix } = self;
+        let Self { density, of, x, weight, negative, matrix } = self;
         let order = Order::new(of.set());
-        let (mut now, mut rest) = ([Quads::default(); RUN], [Quads::default(); RUN]);
-        let mut scales = [Lanes::default(); RUN];
-        let mut out = [[Quads::default(); 6]; RUN];
-        for (run, triangles) in of.corners().chunks(RUN * LANES).enumerate() {
+        let (mut now, mut rest) = ([Quads::default(); RUN_BLOCKS], [Quads::default(); RUN_BLOCKS]);
+        let mut scales = [Lanes::default(); RUN_BLOCKS];
+        let mut out = [[Quads::default(); 6]; RUN_BLOCKS];
+        for (run, triangles) in of.corners().chunks(RUN_BLOCKS * LANES).enumerate() {
             for (number, &triangle) in triangles.iter().enumerate() {
-                let Rest { inverse, area } = of.rest(run * RUN * LANES + number);
+                let Rest { inverse, area } = of.rest(run * RUN_BLOCKS * LANES + number);
                 let (block, lane) = (number / LANES, number % LANES);
                 now[block][lane] = edges(x, triangle);
                 rest[block][lane] = [inverse.m11, inverse.m21, inverse.m12, inverse.m22];
@@ -197,7 +199,7 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
                     let inverse = Mat2::new(m11, m12, m21, m22);
                     let [m11, m21, m12, m22] = Wide::load_quads(set, now, part);
                     let parts = Parts::of(Mat2::new(m11, m12, m21, m22).times(inverse));
-                    let moduli = law.moduli(&parts);
+                    let moduli = density.moduli(&parts);
                     let moduli = if let Some(factor) = negative { moduli.with_negative_times(factor) } else { moduli };
                     let moduli = moduli.times(Wide::load(set, scale, part));
                     for (out, block) in out.iter_mut().zip(corner_blocks(&parts, &moduli, inverse)) {
@@ -213,7 +215,7 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
     }
 }
 
-/// What both parts of F, U and M, make of the gradient of a corner's shape function, and these times the moduli.
+/// The gradient of a corner's shape function transformed by both parts of F, U and M, and multiplied by the moduli.
 #[derive(Clone, Copy)]
 struct Corner<R> {
     turned: [R; 2],
@@ -259,7 +261,7 @@ fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Mat2<R>
     let (c11, c12, c22) = (two.entry(&two, 0, 0), two.entry(&two, 0, 1), two.entry(&two, 1, 1));
     let (a11, a21) = (one.entry(&two, 0, 0), one.entry(&two, 1, 0));
     let (a12, a22) = (one.entry(&two, 0, 1), one.entry(&two, 1, 1));
-    // The rows of the first corner are minus the sum of the other two, as nothing depends on where a triangle is.
+    // The rows of the first corner are minus the sum of the other two, by translation invariance.
     let to_one = [-b11 - a11, -b12 - a12, -b12 - a21, -b22 - a22];
     let to_two = [-a11 - c11, -a21 - c12, -a12 - c12, -a22 - c22];
     let off = -to_one[2] - to_two[2];

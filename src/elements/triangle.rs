@@ -1,7 +1,7 @@
 //! Linear triangle elements.
 
 use super::{
-    Accumulator, Adding, Kicking,
+    Accumulator, Adding, EulerUpdate,
     blocks::{self, Blocks, Both, Elastic, StressModel},
     partitions::Partitions,
 };
@@ -16,19 +16,20 @@ use nalgebra::Matrix2;
 use pulp::Arch;
 use std::ops::Range;
 
-/// The linear triangles of one body, all of one material and unit thickness.
+/// The linear triangles of one body, of one material and unit thickness.
 ///
 /// With the edges D = [x1 - x0, x2 - x0] now and D0 at rest, the deformation gradient is `F = D D0⁻¹`, constant over a
 /// triangle. The forces on its corners are `[f1 f2] = -A P(F) D0⁻ᵀ` and `f0 = -f1 - f2`
 /// (Sifakis and Barbic, *FEM Simulation of 3D Deformable Solids*, SIGGRAPH 2012 course, section 4.2).
 ///
-/// Forces are computed for two triangles that share an edge at a time ([`Fan`]), whose four vertices are read and written once.
+/// Forces are computed for two triangles that share an edge at a time ([`Fan`]), so that their four vertices are read
+/// and written once.
 #[derive(Debug)]
 pub struct Triangles {
     vertices: Range<usize>,
     /// The corner in the middle of its fan comes first.
     corners: Vec<[u32; 3]>,
-    /// In which fan each triangle is: twice its number, and one more for the second there.
+    /// Slot of each triangle: twice the number of its fan, plus one for the second triangle.
     slots: Vec<u32>,
     /// The rest shapes of the fans.
     blocks: Blocks,
@@ -48,7 +49,7 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// The same with both edges in each other's place and without an area: it adds nothing to what the triangle does.
+    /// The same with swapped edges and zero area: it adds nothing.
     fn once_more(&self) -> Self {
         let mut inverse = self.inverse;
         inverse.swap_rows(0, 1);
@@ -110,7 +111,7 @@ impl Triangles {
         fans
     }
 
-    /// The same for another instruction set than the best: with the same bits, in more time.
+    /// The same with another instruction set: the same bits in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
         let fans = self.fans();
@@ -149,13 +150,13 @@ impl Triangles {
         self.model.visit_in(self.plane, self.lame, visitor)
     }
 
-    /// Where a triangle is among those of all fans, two each.
+    /// Slot of a triangle among those of all fans, two each.
     #[inline]
     pub(super) fn slot(&self, triangle: usize) -> usize {
         self.slots[triangle] as usize
     }
 
-    /// How many there are of these, those of triangles that are alone in a fan included.
+    /// Number of slots, including empty ones of fans with one triangle.
     pub(super) const fn slots(&self) -> usize {
         2 * self.blocks.fans()
     }
@@ -185,13 +186,13 @@ impl Triangles {
         })
     }
 
-    /// Elastic forces alone on this body's vertices, added to `force` [N].
+    /// Adds the elastic forces on this body's vertices to `force` [N].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
         self.scatter(&mut Adding { x, v: &[], force }, scratch);
     }
 
-    /// Computes the elastic forces on this body's vertices and hands them out.
-    fn scatter(&self, target: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
+    /// Assembles the elastic forces on this body's vertices.
+    fn scatter(&self, accumulator: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
         struct Visit<'a, T>(&'a Triangles, &'a mut T, &'a mut [f64]);
         impl<T: Accumulator> Visitor for Visit<'_, T> {
             type Output = f64;
@@ -199,12 +200,12 @@ impl Triangles {
                 self.0.assemble(Elastic(*material), self.1, self.2)
             }
         }
-        self.visit(Visit(self, target, scratch))
+        self.visit(Visit(self, accumulator, scratch))
     }
 
-    /// Moves this body's vertices by its elastic and its viscous forces, both of which need scratch.
-    fn kick_damped(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) -> f64 {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut Kicking<'b>, &'a mut [f64]);
+    /// Updates this body's vertices with elastic and viscous forces, both of which need scratch.
+    fn euler_update_damped(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) -> f64 {
+        struct Visit<'a, 'b>(&'a Triangles, &'a mut EulerUpdate<'b>, &'a mut [f64]);
         impl Visitor for Visit<'_, '_> {
             type Output = f64;
             fn visit<M: Material>(self, material: &M) -> f64 {
@@ -229,19 +230,19 @@ impl Triangles {
         self.visit(Visit(self, x))
     }
 
-    /// Computes the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, and hands them to the vertices of a scene. Each
-    /// needs scratch. Returns what these have [summed](Accumulator::sum).
+    /// Assembles the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, into an accumulator. Each
+    /// stress needs scratch. Returns the [sum](Accumulator::sum) of the accumulator.
     pub(crate) fn assemble<const N: usize>(
         &self,
-        laws: impl StressModel<N>,
-        target: &mut impl Accumulator<N>,
+        model: impl StressModel<N>,
+        accumulator: &mut impl Accumulator<N>,
         scratch: &mut [f64],
     ) -> f64 {
-        let mut own = target.part(self.vertices.clone());
-        self.partitions.assemble(laws, &self.blocks, &mut own, scratch)
+        let mut own = accumulator.view(self.vertices.clone());
+        self.partitions.assemble(model, &self.blocks, &mut own, scratch)
     }
 
-    /// How many partitions several cores can share the work by.
+    /// Number of partitions for parallel assembly.
     pub const fn partitions(&self) -> usize {
         self.partitions.count()
     }
@@ -264,7 +265,7 @@ fn edge_matrix(x: &[f64], corners: [u32; 3]) -> Matrix2<f64> {
     Matrix2::from_column_slice(&edges(x.as_chunks().0, corners))
 }
 
-/// A triangle of so small a share of its area at rest counts as flat: less of it could be round-off.
+/// Fraction of its rest area below which a triangle counts as flat; less could be round-off.
 const FLAT: f64 = 1e-6;
 
 /// The least t >= 0 after which `det(D + t D') = c + b t + a t²` is less than `least`; infinite if there is none.
@@ -305,16 +306,16 @@ impl Effect for Triangles {
         self.elastic_force(motion.x, scratch, force);
     }
 
-    fn kick(&self, vertices: &mut Kicking<'_>, scratch: &mut [f64]) {
+    fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
         let size = self.scratch();
         vertices.twice_kinetic += if vertices.uniform_force.stiffness_damping == 0.0 {
             self.scatter(vertices, &mut scratch[..size])
         } else {
-            self.kick_damped(vertices, &mut scratch[..2 * size])
+            self.euler_update_damped(vertices, &mut scratch[..2 * size])
         };
     }
 
-    /// Of a body in which no triangle is turned over none shall be, if its material has a barrier.
+    /// If the material has a barrier and no triangle is inverted, none may invert.
     fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
         struct Barrier;
         impl Visitor for Barrier {
@@ -341,8 +342,8 @@ impl Effect for Triangles {
         self.add_elastic_change([motion.x, d], scratch, product);
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        self.name_couples(add);
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.add_sparsity(add);
     }
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {

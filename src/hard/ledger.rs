@@ -23,19 +23,19 @@ impl Ledger {
         let elastic = |body: &crate::scene::Body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>();
         let scale = NEGLIGIBLE * scene.bodies.iter().map(elastic).sum::<f64>();
         let mut ledger = Self { put_in: energies.total(), scale, gain: 0.0 };
-        ledger.look(energies);
+        ledger.record(energies);
         ledger
     }
 
     /// Books a change from outside.
     pub fn changed(&mut self, before: Energies, after: Energies) {
-        self.look(before);
+        self.record(before);
         self.put_in = self.put_in.min(before.total()) + after.total() - before.total();
-        self.look(after);
+        self.record(after);
     }
 
     /// Looks at the energies now.
-    pub fn look(&mut self, energies: Energies) {
+    pub fn record(&mut self, energies: Energies) {
         self.scale = self.scale.max(self.put_in - energies.potential);
         let gain = (energies.total() - self.put_in) / self.scale;
         // What is not a number is worse than any.

@@ -92,12 +92,12 @@ impl Run {
         let Self { simulation, ledger, .. } = self;
         simulation.perform_due(&mut |before, after| ledger.changed(before, after));
         if self.method.is_explicit() {
-            self.keep_pace();
+            self.adapt_step();
         }
         let steps = u64::from(self.substeps).min(self.end.1 - self.simulation.state().steps);
         self.simulation.advance(steps, &mut || true);
         self.frame += 1;
-        self.ledger.look(self.simulation.energies());
+        self.ledger.record(self.simulation.energies());
         self.outside = self.outside.max(self.fence.beyond(&self.simulation.state().x));
         let over = self.frame >= self.end.0 || self.simulation.state().steps >= self.end.1;
         let hopeless = self.simulation.fault().is_some() || self.ledger.gain() > HOPELESS;
@@ -130,7 +130,7 @@ impl Run {
 
     /// Shortens the step where the scene has grown stiffer, and lengthens it where it is far softer. Between two frames the guard
     /// does the same.
-    fn keep_pace(&mut self) {
+    fn adapt_step(&mut self) {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
         let Some(limit) = self.probe.refine(scene, state, ROUNDS) else { return };
         let wanted = 1.0 / (60.0 * self.share * limit);

@@ -35,11 +35,11 @@ pub struct Entry {
 
 /// Many runs on several threads. What comes out does not depend on their number, except for the measured times.
 pub struct Sweep {
-    works: Vec<Work>,
+    slots: Vec<SweepSlot>,
     threads: usize,
 }
 
-struct Work {
+struct SweepSlot {
     trial: Trial,
     run: Option<Box<Run>>,
     entry: Entry,
@@ -49,30 +49,30 @@ impl Sweep {
     /// Prepares trials for a number of threads.
     pub fn new(trials: Vec<Trial>, threads: usize) -> Self {
         let waiting = Entry { done: 0.0, seconds: 0.0, verdict: None };
-        let works = trials.into_iter().map(|trial| Work { trial, run: None, entry: waiting.clone() });
-        Self { works: works.collect(), threads }
+        let slots = trials.into_iter().map(|trial| SweepSlot { trial, run: None, entry: waiting.clone() });
+        Self { slots: slots.collect(), threads }
     }
 
     /// Goes on for about `budget`.
     pub fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
-        let open: Vec<_> = self.works.iter_mut().filter(|work| work.entry.verdict.is_none()).collect();
-        spread(self.threads, open, |work| {
-            work.advance(deadline);
+        let open: Vec<_> = self.slots.iter_mut().filter(|slot| slot.entry.verdict.is_none()).collect();
+        spread(self.threads, open, |slot| {
+            slot.advance(deadline);
             !deadline.passed()
         });
-        let done: f64 = self.works.iter().map(|work| work.entry.done).sum();
-        let finished = self.works.iter().all(|work| work.entry.verdict.is_some());
-        Progress { done: done / self.works.len().max(1) as f64, finished }
+        let done: f64 = self.slots.iter().map(|slot| slot.entry.done).sum();
+        let finished = self.slots.iter().all(|slot| slot.entry.verdict.is_some());
+        Progress { done: done / self.slots.len().max(1) as f64, finished }
     }
 
     /// The trials, with what is known of each, in their order.
     pub fn entries(&self) -> impl Iterator<Item = (&Trial, &Entry)> {
-        self.works.iter().map(|work| (&work.trial, &work.entry))
+        self.slots.iter().map(|slot| (&slot.trial, &slot.entry))
     }
 }
 
-impl Work {
+impl SweepSlot {
     /// Runs until the deadline or the end, whichever comes first.
     fn advance(&mut self, deadline: Deadline) {
         let begin = Instant::now();

@@ -1,6 +1,6 @@
 //! `gingerbread hard`: runs hard cases and prints a table.
 
-use super::{Ending, HeadlessError, Interrupt, Outputs, Pace, ending};
+use super::{Ending, HeadlessError, Interrupt, Outputs, ProgressOptions, ending};
 use crate::{
     hard::{COLUMNS, Case, Entry, Method, Sweep, Trial, row},
     levels,
@@ -41,7 +41,7 @@ pub struct Hard {
     pub csv: Option<PathBuf>,
     /// How progress is shown.
     #[command(flatten)]
-    pub pace: Pace,
+    pub progress_options: ProgressOptions,
 }
 
 /// Runs hard cases to their end, or until a signal asks to stop, and writes the table. Shows progress.
@@ -77,8 +77,8 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     }
     Interrupt::watch();
     let mut sweep = Sweep::new(trials, request.threads.unwrap_or_else(threads));
-    let done =
-        super::study::with_progress(&request.pace, |budget: Duration| Ok(sweep.advance(budget))).map_err(fail)?;
+    let done = super::study::with_progress(&request.progress_options, |budget: Duration| Ok(sweep.advance(budget)))
+        .map_err(fail)?;
     let stopped = Interrupt::seen().filter(|_| done < 1.0);
     let partial = stopped.map(|signal| format!("stopped by {signal} at about {:.1} % of the work", 100.0 * done));
     outputs.write("--csv", |_| Ok(csv(&sweep, partial.as_deref())));

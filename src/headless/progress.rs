@@ -16,13 +16,13 @@ use web_time::Instant;
 
 /// How progress is shown.
 #[derive(Clone, Debug, clap::Args)]
-pub struct Pace {
+pub struct ProgressOptions {
     /// Seconds between two lines of progress where standard error is not a terminal; 0 for none.
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = super::seconds)]
     pub progress: f64,
 }
 
-impl Default for Pace {
+impl Default for ProgressOptions {
     fn default() -> Self {
         Self { progress: 10.0 }
     }
@@ -37,7 +37,7 @@ pub struct Progress {
 
 impl Progress {
     /// Of a work of so many parts, called `unit` in the lines.
-    pub fn new(pace: &Pace, total: u64, unit: &'static str) -> Self {
+    pub fn new(progress_options: &ProgressOptions, total: u64, unit: &'static str) -> Self {
         let bar = ProgressBar::new(total);
         let template =
             if unit == PER_CENT { "{bar:40} {percent} %, {elapsed}" } else { "{bar:40} {pos}/{len} steps, {eta} left" };
@@ -47,11 +47,11 @@ impl Progress {
         let done = Arc::new(AtomicU64::new(0));
         let (stop, stopped) = mpsc::channel::<()>();
         let ticker = Ticker { done: Arc::clone(&done), total, unit, begin: Instant::now() };
-        let every = Duration::from_secs_f64(pace.progress);
+        let every = Duration::from_secs_f64(progress_options.progress);
         let lines = bar.is_hidden() && !every.is_zero();
         let tick = move || {
             let mut next = every;
-            let wake = if lines { LOOK.min(every) } else { LOOK };
+            let wake = if lines { POLL_INTERVAL.min(every) } else { POLL_INTERVAL };
             while stopped.recv_timeout(wake) == Err(RecvTimeoutError::Timeout) {
                 // The work may be in a long step and not have seen the signal yet.
                 Interrupt::tell();
@@ -73,7 +73,7 @@ impl Progress {
 }
 
 /// Longest time in which nobody looks for a signal.
-const LOOK: Duration = Duration::from_millis(200);
+const POLL_INTERVAL: Duration = Duration::from_millis(200);
 
 /// What a line of progress is made of.
 struct Ticker {

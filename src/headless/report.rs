@@ -2,7 +2,7 @@
 
 use super::{
     EndState,
-    paces::{PaceReport, paces},
+    substep_report::{SubstepReport, substep_reports},
 };
 use crate::{
     files,
@@ -42,7 +42,7 @@ pub struct RunReport {
     /// Length of a step [s].
     pub step_seconds: f64,
     /// How each body and net stepped that went at its own pace; empty if all took the same steps.
-    pub paces: Vec<PaceReport>,
+    pub paces: Vec<SubstepReport>,
     /// Steps taken.
     pub steps: u64,
     /// Simulated time at the end [s].
@@ -117,7 +117,7 @@ impl RunReport {
             triangles,
             vertices: scene.rest.len() / 2,
             step_seconds: scene.step,
-            paces: paces(simulation),
+            paces: substep_reports(simulation),
             steps,
             time: state.time,
             force_evaluations: counts.force_evaluations,

@@ -1,6 +1,6 @@
 //! `gingerbread study`: measures accuracy and its cost.
 
-use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Pace, Progress as Shown, ending};
+use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Progress as Shown, ProgressOptions, ending};
 use crate::{
     files,
     integrators::IntegratorKind,
@@ -51,7 +51,7 @@ pub struct Study {
     pub csv: Option<PathBuf>,
     /// How progress is shown.
     #[command(flatten)]
-    pub pace: Pace,
+    pub progress_options: ProgressOptions,
 }
 
 /// Studies a level until all is known, or a signal asks to stop, and writes the table. Shows progress.
@@ -111,7 +111,7 @@ fn integrators(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     let trial = trial(request, level)?;
     begin(request, &trial);
     let mut diagram = WorkPrecision::new(trial, plan);
-    let done = with_progress(&request.pace, |budget| diagram.advance(budget))?;
+    let done = with_progress(&request.progress_options, |budget| diagram.advance(budget))?;
     let mut table = format!("{}, {} s simulated", terminal::line(&level.name), diagram.trial().seconds());
     if let Some(reference) = diagram.reference() {
         // Writing to a string cannot fail.
@@ -194,7 +194,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
     }
     let mut study = MeshStudy::new(level, &files::Disk, request.seconds, plan)?;
     begin(request, study.trial());
-    let mut done = with_progress(&request.pace, |budget| Ok(study.advance(budget)))?;
+    let mut done = with_progress(&request.progress_options, |budget| Ok(study.advance(budget)))?;
     let (measure, moment) = (study.plan().measure, study.plan().moment);
     let mut table = format!("{}: {} [{}] {moment}", terminal::line(&level.name), measure.title(), measure.unit());
     // Writing to a string cannot fail.
@@ -234,7 +234,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
 /// The numbers, and the share of the work that was done.
 fn locking(request: &Study, level: &Level) -> Result<(Vec<LockingNumber>, f64), StudyError> {
     let mut locking = Locking::new(level, &files::Disk)?;
-    let done = with_progress(&request.pace, |_| Ok(locking.advance()))?;
+    let done = with_progress(&request.progress_options, |_| Ok(locking.advance()))?;
     Ok((locking.numbers(), done))
 }
 
@@ -246,7 +246,7 @@ fn drift(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     }
     begin(request, &trial);
     let mut drift = Drift::new(trial, settings, request.threads());
-    let done = with_progress(&request.pace, |budget| Ok(drift.advance(budget)))?;
+    let done = with_progress(&request.progress_options, |budget| Ok(drift.advance(budget)))?;
     let mut table = format!("{}, {} s simulated", terminal::line(&level.name), drift.trial().seconds());
     let nothing = drift.nothing_of(Invariant::Energy);
     if nothing.is_none() {
@@ -299,10 +299,10 @@ impl Study {
 
 /// Works until a job is finished or a signal asks to stop, and shows progress. Returns the share of the work that was done.
 pub(super) fn with_progress(
-    pace: &Pace,
+    progress_options: &ProgressOptions,
     mut advance: impl FnMut(Duration) -> Result<Progress, StudyError>,
 ) -> Result<f64, StudyError> {
-    let shown = Shown::new(pace, 1000, PER_CENT);
+    let shown = Shown::new(progress_options, 1000, PER_CENT);
     let mut done = 0.0;
     while Interrupt::seen().is_none() {
         let progress = advance(Duration::from_millis(200))?;

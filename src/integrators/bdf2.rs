@@ -1,7 +1,7 @@
 //! Second-order backward differentiation formula (BDF2).
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
     axes::{pair, put},
     implicit::{self, Affine},
     memory,
@@ -42,19 +42,19 @@ impl Integrator for Bdf2 {
     }
 }
 
-/// Marks this kind's memory: positions, then velocities, one step before.
+/// Tag of this kind's memory: positions, then velocities, one step before.
 const TAG: f64 = 2.0;
 
 impl SecondOrder for Bdf2 {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let count = state.x.len();
-        let goes_on = memory::recall(state, TAG, h, 2 * count);
+        let goes_on = memory::is_current(state, TAG, h, 2 * count);
         let share = if goes_on { 2.0 / 3.0 * h } else { h };
         let affine = Affine { ax: share * share, av: share, end: 1.0 };
-        let Work { past, .. } = work;
+        let Workspace { past, .. } = workspace;
         past.clear();
         past.extend(state.x.iter().chain(&state.v));
-        let counts = implicit::step(system, state, work, (affine, h), |state, number| {
+        let counts = implicit::step(system, state, workspace, (affine, h), |state, number| {
             let (mut x, mut v) = (state.x[number], state.v[number]);
             if goes_on {
                 let past = memory::read(state);
@@ -63,20 +63,22 @@ impl SecondOrder for Bdf2 {
             }
             [x + share * v, v]
         });
-        // A wall that grips acts along itself by as much as what is pressed to it in a step: the formula's two thirds of a step
-        // would leave a third of that out.
-        if system.grips() && (0..count / 2).any(|vertex| implicit::held(state, work, vertex).1 != [false; 2]) {
+        // Friction acts for the whole step with the normal impulse of that step: the two thirds of a step in the
+        // formula would omit a third of it.
+        if system.has_friction()
+            && (0..count / 2).any(|vertex| implicit::touched_axes(state, workspace, vertex).1 != [false; 2])
+        {
             state.memory.clear();
             return counts;
         }
-        memory::open(state, TAG, h, 2 * count).copy_from_slice(&work.past);
+        memory::open(state, TAG, h, 2 * count).copy_from_slice(&workspace.past);
         for vertex in 0..count / 2 {
-            // Where a wall acted there is no smooth past: the formula then goes on from what the wall left.
-            let (axis, held) = implicit::held(state, work, vertex);
+            // Where a wall acted there is no smooth past: the formula continues from the state after contact.
+            let (axis, constrained) = implicit::touched_axes(state, workspace, vertex);
             let (x, v) = (pair(&state.x, vertex), pair(&state.v, vertex));
             let past = memory::own(&mut state.memory);
             for (at, gone) in [(vertex, [0, 1].map(|k| x[k] - h * v[k])), (count / 2 + vertex, v)] {
-                put(past, at, axis.mix(held, gone, pair(past, at)));
+                put(past, at, axis.mix(constrained, gone, pair(past, at)));
             }
         }
         memory::close(state);

@@ -1,6 +1,6 @@
 //! Dormand-Prince method of order 5(4) with error control.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, memory, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, memory, parts, scatter};
 use crate::{
     quantity::{AbsoluteTolerance, Quantity, RelativeTolerance},
     state::State,
@@ -57,7 +57,7 @@ impl Integrator for DormandPrince {
     }
 }
 
-/// Marks this kind's memory: length of the inner step [s], and error of the last one as a share of the tolerance.
+/// Tag of this kind's memory: length of the inner step [s], and error of the last one as a fraction of the tolerance.
 const TAG: f64 = 3.0;
 
 /// Weights of the rates before in each stage; the last row is the result as well.
@@ -73,25 +73,25 @@ const STAGES: [&[f64]; 6] = [
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// Share of the step that the controller dares.
+/// Safety factor of the controller.
 const SAFETY: f64 = 0.9;
 /// Exponent of the error before (beta of the PI controller).
 const BETA: f64 = 0.04;
 /// Exponent of the error now.
 const ALPHA: f64 = 0.2 - 0.75 * BETA;
-/// An inner step is not made shorter than this share of h: there, something is wrong that no step length mends.
+/// Least inner step as a fraction of h; below, no step length helps.
 const LEAST: f64 = 1e-9;
-/// Most inner steps, taken or rejected, of one step. A body that tangled in a step too long for its tolerance could keep the
-/// controller busy for ever; what is given up is not a number, and stops the simulation with a reason.
+/// Most inner steps, taken or rejected, of one step. A body that is tangled by too long a step could keep the
+/// controller busy without end; beyond the limit the result is NaN, and the simulation stops with a fault.
 const MOST: u64 = 10_000;
 
 impl FirstOrder for DormandPrince {
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let [start, x, next, mut rates @ ..]: [&mut [f64]; 10] = parts(numbers, state.x.len() + state.v.len());
         gather(state, start);
         x.copy_from_slice(start);
-        let known = memory::holds(state, TAG, 2);
+        let known = memory::is_known(state, TAG, 2);
         let past = memory::open(state, TAG, 0.0, 2);
         let [mut length, mut before] = if known { [past[0].min(h), past[1]] } else { [h, 1e-4] };
         let mut counts = StepCounts { inner_steps: 0, ..StepCounts::ONE };
@@ -103,12 +103,12 @@ impl FirstOrder for DormandPrince {
                 x.fill(f64::NAN);
                 break;
             }
-            // What would be left over by a hair is taken along.
+            // A remainder of round-off size is added to the last inner step.
             let last = done + 1.0001 * length >= h;
             let inner = if last { h - done } else { length };
             stages(system, x, next, &mut rates, inner);
             let error = self.error(x, next, &rates, inner);
-            // The comparison is false for what is not a number.
+            // The comparison is false for NaN.
             let good = error <= 1.0;
             if !good && inner > LEAST * h {
                 counts.rejected += 1;
@@ -122,7 +122,7 @@ impl FirstOrder for DormandPrince {
             done = if last { h } else { done + inner };
             let factor = SAFETY * libm::pow(before, BETA) / libm::pow(error.max(1e-10), ALPHA);
             let proposed = inner * factor.clamp(0.2, if retry { 1.0 } else { 10.0 });
-            // A remnant at the end says little about the length; it may lengthen but not shorten it.
+            // A short last inner step says little about the length; it may lengthen but not shorten it.
             length = if last && good { proposed.max(length) } else { proposed }.min(h).max(LEAST * h);
             before = error.clamp(1e-4, 1e4);
             retry = false;

@@ -1,6 +1,6 @@
 //! Forward Euler method.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, parts, scatter};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +40,8 @@ impl Integrator for ForwardEuler {
 }
 
 impl FirstOrder for ForwardEuler {
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let [x, next, rate] = parts(numbers, state.x.len() + state.v.len());
         gather(state, x);
         system.rate(x, rate);

@@ -1,6 +1,6 @@
 //! Heun's method.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, parts, scatter};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -39,8 +39,8 @@ impl Integrator for Heun {
 }
 
 impl FirstOrder for Heun {
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let [x, next, rate, end_rate] = parts(numbers, state.x.len() + state.v.len());
         gather(state, x);
         system.rate(x, rate);

@@ -1,11 +1,11 @@
-//! What every implicit scheme shares: in each of them positions and velocities at the time where forces are taken are
-//! affine in the unknown accelerations z, `x = x^ + ax z` and `v = v^ + av z`, and z solves `M z = f(x, v)`.
+//! Common part of implicit schemes. Positions and velocities of the stage are affine in the unknown accelerations z, `x
+//! = x^ + ax z` and `v = v^ + av z`, and z solves `M z = f(x, v)`.
 
 use super::{
-    Dynamics, StepCounts, Work,
+    Dynamics, StepCounts, Workspace,
+    active_set::{self, WallReactions},
     axes::{self, Axis, pair, put},
     parts,
-    rest::{self, Walls},
     system::{apply_constraints, touched},
 };
 use crate::{
@@ -14,22 +14,22 @@ use crate::{
 };
 use nalgebra::Matrix2;
 
-/// How far a solved position may be from the exact one, as a share of the longest way of any vertex in the step.
-/// Errors of the scheme itself are hundreds of times larger at any step worth taking.
+/// Tolerance of solved positions, as a fraction of the greatest displacement of any vertex in the step. Errors of the
+/// scheme itself are hundreds of times larger at any usable step.
 const RELATIVE: f64 = 1e-8;
-/// The same as a share of the largest distance from the origin: what round-off leaves of the forces.
+/// The same as a fraction of the greatest distance from the origin: round-off of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
-/// A way to a wall that is a smaller share of the whole is none: what rests there is held where it is.
+/// Least distance to a wall as a fraction of the displacement; a vertex below it rests on the wall.
 const SHORTEST: f64 = 1e-3;
 
-/// How often a step is solved again, at most, with more numbers held by walls.
+/// Most solves of a step with added wall constraints.
 const PASSES: usize = 8;
 
-/// How often a step is tried with what rests held, at most, and some of it let go after each.
+/// Most iterations of the active set.
 const TRIES: usize = 6;
 
-/// Factors of z in positions and velocities [s², s], and where the step ends: at `end` times the way to the stage.
+/// Factors of z in positions and velocities [s², s]; the step ends at `end` times the displacement of the stage.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
     pub ax: f64,
@@ -38,58 +38,58 @@ pub(super) struct Affine {
 }
 
 impl Affine {
-    /// Those of implicit Euler with steps of length h [s].
+    /// Factors of implicit Euler with step length h [s].
     pub const fn euler(h: f64) -> Self {
         Self { ax: h * h, av: h, end: 1.0 }
     }
 }
 
-/// Solves `M z = f(x^ + ax z, v^ + av z)`, where `free` gives x^ and v^ for each number, and makes the end of the step of
-/// length h the state. What is pinned stays.
+/// Solves `M z = f(x^ + ax z, v^ + av z)`, where `predicted` gives x^ and v^ for each number, and sets the state to the
+/// end of the step of length h. Pinned vertices stay.
 ///
-/// Walls are part of the equations: where constraints change the end of the step, those vertices are held at what the
-/// constraints say and the rest is solved again, so that a body that meets a wall is pressed flat by its own elasticity
-/// and not by moving vertices through their neighbours. A vertex that one smooth wall pushes is held across that wall alone,
-/// whichever way it faces. If the scheme does not end at its stage, such a step is one of implicit Euler. [`held`] afterwards
-/// tells what was held.
+/// Walls are part of the equations: vertices whose end of step constraints change are constrained there, and the rest
+/// is solved again. So a body that meets a wall is flattened by its own elasticity and not by moving vertices through
+/// their neighbours. A vertex that one smooth wall pushes is constrained along the normal alone. If the scheme does not
+/// end at its stage, such a step is one of implicit Euler. [`touched_axes`] tells the constrained axes afterwards.
 ///
-/// What rests on a smooth wall is held there from the start, which saves solving for it without the wall, and let go where the wall
-/// would have to pull: the active sets of Hintermüller, Ito and Kunisch (*The primal-dual active set strategy as a semismooth Newton
-/// method*, SIAM Journal on Optimization 13, 2002). If walls only push in the end, that is the step.
+/// Vertices that rest on a smooth wall are constrained from the start, which saves a solve without the wall, and
+/// dropped where the wall would have to pull: the active sets of Hintermüller, Ito and Kunisch (*The primal-dual active
+/// set strategy as a semismooth Newton method*, SIAM Journal on Optimization 13, 2002). The step is accepted if walls
+/// only push in the end.
 pub(super) fn step(
     system: &mut dyn Dynamics,
     state: &mut State,
-    work: &mut Work,
+    workspace: &mut Workspace,
     (affine, h): (Affine, f64),
-    free: impl Fn(&State, usize) -> [f64; 2],
+    predicted: impl Fn(&State, usize) -> [f64; 2],
 ) -> StepCounts {
     let mut counts = NewtonCounts::NONE;
-    begin(system, state, work, &free);
-    let mut walls = rest::hold(system, state, work, (affine, h));
+    begin(system, state, workspace, &predicted);
+    let mut reactions = active_set::add_resting(system, state, workspace, (affine, h));
     let own = if affine.end == 1.0 { affine } else { Affine::euler(h) };
     for _ in 0..TRIES {
-        if walls != Walls::Pull {
+        if reactions != WallReactions::Pull {
             break;
         }
-        let (tried, settled) = solve(system, state, work, (own, h));
+        let (tried, settled) = solve(system, state, workspace, (own, h));
         counts.add(&NewtonCounts { unconverged: 0, ..tried });
         let solved = settled && tried.unconverged == 0;
-        walls = if solved { rest::release(system, work) } else { Walls::Other };
-        // A step in which no wall acts is the scheme's own.
-        if walls == Walls::Push && affine.end != 1.0 && !rest::is_held(system, work) {
-            walls = Walls::Other;
+        reactions = if solved { active_set::drop_pulling(system, workspace) } else { WallReactions::Other };
+        // A step without active walls is one of the scheme itself.
+        if reactions == WallReactions::Push && affine.end != 1.0 && !active_set::is_any_active(system, workspace) {
+            reactions = WallReactions::Other;
         }
     }
-    if walls != Walls::Push {
-        system.start_over();
-        begin(system, state, work, &free);
-        counts.add(&solve(system, state, work, (affine, h)).0);
+    if reactions != WallReactions::Push {
+        system.discard_records();
+        begin(system, state, workspace, &predicted);
+        counts.add(&solve(system, state, workspace, (affine, h)).0);
     }
-    let Work { numbers, spare, .. } = work;
+    let Workspace { numbers, spare, .. } = workspace;
     let [.., inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     for (number, inverse) in inverse.iter().enumerate() {
         if *inverse == 0.0 && system.inverse_mass()[number] != 0.0 {
-            // Equal to nothing, so that the number counts as touched.
+            // NaN is equal to nothing, so that the number counts as touched.
             spare[number] = f64::NAN;
         }
     }
@@ -98,17 +98,23 @@ pub(super) fn step(
     StepCounts { newton: counts, ..StepCounts::ONE }
 }
 
-/// Numbers for each coordinate that are worked with: x^, v^, x, v, z, 1/mass (zero where held), x and v at the end, and what walls do.
+/// Work arrays: x^, v^, x, v, z, 1/mass (zero where constrained), x and v at the end, and wall reactions.
 pub(super) const PARTS: usize = 9;
 
-/// Nothing is held but what is pinned.
-fn begin(system: &dyn Dynamics, state: &State, work: &mut Work, free: &impl Fn(&State, usize) -> [f64; 2]) {
-    let [predicted_x, predicted_v, _, _, z, inverse, ..] = parts::<PARTS>(&mut work.numbers, state.x.len());
+/// Initialises the step with only pinned vertices constrained.
+fn begin(
+    system: &dyn Dynamics,
+    state: &State,
+    workspace: &mut Workspace,
+    predicted: &impl Fn(&State, usize) -> [f64; 2],
+) {
+    let [predicted_x, predicted_v, _, _, z, inverse, ..] = parts::<PARTS>(&mut workspace.numbers, state.x.len());
     inverse.copy_from_slice(system.inverse_mass());
-    axes::reset_axes(&mut work.axes, state.x.len());
+    axes::reset_axes(&mut workspace.axes, state.x.len());
     for number in 0..state.x.len() {
         let pinned = inverse[number] == 0.0;
-        [predicted_x[number], predicted_v[number]] = if pinned { [state.x[number], 0.0] } else { free(state, number) };
+        [predicted_x[number], predicted_v[number]] =
+            if pinned { [state.x[number], 0.0] } else { predicted(state, number) };
     }
     z.fill(0.0);
 }
@@ -121,19 +127,19 @@ pub(super) fn predict(system: &dyn Dynamics, state: &State, [predicted_x, predic
     }
 }
 
-/// Solves with what is held, and again and again while more comes to be held. Returns also whether that came to an end.
+/// Solves with the present constraints, and again while constraints are added. Returns also whether that ended.
 fn solve(
     system: &mut dyn Dynamics,
     state: &State,
-    work: &mut Work,
+    workspace: &mut Workspace,
     (mut affine, h): (Affine, f64),
 ) -> (NewtonCounts, bool) {
-    let Work { numbers, spare, newton, axes, .. } = work;
+    let Workspace { numbers, spare, newton, axes, .. } = workspace;
     let [predicted_x, predicted_v, x, v, z, inverse, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
-    let smooth = !system.grips();
+    let smooth = !system.has_friction();
     let mut counts = NewtonCounts::NONE;
-    // First only what faces a wall is stopped by it: of a body that would be far beyond the wall, its front. Where that
-    // stops, the rest need not get there.
+    // At first only vertices that face a wall are stopped: of a body that would end far beyond the wall, its front. If
+    // the front stops, the rest need not get there.
     let mut faces = true;
     for pass in 1..=PASSES {
         let origin = &state.x;
@@ -143,18 +149,19 @@ fn solve(
         counts.add(&newton.solve(&mut stage, z));
         stage.evaluate(z);
         for vertex in 0..origin.len() / 2 {
-            let (axis, held) = (Axis::of(axes, vertex), holds(inverse, system.inverse_mass(), vertex));
+            let (axis, constrained) =
+                (Axis::of(axes, vertex), constrained_axes(inverse, system.inverse_mass(), vertex));
             let reached =
                 |from: &[f64], to: &[f64]| [0, 1].map(|k| along(from[2 * vertex + k], to[2 * vertex + k], affine.end));
-            put(end_x, vertex, axis.mix(held, pair(end_x, vertex), reached(origin, x)));
-            put(end_v, vertex, axis.mix(held, pair(end_v, vertex), reached(&state.v, v)));
+            put(end_x, vertex, axis.mix(constrained, pair(end_x, vertex), reached(origin, x)));
+            put(end_v, vertex, axis.mix(constrained, pair(end_v, vertex), reached(&state.v, v)));
         }
         let mut more = false;
         while !more {
             faces &= pass < PASSES;
             apply_constraints(system, [origin, &state.v], (end_x, end_v), spare, faces);
             for vertex in 0..origin.len() / 2 {
-                more |= axes::hold(vertex, (axes, inverse, z), [end_x, end_v], spare, smooth);
+                more |= axes::add_constraint(vertex, (axes, inverse, z), [end_x, end_v], spare, smooth);
             }
             if !faces {
                 break;
@@ -165,7 +172,7 @@ fn solve(
             return (counts, true);
         }
         if affine.end != 1.0 {
-            // An impact is not smooth; a scheme that damps nothing would turn it into noise.
+            // An impact is not smooth; an undamped scheme would excite high frequencies.
             affine = Affine::euler(h);
             predict(system, state, [&mut *predicted_x, &mut *predicted_v], h);
             for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
@@ -174,7 +181,8 @@ fn solve(
         }
         let share = first_touch(origin, end_x, &spare[origin.len()..]);
         for vertex in 0..origin.len() / 2 {
-            let (axis, held) = (Axis::of(axes, vertex), holds(inverse, system.inverse_mass(), vertex));
+            let (axis, constrained) =
+                (Axis::of(axes, vertex), constrained_axes(inverse, system.inverse_mass(), vertex));
             let towards = |x: &dyn Fn(usize) -> f64| {
                 axis.into_own([0, 1].map(|k| (x(2 * vertex + k) - predicted_x[2 * vertex + k]) / affine.ax))
             };
@@ -182,52 +190,52 @@ fn solve(
             let start =
                 share.map(|share| towards(&|number| along(origin[number], spare[origin.len() + number], share)));
             for k in (0..2).filter(|k| system.inverse_mass()[2 * vertex + k] != 0.0) {
-                let free = start.map_or(z[2 * vertex + k], |start| start[k]);
-                z[2 * vertex + k] = if held[k] { kept[k] } else { free };
+                let predicted = start.map_or(z[2 * vertex + k], |start| start[k]);
+                z[2 * vertex + k] = if constrained[k] { kept[k] } else { predicted };
             }
         }
     }
     (counts, false)
 }
 
-/// Which of its own coordinates of a vertex a wall holds.
-pub(super) fn holds(inverse: &[f64], inverse_mass: &[f64], vertex: usize) -> [bool; 2] {
+/// Which local coordinates of a vertex a wall constrains.
+pub(super) fn constrained_axes(inverse: &[f64], inverse_mass: &[f64], vertex: usize) -> [bool; 2] {
     [0, 1].map(|k| inverse[2 * vertex + k] == 0.0 && inverse_mass[2 * vertex + k] != 0.0)
 }
 
-/// Along which of its own axes a vertex was touched by walls in the last [`step`], and these axes.
-pub(super) fn held(state: &State, work: &Work, vertex: usize) -> (Axis, [bool; 2]) {
-    let axis = Axis::of(&work.axes, vertex);
-    let touched = |k: usize| touched(&state.x, &state.v, &work.spare, 2 * vertex + k);
-    (axis, [0, 1].map(|k| if axis.is_straight() { touched(k) } else { work.spare[2 * vertex + k].is_nan() }))
+/// Local axes of a vertex, and along which of them walls acted in the last [`step`].
+pub(super) fn touched_axes(state: &State, workspace: &Workspace, vertex: usize) -> (Axis, [bool; 2]) {
+    let axis = Axis::of(&workspace.axes, vertex);
+    let touched = |k: usize| touched(&state.x, &state.v, &workspace.spare, 2 * vertex + k);
+    (axis, [0, 1].map(|k| if axis.is_world() { touched(k) } else { workspace.spare[2 * vertex + k].is_nan() }))
 }
 
-/// The share of the ways from `origin` to `free` after which the first of them ends at a wall, if any gets some way: where the
-/// others are then is a start for Newton's method from which nothing has to find its way back through what is held.
-fn first_touch(origin: &[f64], end: &[f64], free: &[f64]) -> Option<f64> {
-    let shares = (0..origin.len() / 2).filter(|vertex| pair(end, *vertex) != pair(free, *vertex)).map(|vertex| {
-        let [origin, end, free] = [origin, end, free].map(|values| pair(values, vertex));
-        let across = axes::less(free, end);
-        axes::dot(axes::less(end, origin), across) / axes::dot(axes::less(free, origin), across)
+/// Fraction of the displacements from `origin` to `predicted` after which the first vertex reaches a wall, if positive:
+/// the positions there are a start for Newton's method without penetration.
+fn first_touch(origin: &[f64], end: &[f64], predicted: &[f64]) -> Option<f64> {
+    let shares = (0..origin.len() / 2).filter(|vertex| pair(end, *vertex) != pair(predicted, *vertex)).map(|vertex| {
+        let [origin, end, predicted] = [origin, end, predicted].map(|values| pair(values, vertex));
+        let across = axes::less(predicted, end);
+        axes::dot(axes::less(end, origin), across) / axes::dot(axes::less(predicted, origin), across)
     });
     shares.filter(|share| *share > SHORTEST && *share < 1.0).min_by(f64::total_cmp)
 }
 
-/// From `origin`, so many times the way to `stage`.
+/// `origin + times (stage - origin)`.
 fn along(origin: f64, stage: f64, times: f64) -> f64 {
     if times == 1.0 { stage } else { origin + times * (stage - origin) }
 }
 
-/// The equations of one stage, `M z - f(x^ + ax z, v^ + av z) = 0`, with z along each vertex's own axes.
+/// The equations of one stage, `M z - f(x^ + ax z, v^ + av z) = 0`, with z along the local axes of each vertex.
 pub(super) struct Stage<'s, 'a> {
     pub system: &'s mut dyn Dynamics,
-    /// Where the step began.
+    /// Positions at the start of the step.
     pub origin: &'s [f64],
-    /// Velocities there.
+    /// Velocities at the start of the step.
     pub velocity: &'s [f64],
     pub predicted_x: &'s [f64],
     pub predicted_v: &'s [f64],
-    /// 1/mass, zero also where a wall holds.
+    /// 1/mass, zero also where a wall constrains.
     pub inverse: &'s [f64],
     /// See [`Axis`].
     pub axes: &'s [f64],
@@ -269,13 +277,13 @@ impl Equations for Stage<'_, '_> {
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        self.system.couples(add);
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.system.sparsity_pattern(add);
     }
 
     fn longest_step(&mut self, z: &[f64], step: &[f64]) -> f64 {
         self.evaluate(z);
-        // What z would make of velocities is not needed here.
+        // The buffer of velocities is free here.
         for (vertex, displacement) in self.v.chunks_exact_mut(2).enumerate() {
             let own = pair(step, vertex).map(|step| self.affine.ax * step);
             displacement.copy_from_slice(&Axis::of(self.axes, vertex).out_of_own(own));
@@ -287,11 +295,12 @@ impl Equations for Stage<'_, '_> {
         self.inverse
     }
 
-    /// Staying where the step began, which has a force if any place has.
+    /// The positions at the start of the step, where forces are defined if anywhere.
     fn other_start(&self, z: &mut [f64]) {
         for (vertex, z) in z.chunks_exact_mut(2).enumerate() {
-            let way = axes::less(pair(self.origin, vertex), pair(self.predicted_x, vertex));
-            let stay = Axis::of(self.axes, vertex).into_own(way.map(|way| way / self.affine.ax));
+            let displacement = axes::less(pair(self.origin, vertex), pair(self.predicted_x, vertex));
+            let stay =
+                Axis::of(self.axes, vertex).into_own(displacement.map(|displacement| displacement / self.affine.ax));
             for k in (0..2).filter(|k| self.inverse[2 * vertex + k] != 0.0) {
                 z[k] = stay[k];
             }
@@ -299,22 +308,23 @@ impl Equations for Stage<'_, '_> {
     }
 
     fn tolerance(&self, z: &[f64]) -> f64 {
-        let (mut way, mut reach) = (0.0_f64, 0.0_f64);
+        let (mut displacement, mut distance) = (0.0_f64, 0.0_f64);
         for (vertex, z) in z.chunks_exact(2).enumerate() {
             let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
-            let free = pair(self.predicted_x, vertex);
-            let x = [0, 1].map(|k| free[k] + self.affine.ax * z[k]);
+            let predicted = pair(self.predicted_x, vertex);
+            let x = [0, 1].map(|k| predicted[k] + self.affine.ax * z[k]);
             let moved = axes::less(x, pair(self.origin, vertex));
-            way = way.max(axes::dot(moved, moved));
-            reach = reach.max(axes::dot(x, x));
+            displacement = displacement.max(axes::dot(moved, moved));
+            distance = distance.max(axes::dot(x, x));
         }
-        (RELATIVE * way.sqrt() + ROUND_OFF * reach.sqrt()) / self.affine.ax
+        (RELATIVE * displacement.sqrt() + ROUND_OFF * distance.sqrt()) / self.affine.ax
     }
 
-    /// How far the scheme is off in positions after this step alone, to leading order: `2/9 h³ v"` for the second backward
-    /// differentiation formula (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, section III.2), with the
-    /// second difference of velocities for h² v". Under implicit Euler, whose v^ is the velocity before, the same expression is two
-    /// thirds of its `h²/2 a`. For implicit midpoint nothing is known: a single acceleration does not tell how it changes.
+    /// Local error of positions in this step, to leading order: `2/9 h³ v"` for the second backward differentiation
+    /// formula (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, section III.2), with the
+    /// second difference of velocities for h² v". Under implicit Euler, whose v^ is the velocity before, the same
+    /// expression is two thirds of its `h²/2 a`. For implicit midpoint no estimate exists: one acceleration does not
+    /// tell how it changes.
     fn error(&self, z: &[f64]) -> f64 {
         let Affine { ax, av, end } = self.affine;
         if end != 1.0 {
@@ -322,9 +332,9 @@ impl Equations for Stage<'_, '_> {
         }
         let difference = |(vertex, z): (usize, &[f64])| {
             let z = Axis::of(self.axes, vertex).out_of_own([z[0], z[1]]);
-            let (free, before) = (pair(self.predicted_v, vertex), pair(self.velocity, vertex));
+            let (predicted, before) = (pair(self.predicted_v, vertex), pair(self.velocity, vertex));
             // v' - 2 v + v_previous, with v_previous = 4 v - 3 v^.
-            let difference = [0, 1].map(|k| av * z[k] + 2.0 * (before[k] - free[k]));
+            let difference = [0, 1].map(|k| av * z[k] + 2.0 * (before[k] - predicted[k]));
             axes::dot(difference, difference)
         };
         z.chunks_exact(2).enumerate().map(difference).fold(0.0, f64::max).sqrt() * av / (3.0 * ax)

@@ -1,7 +1,7 @@
 //! Implicit Euler method.
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
     implicit::{self, Affine},
 };
 use crate::state::State;
@@ -38,8 +38,8 @@ impl Integrator for ImplicitEuler {
 }
 
 impl SecondOrder for ImplicitEuler {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        implicit::step(system, state, work, (Affine::euler(h), h), |state, number| {
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        implicit::step(system, state, workspace, (Affine::euler(h), h), |state, number| {
             [state.x[number] + h * state.v[number], state.v[number]]
         })
     }

@@ -1,7 +1,7 @@
 //! Implicit midpoint rule.
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work,
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
     implicit::{self, Affine},
 };
 use crate::state::State;
@@ -40,10 +40,10 @@ impl Integrator for ImplicitMidpoint {
 }
 
 impl SecondOrder for ImplicitMidpoint {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         // The stage is the midpoint, halfway to the end.
         let affine = Affine { ax: 0.25 * h * h, av: 0.5 * h, end: 2.0 };
-        implicit::step(system, state, work, (affine, h), |state, number| {
+        implicit::step(system, state, workspace, (affine, h), |state, number| {
             [state.x[number] + 0.5 * h * state.v[number], state.v[number]]
         })
     }

@@ -1,7 +1,7 @@
 //! Linearly implicit Euler method: one Newton iteration.
 
 use super::{
-    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Work, axes,
+    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Workspace, axes,
     implicit::{Affine, Stage},
     parts,
     system::{apply_constraints, touched},
@@ -42,14 +42,14 @@ impl Integrator for LinearlyImplicitEuler {
     }
 }
 
-/// The share of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
+/// Fraction of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
 const IMPACT: f64 = 0.1;
 
 impl SecondOrder for LinearlyImplicitEuler {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, newton, axes, .. } = work;
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, newton, axes, .. } = workspace;
         let [x, v, predicted_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
-        // Linearised at z = 0 with nothing moved: there x and v are those of the state.
+        // Linearised at z = 0, where x and v are those of the state.
         predicted_v.copy_from_slice(&state.v);
         none.fill(0.0);
         g.fill(0.0);
@@ -78,7 +78,7 @@ impl SecondOrder for LinearlyImplicitEuler {
         if (0..state.x.len()).any(|number| touched(&state.x, &state.v, spare, number) && stopped(number)) {
             state.x.copy_from_slice(before);
             state.v.copy_from_slice(predicted_v);
-            return ImplicitEuler::default().step(system, state, work, h);
+            return ImplicitEuler::default().step(system, state, workspace, h);
         }
         StepCounts { newton, ..StepCounts::ONE }
     }

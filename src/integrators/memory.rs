@@ -1,47 +1,47 @@
-//! What a scheme remembers between steps, in [`State::memory`]: a mark of the kind, the step length, and a fingerprint of
-//! the state it belongs to, then the scheme's own numbers. So no kind misreads what another one left, and none goes on
-//! from a past that the present state did not come from.
+//! Memory of a scheme between steps, in [`State::memory`]: a tag of the kind, the step length, a fingerprint of the
+//! state, then the numbers of the scheme. So no kind misreads the memory of another, and none continues from a past of
+//! another state.
 
 use crate::state::State;
 
 /// Numbers before the scheme's own.
 const HEAD: usize = 4;
 
-/// Whether `count` numbers are remembered by the kind with this mark, for this step length and this state.
-pub(super) fn recall(state: &State, tag: f64, h: f64, count: usize) -> bool {
+/// Whether the memory has `count` numbers of the kind with this tag, for this step length and this state.
+pub(super) fn is_current(state: &State, tag: f64, h: f64, count: usize) -> bool {
     let [high, low] = fingerprint(state);
     state.memory.len() == HEAD + count && state.memory[..HEAD] == [tag, h, high, low]
 }
 
-/// Whether `count` numbers are remembered by the kind with this mark, for whatever step length and state.
-pub(super) fn holds(state: &State, tag: f64, count: usize) -> bool {
+/// Whether the memory has `count` numbers of the kind with this tag, for any step length and state.
+pub(super) fn is_known(state: &State, tag: f64, count: usize) -> bool {
     state.memory.len() == HEAD + count && state.memory[0] == tag
 }
 
-/// The scheme's own numbers, to read and to write; made room for if need be.
+/// The numbers of the scheme, resized if necessary.
 pub(super) fn open(state: &mut State, tag: f64, h: f64, count: usize) -> &mut [f64] {
     state.memory.resize(HEAD + count, 0.0);
     state.memory[..2].copy_from_slice(&[tag, h]);
     &mut state.memory[HEAD..]
 }
 
-/// The scheme's own numbers, after [`open`].
+/// The numbers of the scheme, after [`open`].
 pub(super) fn read(state: &State) -> &[f64] {
     &state.memory[HEAD..]
 }
 
-/// The same, of the memory alone.
+/// The numbers of the scheme, from the memory alone.
 pub(super) fn own(memory: &mut [f64]) -> &mut [f64] {
     &mut memory[HEAD..]
 }
 
-/// Ties what is remembered to the state as it is now.
+/// Writes the fingerprint of the present state.
 pub(super) fn close(state: &mut State) {
     let fingerprint = fingerprint(state);
     state.memory[2..HEAD].copy_from_slice(&fingerprint);
 }
 
-/// A fingerprint of positions and velocities as two whole numbers, which a level file holds exactly.
+/// Fingerprint of positions and velocities as two integers, which a level file represents exactly.
 fn fingerprint(state: &State) -> [f64; 2] {
     let numbers = state.x.iter().chain(&state.v);
     let hash = numbers.fold(0xcbf2_9ce4_8422_2325_u64, |hash, number| {

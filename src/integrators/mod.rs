@@ -1,6 +1,7 @@
-//! Time stepping. An integrator knows no physics and no dimension: it sees flat numbers and asks an [`Ode`] for rates or
-//! a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
+//! Time integration. An integrator is independent of physics and dimension: it works on flat vectors and calls an
+//! [`Ode`] for rates or a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
+mod active_set;
 mod axes;
 mod bdf2;
 mod dormand_prince;
@@ -12,7 +13,6 @@ mod implicit_midpoint;
 mod linearly_implicit_euler;
 mod memory;
 mod position_verlet;
-mod rest;
 mod runge_kutta4;
 mod symplectic_euler;
 mod system;
@@ -28,7 +28,7 @@ pub use linearly_implicit_euler::LinearlyImplicitEuler;
 pub use position_verlet::PositionVerlet;
 pub use runge_kutta4::RungeKutta4;
 pub use symplectic_euler::SymplecticEuler;
-pub use system::{Dynamics, Ode, Rates, kick_and_drift};
+pub use system::{Dynamics, Ode, Rates, symplectic_euler_update};
 pub use velocity_verlet::VelocityVerlet;
 
 use crate::{
@@ -39,7 +39,7 @@ use crate::{
 };
 
 registry! {
-    /// How a scene is advanced in time.
+    /// Time-stepping schemes.
     pub enum IntegratorKind: dyn Integrator {
         SymplecticEuler(SymplecticEuler),
         ForwardEuler(ForwardEuler),
@@ -63,7 +63,7 @@ impl Default for IntegratorKind {
 
 /// A time-stepping scheme with its parameters.
 pub trait Integrator: Send + Sync {
-    /// Name as it is said, such as `Symplectic Euler`.
+    /// Name in the window, such as `Symplectic Euler`.
     fn title(&self) -> &'static str;
 
     /// The scheme, its order and its stability, for a tooltip.
@@ -72,11 +72,11 @@ pub trait Integrator: Send + Sync {
     /// The order p: the error of positions at a fixed time shrinks as h^p.
     fn order(&self) -> u32;
 
-    /// What limits the step.
+    /// Limit of the step.
     fn class(&self) -> Class;
 
     /// The largest z = h w at which an undamped vibration of angular frequency w does not grow; `None` if there is no
-    /// such limit, or the scheme keeps to it by itself.
+    /// such limit, or the scheme controls its step.
     fn stability_limit(&self) -> Option<f64> {
         None
     }
@@ -90,10 +90,10 @@ pub trait Integrator: Send + Sync {
     fn scheme(&self) -> Scheme<'_>;
 }
 
-/// What limits the step of a scheme.
+/// Limit of the step of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// Stability: above some h everything blows up.
+    /// Stability: steps above some h are unstable.
     Explicit,
     /// Accuracy alone; equations are solved in every step.
     Implicit,
@@ -113,28 +113,28 @@ pub enum Scheme<'a> {
 /// A scheme for any [`Ode`].
 pub trait FirstOrder {
     /// Advances the state by `h` [s].
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts;
 }
 
 /// A scheme for [`Dynamics`].
 pub trait SecondOrder {
     /// Advances the state by `h` [s].
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts;
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts;
 }
 
 impl dyn Integrator + '_ {
     /// Advances a system of second order by `h` [s]: every scheme can.
-    pub fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
+    pub fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         match self.scheme() {
-            Scheme::First(scheme) => scheme.step(&mut Rates(system), state, work, h),
-            Scheme::Second(scheme) => scheme.step(system, state, work, h),
+            Scheme::First(scheme) => scheme.step(&mut Rates(system), state, workspace, h),
+            Scheme::Second(scheme) => scheme.step(system, state, workspace, h),
         }
     }
 }
 
-/// What is kept between steps so that none after the first allocates; nothing in it changes what a step computes.
+/// Buffers that are kept between steps, so that none after the first allocates; they do not affect results.
 #[derive(Default)]
-pub struct Work {
+pub struct Workspace {
     numbers: Vec<f64>,
     spare: Vec<f64>,
     past: Vec<f64>,
@@ -143,26 +143,26 @@ pub struct Work {
     newton: Newton,
 }
 
-impl Work {
-    /// For schemes that solve linear systems in this way.
-    pub fn new(path: LinearSolver) -> Self {
-        Self { newton: Newton::new(path), ..Self::default() }
+impl Workspace {
+    /// Makes buffers for schemes with this linear solver.
+    pub fn new(linear_solver: LinearSolver) -> Self {
+        Self { newton: Newton::new(linear_solver), ..Self::default() }
     }
 
-    /// Forgets which vertices are coupled: for a new scene.
+    /// Invalidates the sparsity pattern, for a new scene.
     pub fn forget(&mut self) {
         self.newton.forget();
     }
 }
 
-/// What a step took beside evaluations of forces.
+/// Counts of a step, beside force evaluations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepCounts {
-    /// Steps inside the step that were taken; 1 unless the error is controlled.
+    /// Inner steps taken; 1 unless the error is controlled.
     pub inner_steps: u64,
-    /// Steps inside the step whose error was too large, taken again with a shorter one.
+    /// Inner steps rejected for their error.
     pub rejected: u64,
-    /// What solving equations took.
+    /// Counts of Newton's method.
     pub newton: NewtonCounts,
 }
 
@@ -171,7 +171,7 @@ impl StepCounts {
     pub const ONE: Self = Self { inner_steps: 1, rejected: 0, newton: NewtonCounts::NONE };
 }
 
-/// Cuts a buffer into equal parts, made large enough first. What is in them is left over from before.
+/// Splits a buffer into equal parts, after enlarging it if necessary. Their content is undefined.
 fn parts<const COUNT: usize>(numbers: &mut Vec<f64>, length: usize) -> [&mut [f64]; COUNT] {
     if numbers.len() < COUNT * length {
         numbers.resize(COUNT * length, 0.0);

@@ -1,7 +1,7 @@
 //! Position Verlet method.
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, memory, parts,
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory, parts,
     system::{apply_constraints, touched},
 };
 use crate::{
@@ -80,18 +80,19 @@ impl Integrator for PositionVerlet {
     }
 }
 
-/// Marks this kind's memory: displacements of the last step [m], then h² a where it ended [m], then the fingerprint of the loads.
+/// Tag of this kind's memory: displacements of the last step [m], then h² a where it ended [m], then the fingerprint of
+/// the loads.
 const TAG: f64 = 1.0;
 
-/// In place of a fingerprint: the force is to be evaluated anew.
+/// In place of a fingerprint: the stored force is invalid.
 const UNKNOWN: f64 = -1.0;
 
 impl SecondOrder for PositionVerlet {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let count = state.x.len();
         let [before, before_v, force] = parts(numbers, count);
-        let goes_on = memory::recall(state, TAG, h, 2 * count + 1);
+        let goes_on = memory::is_current(state, TAG, h, 2 * count + 1);
         let loads = f64::from(system.load_fingerprint());
         memory::open(state, TAG, h, 2 * count + 1);
         if !goes_on || memory::read(state)[2 * count] != loads {
@@ -110,7 +111,7 @@ impl SecondOrder for PositionVerlet {
         let State { x, v, memory, .. } = state;
         let (moved, pushes) = memory::own(memory).split_at_mut(count);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
-            // What is pinned stays, even if it was pinned while it moved.
+            // A pinned vertex stays, even if it was pinned while it moved.
             moved[number] = if *inverse_mass == 0.0 { 0.0 } else { keep * moved[number] + pushes[number] };
             x[number] += moved[number];
             v[number] = (moved[number] + 0.5 * pushes[number]) / h;
@@ -121,7 +122,8 @@ impl SecondOrder for PositionVerlet {
             *v = (moved + 0.5 * push) / h;
         }
         apply_constraints(system, [before, before_v], (x, v), spare, false);
-        // Where a wall acted, the next step begins with the velocity that it left, and elsewhere than the force was evaluated at.
+        // Where a wall acted, the next step begins with the velocity after contact, and at another position than the
+        // force was evaluated at.
         let mut known = loads;
         for number in (0..count).filter(|&number| touched(x, v, spare, number)) {
             moved[number] = h * v[number] - 0.5 * pushes[number];
@@ -133,7 +135,7 @@ impl SecondOrder for PositionVerlet {
     }
 }
 
-/// Writes `h² a` [m] of these forces, zero for what is pinned.
+/// Writes `h² a` [m] of these forces, zero for pinned vertices.
 fn push(system: &dyn Dynamics, force: &[f64], h: f64, pushes: &mut [f64]) {
     for ((push, force), inverse_mass) in pushes.iter_mut().zip(force).zip(system.inverse_mass()) {
         *push = h * h * (force * inverse_mass);

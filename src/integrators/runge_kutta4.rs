@@ -1,6 +1,6 @@
 //! Classical Runge-Kutta method of order 4.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Work, gather, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, parts, scatter};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -41,8 +41,8 @@ impl Integrator for RungeKutta4 {
 }
 
 impl FirstOrder for RungeKutta4 {
-    fn step(&self, system: &mut dyn Ode, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let [x, next, stage, rate] = parts(numbers, state.x.len() + state.v.len());
         gather(state, x);
         next.copy_from_slice(x);

@@ -1,6 +1,6 @@
 //! Symplectic Euler method.
 
-use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, parts};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -40,15 +40,15 @@ impl Integrator for SymplecticEuler {
 }
 
 impl SecondOrder for SymplecticEuler {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let [force, before_x, before_v] = parts(&mut work.numbers, state.x.len());
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let [force, before_x, before_v] = parts(&mut workspace.numbers, state.x.len());
         let State { x, v, .. } = state;
         let constrains = system.constrains();
         if constrains {
             before_x.copy_from_slice(x);
             before_v.copy_from_slice(v);
         }
-        system.kick_and_drift(x, v, force, h);
+        system.symplectic_euler_update(x, v, force, h);
         if constrains {
             system.constrain([before_x, before_v], x, v, false);
         }

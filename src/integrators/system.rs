@@ -10,7 +10,7 @@ pub trait Ode {
     /// Writes f(X) to `rate`.
     fn rate(&mut self, x: &[f64], rate: &mut [f64]);
 
-    /// Puts right what a step from `before` to `after` did that is not allowed. `spare` is scratch.
+    /// Projects the end of a step from `before` to `after` on the constraints. `spare` is scratch.
     fn apply_constraints(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
 }
 
@@ -21,17 +21,17 @@ pub trait Dynamics {
     /// Writes the force [N] at these positions [m] and velocities [m/s]; all flat and of one length.
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
 
-    /// A number that changes with whatever forces depend on beside positions and velocities, such as the pull of the mouse: a force
-    /// that was kept is the present one while it stays the same.
+    /// A hash of everything that forces depend on beside positions and velocities, such as the pull of the mouse: a
+    /// stored force is valid while it stays the same.
     fn load_fingerprint(&self) -> u32 {
         0
     }
 
-    /// Moves everything by `v += h f(x, v)/m`, then `x += h v`. `force` is scratch of the same length. A system may do so while its
-    /// forces are still near the processor.
-    fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+    /// Symplectic Euler update, `v += h f(x, v)/m`, then `x += h v`. `force` is scratch of the same length. A system
+    /// may update vertices while their forces are in the cache.
+    fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
         self.force(x, v, force);
-        kick_and_drift(x, v, force, self.inverse_mass(), h);
+        symplectic_euler_update(x, v, force, self.inverse_mass(), h);
     }
 
     /// Mass [kg] for each number.
@@ -43,15 +43,15 @@ pub trait Dynamics {
     /// Adds `-df/dx d` [N] for a displacement `d` [m] to `product`.
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
 
-    /// Names every couple of different vertices (two numbers each) whose forces depend on each other, in the order in
-    /// which [`Self::add_stiffness`] adds their blocks.
-    fn couples(&self, add: &mut dyn FnMut(u32, u32));
+    /// Sparsity pattern: calls `add` for every pair of different vertices (two numbers each) whose forces depend on
+    /// each other, in the order in which [`Self::add_stiffness`] adds their blocks.
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
 
-    /// How many times the displacement `d` [m] from the positions `x` [m] may be gone, at most, for no energy to be left that
-    /// has a barrier.
+    /// Largest multiple of the displacement `d` [m] from the positions `x` [m] that stays within the barriers of all
+    /// energies.
     fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY
     }
@@ -61,29 +61,29 @@ pub trait Dynamics {
         true
     }
 
-    /// Whether [`Self::constrain`] also acts along the surfaces it stops things at.
-    fn grips(&self) -> bool {
+    /// Whether contacts have friction.
+    fn has_friction(&self) -> bool {
         true
     }
 
-    /// Takes from velocities `v` [m/s] what leads into walls that are touched where a step begins, at positions and velocities
-    /// `before`, by what faces them. `x` is scratch of the same length: where it is not as before there is more to it. Returns
-    /// whether no wall moves, and nothing that faces one is inside it.
-    fn rest(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
+    /// Removes the components of velocities `v` [m/s] into walls in contact at the start of a step, at positions and
+    /// velocities `before`, for vertices that face them. `x` is scratch of the same length: where it differs from
+    /// `before`, more than a contact acts. Returns whether no wall moves, and no vertex that faces one is inside it.
+    fn project_contact_velocity(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
         false
     }
 
-    /// Forgets what was booked in this step, as it is solved anew.
-    fn start_over(&mut self) {}
+    /// Resets the records of this step before it is solved again.
+    fn discard_records(&mut self) {}
 
-    /// Changes positions and velocities at the end of a step that are not allowed, seen from those at its beginning.
-    /// Where only what `faces` a wall counts, bodies may still end beyond one: what would come to lie there is for the
-    /// solution of the next try to say, in which what faces the wall is held.
+    /// Projects positions and velocities at the end of a step on the constraints, given those at its start. If only
+    /// vertices that face a wall count (`faces`), bodies may still end beyond one: the next solve, with the facing
+    /// vertices constrained, determines where the others end.
     fn constrain(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64], _faces: bool) {}
 }
 
 /// `v += h f/m`, then `x += h v`.
-pub fn kick_and_drift(x: &mut [f64], v: &mut [f64], force: &[f64], inverse_mass: &[f64], h: f64) {
+pub fn symplectic_euler_update(x: &mut [f64], v: &mut [f64], force: &[f64], inverse_mass: &[f64], h: f64) {
     pulp::Arch::new().dispatch(|| {
         for (((x, v), f), inverse_mass) in x.iter_mut().zip(&mut *v).zip(force).zip(inverse_mass) {
             *v += h * f * inverse_mass;
@@ -92,7 +92,7 @@ pub fn kick_and_drift(x: &mut [f64], v: &mut [f64], force: &[f64], inverse_mass:
     });
 }
 
-/// A [`Dynamics`] seen as an [`Ode`]: X = (x, v), dX/dt = (v, f/m).
+/// A [`Dynamics`] as an [`Ode`]: X = (x, v), dX/dt = (v, f/m).
 pub struct Rates<'a>(pub &'a mut dyn Dynamics);
 
 impl Ode for Rates<'_> {
@@ -102,7 +102,7 @@ impl Ode for Rates<'_> {
         for (acceleration, inverse_mass) in dv.iter_mut().zip(self.0.inverse_mass()) {
             *acceleration *= inverse_mass;
         }
-        // A pinned vertex has no velocity to move with, whatever else the state says.
+        // The velocity of a pinned vertex is zero, whatever the state contains.
         for ((dx, v), inverse_mass) in dx.iter_mut().zip(v).zip(self.0.inverse_mass()) {
             *dx = if *inverse_mass == 0.0 { 0.0 } else { *v };
         }

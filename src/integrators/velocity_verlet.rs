@@ -1,6 +1,8 @@
 //! Velocity Verlet method.
 
-use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Work, parts, system::apply_constraints};
+use super::{
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, parts, system::apply_constraints,
+};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +42,8 @@ impl Integrator for VelocityVerlet {
 }
 
 impl SecondOrder for VelocityVerlet {
-    fn step(&self, system: &mut dyn Dynamics, state: &mut State, work: &mut Work, h: f64) -> StepCounts {
-        let Work { numbers, spare, .. } = work;
+    fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
+        let Workspace { numbers, spare, .. } = workspace;
         let [before, before_v, predicted, force, end_force] = parts(numbers, state.x.len());
         let constrains = system.constrains();
         if constrains {

@@ -39,7 +39,7 @@ impl Level {
             about: String::new(),
             mode: super::RunMode::default(),
             substeps: super::Substeps::default(),
-            paces: super::Paces::default(),
+            paces: super::SubstepMode::default(),
             integrator: IntegratorKind::default(),
             guard: super::Toggle::default(),
             sleep: super::Toggle::default(),

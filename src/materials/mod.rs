@@ -1,11 +1,11 @@
-//! Constitutive models: hyperelastic materials as functions of the deformation gradient F alone. A material knows no
-//! mesh, no time and no solver. Each model is one file; [`Model`] lists them all.
+//! Constitutive models: hyperelastic materials as functions of the deformation gradient F alone, independent of mesh,
+//! time and solver. Each model is one file; [`Model`] lists them all.
 //!
-//! A model writes its energy [`Material::psi`] and stress [`Material::piola`] once, over any [`Real`]: with `f64` they serve
-//! whoever looks at a single triangle, with lanes they step eight triangles at a time. So they use the operations of
-//! [`Real`] and [`Mat2`] alone, and where a formula has cases, both sides are computed and [`Real::if_less`] takes one.
-//! Closed forms of strips are written for `f64`, and so is, beside its moduli, the stiffness as one would write it down: what the
-//! moduli are held against.
+//! A model implements its energy [`Material::psi`] and stress [`Material::piola`] once, over any [`Real`]: with `f64`
+//! for single triangles, with SIMD lanes for eight triangles at a time. So formulas use the operations of [`Real`] and
+//! [`Mat2`] alone, and where a formula has cases, both sides are computed and [`Real::if_less`] selects one. Closed
+//! forms of strips are written for `f64`, and so is the textbook form of the stiffness, which the moduli are tested
+//! against.
 //!
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 
@@ -49,7 +49,7 @@ registry! {
     }
 }
 
-/// From this J = det F on the formula of every model is used to the letter.
+/// Least J = det F from which the formula of every model is used unchanged.
 pub const WHOLE: f64 = 0.25;
 
 /// A hyperelastic material in two dimensions, per unit thickness.
@@ -62,8 +62,8 @@ pub trait Material: Copy + Send + Sync {
     const LETTER: &'static str;
     /// The energy density in plain characters, for tooltips.
     const FORMULA: &'static str;
-    /// Whether the energy of a triangle that is squeezed flat grows without end in the model itself, so that no honest answer turns
-    /// one over.
+    /// Whether the energy of the model tends to infinity as a triangle becomes flat, so that no exact solution inverts
+    /// one.
     const BARRIER: bool = false;
     /// Where and how the formula is continued, if it is: see [`Self::is_continued`].
     const CONTINUATION: &'static str = "";
@@ -87,25 +87,24 @@ pub trait Material: Copy + Send + Sync {
     /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
 
-    /// The same as the derivatives by what F consists of, in as many lanes.
+    /// The same by the parts of F, in SIMD lanes.
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 
-    /// Whether this gradient is beyond where the formula is used to the letter: never where its determinant is [`WHOLE`] or more.
+    /// Whether this gradient is in the continued range of the formula: never where its determinant is [`WHOLE`] or
+    /// more.
     fn is_continued(&self, _f: &Matrix2<f64>) -> bool {
         false
     }
 
-    /// The stress through the thickness, P33 [Pa], when plane strain holds F33 = 1; plane stress has none. Anything where
-    /// F is no number.
+    /// The stress through the thickness, P33 [Pa], in plane strain, F33 = 1; plane stress has none. Undefined where F
+    /// is NaN.
     fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R;
 
-    /// The width w at which a strip of stretch s pulls its free sides neither in nor out: P22(diag(s, w)) = 0.
-    /// `None` where there is no positive one.
+    /// The width w of a strip of stretch s with free sides: P22(diag(s, w)) = 0. `None` where there is no positive one.
     fn free_width(&self, stretch: f64) -> Option<f64>;
 
-    /// What a user should know before trusting a strip of this stretch: where the model has no honest answer, or gives way,
-    /// `dP11/ds < 0` along the strip.
-    fn caution(&self, stretch: f64) -> Option<String> {
+    /// Warning for a strip of this stretch: where the model has no solution, or softens, `dP11/ds < 0` along the strip.
+    fn strip_warning(&self, stretch: f64) -> Option<String> {
         let Some(width) = self.free_width(stretch) else {
             return Some(format!(
                 "{} has no solution here: with free sides, no positive width is in equilibrium at {stretch:.2} x.",
@@ -120,11 +119,11 @@ pub trait Material: Copy + Send + Sync {
     }
 }
 
-/// Work to be done with a material whose type the compiler knows.
+/// An operation on a material of a type known at compile time.
 pub trait Visitor {
-    /// What the work returns.
+    /// Result of the operation.
     type Output;
-    /// Does the work.
+    /// Performs the operation.
     fn visit<M: Material>(self, material: &M) -> Self::Output;
 }
 
@@ -175,20 +174,20 @@ impl Model {
         matches!(self, Self::Corotated | Self::StVenantKirchhoff | Self::Hencky)
     }
 
-    /// See [`Material::caution`].
-    pub fn caution(self, lame: Lame, stretch: f64) -> Option<String> {
-        self.visit(lame, Caution(stretch))
+    /// See [`Material::strip_warning`].
+    pub fn strip_warning(self, lame: Lame, stretch: f64) -> Option<String> {
+        self.visit(lame, StripWarning(stretch))
     }
 }
 
-/// Asks for [`Material::caution`] at a stretch.
+/// Visitor for [`Material::strip_warning`] at a stretch.
 #[derive(Clone, Copy, Debug)]
-pub struct Caution(pub f64);
+pub struct StripWarning(pub f64);
 
-impl Visitor for Caution {
+impl Visitor for StripWarning {
     type Output = Option<String>;
     fn visit<M: Material>(self, material: &M) -> Option<String> {
-        material.caution(self.0)
+        material.strip_warning(self.0)
     }
 }
 

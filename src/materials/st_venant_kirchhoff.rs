@@ -92,7 +92,7 @@ impl Material for StVenantKirchhoff {
     }
 
     /// Beside the missing width: along the strip P11 grows as s (s² - 1), which has its extremum at s = 1/sqrt(3).
-    fn caution(&self, stretch: f64) -> Option<String> {
+    fn strip_warning(&self, stretch: f64) -> Option<String> {
         if stretch < (1.0_f64 / 3.0).sqrt() {
             return Some(format!(
                 "{} gives way below 58 % of its height: pressing further needs less force.",

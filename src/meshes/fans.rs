@@ -1,7 +1,7 @@
 //! Pairs triangles that share an edge.
 //!
-//! That is how bodies are swept over. The four vertices of a fan are each read once and given one force, where two triangles by themselves
-//! have six corners. Nearly every triangle of a mesh finds a neighbour to share a fan with; one that does not is in a fan by itself.
+//! Forces are assembled by such fans: the four vertices of a fan are each read once and receive one force, where two
+//! separate triangles have six corners. Nearly every triangle of a mesh is paired; the others form a fan alone.
 
 use super::{
     mesh::squared_distance,
@@ -13,7 +13,7 @@ use super::{
 pub struct Fan(pub [u32; 2]);
 
 impl Fan {
-    /// In place of the second triangle of a fan that has none.
+    /// Placeholder for a missing second triangle.
     pub const ALONE: u32 = u32::MAX;
 
     /// Its triangles.
@@ -21,13 +21,13 @@ impl Fan {
         self.0.into_iter().filter(|triangle| *triangle != Self::ALONE)
     }
 
-    /// The vertex in the middle of the fan, then those at the ends of its spokes, counter-clockwise. Without a second triangle the third
-    /// spoke is the first once more.
+    /// The middle vertex of the fan, then its other vertices, counter-clockwise. Without a second triangle the fourth
+    /// vertex repeats the second.
     pub fn corners(self, triangles: &[[u32; 3]]) -> [u32; 4] {
         let [first, second] = self.0;
         let [a, b, c] = triangles[first as usize];
         let Some(&second) = triangles.get(second as usize) else { return [a, b, c, b] };
-        // The edge that the second has the other way round.
+        // The shared edge, reversed in the second triangle.
         let shared = |[end, middle, _]: &[u32; 3]| (0..3).any(|i| second[i] == *middle && second[(i + 1) % 3] == *end);
         let [end, middle, from] = [[a, b, c], [b, c, a]].into_iter().find(shared).unwrap_or([c, a, b]);
         let to = second.into_iter().find(|corner| *corner != end && *corner != middle).unwrap_or(from);
@@ -35,8 +35,8 @@ impl Fan {
     }
 }
 
-/// Finds partners for triangles, each across the longest edge that still can be; the first to be served are those with one neighbour left
-/// (R. M. Karp and M. Sipser, *Maximum matchings in sparse random graphs*, Proc. 22nd IEEE Symposium on Foundations of Computer
+/// Pairs triangles, each across its longest free edge; triangles with one unpaired neighbour come first (R. M. Karp and
+/// M. Sipser, *Maximum matchings in sparse random graphs*, Proc. 22nd IEEE Symposium on Foundations of Computer
 /// Science, 1981). Fans are in the order of their first triangles.
 pub(super) fn fans(points: &[[f64; 2]], topology: &Topology<'_>) -> Vec<Fan> {
     let (triangles, twins) = (topology.triangles(), topology.twins());
@@ -57,7 +57,7 @@ pub(super) fn fans(points: &[[f64; 2]], topology: &Topology<'_>) -> Vec<Fan> {
         if partners[triangle] != Fan::ALONE {
             continue;
         }
-        // Of edges as long as each other the first.
+        // Of edges with equal length the first.
         let longest = |one: usize, other: usize| if length(other) > length(one) { other } else { one };
         let Some(half) = free(triangle, &partners).reduce(longest) else { continue };
         let partner = twins[half] as usize / 3;

@@ -1,7 +1,7 @@
 //! Renumbering of vertices.
 
-/// Vertices and elements in another order than the one in which a file or a level lists them, and the numbers they have there:
-/// their names. By default it is the same order.
+/// A permutation of vertices and elements from the order in a file or level; the numbers there are their names. By
+/// default it is the identity.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Numbering {
     /// The name of each vertex.
@@ -13,7 +13,7 @@ pub struct Numbering {
 }
 
 impl Numbering {
-    /// From the names of all vertices and of all elements, in their new order.
+    /// Makes a numbering from the names of all vertices and of all elements, in their new order.
     pub fn new(names: Vec<u32>, elements: Vec<u32>) -> Self {
         let mut vertices = vec![0; names.len()];
         for (vertex, name) in names.iter().enumerate() {
@@ -22,7 +22,7 @@ impl Numbering {
         Self { names, vertices, elements }
     }
 
-    /// Whether everything is where it is listed.
+    /// Whether it is the identity.
     pub const fn is_as_listed(&self) -> bool {
         self.names.is_empty()
     }
@@ -42,12 +42,12 @@ impl Numbering {
         self.elements.get(element).map_or(element, |name| *name as usize)
     }
 
-    /// What is listed for each vertex, in the new order.
+    /// Values of the vertices in the new order.
     pub(crate) fn vertices_of<T: Clone>(&self, listed: &[T]) -> Vec<T> {
         self.names.iter().map(|name| listed[*name as usize].clone()).collect()
     }
 
-    /// What is listed for each element, in the new order.
+    /// Values of the elements in the new order.
     pub(crate) fn elements_of<T: Clone>(&self, listed: &[T]) -> Vec<T> {
         self.elements.iter().map(|name| listed[*name as usize].clone()).collect()
     }

@@ -97,7 +97,7 @@ pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
             } else if first == 0 && second + 1 == sides.len() {
                 folds_back(sides[second][0], sides[second][1], sides[first][1])
             } else {
-                meet(sides[first], sides[second])
+                intersect(sides[first], sides[second])
             };
             if touching {
                 return Some((first, second));
@@ -114,7 +114,7 @@ fn folds_back(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
 }
 
 /// Whether two segments have a point in common.
-fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+fn intersect([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
     let between = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
         area([p, q, r]) == 0.0 && [0, 1].iter().all(|&k| p[k].min(q[k]) <= r[k] && r[k] <= p[k].max(q[k]))
     };

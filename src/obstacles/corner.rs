@@ -1,37 +1,37 @@
 use super::{
-    Carry, Inside, Rise, Start, Surface,
+    DepenetrationStep, Inside, Start, Surface, SweptMotion,
     advance::{self, Seen},
 };
 use parry2d::math::Vector;
 
-/// A corner of an obstacle that points outwards, round or sharp: it can touch an edge of a body between two vertices.
+/// A convex corner of an obstacle, round or sharp: it can touch an edge of a body between two vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// The middle of its rounding [m].
+    /// Centre of its rounding [m].
     pub middle: [f64; 2],
     /// Radius of its rounding [m].
     pub radius: f64,
-    /// How near an edge feels it [m].
-    pub reach: f64,
-    /// How near an edge may come [m].
-    pub skin: f64,
+    /// Contact margin [m].
+    pub margin: f64,
+    /// Contact offset [m].
+    pub offset: f64,
 }
 
 impl Corner {
-    /// Whether it is within its reach of a box.
+    /// Whether a box is within its contact margin.
     fn is_near(&self, [least, greatest]: [Vector; 2]) -> bool {
-        let (middle, reach) = (Vector::from(self.middle), Vector::splat(self.radius + self.reach));
-        middle.cmpge(least - reach).all() && middle.cmple(greatest + reach).all()
+        let (middle, margin) = (Vector::from(self.middle), Vector::splat(self.radius + self.margin));
+        middle.cmpge(least - margin).all() && middle.cmple(greatest + margin).all()
     }
 }
 
-/// An edge of a body in a step, from one vertex to another, with the body on its left.
+/// A boundary edge of a body in a step, with the body on its left.
 struct Edge<'a> {
     start: &'a Start<'a>,
-    /// How the corner moves.
-    carry: &'a Carry,
+    /// Motion of the corner.
+    swept_motion: &'a SweptMotion,
     vertices: [usize; 2],
-    /// The ends at the start, carried along with the corner.
+    /// The ends at the start of the step, mapped to its end with the motion of the corner.
     from: [Vector; 2],
     to: [Vector; 2],
 }
@@ -46,42 +46,42 @@ fn put(values: &mut [f64], vertex: usize, value: Vector) {
 }
 
 impl<'a> Edge<'a> {
-    fn new((start, carry): (&'a Start<'a>, &'a Carry), edge: [u32; 2], x: &[f64]) -> Self {
+    fn new((start, swept_motion): (&'a Start<'a>, &'a SweptMotion), edge: [u32; 2], x: &[f64]) -> Self {
         let vertices = edge.map(|vertex| vertex as usize);
         Self {
             start,
-            carry,
+            swept_motion,
             vertices,
-            from: vertices.map(|vertex| carry.place(at(start.x, vertex).into()).into()),
+            from: vertices.map(|vertex| swept_motion.place(at(start.x, vertex).into()).into()),
             to: vertices.map(|vertex| at(x, vertex)),
         }
     }
 
-    /// Whether a corner is within its reach of the box around the edge's way.
+    /// Whether the box around the swept edge is within the contact margin of a corner.
     fn is_near(&self, corner: &Corner) -> bool {
         let least = self.from[0].min(self.from[1]).min(self.to[0].min(self.to[1]));
         let greatest = self.from[0].max(self.from[1]).max(self.to[0].max(self.to[1]));
         corner.is_near([least, greatest])
     }
 
-    /// The point `along` the edge as a mean of its ends' values.
+    /// Value at the position `along` the edge, interpolated between its ends.
     fn mean(&self, values: &[f64], along: f64) -> Vector {
         at(values, self.vertices[0]) * (1.0 - along) + at(values, self.vertices[1]) * along
     }
 
-    /// Whether a corner in this direction may enter the body, which is on its way past it.
+    /// Whether a corner in this direction may enter the body, because depenetration moves the body past it.
     fn lets_in(&self, normal: Vector) -> bool {
-        self.start.overlap(self.vertices[0]).is_some_and(|overlap| overlap.lets_in((-normal).into()))
+        self.start.penetration(self.vertices[0]).is_some_and(|penetration| penetration.lets_in((-normal).into()))
     }
 
-    /// How far a unit impulse in a direction moves that point in that direction [1/kg].
+    /// Mobility of that point along a direction: its velocity change per unit impulse [1/kg].
     fn mobility(&self, along: f64, direction: Vector) -> f64 {
         let shares = [1.0 - along, along];
         let of = |end: usize| (at(self.start.inverse_mass, self.vertices[end]) * direction * direction).element_sum();
         shares[0] * shares[0] * of(0) + shares[1] * shares[1] * of(1)
     }
 
-    /// Moves that point by a length in a direction, as an impulse at it would.
+    /// Moves that point along a direction, distributed on both ends like an impulse at the point.
     fn shift(&self, values: &mut [f64], along: f64, direction: Vector, by: f64) {
         let mobility = self.mobility(along, direction);
         if by == 0.0 || mobility == 0.0 {
@@ -93,24 +93,24 @@ impl<'a> Edge<'a> {
         }
     }
 
-    /// Takes the velocity towards a corner from that point, which friction and restitution share in; returns the share of
+    /// Removes the velocity of that point towards a corner, with friction and restitution; returns the fraction of
     /// tangential velocity that is left.
-    fn answer(
+    fn impact_response(
         &self,
         corner: &Corner,
         v: &mut [f64],
         (along, normal): (f64, Vector),
-        rise: Option<Rise>,
+        step: Option<DepenetrationStep>,
     ) -> Option<f64> {
-        let wall = Vector::from(self.carry.velocity_at(corner.middle));
-        let wall = rise.map_or(wall, |rise| wall - normal * rise.speed);
+        let wall = Vector::from(self.swept_motion.velocity_at(corner.middle));
+        let wall = step.map_or(wall, |step| wall - normal * step.speed);
         let free = self.mean(v, along) - wall;
         let (start_x, start_v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
-        let before = self.carry.relative(start_v.into(), start_x.into());
+        let before = self.swept_motion.relative(start_v.into(), start_x.into());
         let mut after: [f64; 2] = free.into();
         let surface = self.start.surface_at(self.vertices[0]);
-        let surface = if rise.is_some() { Surface { restitution: 0.0, ..surface } } else { surface };
-        let kept = surface.answer((-normal).into(), before, &mut after)?;
+        let surface = if step.is_some() { Surface { restitution: 0.0, ..surface } } else { surface };
+        let kept = surface.impact_response((-normal).into(), before, &mut after)?;
         let change = Vector::from(after) - free;
         let tangent = normal.perp();
         let ends = self.vertices.map(|vertex| at(v, vertex));
@@ -126,55 +126,61 @@ impl<'a> Edge<'a> {
         Some(kept)
     }
 
-    /// How the edge comes out if that point of it begins inside the rounding of a corner, by a negative gap [m].
-    fn rise(&self, corner: &Corner, (along, normal): (f64, Vector), gap: f64) -> Option<Rise> {
+    /// Depenetration step of the edge, if that point of it begins inside the rounding of a corner, by a negative gap
+    /// [m].
+    fn depenetration_step(
+        &self,
+        corner: &Corner,
+        (along, normal): (f64, Vector),
+        gap: f64,
+    ) -> Option<DepenetrationStep> {
         let (x, v) = (self.mean(self.start.x, along), self.mean(self.start.v, along));
-        let outwards = -Vector::from(self.carry.relative(v.into(), x.into())).dot(normal);
-        self.start.rise(self.vertices[0], gap, outwards, corner.skin)
+        let outwards = -Vector::from(self.swept_motion.relative(v.into(), x.into())).dot(normal);
+        self.start.depenetration_step(self.vertices[0], gap, outwards, corner.offset)
     }
 
-    /// Stops the edge where a corner is near from the beginning.
+    /// Resolves contact with a corner within the contact margin at the start of the step.
     fn press(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
         let Some(Seen { normal, distance, along }) = advance::seen(self.from, Vector::from(corner.middle)) else {
             return false;
         };
         let gap = distance - corner.radius;
-        // The ends are vertices, which the obstacle stops itself.
-        if gap >= corner.reach || along <= 0.0 || along >= 1.0 || self.lets_in(normal) {
+        // The ends are vertices, which the obstacle constrains itself.
+        if gap >= corner.margin || along <= 0.0 || along >= 1.0 || self.lets_in(normal) {
             return false;
         }
-        let rise = self.rise(corner, (along, normal), gap);
-        if rise.is_some_and(|rise| rise.speed == 0.0) && !self.carry.is_still() {
+        let step = self.depenetration_step(corner, (along, normal), gap);
+        if step.is_some_and(|step| step.speed == 0.0) && !self.swept_motion.is_still() {
             return false;
         }
-        let moves = rise.is_some() && self.mobility(along, normal) > 0.0;
+        let moves = step.is_some() && self.mobility(along, normal) > 0.0;
         if moves {
-            let stays = rise.is_some_and(|rise| rise.speed == 0.0);
-            self.start.note_inside(if stays { Inside::Stays } else { Inside::ComesOut });
+            let stays = step.is_some_and(|step| step.speed == 0.0);
+            self.start.record_inside(if stays { Inside::Stays } else { Inside::ComesOut });
         }
-        let kept = self.answer(corner, v, (along, normal), rise);
-        let way = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
-        let least = rise.map_or((corner.skin - gap).max(0.0), |rise| rise.length);
-        let excess = way.dot(normal) + least;
+        let kept = self.impact_response(corner, v, (along, normal), step);
+        let displacement = self.mean(x, along) - (self.from[0] * (1.0 - along) + self.from[1] * along);
+        let least = step.map_or((corner.offset - gap).max(0.0), |step| step.length);
+        let excess = displacement.dot(normal) + least;
         if let Some(kept) = kept {
             let tangent = normal.perp();
-            self.shift(x, along, tangent, (kept - 1.0) * way.dot(tangent));
+            self.shift(x, along, tangent, (kept - 1.0) * displacement.dot(tangent));
         }
         self.shift(x, along, normal, -excess.max(0.0));
         kept.is_some() || excess > 0.0
     }
 
-    /// Stops the edge where it would first touch a corner on its way.
+    /// Stops the edge at the first touch of a corner within the step.
     fn stop(&self, corner: &Corner, x: &mut [f64], v: &mut [f64]) -> bool {
         let middle = Vector::from(corner.middle);
-        let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.skin) else {
+        let Some((share, normal)) = advance::edge(self.from, self.to, middle, corner.radius, corner.offset) else {
             return false;
         };
-        // One that comes out from inside goes on from there.
+        // An edge in depenetration continues from its start.
         let comes_out = || {
             let seen = advance::seen(self.from, middle);
             seen.is_some_and(|seen| {
-                self.rise(corner, (seen.along, seen.normal), seen.distance - corner.radius).is_some()
+                self.depenetration_step(corner, (seen.along, seen.normal), seen.distance - corner.radius).is_some()
             })
         };
         if self.lets_in(normal) || (share == 0.0 && comes_out()) {
@@ -182,15 +188,15 @@ impl<'a> Edge<'a> {
         }
         let reached = [0, 1].map(|end| self.from[end] + (self.to[end] - self.from[end]) * share);
         if let Some(Seen { along, .. }) = advance::seen(reached, middle) {
-            self.answer(corner, v, (along, normal), None);
+            self.impact_response(corner, v, (along, normal), None);
         }
         for (vertex, reached) in self.vertices.into_iter().zip(reached) {
-            // What is held stays where it is, also when a corner comes to it.
+            // A constrained coordinate keeps its value, also when a corner moves to it.
             let free = at(self.start.inverse_mass, vertex).cmpne(Vector::ZERO);
             put(x, vertex, Vector::select(free, reached, at(x, vertex)));
             if share == 0.0 {
-                // What cannot move at all has no speed to gather.
-                let wall = Vector::from(self.carry.velocity_at(reached.into()));
+                // An edge that cannot move within the step takes the velocity of the corner.
+                let wall = Vector::from(self.swept_motion.velocity_at(reached.into()));
                 put(v, vertex, Vector::select(free, wall, at(v, vertex)));
             }
         }
@@ -198,35 +204,35 @@ impl<'a> Edge<'a> {
     }
 }
 
-/// The corners of an obstacle and how they move, the edges of bodies, and least and greatest corner of a box around the ways
-/// of all edges.
-pub type Bodies<'a> = (&'a [Corner], &'a Carry, &'a [[u32; 2]], [[f64; 2]; 2]);
+/// The corners of an obstacle and their motion, the edges of bodies, and the least and greatest corner of the box
+/// around the swept edges.
+pub type Bodies<'a> = (&'a [Corner], &'a SweptMotion, &'a [[u32; 2]], [[f64; 2]; 2]);
 
-/// Calls `act` for every edge and every corner near its way; returns how many edges it changed.
+/// Calls `visit` for every edge and every corner near the swept edge; returns the number of edges changed.
 fn each<'a>(
-    (corners, carry, edges, bounds): Bodies<'a>,
+    (corners, swept_motion, edges, bounds): Bodies<'a>,
     start: &'a Start<'a>,
     x: &mut [f64],
     v: &mut [f64],
-    act: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
+    visit: impl Fn(&Edge<'a>, &Corner, &mut [f64], &mut [f64]) -> bool,
 ) -> usize {
     let mut touched = 0;
-    let corners = corners.iter().map(|corner| carry.corner(corner));
+    let corners = corners.iter().map(|corner| swept_motion.corner(corner));
     for corner in corners.filter(|corner| corner.is_near(bounds.map(Vector::from))) {
         let mut free = None;
-        let is_free = || !is_inside(carry.place_back(corner.middle), edges, start.x);
+        let is_free = || !is_inside(swept_motion.place_back(corner.middle), edges, start.x);
         for &vertices in edges {
-            let edge = Edge::new((start, carry), vertices, x);
+            let edge = Edge::new((start, swept_motion), vertices, x);
             if edge.is_near(&corner) && *free.get_or_insert_with(is_free) {
-                touched += usize::from(act(&edge, &corner, x, v));
+                touched += usize::from(visit(&edge, &corner, x, v));
             }
         }
     }
     touched
 }
 
-/// Whether a point is inside the bodies with these edges: a ray from it crosses an odd number of them, whichever way round
-/// they are. A body that was put over a corner may leave it.
+/// Whether a point is inside the bodies with these edges, by the parity of the crossings of a ray, for either
+/// orientation. A body that begins over a corner may leave it.
 fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
     let crosses = |edge: &&[u32; 2]| {
         let [a, b] = edge.map(|vertex| at(x, vertex as usize));
@@ -235,14 +241,14 @@ fn is_inside([px, py]: [f64; 2], edges: &[[u32; 2]], x: &[f64]) -> bool {
     edges.iter().filter(crosses).count() % 2 == 1
 }
 
-/// Where a corner is within its reach of an edge, the point of the edge nearest to it may not move towards it: an impulse on
-/// both ends, as their masses share it, takes that velocity and that way. Returns the number of edges touched.
+/// Applies contact between corners and edges within the contact margin: an impulse on both ends, distributed by their
+/// masses, removes the approach velocity and displacement of the nearest point. Returns the number of edges changed.
 pub fn press_edges<'a>(bodies: Bodies<'a>, start: &'a Start<'a>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::press)
 }
 
-/// Stops the ends of edges where a corner would first touch between them, and takes the velocity towards it. Returns the
-/// number of edges touched; as they share vertices, another look may find more.
+/// Stops edges at the first touch of a corner and removes the approach velocity. Returns the number of edges changed;
+/// edges share vertices, so that another pass may find more.
 pub fn stop_edges<'a>(bodies: Bodies<'a>, start: &'a Start<'a>, x: &mut [f64], v: &mut [f64]) -> usize {
     each(bodies, start, x, v, Edge::stop)
 }

@@ -1,46 +1,49 @@
-//! What bodies bump into, realised as shapes of parry2d: the one room that knows that library. Each kind is one file;
-//! [`ObstacleKind`] lists them all. Points leave this room as `[f64; 2]`.
+//! Rigid obstacles, represented by shapes of parry2d. Only this module uses that library; its interface takes points as
+//! `[f64; 2]`. Each kind is one file; [`ObstacleKind`] lists them all.
 //!
-//! Every obstacle has a reach eps: a vertex nearer than that to the surface may not move towards it. Beside that no speed
-//! gets a vertex through a surface, nor a corner of an obstacle through an edge of a body: where they would meet within a
-//! step is found by conservative advancement (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996,
-//! section 2.3), which never passes the first touch, and there they stop. All that is relative to an obstacle that moves.
+//! Every obstacle has a contact margin eps: a vertex nearer than eps to the surface may not move towards it. Continuous
+//! collision detection stops a vertex at the first touch of a surface, and an edge of a body at the first touch of a
+//! corner of an obstacle, at any speed. Conservative advancement finds the time of the first touch and never passes it
+//! (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3). All motion is relative to an
+//! obstacle that moves.
 
 mod advance;
 mod ball;
-mod carry;
+mod contact_query;
 mod corner;
 mod cuboid;
-mod encounter;
-mod exit;
-mod meet;
+mod depenetration;
 mod motions;
 mod moving;
+mod penetration;
 mod plane;
 mod polygon;
+mod resolve;
 mod solid;
 mod surface;
-mod ways;
+mod swept_motion;
 
 pub use ball::Ball;
-pub use carry::{Carry, Rigid};
+pub use contact_query::ContactQuery;
 pub use corner::Corner;
 pub use cuboid::Cuboid;
-pub use encounter::Encounter;
-pub use exit::{Exit, Inside, Name, Noted, Overlap, Rise, Touching, exit_of};
-pub use meet::bring_out;
+pub use depenetration::find_penetrations;
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
-pub use plane::{Plane, STEEP, room};
+pub use penetration::{
+    ContactCache, Depenetration, DepenetrationStep, Inside, Name, Penetration, Touching, depenetration_of,
+};
+pub use plane::{Plane, STEEP, free_region};
 pub use polygon::Polygon;
+pub use resolve::push_out_vertex;
 pub use surface::Surface;
-pub use ways::find_ways;
+pub use swept_motion::{Rigid, SweptMotion};
 
 use crate::{quantity::Quantity, registry::registry};
 use std::cell::Cell;
 
 registry! {
-    /// What can stand in the way.
+    /// Kinds of obstacles.
     pub enum ObstacleKind: dyn ObstacleParameters {
         Plane(Plane),
         Ball(Ball),
@@ -51,7 +54,7 @@ registry! {
 }
 
 impl ObstacleKind {
-    /// What it is called beside others.
+    /// Name in a list of obstacles.
     pub fn title(&self) -> String {
         match self {
             Self::Moving(moving) => format!("{}, moving", moving.obstacle.title()),
@@ -62,13 +65,13 @@ impl ObstacleKind {
 
 /// The parameters of an obstacle.
 pub trait ObstacleParameters {
-    /// Readies the obstacle for stepping.
+    /// Builds the obstacle for stepping.
     ///
     /// # Errors
-    /// A sentence, if the parameters do not make a shape.
+    /// A sentence, if the parameters do not define a shape.
     fn build(&self) -> Result<Box<dyn Obstacle>, String>;
 
-    /// What the user should know of its shape.
+    /// A note for the user on the shape.
     fn notes(&self) -> Option<String> {
         None
     }
@@ -80,18 +83,18 @@ pub trait ObstacleParameters {
     /// outline of their own.
     fn outline(&self) -> Vec<[f64; 2]>;
 
-    /// How it moves, one motion on top of the other; most stand still.
+    /// Its motions, applied one after another; empty for an obstacle at rest.
     fn motions(&self) -> Vec<MotionKind> {
         Vec::new()
     }
 
-    /// The plane, if it is one: several make a room.
+    /// The plane, if the obstacle is one. Several planes bound a free region.
     fn plane(&self) -> Option<&Plane> {
         None
     }
 }
 
-/// Where a point is, seen from an obstacle.
+/// Distance and normal of the surface nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Distance to the surface [m]; negative inside.
@@ -101,51 +104,51 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The part of a vector away from the surface.
+    /// Component of a vector along the normal.
     pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
         self.normal[0] * x + self.normal[1] * y
     }
 }
 
-/// What a step began with, flat: two numbers a vertex.
+/// State at the start of a step, for constraints; flat, two numbers a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<'a> {
     /// Positions [m].
     pub x: &'a [f64],
     /// Velocities [m/s].
     pub v: &'a [f64],
-    /// 1/mass [1/kg]; zero for coordinates that are held.
+    /// 1/mass [1/kg]; zero for constrained coordinates.
     pub inverse_mass: &'a [f64],
-    /// What touching does.
+    /// Surface properties of contacts.
     pub surface: Surface,
-    /// If only what faces an obstacle is to be stopped: the outward normal of each vertex on the boundary of a body, zero
-    /// inside it, and not a number where there is no inside.
+    /// Outward normal of each vertex on the boundary of a body, if only vertices that face an obstacle are stopped;
+    /// zero inside the body, NaN where there is no inside.
     pub outward: Option<&'a [f64]>,
     /// Simulated time at the start and at the end [s].
     pub time: [f64; 2],
-    /// Where the work of obstacles that move is added up [J].
+    /// Sum of the work of moving obstacles [J].
     pub supplied: &'a Cell<f64>,
-    /// How fast vertices leave what they begin inside of.
-    pub exits: &'a [Exit],
-    /// Which effect the obstacle at hand belongs to.
+    /// Depenetration parameters of the bodies and nets.
+    pub depenetrations: &'a [Depenetration],
+    /// Number of the effect that the current obstacle belongs to.
     pub effect: usize,
-    /// Which vertices touch the obstacle at hand.
+    /// Vertices that touch the current obstacle.
     pub touching: &'a [Touching],
-    /// Who begins inside of it, and the way out.
-    pub overlaps: &'a [Overlap],
-    /// The same of all obstacles.
-    pub noted: &'a Noted,
-    /// Where it is noted that something began inside anything.
+    /// Bodies and nets that penetrate the current obstacle.
+    pub penetrations: &'a [Penetration],
+    /// Contacts and penetrations of all obstacles.
+    pub contact_cache: &'a ContactCache,
+    /// Whether anything penetrates an obstacle in this step.
     pub inside: &'a Cell<Inside>,
 }
 
 impl Start<'_> {
-    /// Books work of an obstacle on what it pushed [J]. What it takes away is lost like what any contact takes.
+    /// Adds work of an obstacle on a vertex [J]. Negative work is dissipated, as in any contact.
     fn supply(&self, work: f64) {
         self.supplied.set(self.supplied.get() + work.max(0.0));
     }
 
-    /// Whether a vertex is to be stopped by a surface with this normal.
+    /// Whether a surface with this normal stops a vertex.
     pub fn faces(&self, vertex: usize, [nx, ny]: [f64; 2]) -> bool {
         self.outward.is_none_or(|outward| {
             let along = outward[2 * vertex] * nx + outward[2 * vertex + 1] * ny;
@@ -153,7 +156,7 @@ impl Start<'_> {
         })
     }
 
-    /// The direction in which a vertex can be pushed by a surface with this normal: without the coordinates that are held.
+    /// The normal projected on the free coordinates of a vertex, normalised; `None` if nothing is left.
     pub fn movable(&self, vertex: usize, normal: [f64; 2]) -> Option<[f64; 2]> {
         let free = |axis: usize| self.inverse_mass[2 * vertex + axis] != 0.0;
         if free(0) && free(1) {
@@ -170,45 +173,45 @@ pub trait Obstacle: Send + Sync {
     /// The nearest surface, if the point is within eps of it or inside.
     fn contact(&self, point: [f64; 2]) -> Option<Contact>;
 
-    /// Whether any point between two corners could be within eps; false only if none is.
+    /// Whether any point of a box could be within eps; conservative.
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
 
-    /// Whether a point on a way between two corners could ever be within eps: now or at any later time, so that an obstacle
-    /// that moves answers for all the places it gets to. Where it says no, a step need not ask again.
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
+    /// Whether any point of a box could be within eps at any time, over the whole motion of the obstacle; conservative.
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
 
-    /// eps [m].
-    fn reach(&self) -> f64;
+    /// Contact margin eps [m].
+    fn margin(&self) -> f64;
 
-    /// How far from the surface a vertex is put that would be nearer or inside [m].
-    fn skin(&self) -> f64 {
+    /// Contact offset: distance from the surface at which a penetrating vertex is placed [m].
+    fn offset(&self) -> f64 {
         0.0
     }
 
-    /// Where a point outside that goes a way first touches, as a share of the way and the normal there. What is not there
-    /// for a half-plane: whoever ends outside it never was inside.
-    fn cast(&self, _from: [f64; 2], _way: [f64; 2]) -> Option<(f64, [f64; 2])> {
+    /// First touch of a point that moves along a displacement: fraction of the displacement, and normal. `None` for
+    /// half-planes, where the end point decides.
+    fn cast(&self, _from: [f64; 2], _displacement: [f64; 2]) -> Option<(f64, [f64; 2])> {
         None
     }
 
-    /// How far a point has to go in a direction to be past it [m], if it is inside, or before what is solid; infinite if that
-    /// leads ever deeper into a half-plane.
-    fn way_past(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64>;
+    /// Distance that a penetrating point has to move along a direction to leave the obstacle [m]; for a point in front
+    /// of a solid, to pass it. Infinite if the direction leads deeper into a half-plane.
+    fn depenetration_distance(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64>;
 
-    /// Calls `act` with unit vectors along ways out of it.
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2]));
+    /// Calls `act` with unit vectors that lead out of the obstacle.
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2]));
 
-    /// Whether it is bounded, so that ways lead out of it to all sides.
+    /// Whether it is bounded.
     fn is_solid(&self) -> bool {
         false
     }
 
-    /// Its corners that point outwards, which can touch between two vertices of a body.
+    /// Its convex corners, which can touch an edge of a body between two vertices.
     fn corners(&self) -> &[Corner] {
         &[]
     }
 
-    /// Adds which of some points, flat, are within eps of the surface or inside, as vertices of the obstacle with this name.
+    /// Adds the points, flat, that are within eps of the surface or inside, as vertices that touch the obstacle with
+    /// this name.
     fn find_touching(&self, name: Name, x: &[f64], found: &mut Vec<Touching>) {
         for (vertex, point) in x.as_chunks().0.iter().enumerate() {
             found.extend(self.contact(*point).map(|contact| Touching {
@@ -221,21 +224,21 @@ pub trait Obstacle: Send + Sync {
         }
     }
 
-    /// Stops vertices that would come too near in a step that would end at positions x with velocities v: the velocity
-    /// inwards is removed, and so is the way inwards, as [`Surface::answer`] says. Motion outwards stays, so that nothing
-    /// sticks. Returns the number of vertices touched.
+    /// Applies contact to vertices whose step ends at positions x with velocities v: removes the inward velocity and
+    /// the inward displacement, with [`Surface::impact_response`]. Outward motion stays, so that contacts do not
+    /// adhere. Returns the number of vertices changed.
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let reach = self.reach() * self.reach();
+        let margin = self.margin() * self.margin();
         let mut touching = start.touching.iter().peekable();
         let mut touched = 0;
         for (vertex, ((from, x), v)) in
             start.x.chunks_exact(2).zip(x.chunks_exact_mut(2)).zip(v.chunks_exact_mut(2)).enumerate()
         {
             let begun = touching.next_if(|touching| touching.vertex == vertex).map(|touching| touching.contact);
-            let way = [x[0] - from[0], x[1] - from[1]];
-            // From beyond eps, a shorter way does not reach the surface.
-            if begun.is_some() || way[0] * way[0] + way[1] * way[1] >= reach {
-                touched += usize::from(meet::meet(self, start, (vertex, begun), x, v));
+            let displacement = [x[0] - from[0], x[1] - from[1]];
+            // A vertex beyond eps with a shorter displacement does not reach the surface.
+            if begun.is_some() || displacement[0] * displacement[0] + displacement[1] * displacement[1] >= margin {
+                touched += usize::from(resolve::resolve_contact(self, start, (vertex, begun), x, v));
             }
         }
         touched

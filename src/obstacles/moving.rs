@@ -52,7 +52,7 @@ impl ObstacleParameters for Moving {
 }
 
 impl Plane {
-    /// The same plane elsewhere; itself, where that is beyond what a plane can be.
+    /// The plane after a rigid motion; unchanged if the result is out of range.
     #[must_use]
     pub fn moved(&self, to: &super::Rigid) -> Self {
         let point = Point::new(to.point(self.point.get())).unwrap_or(self.point);

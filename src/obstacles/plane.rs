@@ -24,7 +24,7 @@ impl Default for Plane {
     }
 }
 
-/// A way out of a half-plane goes up by more than this share of it.
+/// Least slope of a direction that leads out of a half-plane.
 pub const STEEP: f64 = 1e-3;
 
 struct Wall {
@@ -34,7 +34,7 @@ struct Wall {
 }
 
 impl Plane {
-    /// The unit normal, or `None` if it has no direction.
+    /// The unit normal; `None` if the normal is zero.
     fn unit_normal(&self) -> Option<Vector> {
         let [x, y] = self.normal.get();
         Vector::new(x, y).try_normalize()
@@ -70,7 +70,7 @@ impl Obstacle for Wall {
         (distance < self.eps).then_some(Contact { distance, normal: [normal.x, normal.y] })
     }
 
-    /// The corner that lies farthest against the normal decides.
+    /// Tests the corner that is farthest against the normal.
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         let normal = self.shape.normal;
         let x = if normal.x > 0.0 { least[0] } else { greatest[0] };
@@ -78,29 +78,29 @@ impl Obstacle for Wall {
         self.contact([x, y]).is_some()
     }
 
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         self.is_near(least, greatest)
     }
 
-    fn reach(&self) -> f64 {
+    fn margin(&self) -> f64 {
         self.eps
     }
 
-    fn way_past(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
+    fn depenetration_distance(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
         let depth = -self.contact(point)?.distance;
         let along = Vector::new(dx, dy).dot(self.shape.normal);
         (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
     }
 
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
         act([self.shape.normal.x, self.shape.normal.y]);
     }
 }
 
-/// The part of a rectangle that the planes leave free, eps kept clear: a convex polygon, counter-clockwise.
+/// The part of a rectangle in front of all planes, less eps: a convex polygon, counter-clockwise.
 ///
 /// Each plane cuts the polygon that the earlier ones left (Sutherland and Hodgman, 1974).
-pub fn room<'a>(planes: impl Iterator<Item = &'a Plane>, least: [f64; 2], greatest: [f64; 2]) -> Vec<[f64; 2]> {
+pub fn free_region<'a>(planes: impl Iterator<Item = &'a Plane>, least: [f64; 2], greatest: [f64; 2]) -> Vec<[f64; 2]> {
     let mut polygon = vec![least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
     for plane in planes {
         let Some(normal) = plane.unit_normal() else { continue };

@@ -1,4 +1,4 @@
-//! Solid obstacles as shapes of parry2d.
+//! Bounded obstacles as shapes of parry2d.
 
 use super::{Contact, Corner, Obstacle, advance};
 use parry2d::{
@@ -14,23 +14,23 @@ pub struct Solid<S> {
     shape: S,
     pose: Pose,
     near: Aabb,
-    /// eps, or what is left of it where it is so small that round-off matters [m].
+    /// eps, at least a fraction of the size above round-off [m].
     eps: f64,
-    /// The surface: all points at `radius` from one of these.
+    /// Segments; the surface is all points at `radius` from them.
     rim: Vec<Segment>,
     radius: f64,
     corners: Vec<Corner>,
-    /// What is within eps of each part of the surface.
+    /// Bounding volume hierarchy of the segments, enlarged by eps.
     around: Bvh,
 }
 
-/// The least eps as a share of the size.
+/// Least eps as a fraction of the size.
 const LEAST: f64 = 1e-4;
-/// How far from the surface vertices are kept, as a share of eps.
-const SKIN: f64 = 1e-3;
+/// Contact offset as a fraction of eps.
+const OFFSET: f64 = 1e-3;
 
 impl<S: Shape> Solid<S> {
-    /// The shape moved to a point, with its reach [m].
+    /// The shape at a point, with its contact margin [m].
     pub fn new(shape: S, [x, y]: [f64; 2], eps: f64) -> Self {
         let pose = Pose::from_translation(Vector::new(x, y));
         let bounds = shape.compute_aabb(&pose);
@@ -39,29 +39,29 @@ impl<S: Shape> Solid<S> {
         Self { shape, pose, near, eps, rim: Vec::new(), radius: 0.0, corners: Vec::new(), around: Bvh::new() }
     }
 
-    /// The same with its surface, all points at a radius from one of the segments, and the middles of its corners.
+    /// Sets the surface, all points at a radius from one of the segments, and the centres of its corners.
     pub fn with_rim(mut self, rim: &[[[f64; 2]; 2]], radius: f64, corners: &[[f64; 2]]) -> Self {
         let point = |[x, y]: [f64; 2]| Vector::new(x, y);
         self.rim = rim.iter().map(|ends| Segment::new(point(ends[0]), point(ends[1]))).collect();
         self.radius = radius;
         let around = self.rim.iter().map(|side| side.local_aabb().loosened(radius + self.eps));
         self.around = Bvh::from_leaves(BvhBuildStrategy::Binned, &around.collect::<Vec<_>>());
-        let corner = |&middle: &[f64; 2]| Corner { middle, radius, reach: self.eps, skin: SKIN * self.eps };
+        let corner = |&middle: &[f64; 2]| Corner { middle, radius, margin: self.eps, offset: OFFSET * self.eps };
         self.corners = corners.iter().map(corner).collect();
         self
     }
 }
 
 impl<S: Shape> Solid<S> {
-    /// The nearest point of the surface, seen from a point, and the distance to it [m]; negative inside.
+    /// Vector to or from the nearest point of the surface, outwards, and the distance [m]; negative inside.
     fn nearest(&self, point: Vector) -> (Vector, f64) {
         let projection = PointQuery::project_point(&self.shape, &self.pose, point, false);
         let away = if projection.is_inside { projection.point - point } else { point - projection.point };
         (away, if projection.is_inside { -away.length() } else { away.length() })
     }
 
-    /// The direction in which the distance grows, by differences: for points so near to the surface that the way to it is
-    /// round-off.
+    /// Gradient direction of the distance by central differences, for points so near to the surface that the difference
+    /// vector is round-off.
     fn slope(&self, point: Vector) -> Option<Vector> {
         let step = 1e-5 * self.near.half_extents().length();
         let along = |axis: Vector| self.nearest(point + axis * step).1 - self.nearest(point - axis * step).1;
@@ -69,7 +69,8 @@ impl<S: Shape> Solid<S> {
     }
 }
 
-/// A direction along an axis is so exactly: what is not moved along the other axis is then not touched there.
+/// Sets components within round-off of zero to zero, so that a contact along one axis leaves the other coordinate
+/// unchanged.
 fn snapped(normal: Vector) -> Vector {
     const ROUND_OFF: f64 = 1e-9;
     let kept = |value: f64| if value.abs() < ROUND_OFF { 0.0 } else { value };
@@ -85,7 +86,7 @@ impl<S: Shape> Obstacle for Solid<S> {
         let size = self.near.half_extents().length();
         let (mut away, mut distance) = self.nearest(point);
         if away == Vector::ZERO && self.nearest(point + Vector::Y * (1e-6 * size)).1 < -1e-5 * size {
-            // In the very middle of a ball every way out is as short; beside it there is one.
+            // At the centre of a ball every direction is equally short; a point beside it has one.
             (away, distance) = self.nearest(point + Vector::Y * (1e-6 * size));
         }
         if distance >= self.eps {
@@ -100,46 +101,47 @@ impl<S: Shape> Obstacle for Solid<S> {
         self.near.intersects(&Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1])))
     }
 
-    /// What is away from the surface is clear of it if it lies outside.
-    fn may_reach(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
+    /// A box that is not near the surface is clear if one corner is outside.
+    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
         let [least, greatest] = [least, greatest].map(Vector::from);
         let bounds = Aabb::new(least, greatest);
         self.near.intersects(&bounds)
             && (self.around.intersect_aabb(&bounds).next().is_some() || self.nearest(least).1 < self.eps)
     }
 
-    fn reach(&self) -> f64 {
+    fn margin(&self) -> f64 {
         self.eps
     }
 
-    fn skin(&self) -> f64 {
-        SKIN * self.eps
+    fn offset(&self) -> f64 {
+        OFFSET * self.eps
     }
 
     fn cast(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        let (from, way) = (Vector::new(x, y), Vector::new(dx, dy));
-        // A step that blew up is for others to notice; geometry has no answer for it.
-        if !(from + way).is_finite() {
+        let (from, direction) = (Vector::new(x, y), Vector::new(dx, dy));
+        // Geometry has no result for a displacement that is not finite; the guard detects such steps.
+        if !(from + direction).is_finite() {
             return None;
         }
-        let path = Aabb::new(from.min(from + way), from.max(from + way)).loosened(self.radius + self.skin());
+        let path =
+            Aabb::new(from.min(from + direction), from.max(from + direction)).loosened(self.radius + self.offset());
         if !self.near.intersects(&path) {
             return None;
         }
         let sides = self.rim.iter().filter(|side| side.local_aabb().intersects(&path));
-        let touches = sides.filter_map(|side| advance::point(side, self.radius, self.skin(), from, way));
+        let touches = sides.filter_map(|side| advance::point(side, self.radius, self.offset(), from, direction));
         let first = touches.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
         let normal = snapped(first.1);
         Some((first.0, [normal.x, normal.y]))
     }
 
-    /// Out of it is the first touch from inside; from before it, the second.
-    fn way_past(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
-        let (point, way) = (Vector::new(x, y), Vector::new(dx, dy));
+    /// The first intersection of a ray from inside, the second from outside.
+    fn depenetration_distance(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
+        let (point, direction) = (Vector::new(x, y), Vector::new(dx, dy));
         let size = self.near.half_extents().length();
         let far = size + (point - self.near.center()).length();
         let next = |from: f64| {
-            let ray = Ray::new(point + way * from, way);
+            let ray = Ray::new(point + direction * from, direction);
             RayCast::cast_ray(&self.shape, &self.pose, &ray, far, false).map(|length| from + length)
         };
         let first = next(0.0)?;
@@ -147,8 +149,8 @@ impl<S: Shape> Obstacle for Solid<S> {
         Some(if is_inside { first } else { next(first + 1e-6 * size).unwrap_or(first) })
     }
 
-    /// Across its sides, if they are not too many; a round one has eight.
-    fn each_way(&self, act: &mut dyn FnMut([f64; 2])) {
+    /// Normals of its sides, at most 16 of them; eight directions for a round shape.
+    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
         const MOST: usize = 16;
         for side in self.rim.iter().step_by(self.rim.len().div_ceil(MOST).max(1)) {
             let across = -(side.b - side.a).perp();

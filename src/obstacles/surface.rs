@@ -1,23 +1,23 @@
 //! Surface properties: friction and restitution.
 
-/// What touching does to velocities: nothing but stopping them, unless effects say more.
+/// Restitution and friction of contacts; zero unless effects set them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// e: the share of the approach velocity that is given back, from 0 to 1.
+    /// e: coefficient of restitution, from 0 to 1.
     pub restitution: f64,
-    /// mu: the greatest tangential impulse as a share of the normal one.
+    /// mu: coefficient of Coulomb friction.
     pub friction: f64,
 }
 
 impl Surface {
-    /// The velocity after touching a surface with a unit normal: Newton's law of impact across it, `v'.n = -e v.n`, and
-    /// Coulomb's law along it, `|m dv_t| <= mu m dv_n`. Returns the share of the tangential velocity that is left, or `None`
-    /// if the vertex does not move inwards.
+    /// Velocity after an impact on a surface with a unit normal: Newton's law of impact along the normal, `v'.n = -e
+    /// v.n`, and Coulomb's law along the tangent, `|m dv_t| <= mu m dv_n`. Returns the fraction of the tangential
+    /// velocity that is left, or `None` if the vertex does not move inwards.
     ///
-    /// What is given back is measured by the velocity at the beginning of the step, if that is smaller: what forces added
-    /// within the step is not returned, so that what rests comes to rest, and no bounce gains energy.
+    /// Restitution applies to the velocity at the start of the step, if that is smaller: velocity that forces add
+    /// within the step is not returned. So resting contact stays at rest, and no impact adds energy.
     #[inline]
-    pub fn answer(self, [nx, ny]: [f64; 2], before: [f64; 2], v: &mut [f64; 2]) -> Option<f64> {
+    pub fn impact_response(self, [nx, ny]: [f64; 2], before: [f64; 2], v: &mut [f64; 2]) -> Option<f64> {
         let across = v[0] * nx + v[1] * ny;
         if across >= 0.0 || across.is_nan() {
             return None;

@@ -62,7 +62,7 @@ impl Sandbox {
                 document.level.substeps = substeps;
                 gesture = Some(Gesture::Substeps);
             }
-            Command::SetPaces(paces) => document.level.paces = paces,
+            Command::SetSubstepMode(paces) => document.level.paces = paces,
             Command::SetIntegrator(integrator) => {
                 gesture = Some(Gesture::Integrator(integrator.name()));
                 document.level.integrator = integrator;

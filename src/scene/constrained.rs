@@ -6,7 +6,8 @@ use crate::{
     meshes::Numbering,
 };
 
-/// The vertices that the rules pin, ascending, judged on flat rest positions. Of vertices equally near the one listed first is pinned.
+/// Pinned vertices, ascending, from flat rest positions. Of vertices equally near a point, the one listed first is
+/// pinned.
 pub(super) fn pinned(pins: &[Pin], rest: &[f64], numbering: &Numbering) -> Result<Vec<u32>, String> {
     let count = rest.len() / 2;
     let on_edge = |axis: usize, greatest: bool| on_edge(rest, axis, greatest);
@@ -32,7 +33,7 @@ pub(super) fn pinned(pins: &[Pin], rest: &[f64], numbering: &Numbering) -> Resul
     Ok(pinned)
 }
 
-/// The vertices on a side, and the coordinate that holds them there.
+/// The vertices on rollers along a side, and their fixed coordinate.
 pub(super) fn sliding(side: Side, rest: &[f64]) -> impl Iterator<Item = (u32, usize)> {
     let (axis, greatest) = side.across();
     on_edge(rest, axis, greatest).map(move |vertex| (vertex, axis))

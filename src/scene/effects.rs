@@ -1,5 +1,4 @@
-//! The effects of a scene, what it tells those that constrain, and whether they fit together: there are constraints for those
-//! that need one, and nothing is listed twice that can count but once.
+//! Effects of a scene: building, outward normals, and checks of their combination.
 
 use super::{Scene, SceneError};
 use crate::{
@@ -25,7 +24,7 @@ impl Scene {
         let mut touching = Touching::default();
         for listed in &level.effects {
             let name = listed.effect.name();
-            // Built even when it is off, so that a level with a mistake in it is never half accepted.
+            // An effect that is off is built too, so that its errors are found.
             let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
             touching.add(effect.as_ref());
             if listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide) {
@@ -37,8 +36,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Writes a vector outwards from the body at each vertex of a boundary, as long as the edges beside it: zero inside bodies,
-    /// and not a number for the particles of nets, which have no inside.
+    /// Writes an outward vector at each boundary vertex, the sum of the normals of its two edges with the lengths of
+    /// the edges: zero inside bodies, and NaN for the particles of nets, which have no inside.
     pub fn outward(&self, x: &[f64], outward: &mut Vec<f64>) {
         outward.clear();
         outward.resize(2 * self.bodies.last().map_or(0, |body| body.vertices.end), 0.0);
@@ -53,10 +52,10 @@ impl Scene {
     }
 }
 
-/// What a person should know of effects that are listed more than once or without effect, switched on or not. Places count from 1.
+/// Messages about effects that are listed more than once or have no effect, on or off. Places count from 1.
 ///
 /// # Errors
-/// If only one of them can count.
+/// If only one of several equal effects can act.
 fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
     let mut messages = Vec::new();
     for (number, EffectLevel { effect, .. }) in listed.iter().enumerate() {
@@ -84,27 +83,27 @@ fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
     Ok(messages)
 }
 
-/// Which effects of a level say what touching does, and whether there is anything to touch.
+/// Surface effects of a level, and whether it has constraints.
 #[derive(Default)]
 struct Touching {
-    coatings: Vec<&'static str>,
+    surface_effects: Vec<&'static str>,
     constraints: bool,
 }
 
 impl Touching {
-    /// Looks at an effect, whether it is switched on or not.
+    /// Adds an effect, on or off.
     fn add(&mut self, effect: &dyn Effect) {
         let mut surface = Surface::default();
         effect.set_surface(&mut surface);
         if surface != Surface::default() {
-            self.coatings.push(effect.name());
+            self.surface_effects.push(effect.name());
         }
         self.constraints |= effect.constrains();
     }
 
-    /// What a person should know.
+    /// Messages for the user.
     fn messages(self) -> impl Iterator<Item = String> {
-        let idle = if self.constraints { Vec::new() } else { self.coatings };
+        let idle = if self.constraints { Vec::new() } else { self.surface_effects };
         idle.into_iter().map(|name| format!("{name} needs walls or a domain boundary: without them nothing touches"))
     }
 }

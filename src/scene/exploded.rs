@@ -2,18 +2,18 @@
 
 use super::Scene;
 
-/// A body or net that stores more than so many times its energy at a strain of one has exploded.
-const FAR: f64 = 100.0;
+/// A body or net with more than this multiple of its energy at a strain of one has exploded.
+const EXPLODED: f64 = 100.0;
 
-/// With many triangles inside out, so many times is enough.
-const INVERTED: f64 = 10.0;
+/// The multiple with many inverted triangles.
+const EXPLODED_INVERTED: f64 = 10.0;
 
-/// One triangle of so many inside out is many.
+/// More than one inverted triangle in this many counts as many.
 const MANY: usize = 20;
 
 impl Scene {
-    /// Whether a body, or after the bodies a net, that stores this elastic energy [J] and has so many triangles inside out has
-    /// exploded. A body that fills its world as a tangle counts too.
+    /// Whether a body, or after the bodies a net, with this elastic energy [J] and number of inverted triangles has
+    /// exploded. A tangled body that fills the domain counts too.
     ///
     /// The energy is measured by `(2 mu + lambda) A` for a body of rest area A, and by the sum of k L² for a net.
     pub fn has_exploded(&self, number: usize, energy: f64, inverted: usize) -> bool {
@@ -26,7 +26,7 @@ impl Scene {
         } else {
             return false;
         };
-        let times = if inverted * MANY > triangles { INVERTED } else { FAR };
+        let times = if inverted * MANY > triangles { EXPLODED_INVERTED } else { EXPLODED };
         scale > 0.0 && (energy > times * scale || energy.is_nan())
     }
 

@@ -1,13 +1,13 @@
-//! A level made ready for stepping: topology, rest shapes, masses and the list of effects. A scene does not change while
-//! time runs; changing a level builds a new one, which takes over the meshes that stay the same.
+//! Scene: topology, rest shapes, masses and effects of a level, built for stepping. A scene does not change while time
+//! runs; a changed level builds a new one, which reuses unchanged meshes.
 
 mod constrained;
+mod depenetration;
 mod effects;
-mod exits;
 mod exploded;
 mod names;
 mod net;
-mod order;
+mod renumbering;
 mod start;
 mod sub_scene;
 mod warnings;
@@ -22,21 +22,21 @@ use crate::{
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Toggle},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
-    obstacles::Exit,
+    obstacles::Depenetration,
     quantity::Point,
     state::State,
     toys::ToyKind,
 };
 use std::{ops::Range, sync::Arc};
 
-/// The constant side of a simulation.
+/// The constant part of a simulation.
 #[derive(Clone)]
 pub struct Scene {
     /// The bodies, in the order of the level.
     pub bodies: Vec<Body>,
     /// The nets, in the order of the level; their particles come after the bodies' vertices.
     pub nets: Vec<Net>,
-    /// The system that takes the place of bodies and nets, if the level is about one: its state is `x`, and there is no `v`.
+    /// The toy problem in place of bodies and nets, if any: its state is `x`, and `v` is empty.
     pub toy: Option<ToyKind>,
     /// Positions at rest, two numbers a vertex [m].
     pub rest: Vec<f64>,
@@ -44,33 +44,33 @@ pub struct Scene {
     pub start: State,
     /// Mass [kg], two equal numbers a vertex.
     pub mass: Vec<f64>,
-    /// 1/mass [1/kg], two numbers a vertex; zero where pinned, and across a side on which a vertex slides.
+    /// 1/mass [1/kg], two numbers a vertex; zero for pinned vertices, and for the fixed coordinate of rollers.
     pub inverse_mass: Vec<f64>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
-    /// Vertices that slide along a side of their body, and the coordinate that is held (0 is x, 1 is y).
-    pub slides: Arc<Vec<(u32, usize)>>,
+    /// Vertices on rollers along a side of their body, and the fixed coordinate (0 is x, 1 is y).
+    pub rollers: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Edges of all boundaries, with the body on their left.
     pub boundary: Arc<Vec<[u32; 2]>>,
-    /// How fast bodies and then nets leave walls that they begin inside of.
-    pub exits: Vec<Exit>,
-    /// Everything that acts, elasticity first.
+    /// Depenetration parameters of bodies and then nets.
+    pub depenetrations: Vec<Depenetration>,
+    /// All effects, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
-    /// Which of them may be passed over where they could change nothing.
+    /// Which effects may be skipped where they change nothing.
     pub auto: Vec<bool>,
     /// The time-stepping scheme.
     pub integrator: IntegratorKind,
     /// Length of a step [s].
     pub step: f64,
-    /// Whether an unstable step is taken again in shorter ones.
+    /// Whether an unstable step is repeated in shorter ones.
     pub guard: bool,
-    /// Whether what has come to rest sleeps until something happens to it.
+    /// Whether bodies and nets at rest sleep until something acts on them.
     pub sleep: bool,
-    /// Each body and then each net by itself, where each may go at its own pace; nothing elsewhere.
-    pub alone: Vec<Arc<SubScene>>,
-    /// What was repaired while building, and other things worth knowing.
+    /// Sub-scenes of each body and then each net, with multirate stepping; empty otherwise.
+    pub sub_scenes: Vec<Arc<SubScene>>,
+    /// Repairs while building, and other notes for the user.
     pub messages: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ pub struct Scene {
 pub struct Body {
     /// Name from the level.
     pub name: String,
-    /// The recipe of the mesh.
+    /// Parameters of the mesh.
     recipe: MeshKind,
     /// The mesh, in its own coordinates.
     pub mesh: Arc<Mesh>,
@@ -95,35 +95,35 @@ pub struct Body {
     pub rest_height: f64,
 }
 
-/// Whose vertex it is.
+/// Owner of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
-    /// A body's, by number.
+    /// A body, by number.
     Body(usize),
-    /// A net's, by number.
+    /// A net, by number.
     Net(usize),
 }
 
 /// A level that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// A level needs something to move.
+    /// The level has no bodies, nets or toy.
     #[error("a level needs at least one body or net, or a toy")]
     Nothing,
-    /// A toy beside other things.
+    /// A toy together with bodies, nets or effects.
     #[error("a level with a toy problem has nothing else: remove its bodies, nets and effects, or the toy")]
     ToyWithOthers,
-    /// A toy has no positions and velocities that could be treated differently.
+    /// The integrator needs positions and velocities, which a toy lacks.
     #[error(
         "{integrator} needs positions and velocities, but a toy problem is a system of first order; choose another integrator, such as {instead}"
     )]
     ToyIntegrator {
         /// The integrator of the level.
         integrator: &'static str,
-        /// One that would do.
+        /// A suitable one.
         instead: &'static str,
     },
-    /// A body's mesh, pins or place.
+    /// An error in a body's mesh, pins or place.
     #[error("body {name:?}: {why}")]
     Body {
         /// Name of the body.
@@ -131,7 +131,7 @@ pub enum SceneError {
         /// What is wrong, and what to do.
         why: String,
     },
-    /// A net's particles, springs or pins.
+    /// An error in a net's particles, springs or pins.
     #[error("net {name:?}: {why}")]
     Net {
         /// Name of the net.
@@ -139,7 +139,7 @@ pub enum SceneError {
         /// What is wrong, and what to do.
         why: String,
     },
-    /// An effect's parameters.
+    /// An error in an effect's parameters.
     #[error("effect {name}: {why}")]
     Effect {
         /// Name of the effect.
@@ -162,14 +162,14 @@ pub enum SceneError {
 }
 
 impl Body {
-    /// The recipe of its mesh.
+    /// Parameters of its mesh.
     pub const fn recipe(&self) -> &MeshKind {
         &self.recipe
     }
 }
 
 impl Scene {
-    /// Builds a level for one of its modes. Meshes are taken over from `previous` where their recipe is the same.
+    /// Builds a level for one of its modes. Meshes of `previous` are reused where their parameters are the same.
     ///
     /// # Errors
     /// [`SceneError`] names the body or effect and what is wrong.
@@ -184,17 +184,17 @@ impl Scene {
             mass: Vec::new(),
             inverse_mass: Vec::new(),
             pins: Arc::default(),
-            slides: Arc::default(),
+            rollers: Arc::default(),
             triangles: Arc::default(),
             boundary: Arc::default(),
-            exits: Vec::new(),
+            depenetrations: Vec::new(),
             effects: Vec::new(),
             auto: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
             guard: level.guard == Toggle::On,
             sleep: level.sleep == Toggle::On,
-            alone: Vec::new(),
+            sub_scenes: Vec::new(),
             messages: Vec::new(),
         };
         for body in &level.bodies {
@@ -207,14 +207,14 @@ impl Scene {
             scene.start.x.extend(toy.kind().exact(0.0));
         }
         scene.finish_masses();
-        scene.exits = scene.exits();
+        scene.depenetrations = scene.depenetrations();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
-        scene.part(level, mode, files, previous)?;
+        scene.build_sub_scenes(level, mode, files, previous)?;
         Ok(scene)
     }
 
-    /// The state a level was saved in, if it was; the start otherwise.
+    /// The saved state of a level, or the start.
     ///
     /// # Errors
     /// [`SceneError::State`] if it belongs to other meshes.
@@ -235,22 +235,22 @@ impl Scene {
             v,
             time: saved.time.get(),
             steps: saved.steps,
-            calm: saved.calm.clone(),
+            slow_checks: saved.calm.clone(),
             memory: saved.memory.iter().map(|number| number.get()).collect(),
         })
     }
 
-    /// A moment of this scene, as the effects see it.
+    /// A state of this scene for effects.
     pub fn motion<'a>(&'a self, state: &'a State, grab: Option<crate::effects::Grab>) -> Motion<'a> {
         Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
     }
 
-    /// How many numbers of scratch are enough for each of the effects.
+    /// Size of the scratch that is enough for every effect.
     pub fn scratch(&self) -> usize {
         self.effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0)
     }
 
-    /// How many of the effects, from the first, are elements: what they store is elastic energy.
+    /// Number of effects, from the first, that are elements: their energy is elastic.
     pub fn element_count(&self) -> usize {
         self.bodies.len() + self.nets.len()
     }
@@ -262,7 +262,7 @@ impl Scene {
             Arc::clone(&body.mesh)
         } else {
             let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            Arc::new(order::mesh(mesh))
+            Arc::new(renumbering::mesh(mesh))
         };
         let numbering = mesh.numbering();
         let first = self.rest.len() / 2;
@@ -286,14 +286,14 @@ impl Scene {
         }
         let masses = lumped(level.mass, &elements);
         let pins = pinned(&level.pins, rest, numbering)?;
-        let slides: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
+        let rollers: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
         let mut start = stretched(level, rest);
-        start::reshape(level.start, (&pins, &slides), numbering, &mut start);
+        start::reshape(level.start, (&pins, &rollers), numbering, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
-        Arc::make_mut(&mut self.slides).extend(slides.iter().map(|(slide, axis)| (slide + first as u32, *axis)));
+        Arc::make_mut(&mut self.rollers).extend(rollers.iter().map(|(slide, axis)| (slide + first as u32, *axis)));
         let (least, greatest) = extent(rest, 1);
         let top = on_edge(rest, 1, true).map(|i| i + first as u32).collect();
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
@@ -307,7 +307,7 @@ impl Scene {
     fn finish_masses(&mut self) {
         self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
         let pinned = self.pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
-        for (vertex, axis) in pinned.chain(self.slides.iter().copied()) {
+        for (vertex, axis) in pinned.chain(self.rollers.iter().copied()) {
             let number = 2 * vertex as usize + axis;
             self.inverse_mass[number] = 0.0;
             self.start.v[number] = 0.0;
@@ -315,7 +315,7 @@ impl Scene {
     }
 }
 
-/// Bodies and nets, or a toy with an integrator that can advance it.
+/// Checks that a level has bodies and nets, or a toy with a suitable integrator.
 fn check_kind(level: &Level) -> Result<(), SceneError> {
     let still = level.bodies.is_empty() && level.nets.is_empty();
     if level.toy.is_none() {
@@ -327,7 +327,7 @@ fn check_kind(level: &Level) -> Result<(), SceneError> {
     check_toy_integrator(&level.integrator)
 }
 
-/// A toy has no velocities for a scheme that needs them.
+/// Checks that an integrator suits a toy, which has no velocities.
 ///
 /// # Errors
 /// [`SceneError::ToyIntegrator`], which names one that serves.
@@ -396,7 +396,7 @@ pub fn nearest_vertex(x: &[f64], point: [f64; 2]) -> Option<usize> {
     nearest(0..x.len() / 2, x, point)
 }
 
-/// The one of these vertices that is nearest to a point, by flat positions; the first of equals.
+/// The vertex of these that is nearest to a point, by flat positions; the first of equals.
 fn nearest(vertices: impl Iterator<Item = usize>, x: &[f64], [px, py]: [f64; 2]) -> Option<usize> {
     let square = |vertex: usize| {
         let (dx, dy) = (x[2 * vertex] - px, x[2 * vertex + 1] - py);

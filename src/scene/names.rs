@@ -1,4 +1,4 @@
-//! The numbers that vertices have in a level, which are not always those in the scene: see [`Numbering`].
+//! Vertex numbers of the level, which may differ from those in the scene; see [`Numbering`].
 
 use super::{Owner, Scene};
 use crate::{meshes::Numbering, state::State};
@@ -33,7 +33,8 @@ impl Scene {
         self.rearranged(values, |[vertex, name]| [name, vertex]).into_owned()
     }
 
-    /// A state with its vertices as the level lists them, for saving. What a scheme remembers is for nobody else and stays.
+    /// A state with its vertices as the level lists them, for saving. The memory of the integrator keeps the order of
+    /// the scene.
     pub fn listed_state<'a>(&self, state: &'a State) -> Cow<'a, State> {
         match (self.listed(&state.x), self.listed(&state.v)) {
             (Cow::Owned(x), Cow::Owned(v)) => Cow::Owned(State { x, v, ..state.clone() }),
@@ -49,7 +50,7 @@ impl Scene {
         bodies.chain(nets.map(|(number, net)| (Owner::Net(number), net.vertices.clone(), &net.numbering)))
     }
 
-    /// Puts what is at the first of two numbers to the second, both made from a vertex and its name.
+    /// Moves values from the first of two numbers to the second, both computed from a vertex and its name.
     fn rearranged<'a>(&self, values: &'a [f64], way: impl Fn([usize; 2]) -> [usize; 2]) -> Cow<'a, [f64]> {
         let mut values = Cow::Borrowed(values);
         for (_, vertices, numbering) in self.owners().filter(|(_, _, numbering)| !numbering.is_as_listed()) {

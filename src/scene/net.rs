@@ -1,6 +1,6 @@
 //! Builds the nets of a scene.
 
-use super::{Scene, order, pinned};
+use super::{Scene, pinned, renumbering};
 use crate::{elements::Springs, level::NetLevel, meshes::Numbering};
 use std::{ops::Range, sync::Arc};
 
@@ -13,13 +13,13 @@ pub struct Net {
     pub vertices: Range<usize>,
     /// Its elements.
     pub springs: Arc<Springs>,
-    /// What its particles and springs are called in the level.
+    /// Names of its particles and springs in the level.
     pub numbering: Numbering,
 }
 
 impl Scene {
     pub(super) fn add_net(&mut self, level: &NetLevel) -> Result<(), String> {
-        let net = order::net(level.net.kind().build().map_err(|error| error.to_string())?);
+        let net = renumbering::net(level.net.kind().build().map_err(|error| error.to_string())?);
         let first = self.rest.len() / 2;
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();

@@ -3,16 +3,16 @@
 use super::extent;
 use crate::{level::StartShape, meshes::Numbering, random};
 
-/// Puts the free vertices of a body, flat [m], where its start shape says. Random numbers are drawn in the order in which they are listed.
+/// Applies the start shape to the free vertices of a body, flat [m]. Random numbers are drawn in the order of the list.
 pub(super) fn reshape(
     shape: StartShape,
-    (pins, slides): (&[u32], &[(u32, usize)]),
+    (pins, rollers): (&[u32], &[(u32, usize)]),
     numbering: &Numbering,
     x: &mut [f64],
 ) {
-    let held: Vec<(usize, f64)> = {
+    let constrained: Vec<(usize, f64)> = {
         let pinned = pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
-        let numbers = pinned.chain(slides.iter().copied()).map(|(vertex, axis)| 2 * vertex as usize + axis);
+        let numbers = pinned.chain(rollers.iter().copied()).map(|(vertex, axis)| 2 * vertex as usize + axis);
         numbers.map(|number| (number, x[number])).collect()
     };
     let bounds = [extent(x, 0), extent(x, 1)];
@@ -34,12 +34,12 @@ pub(super) fn reshape(
             map(x, numbering, middle, [1.0, -1.0], (seed, noise.get() * size(half)));
         }
     }
-    for (number, value) in held {
+    for (number, value) in constrained {
         x[number] = value;
     }
 }
 
-/// So many vertices, as they are listed.
+/// Vertices in the order of the list.
 fn listed(numbering: &Numbering, count: usize) -> impl Iterator<Item = usize> {
     (0..count as u32).map(|name| numbering.vertex(name) as usize)
 }
@@ -49,8 +49,8 @@ fn size([width, height]: [f64; 2]) -> f64 {
     2.0 * width.max(height)
 }
 
-/// Multiplies what lies along a direction of the seed and what lies across it, both seen from the middle; then adds noise of up
-/// to so many metres along each axis.
+/// Scales positions along a random direction and across it about the centre; then adds noise up to a length [m] along
+/// each axis.
 fn map(x: &mut [f64], numbering: &Numbering, middle: [f64; 2], factors: [f64; 2], (seed, noise): (u32, f64)) {
     let mut random = random::stream(seed);
     let angle = std::f64::consts::PI * random.next().unwrap_or(0.0);

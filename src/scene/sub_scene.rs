@@ -1,10 +1,10 @@
-//! Sub-scenes: each body and net of a scene by itself.
+//! Sub-scenes: scenes of single bodies and nets.
 
 use super::{Scene, SceneError};
 use crate::{
     elements::Elements,
     integrators::Class,
-    level::{EffectLevel, Level, Paces, RunMode, When},
+    level::{EffectLevel, Level, RunMode, SubstepMode, When},
     meshes::Files,
 };
 use std::{
@@ -12,37 +12,37 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-/// A body or net by itself, with everything that acts on it.
+/// A scene with one body or net and the effects that act on it.
 pub struct SubScene {
-    /// What it was built from.
+    /// Level that it was built from.
     level: Level,
-    /// The scene in which there is nothing else.
+    /// The scene of this body or net alone.
     pub scene: Scene,
     /// Its vertices in the whole scene.
     pub vertices: Range<usize>,
     /// The number of each of its effects in the whole scene.
     pub effects: Vec<usize>,
-    /// Its longest stable step at rest, once somebody has asked.
+    /// Its critical step at rest, computed on first use.
     limit: OnceLock<Option<f64>>,
 }
 
 impl SubScene {
-    /// Its longest stable step at rest [s], if anything in it is stiff; found by `measure` where nobody has asked before.
+    /// Its critical step at rest [s], if it has stiffness; computed by `measure` on first use.
     pub fn limit(&self, measure: impl FnOnce(&Scene) -> Option<f64>) -> Option<f64> {
         *self.limit.get_or_init(|| measure(&self.scene))
     }
 }
 
 impl Scene {
-    /// Builds bodies and nets by themselves where a level lets each go at its own pace. What has not changed is taken over.
-    pub(super) fn part(
+    /// Builds the sub-scenes for multirate stepping. Unchanged ones of `previous` are reused.
+    pub(super) fn build_sub_scenes(
         &mut self,
         level: &Level,
         mode: RunMode,
         files: &dyn Files,
         previous: Option<&Self>,
     ) -> Result<(), SceneError> {
-        if level.paces == Paces::Same || self.integrator.kind().class() != Class::Explicit {
+        if level.paces == SubstepMode::Same || self.integrator.kind().class() != Class::Explicit {
             return Ok(());
         }
         let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {
@@ -55,25 +55,25 @@ impl Scene {
         });
         let there =
             |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
-        let mut alone = Vec::new();
+        let mut sub_scenes = Vec::new();
         for (number, (own, vertices, elements)) in bodies.chain(nets).enumerate() {
-            // What has nothing to act on in it, as the compression guard in a net, is left out.
+            // Effects that cannot act on it, as the compression guard on a net, are omitted.
             let acting = level.effects.iter().filter(there).zip(self.element_count()..);
             let acting = acting.filter(|(listed, _)| listed.effect.kind().build(&elements).is_ok());
             let (listed, numbers): (Vec<_>, Vec<_>) = acting.map(|(listed, number)| (listed.clone(), number)).unzip();
             let effects = std::iter::once(number).chain(numbers).collect::<Vec<_>>();
             let own = Level { mode, effects: listed, ..own };
-            let known = previous.and_then(|scene| scene.alone.get(number));
+            let known = previous.and_then(|scene| scene.sub_scenes.get(number));
             let same =
                 |known: &&Arc<SubScene>| (&known.level, &known.vertices, &known.effects) == (&own, &vertices, &effects);
             if let Some(known) = known.filter(same) {
-                alone.push(Arc::clone(known));
+                sub_scenes.push(Arc::clone(known));
                 continue;
             }
             let scene = Self::build(&own, mode, files, Some(self))?;
-            alone.push(Arc::new(SubScene { level: own, scene, vertices, effects, limit: OnceLock::new() }));
+            sub_scenes.push(Arc::new(SubScene { level: own, scene, vertices, effects, limit: OnceLock::new() }));
         }
-        self.alone = alone;
+        self.sub_scenes = sub_scenes;
         Ok(())
     }
 }

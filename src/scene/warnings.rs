@@ -4,9 +4,9 @@ use super::Scene;
 use crate::state::State;
 
 impl Scene {
-    /// How many vertices are deep inside walls or beyond edges of the world in a state.
+    /// Number of vertices deep inside walls or outside the domain in a state.
     pub fn count_inside(&self, state: &State) -> usize {
-        self.effects.iter().map(|effect| effect.count_inside(&state.x, state.time, &self.exits)).sum()
+        self.effects.iter().map(|effect| effect.count_inside(&state.x, state.time, &self.depenetrations)).sum()
     }
 
     /// Warnings about a scene that begins in a state, one sentence each: [`Scene::messages`], and how many vertices begin inside a wall.

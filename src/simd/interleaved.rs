@@ -3,9 +3,8 @@
 use super::{Mat2, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number, or lanes, of one formula and of another of the same kind: each operation is done for both before the next is. While a result
-/// of one is waited for the processor has the other's at hand, and need not look as far ahead for work as where one formula follows the
-/// other.
+/// Values of two evaluations of one formula: each operation is done for both before the next. The second evaluation
+/// fills the latency of the first, within a smaller reordering window than two evaluations in sequence need.
 #[derive(Clone, Copy, Debug)]
 pub struct Interleaved<R>(pub R, pub R);
 
@@ -17,7 +16,7 @@ impl<R: Real> Neg for Interleaved<R> {
     }
 }
 
-/// An operator between the numbers of both, and between them and a constant.
+/// An operator between both values, and between them and a constant.
 macro_rules! operator {
     ($Trait:ident, $function:ident) => {
         impl<R: Real> $Trait for Interleaved<R> {
@@ -61,7 +60,7 @@ impl<R: Real> Real for Interleaved<R> {
 
     #[inline(always)]
     fn all_less(self, than: Self) -> bool {
-        // Both, without a jump between them.
+        // Both, without a branch between them.
         self.0.all_less(than.0) & self.1.all_less(than.1)
     }
 
@@ -84,7 +83,7 @@ impl<R: Real> Mat2<Interleaved<R>> {
         }
     }
 
-    /// The two of them.
+    /// The two values.
     #[inline(always)]
     pub const fn both(self) -> [Mat2<R>; 2] {
         let Self { m11, m12, m21, m22 } = self;

@@ -16,7 +16,7 @@ const L: [f64; 7] = [
     f64::from_bits(0x3fc2_f112_df3e_5244),
 ];
 
-/// What the second number of [`split`] is too large by: 2^52, and the bias of exponents.
+/// Bias of the second number of [`split`]: 2^52, and the bias of exponents.
 pub const BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
 /// From the bits of a positive normal number m 2^k, m from sqrt(1/2) to sqrt(2): the bits of m, and of k + [`BIAS`].

@@ -1,8 +1,8 @@
-//! Formulas for one number or for several at once. What is written over [`Real`] runs with `f64` and, unchanged, with
-//! [`Wide`]: one number in each lane of a vector register, as wide as the processor has them.
+//! SIMD vectors: formulas over [`Real`] are evaluated with `f64` and, unchanged, with [`Wide`], one number in each lane
+//! of a vector register of any width.
 //!
-//! Only operations that IEEE 754 rounds in one way are used (`+ - * /` and the square root, no contraction), so every lane
-//! holds the bits that `f64` would, and a run is the same on every processor.
+//! Only operations with a unique IEEE 754 rounding are used (`+ - * /` and the square root, no contraction), so that
+//! every lane has the bits of `f64`, and a run is the same on every processor.
 
 mod interleaved;
 mod lines;
@@ -12,7 +12,7 @@ mod sets;
 mod wide;
 
 pub use interleaved::Interleaved;
-pub use lines::{Lined, NEAR, Near, SPARE, lined, vector};
+pub use lines::{INDEXED16, Indexed16, Lined, SPARE, lined, vector};
 pub use mat2::Mat2;
 pub use sets::{sets, width};
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
@@ -43,7 +43,7 @@ pub trait Real:
     #[must_use]
     fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self;
 
-    /// Whether it is less in every lane: then there is no need to compute what other lanes would take.
+    /// Whether it is less in every lane, so that the other case need not be computed.
     #[must_use]
     fn all_less(self, than: Self) -> bool;
 
@@ -57,7 +57,7 @@ pub trait Real:
         logarithm::log(self)
     }
 
-    /// The same for positive normal numbers, in less time; anything for others.
+    /// The same for positive normal numbers, in less time; undefined for others.
     #[inline(always)]
     #[must_use]
     fn logarithm_of_normal(self) -> Self {
@@ -65,7 +65,8 @@ pub trait Real:
     }
 }
 
-/// `c0 + c1 x + c2 x² + ...`, every fourth power by itself: the four do not wait for each other.
+/// `c0 + c1 x + c2 x² + ...` by a fourth-order Horner scheme: every fourth power forms a separate polynomial, so that the four
+/// are independent.
 #[inline(always)]
 pub fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
     const { assert!(N >= 4) };
@@ -85,7 +86,7 @@ pub fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
 fn every_fourth<R: Real>(y: R, coefficients: &[f64]) -> R {
     let mut number = (coefficients.len() - 1) / 4 * 4;
     let mut sum = y.of(coefficients[number]);
-    // `fold` would be a call, in which registers are not used in their full width.
+    // `fold` might not be inlined and lose the instruction set.
     while number > 0 {
         number -= 4;
         sum = sum * y + coefficients[number];

@@ -2,7 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Those of this processor, the narrowest first and the best, [`Arch::new`], last. All come to the same bits.
+/// Instruction sets of this processor, the narrowest first and the best, [`Arch::new`], last. All give the same bits.
 pub fn sets() -> Vec<Arch> {
     let mut sets = vec![Arch::Scalar];
     #[cfg(target_arch = "x86_64")]
@@ -17,7 +17,7 @@ pub fn sets() -> Vec<Arch> {
     sets
 }
 
-/// How many lanes a vector register has.
+/// Number of lanes of a vector register.
 pub fn width(set: Arch) -> usize {
     struct Count;
     impl WithSimd for Count {

@@ -4,10 +4,10 @@ use super::{Real, logarithm};
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How many numbers are kept side by side in memory: the most that any vector register holds.
+/// Numbers in a block in memory: the most that any vector register holds.
 pub const LANES: usize = 8;
 
-/// Numbers side by side.
+/// A block of numbers.
 pub type Lanes = [f64; LANES];
 
 /// Four numbers each of eight elements, in their order.
@@ -16,7 +16,7 @@ pub type Quads = [[f64; 4]; LANES];
 /// A vector each of eight elements: in their order, or where [`Wide::store_pairs`] writes it at their [`Order::place`].
 pub type Pairs = [[f64; 2]; LANES];
 
-/// As many numbers as a vector register of the instruction set `S` holds: a divisor of [`LANES`].
+/// A vector register of the instruction set `S`; its size is a divisor of [`LANES`].
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<S: Simd> {
     set: S,
@@ -24,30 +24,30 @@ pub struct Wide<S: Simd> {
 }
 
 impl<S: Simd> Wide<S> {
-    /// How many registers [`LANES`] numbers fill.
+    /// Number of registers for [`LANES`] numbers.
     pub const PARTS: usize = LANES / S::F64_LANES;
 
-    /// The numbers of one part.
+    /// Loads one register of a block.
     #[inline(always)]
     pub fn load(set: S, from: &Lanes, part: usize) -> Self {
         Self { set, values: S::as_simd_f64s(from).0[part] }
     }
 
-    /// Writes the numbers to one part.
+    /// Stores one register of a block.
     #[inline(always)]
     pub fn store(self, to: &mut Lanes, part: usize) {
         S::as_mut_simd_f64s(to).0[part] = self.values;
     }
 
-    /// The first, second, third and fourth numbers of one part; lanes are in [`Order::lane`].
+    /// Loads the first, second, third and fourth numbers of one register of elements; lanes are in [`Order::lane`].
     #[inline(always)]
     pub fn load_quads(set: S, from: &Quads, part: usize) -> [Self; 4] {
-        // No `map`: it may stay a call, in which registers are not used in their full width.
+        // No `map`: if it is not inlined, it loses the instruction set.
         let [a, b, c, d] = set.deinterleave_shfl_f64s(S::as_simd_f64s(from.as_flattened()).0.as_chunks().0[part]);
         [Self { set, values: a }, Self { set, values: b }, Self { set, values: c }, Self { set, values: d }]
     }
 
-    /// Writes the first, second, third and fourth numbers of one part: each element's at its [`Order::quad`].
+    /// Stores the first, second, third and fourth numbers of one register: each element's at its [`Order::quad`].
     #[inline(always)]
     pub fn store_quads(numbers: [Self; 4], to: &mut Quads, part: usize) {
         let [a, b, c, d] = numbers;
@@ -55,14 +55,14 @@ impl<S: Simd> Wide<S> {
         S::as_mut_simd_f64s(to.as_flattened_mut()).0.as_chunks_mut().0[part] = quads;
     }
 
-    /// The x and y of one part; lanes are in the [`Order::lane`] of pairs.
+    /// Loads the x and y of one register of elements; lanes are in the [`Order::lane`] of pairs.
     #[inline(always)]
     pub fn load_pairs(set: S, from: &Pairs, part: usize) -> [Self; 2] {
         let [x, y] = set.deinterleave_shfl_f64s(S::as_simd_f64s(from.as_flattened()).0.as_chunks().0[part]);
         [Self { set, values: x }, Self { set, values: y }]
     }
 
-    /// Writes vectors of these x and y to one part.
+    /// Stores vectors of these x and y.
     #[inline(always)]
     pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
         let pairs = x.set.interleave_shfl_f64s([x.values, y.values]);
@@ -149,16 +149,16 @@ fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(values))
 }
 
-/// Where eight elements are: whichever order an instruction set takes numbers apart and puts them together in.
+/// Order of eight elements in registers, which depends on the shuffles of the instruction set.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
     /// The instruction set.
     pub set: Arch,
-    /// The lane of each element, once it has been read.
+    /// Lane of each element after a load.
     pub lane: [usize; LANES],
-    /// Where [`Wide::store_pairs`] then writes its vector.
+    /// Place to which [`Wide::store_pairs`] writes its vector.
     pub place: [usize; LANES],
-    /// Where [`Wide::store_quads`] then writes its numbers.
+    /// Place to which [`Wide::store_quads`] writes its numbers.
     pub quad: [usize; LANES],
 }
 
@@ -173,7 +173,7 @@ impl Order {
         Self::found(set, true)
     }
 
-    /// The order, found by trying.
+    /// Determines the order by a trial.
     fn found(set: Arch, of_pairs: bool) -> Self {
         struct Try {
             of_pairs: bool,

@@ -1,4 +1,4 @@
-//! Checkpoints that a refused step is taken again from.
+//! Checkpoints, from which a rejected step is replayed.
 
 use super::Simulation;
 use crate::{
@@ -7,26 +7,26 @@ use crate::{
     state::State,
 };
 
-/// A moment to go back to.
+/// A checkpoint.
 #[derive(Clone, Default)]
 pub(super) struct Checkpoint {
     pub state: State,
-    /// What had been counted and booked then.
+    /// Counts and costs at that moment.
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
-    /// What the guard knew.
+    /// The guard at that moment.
     pub guard: Guard,
 }
 
 impl Checkpoint {
-    /// One of an earlier part of the run, of which nothing was counted here.
+    /// Makes a checkpoint of an earlier part of the run, with the given counts and costs.
     pub fn new(state: State, guard: Guard, (counts, costs): (Counts, &[EffectCost])) -> Self {
         Self { state, counts, costs: costs.to_vec(), guard }
     }
 }
 
 impl Simulation {
-    /// From here on steps that fail are gone back for to here.
+    /// Sets a checkpoint at the present state.
     pub(super) fn set_checkpoint(&mut self) {
         std::mem::swap(&mut self.checkpoint, &mut self.older);
         self.joined = !std::mem::take(&mut self.stale);
@@ -36,15 +36,15 @@ impl Simulation {
         self.checkpoint.guard = self.guard.clone();
     }
 
-    /// Back to a step since the checkpoint: the same steps from there give the same bits again.
+    /// Returns to a step since the checkpoint by replay: the same steps give the same bits.
     pub(super) fn go_back_to(&mut self, step: u64) {
         self.state.clone_from(&self.checkpoint.state);
         self.shape += 1;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
-        self.guard.book(self.checkpoint.guard.put_in());
-        self.scratch.work.forget();
-        self.scratch.room = -1.0;
+        self.guard.set_put_in(self.checkpoint.guard.put_in());
+        self.scratch.workspace.forget();
+        self.scratch.displacement_bound = -1.0;
         while self.state.steps < step {
             self.step();
         }

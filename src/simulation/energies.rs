@@ -1,19 +1,19 @@
-//! Energies of a running scene, computed once for each state. That of deformation is the dear one: it is computed once for each shape,
-//! whoever asks for it.
+//! Energies of a running scene. The elastic energy, which costs most, is computed once for each shape and shared by all
+//! callers.
 
 use super::Simulation;
 use crate::{effects::Grab, report::Energies};
 use pulp::Arch;
 
-/// Elastic energies, as far as they are known.
+/// Cached elastic energies.
 #[derive(Default)]
 pub(super) struct Elastic {
     /// Of each body and then each net [J].
     each: Vec<f64>,
-    /// The shape that they belong to.
+    /// Shape number that they belong to.
     shape: Option<u64>,
-    /// How often they were computed for stepping: nobody had done it for drawing.
-    sweeps: u64,
+    /// Number of evaluations for stepping, where drawing had not computed them.
+    evaluations: u64,
 }
 
 impl Simulation {
@@ -28,7 +28,7 @@ impl Simulation {
         self.energies_with(self.grab)
     }
 
-    /// Energies now, if this were pulled [J].
+    /// Energies now, with another pull [J].
     pub(super) fn energies_with(&self, grab: Option<Grab>) -> Energies {
         if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
             let [kinetic, potential] = toy.kind().energies([a, b]);
@@ -37,17 +37,18 @@ impl Simulation {
         let motion = self.scene.motion(&self.state, grab);
         let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
         if self.elastic.borrow().shape != Some(self.shape) {
-            self.learn(elements.iter().map(|effect| effect.energy(motion)));
-            self.elastic.borrow_mut().sweeps += 1;
+            self.set_elastic_energies(elements.iter().map(|effect| effect.energy(motion)));
+            self.elastic.borrow_mut().evaluations += 1;
         }
         let elastic = self.elastic.borrow().each.iter().sum();
         let potential = other.iter().map(|effect| effect.energy(motion)).sum();
         Energies { kinetic: self.kinetic_energy(), elastic, potential }
     }
 
-    /// Energy of motion [J].
+    /// Kinetic energy [J].
     pub(super) fn kinetic_energy(&self) -> f64 {
-        // Many sums side by side, as one would wait for itself; as many on every processor, so that they are the same bits.
+        // 32 independent sums avoid a chain of dependent additions; their number is the same on every processor, so
+        // that the bits are too.
         const SUMS: usize = 32;
         let (v, v_rest) = self.state.v.as_chunks::<SUMS>();
         let (mass, mass_rest) = self.scene.mass.as_chunks::<SUMS>();
@@ -64,27 +65,27 @@ impl Simulation {
         0.5 * sums.into_iter().chain(rest).sum::<f64>()
     }
 
-    /// The elastic energy of a body, or after the bodies of a net, if it is known for the present shape [J].
+    /// Elastic energy of a body, or after the bodies of a net, if it is cached for the present shape [J].
     pub fn known_energy(&self, number: usize) -> Option<f64> {
         let elastic = self.elastic.borrow();
         elastic.each.get(number).copied().filter(|_| elastic.shape == Some(self.shape))
     }
 
-    /// Takes note of the elastic energies of the present shape [J]: of each body and then each net.
-    pub(crate) fn learn(&self, energies: impl Iterator<Item = f64>) {
+    /// Stores the elastic energies of the present shape [J]: of each body and then each net.
+    pub(crate) fn set_elastic_energies(&self, energies: impl Iterator<Item = f64>) {
         let mut elastic = self.elastic.borrow_mut();
         elastic.each.clear();
         elastic.each.extend(energies);
         elastic.shape = Some(self.shape);
     }
 
-    /// Differs from before if the shape of anything may have changed, or what it is made of.
+    /// Shape number; changes with shapes and materials.
     pub const fn shape(&self) -> u64 {
         self.shape
     }
 
-    /// How often the elastic energy was computed for stepping so far; not where it was known from drawing.
-    pub fn energy_sweeps(&self) -> u64 {
-        self.elastic.borrow().sweeps
+    /// Number of evaluations of the elastic energy for stepping so far; without those that drawing had done.
+    pub fn energy_evaluations(&self) -> u64 {
+        self.elastic.borrow().evaluations
     }
 }

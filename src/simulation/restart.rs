@@ -10,16 +10,16 @@ use crate::{
     state::State,
 };
 
-/// A moment of a run, with all that influences the steps after it.
+/// A moment of a run, with all that influences later steps.
 ///
-/// The state alone is not enough: the [`Guard`] has an account of the energy supplied so far, and a step that it refuses is taken
-/// again from one of the last two checkpoints, up to 20 steps before. So both belong to the moment. Without the guard, or where the
-/// next step sets a checkpoint anyway, no checkpoints are kept.
+/// The state alone is not enough: the [`Guard`] has the energy supplied so far, and a rejected step is replayed from
+/// one of the last two checkpoints, up to 20 steps before. Both are part of the restart data. Without the guard, or
+/// where the next step sets a checkpoint anyway, no checkpoints are kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Restart {
-    /// Positions, velocities, time, and what the integrator and sleep remember.
+    /// Positions, velocities, time, memory of the integrator, and sleep counters.
     pub state: State,
-    /// What the mouse pulls.
+    /// The pull of the mouse.
     grab: Option<Grab>,
     guard: Guard,
     /// Checkpoints, the latest first: at most two.
@@ -34,7 +34,7 @@ struct Earlier {
 }
 
 impl Restart {
-    /// The moment that the level of a scene was saved in, or the start.
+    /// Reads the saved state of a level, or the start.
     ///
     /// # Errors
     /// [`SceneError::State`] if what was saved belongs to other meshes.
@@ -50,7 +50,7 @@ impl Restart {
         restart.guard = Guard::from(account);
         let mut last = saved.steps;
         for checkpoint in &saved.checkpoints {
-            // Steps are taken again from it, so it can be neither later nor long ago.
+            // Steps are replayed from it, so it lies at most `BATCH` steps before the next one and never after it.
             if checkpoint.steps > last || last - checkpoint.steps > BATCH {
                 restart.checkpoints.clear();
                 break;
@@ -63,27 +63,27 @@ impl Restart {
         Ok(restart)
     }
 
-    /// How many floating-point numbers it holds.
+    /// Number of floating-point numbers.
     pub fn len(&self) -> usize {
         let states = self.checkpoints.iter().map(|earlier| &earlier.state).chain([&self.state]);
         states.map(|state| state.x.len() + state.v.len() + state.memory.len()).sum()
     }
 
-    /// Whether it holds no numbers: it was not taken from a run yet.
+    /// Whether it is empty: not taken from a run yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
 impl From<State> for Restart {
-    /// A new beginning in a state.
+    /// Restart data without history.
     fn from(state: State) -> Self {
         Self { state, ..Self::default() }
     }
 }
 
 impl Simulation {
-    /// The scene of a level, built for a mode, in the state that the level was saved in, or at the start: it continues as if it had not
+    /// Opens the scene of a level, built for a mode, in its saved state or at the start; it continues as if it had not
     /// been saved.
     ///
     /// # Errors
@@ -96,21 +96,21 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// The present moment.
+    /// Restart data of the present moment.
     pub fn restart(&self) -> Restart {
         let mut restart = Restart::default();
         self.write_restart(&mut restart);
         restart
     }
 
-    /// The present moment, into the buffers of another one.
+    /// Writes restart data into existing buffers.
     pub fn write_restart(&self, restart: &mut Restart) {
         restart.state.clone_from(&self.state);
         (restart.grab, restart.guard) = (self.grab, self.guard.clone());
         let kept = if self.stale || !self.is_guarded() {
             0
         } else {
-            // With the next checkpoint the older of the two is dropped.
+            // The next checkpoint replaces the older of the two.
             let is_due = self.state.steps.is_multiple_of(BATCH) && self.checkpoint.state.steps < self.state.steps;
             1 + usize::from(self.joined && !is_due)
         };
@@ -121,10 +121,10 @@ impl Simulation {
         }
     }
 
-    /// Continues from a moment of this scene; a fault is forgotten.
+    /// Continues from restart data of this scene; clears the fault.
     pub fn resume(&mut self, from: &Restart) {
         self.set_state(from.state.clone());
-        // Where nothing is known to be pulled, what scripted actions pull at this time is.
+        // Without a saved pull, that of scripted actions at this time applies.
         (self.grab, self.guard) = (from.grab.or(self.grab), from.guard.clone());
         let mut both = from.checkpoints.iter().map(|earlier| {
             let Earlier { state, guard } = earlier.clone();
@@ -138,7 +138,7 @@ impl Simulation {
         }
     }
 
-    /// The present moment as a level file holds it, with nothing pulled but by scripted actions; `None` if it is not finite.
+    /// The present moment for a level file, without a pull except that of scripted actions; `None` if it is not finite.
     pub fn saved(&self) -> Option<SavedState> {
         let mut restart = self.restart();
         if restart.grab.is_some() && !self.is_scripted() && self.is_guarded() {
@@ -157,20 +157,20 @@ impl Simulation {
         Some(saved)
     }
 
-    /// A state alone as a level file holds it; `None` if it is not finite.
+    /// A state for a level file, without guard and checkpoints; `None` if it is not finite.
     fn saved_state(&self, state: &State) -> Option<SavedState> {
         let points =
             |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
         let state = self.scene.listed_state(state);
         Some(SavedState {
-            calm: state.calm.clone(),
+            calm: state.slow_checks.clone(),
             memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
             ..SavedState::new((state.steps, Time::new(state.time).ok()?), points(&state.x)?, points(&state.v)?)
         })
     }
 }
 
-/// The hash of what a file says of positions and velocities: what was noted of the run is of no use to a state that was edited.
+/// Hash of saved positions and velocities: saved guard data do not apply to an edited state.
 fn hash(saved: &SavedState) -> u64 {
     let flat = |points: &[Point]| points.iter().flat_map(|point| point.get()).collect();
     State { x: flat(&saved.positions), v: flat(&saved.velocities), ..State::default() }.hash()

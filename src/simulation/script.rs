@@ -1,7 +1,7 @@
 //! Performs the scripted actions of a level.
 //!
-//! What has been done at a time follows from the level alone, but for the vertex that is pulled. So a run can be saved, continued and
-//! turned back at any time.
+//! The effect of all actions up to a time follows from the level alone, except for the pulled vertex. So a run can be
+//! saved, continued and rewound at any time.
 
 use super::Simulation;
 use crate::{
@@ -17,28 +17,28 @@ use crate::{
 /// Frames of scripted actions per second.
 const FRAMES: f64 = 60.0;
 
-/// The scripted actions of a level, and how far they have been performed.
+/// The scripted actions of a level and their progress.
 pub(super) struct Script {
     level: Level,
     mode: RunMode,
-    /// The first frame whose actions have not been performed.
+    /// First frame whose actions have not been performed.
     due: u64,
-    /// Whether there are such frames.
+    /// Whether actions are still to come.
     waits: bool,
     changes: Changes,
 }
 
-/// What actions so far have changed in the level.
+/// Changes of the level by actions so far.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct Changes {
-    /// Whether gravity is turned around.
+    /// Whether gravity is reversed.
     flipped: bool,
-    /// Whether all vertices are freed.
+    /// Whether all pins are removed.
     freed: bool,
 }
 
 impl Script {
-    /// The first frame from this one on in which there is something to do.
+    /// First frame from this one on with an action.
     fn next(&self, from: u64) -> Option<u64> {
         self.level.actions.iter().filter_map(|scripted| scripted.next(from)).min()
     }
@@ -47,7 +47,7 @@ impl Script {
         (self.due, self.waits) = (frame, self.next(frame).is_some());
     }
 
-    /// What all actions before a frame have changed.
+    /// Changes by all actions before a frame.
     fn changes_before(&self, frame: u64) -> Changes {
         let Some(last) = frame.checked_sub(1) else { return Changes::default() };
         let count = |scripted: &ScriptedAction| scripted.count(last);
@@ -57,8 +57,8 @@ impl Script {
         Changes { flipped: flips % 2 == 1, freed }
     }
 
-    /// Where the vertex was taken hold of that is held by what has been performed, and where it is pulled to [m].
-    fn hold(&self) -> Option<([f64; 2], [f64; 2])> {
+    /// Point at which the pulled vertex was grabbed, and the point that it is pulled to [m].
+    fn scripted_grab(&self) -> Option<([f64; 2], [f64; 2])> {
         let last = self.due.checked_sub(1)?;
         let latest = |scripted: &ScriptedAction| scripted.count(last).checked_sub(1).map(|count| scripted.begin(count));
         let holds =
@@ -68,7 +68,7 @@ impl Script {
         let Action::Grab(point) = scripted.action else { return None };
         let (mut target, mut frame) = (point.get(), begun);
         while let Some(next) = self.next(frame).filter(|next| *next <= last) {
-            for (left, action) in self.going_on(next) {
+            for (left, action) in self.continuing_actions(next) {
                 if let Action::Pull { to, .. } = action {
                     target = pulled(target, to.get(), left);
                 }
@@ -96,8 +96,8 @@ impl Script {
         level
     }
 
-    /// The actions that go on in a frame, the earlier begun first: each with the number of frames left for it, this one included.
-    fn going_on(&self, frame: u64) -> Vec<(u64, &Action)> {
+    /// Actions that continue in a frame, sorted by their begin: each with the number of frames left, this one included.
+    fn continuing_actions(&self, frame: u64) -> Vec<(u64, &Action)> {
         let mut found = Vec::new();
         for scripted in self
             .level
@@ -114,12 +114,12 @@ impl Script {
     }
 }
 
-/// Takes the energies before and after a change from outside.
-type Book<'a> = &'a mut dyn FnMut(Energies, Energies);
+/// Callback with the energies before and after a change from outside.
+type EnergyListener<'a> = &'a mut dyn FnMut(Energies, Energies);
 
 impl Simulation {
-    /// From now on performs the scripted actions of the level that the scene was built from, in the mode that it was built for. Those of
-    /// earlier times count as performed.
+    /// Starts to perform the scripted actions of the level that the scene was built from, in the mode that it was built
+    /// for. Earlier actions count as performed.
     pub fn follow(&mut self, level: &Level, mode: RunMode) {
         self.script = None;
         if level.actions.is_empty() {
@@ -137,7 +137,7 @@ impl Simulation {
         self.script.is_some()
     }
 
-    /// Performs no scripted actions any more.
+    /// Stops performing scripted actions.
     pub fn follow_nothing(&mut self) {
         self.script = None;
     }
@@ -150,19 +150,19 @@ impl Simulation {
         }
     }
 
-    /// The vertex that is pulled, as the level lists it, and the point that it is pulled to [m], if there are scripted actions.
+    /// Pulled vertex as the level lists it, and its target [m], if there are scripted actions.
     pub fn scripted_pull(&self) -> Option<(u32, Point)> {
         let Grab { vertex, target } = self.grab.filter(|_| self.script.is_some())?;
         Some((self.scene.listed_vertex(vertex)? as u32, Point::new(target).ok()?))
     }
 
-    /// Performs the scripted actions that are due, and tells `book` of the energies before and after each. [`Self::advance`] does so
+    /// Performs the scripted actions that are due and calls `listener` with the energies before and after each. [`Self::advance`] does so
     /// by itself.
-    pub fn perform_due(&mut self, book: Book<'_>) {
+    pub fn perform_due(&mut self, listener: EnergyListener<'_>) {
         let Some(mut script) = self.script.take() else { return };
         let frame = self.frame();
         while let Some(next) = script.next(script.due).filter(|next| *next <= frame) {
-            self.perform(&mut script, next, book);
+            self.perform(&mut script, next, listener);
             script.due = next + 1;
         }
         script.set_due(script.due.max(frame + 1));
@@ -176,23 +176,23 @@ impl Simulation {
         Some((((time - self.state.time) / self.scene.step - 0.5).ceil() as u64).max(1))
     }
 
-    /// Counts all actions before the present time as performed, and makes the scene what they have made of it.
+    /// Marks all actions before the present time as performed, and rebuilds the scene with their changes.
     pub(super) fn seek(&mut self) {
         let Some(mut script) = self.script.take() else { return };
         let frame = self.frame();
-        // In the middle of a frame the actions of its beginning have been performed.
+        // Within a frame the actions at its begin have been performed.
         let begins = (self.state.time * FRAMES - frame as f64).abs() < 0.5 * self.scene.step * FRAMES;
         script.set_due(if begins { frame } else { frame + 1 });
         let changes = script.changes_before(script.due);
         if script.changes != changes {
             script.changes = changes;
-            // The state is one of the scene that is made, with all that is remembered of it.
+            // The state belongs to the rebuilt scene, with its memory.
             let state = self.state.clone();
             self.rebuild(&script);
             self.state = state;
         }
         if self.grab.is_none()
-            && let Some((point, target)) = script.hold()
+            && let Some((point, target)) = script.scripted_grab()
             && let Some(vertex) = nearest_vertex(&self.state.x, point)
         {
             self.set_grab(Some(Grab { vertex, target }));
@@ -200,20 +200,20 @@ impl Simulation {
         self.script = Some(script);
     }
 
-    /// The frame that the present time is in. A time within half a step of a frame's beginning counts as that.
+    /// Frame of the present time. A time within half a step of the begin of a frame belongs to it.
     fn frame(&self) -> u64 {
         ((self.state.time + 0.5 * self.scene.step) * FRAMES).floor() as u64
     }
 
-    /// Changes something from outside.
-    fn change(&mut self, book: Book<'_>, change: impl FnOnce(&mut Self)) {
+    /// Applies a change from outside and reports the energies.
+    fn change(&mut self, listener: EnergyListener<'_>, change: impl FnOnce(&mut Self)) {
         let before = self.energies();
         change(self);
-        book(before, self.energies());
+        listener(before, self.energies());
     }
 
-    /// Does a frame's part of all actions: what takes no time in the order of the level, then what goes on.
-    fn perform(&mut self, script: &mut Script, frame: u64, book: Book<'_>) {
+    /// Performs the actions of a frame: instantaneous ones in the order of the level, then continuing ones.
+    fn perform(&mut self, script: &mut Script, frame: u64, listener: EnergyListener<'_>) {
         for number in 0..script.level.actions.len() {
             let scripted = &script.level.actions[number];
             if scripted.begins(frame..=frame).next().is_none() {
@@ -223,33 +223,33 @@ impl Simulation {
                 Action::Grab(point) => {
                     if let Some(vertex) = nearest_vertex(&self.state.x, point.get()) {
                         let target = [self.state.x[2 * vertex], self.state.x[2 * vertex + 1]];
-                        self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
+                        self.change(listener, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
-                Action::Release => self.change(book, |own| own.set_grab(None)),
+                Action::Release => self.change(listener, |own| own.set_grab(None)),
                 Action::FlipGravity => {
                     script.changes.flipped ^= true;
-                    self.change(book, |own| own.rebuild(script));
+                    self.change(listener, |own| own.rebuild(script));
                 }
                 Action::Free => {
                     script.changes.freed = true;
-                    self.change(book, |own| own.rebuild(script));
+                    self.change(listener, |own| own.rebuild(script));
                 }
                 Action::Pull { .. } | Action::Turn { .. } => {}
             }
         }
-        for (left, action) in script.going_on(frame) {
+        for (left, action) in script.continuing_actions(frame) {
             match *action {
                 Action::Pull { to, .. } => {
                     if let Some(Grab { vertex, target }) = self.grab {
                         let target = pulled(target, to.get(), left);
-                        self.change(book, |own| own.set_grab(Some(Grab { vertex, target })));
+                        self.change(listener, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
                 Action::Turn { side, by, over } => {
                     let angle = by.get().to_radians() / crate::level::frame(over).max(1) as f64;
                     let (state, grab) = (turned(&self.scene, &self.state, side, angle), self.grab);
-                    self.change(book, |own| {
+                    self.change(listener, |own| {
                         own.set_state(state);
                         own.set_grab(grab);
                     });
@@ -259,22 +259,22 @@ impl Simulation {
         }
     }
 
-    /// Makes the scene of the level as actions have changed it. What moves and how it is stepped stay.
+    /// Rebuilds the scene with the changes by actions. State and stepping options stay.
     fn rebuild(&mut self, script: &Script) {
-        // The level could be built before, and neither gravity nor freed vertices can make it wrong.
+        // The level was valid before, and reversed gravity or removed pins keep it valid.
         let Ok(scene) = Scene::build(&script.changed_level(), script.mode, &NoFiles, Some(&self.scene)) else { return };
         let Scene { step, guard, sleep, .. } = self.scene;
         self.replace_scene(Scene { step, guard, sleep, integrator: self.scene.integrator.clone(), ..scene });
     }
 }
 
-/// The point that a vertex is pulled to, a frame later, if it gets to another in so many frames [m].
+/// Target a frame later, if the vertex reaches another point in the given number of frames [m].
 fn pulled(target: [f64; 2], to: [f64; 2], left: u64) -> [f64; 2] {
     let share = 1.0 / left as f64;
     [0, 1].map(|axis| target[axis] + share * (to[axis] - target[axis]))
 }
 
-/// The state with the pinned vertices of a side of the first body turned about their middle by an angle [rad].
+/// The state with the pinned vertices on a side of the first body rotated about their mean by an angle [rad].
 fn turned(scene: &Scene, state: &State, side: Side, angle: f64) -> State {
     let mut state = state.clone();
     let Some(body) = scene.bodies.first() else { return state };

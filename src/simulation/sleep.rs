@@ -1,67 +1,67 @@
-//! What has come to rest sleeps: its forces are not computed and its vertices stay where they are, until something happens to
-//! it. Bodies and nets do not touch each other, so that each sleeps by itself.
+//! Sleep: the forces of a body or net at rest are not computed and its vertices stay in place, until something acts on
+//! it. Bodies and nets do not interact, so that each sleeps independently.
 //!
-//! Lengths are measured by the size L of the body or net at rest, times by tau = [`WINDOW`]. It falls asleep when
+//! L is the size of the body or net at rest, and tau = [`WINDOW`]. It falls asleep when
 //!
-//! 1. for tau no vertex has been faster than theta L / tau: at such a speed it would come no farther than theta L;
-//! 2. let go from rest now, with walls and friction holding what they hold, it would be accelerated by no more than
-//!    2 theta L / tau² (root mean square over its mass), by which it would come no farther than theta L either;
-//! 3. the forces on all its vertices together are no more than [`BALANCE`] of those that act on it from outside: what is only
-//!    beginning to fall, however slowly, is not at rest.
+//! 1. for tau no vertex has been faster than theta L / tau, at which it would move no farther than theta L;
+//! 2. released from rest, with the reactions of walls and friction, its acceleration is no more than 2 theta L / tau²
+//!    (root mean square over its mass), by which it would move no farther than theta L either;
+//! 3. the net force on all its vertices is no more than [`BALANCE`] of the external forces: a body that begins to fall,
+//!    however slowly, is not at rest.
 //!
-//! What has exploded ([`Scene::has_exploded`]) does not sleep, although walls may hold all that is left of it.
+//! A body that has exploded ([`Scene::has_exploded`]) does not sleep, although walls may hold what is left of it.
 //!
-//! Neither limit is below round-off: a position of size X is known to X 2^-52, which is a speed of that over h, and with the
-//! fastest vibration that h can follow, w = 2/h, an acceleration of that times w².
+//! Neither limit is below round-off: a position of size X has an error of X 2^-52, which is a speed of that over h and,
+//! with the fastest vibration that h resolves, w = 2/h, an acceleration of that times w².
 //!
-//! Its velocities are zero then; its positions keep every bit, asleep and on waking.
+//! Velocities of a sleeping body are zero; its positions keep every bit, asleep and on waking.
 
 use super::{BATCH, Simulation};
 use crate::scene::Scene;
 use std::ops::Range;
 
-/// tau: how long it has to be calm [s].
+/// tau: time below the sleep threshold before sleep [s].
 const WINDOW: f64 = 0.5;
 
-/// theta: how far it may move in that time, as a share of its size.
-const FAR: f64 = 1e-4;
+/// theta: allowed displacement in that time, as a fraction of its size.
+const THETA: f64 = 1e-4;
 
-/// The net force that counts as none, as a share of the forces from outside.
+/// Net force that counts as zero, as a fraction of the external forces.
 const BALANCE: f64 = 1e-3;
 
-/// How often it is looked at, if steps are short enough [1/s].
-const LOOKS: f64 = 120.0;
+/// Rate of checks, if steps are short enough [1/s].
+const CHECK_RATE: f64 = 120.0;
 
-/// In [`State::calm`](crate::state::State::calm): asleep.
+/// Value of [`State::slow_checks`](crate::state::State::slow_checks) of a sleeping body.
 pub(super) const ASLEEP: u32 = u32::MAX;
 
-/// A body or a net: what sleeps by itself.
+/// A body or a net, which sleeps independently.
 struct Island {
     vertices: Range<usize>,
     /// Diagonal of the box around it at rest [m].
     size: f64,
-    /// Of what can move [kg].
+    /// Mass of its free coordinates [kg].
     mass: f64,
 }
 
-/// All bodies and nets, and which of them sleep.
+/// All bodies and nets, with the sleep parameters.
 #[derive(Default)]
 pub(super) struct Islands {
     all: Vec<Island>,
-    /// Whether there is any sleep in this scene.
+    /// Whether sleep is possible in this scene.
     possible: bool,
-    /// How many sleep.
+    /// Number of sleeping bodies and nets.
     asleep: usize,
-    /// Steps between two looks.
+    /// Steps between two checks.
     every: u64,
-    /// How many looks have to find it calm.
-    looks: u32,
-    /// Forces from outside, while they are measured.
+    /// Number of consecutive checks below the threshold before sleep.
+    checks: u32,
+    /// External forces.
     force: Vec<f64>,
 }
 
 impl Islands {
-    /// Those of a scene, with none asleep.
+    /// Makes those of a scene, all awake.
     pub fn new(scene: &Scene) -> Self {
         let ranges = scene.bodies.iter().map(|body| &body.vertices).chain(scene.nets.iter().map(|net| &net.vertices));
         let island = |vertices: &Range<usize>| {
@@ -70,35 +70,35 @@ impl Islands {
             let mass = 0.5 * masses.filter(|(_, inverse)| **inverse != 0.0).map(|(mass, _)| mass).sum::<f64>();
             Island { vertices: vertices.clone(), size: scene.size(vertices), mass }
         };
-        let every = BATCH * (1.0 / (LOOKS * scene.step * BATCH as f64)).round().max(1.0) as u64;
-        let looks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
+        let every = BATCH * (1.0 / (CHECK_RATE * scene.step * BATCH as f64)).round().max(1.0) as u64;
+        let checks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
         let possible = scene.sleep && scene.toy.is_none() && scene.effects.iter().all(|effect| effect.is_steady());
-        Self { all: ranges.map(island).collect(), possible, asleep: 0, every, looks, force: Vec::new() }
+        Self { all: ranges.map(island).collect(), possible, asleep: 0, every, checks, force: Vec::new() }
     }
 }
 
 impl Island {
-    /// The greatest speed along an axis [m/s] at which it is calm, if it lies so far from the origin along one [m] and takes steps of
-    /// length h [s].
-    fn calm_speed(&self, reach: f64, h: f64) -> f64 {
-        (FAR * self.size / WINDOW).max(f64::EPSILON * reach / h)
+    /// Sleep threshold of the speed along an axis [m/s], at a distance from the origin [m] and with steps of length h
+    /// [s].
+    fn speed_threshold(&self, distance: f64, h: f64) -> f64 {
+        (THETA * self.size / WINDOW).max(f64::EPSILON * distance / h)
     }
 }
 
 impl Simulation {
-    /// Which bodies, and after them which nets, sleep.
+    /// Whether each body, and then each net, sleeps.
     pub fn sleeping(&self) -> impl Iterator<Item = bool> {
-        let calm = self.state.calm.get(..self.islands.all.len()).filter(|_| self.islands.asleep > 0);
-        calm.unwrap_or_default().iter().map(|calm| *calm == ASLEEP)
+        let slow_checks = self.state.slow_checks.get(..self.islands.all.len()).filter(|_| self.islands.asleep > 0);
+        slow_checks.unwrap_or_default().iter().map(|slow_checks| *slow_checks == ASLEEP)
     }
 
-    /// Whether everything sleeps: steps cost nothing then, and nothing there is to see changes.
+    /// Whether all bodies and nets sleep: steps then cost nothing and change nothing visible.
     pub const fn is_asleep(&self) -> bool {
         let count = self.islands.all.len();
         count > 0 && self.islands.asleep == count
     }
 
-    /// Lets steps pass in which everything sleeps.
+    /// Advances time by steps in which everything sleeps.
     pub(super) fn pass(&mut self, steps: u64) {
         for _ in 0..steps {
             self.state.time += self.scene.step;
@@ -115,85 +115,92 @@ impl Simulation {
         self.stale = true;
     }
 
-    /// Takes who sleeps from the state, after it or the scene was changed.
-    pub(super) fn settle_sleepers(&mut self) {
-        let calm = &mut self.state.calm;
-        if !self.islands.possible || calm.len() != self.islands.all.len() {
-            calm.clear();
+    /// Updates sleep from the state, after it or the scene was changed.
+    pub(super) fn apply_sleep(&mut self) {
+        let slow_checks = &mut self.state.slow_checks;
+        if !self.islands.possible || slow_checks.len() != self.islands.all.len() {
+            slow_checks.clear();
         }
-        for (number, calm) in calm.iter_mut().enumerate().filter(|(_, calm)| **calm == ASLEEP) {
+        for (number, slow_checks) in
+            slow_checks.iter_mut().enumerate().filter(|(_, slow_checks)| **slow_checks == ASLEEP)
+        {
             if self.scene.has_exploded_at(number, &self.state.x) {
-                *calm = 0;
+                *slow_checks = 0;
             }
         }
-        self.islands.asleep = calm.iter().filter(|calm| **calm == ASLEEP).count();
-        self.scratch.rest(&self.scene, calm.iter().map(|calm| *calm == ASLEEP));
-        for (island, _) in self.islands.all.iter().zip(&*calm).filter(|(_, calm)| **calm == ASLEEP) {
-            self.scratch.hold(&island.vertices);
+        self.islands.asleep = slow_checks.iter().filter(|slow_checks| **slow_checks == ASLEEP).count();
+        self.scratch.set_sleeping(&self.scene, slow_checks.iter().map(|slow_checks| *slow_checks == ASLEEP));
+        for (island, _) in self.islands.all.iter().zip(&*slow_checks).filter(|(_, slow_checks)| **slow_checks == ASLEEP)
+        {
+            self.scratch.constrain_sleeping(&island.vertices);
         }
     }
 
-    /// Wakes the body or net with a vertex in it.
+    /// Wakes the body or net of a vertex.
     pub(super) fn wake(&mut self, vertex: usize) {
-        for (calm, island) in self.state.calm.iter_mut().zip(&self.islands.all) {
+        for (slow_checks, island) in self.state.slow_checks.iter_mut().zip(&self.islands.all) {
             if island.vertices.contains(&vertex) {
-                *calm = 0;
+                *slow_checks = 0;
             }
         }
         if self.islands.asleep > 0 {
             self.stale = true;
-            self.settle_sleepers();
+            self.apply_sleep();
         }
     }
 
-    /// Wakes everybody: something acts differently now. Who was calm is still, if the `pace` of looks stays.
-    pub(super) fn wake_all(&mut self, pace: bool) {
-        if !pace {
-            self.state.calm.clear();
+    /// Wakes all bodies and nets after a change. The counters of awake ones stay if `keep_counters` is set.
+    pub(super) fn wake_all(&mut self, keep_counters: bool) {
+        if !keep_counters {
+            self.state.slow_checks.clear();
         }
-        self.state.calm.iter_mut().filter(|calm| **calm == ASLEEP).for_each(|calm| *calm = 0);
-        self.settle_sleepers();
+        self.state
+            .slow_checks
+            .iter_mut()
+            .filter(|slow_checks| **slow_checks == ASLEEP)
+            .for_each(|slow_checks| *slow_checks = 0);
+        self.apply_sleep();
     }
 
-    /// Looks who is calm, if it is time to; call it before the checkpoint of a step is set.
-    pub(super) fn look_who_is_calm(&mut self) {
+    /// Counts checks below the sleep threshold, if a check is due; to be called before the checkpoint of a step is set.
+    pub(super) fn count_slow_checks(&mut self) {
         let islands = &self.islands;
         if !islands.possible || !self.state.steps.is_multiple_of(islands.every) {
             return;
         }
-        self.state.calm.resize(islands.all.len(), 0);
+        self.state.slow_checks.resize(islands.all.len(), 0);
         let pulled = self.grab.map(|grab| grab.vertex);
-        for (number, (calm, island)) in self.state.calm.iter_mut().zip(&islands.all).enumerate() {
-            if *calm == ASLEEP {
+        for (number, (slow_checks, island)) in self.state.slow_checks.iter_mut().zip(&islands.all).enumerate() {
+            if *slow_checks == ASLEEP {
                 continue;
             }
             let own = 2 * island.vertices.start..2 * island.vertices.end;
             let fastest = greatest(&self.state.v[own.clone()]);
-            let h = self.paces.step(number, self.scene.step);
-            let slow = fastest <= island.calm_speed(greatest(&self.state.x[own]), h);
-            let free = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
-            *calm = if slow && free { *calm + 1 } else { 0 };
+            let h = self.multirate.step(number, self.scene.step);
+            let slow = fastest <= island.speed_threshold(greatest(&self.state.x[own]), h);
+            let is_released = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
+            *slow_checks = if slow && is_released { *slow_checks + 1 } else { 0 };
         }
     }
 
-    /// Lets those fall asleep that have been calm for long enough and stay where they are when let go; call it after the
-    /// checkpoint of a step was set.
+    /// Puts bodies and nets to sleep that were below the threshold for long enough and stay at rest when released; to
+    /// be called after the checkpoint of a step was set.
     pub(super) fn fall_asleep(&mut self) {
-        let looks = self.islands.looks;
+        let checks = self.islands.checks;
         if !self.islands.possible || self.guard.level() > 0 {
             return;
         }
-        if !self.state.calm.iter().any(|calm| *calm >= looks && *calm != ASLEEP) {
+        if !self.state.slow_checks.iter().any(|slow_checks| *slow_checks >= checks && *slow_checks != ASLEEP) {
             return;
         }
-        self.let_go();
+        self.step_from_rest();
         let islands = std::mem::take(&mut self.islands.all);
         for (number, island) in islands.iter().enumerate() {
-            let calm = self.checkpoint.state.calm[number];
-            if calm >= looks && calm != ASLEEP {
+            let slow_checks = self.checkpoint.state.slow_checks[number];
+            if slow_checks >= checks && slow_checks != ASLEEP {
                 let exploded = self.scene.has_exploded_at(number, &self.checkpoint.state.x);
                 let rests = !exploded && self.rests(number, island);
-                self.checkpoint.state.calm[number] = if rests { ASLEEP } else { 0 };
+                self.checkpoint.state.slow_checks[number] = if rests { ASLEEP } else { 0 };
                 if rests {
                     self.checkpoint.state.v[2 * island.vertices.start..2 * island.vertices.end].fill(0.0);
                     self.joined = false;
@@ -202,15 +209,16 @@ impl Simulation {
         }
         self.islands.all = islands;
         self.state.clone_from(&self.checkpoint.state);
-        self.scratch.room = -1.0;
+        self.scratch.displacement_bound = -1.0;
         self.revision += 1;
         self.shape += 1;
-        self.settle_sleepers();
+        self.apply_sleep();
     }
 
-    /// Takes a step from rest, each body and net one of its own, and measures the forces from outside; nothing of it counts. The state is what it led to.
-    fn let_go(&mut self) {
-        let free = self.scratch.free.take();
+    /// Takes one step from rest, one substep of each body and net, and measures the external forces. Statistics are not
+    /// changed; the state is that after the step.
+    fn step_from_rest(&mut self) {
+        let clear_box = self.scratch.clear_box.take();
         self.state.v.fill(0.0);
         let motion = self.scene.motion(&self.state, self.grab);
         self.islands.force.clear();
@@ -219,19 +227,19 @@ impl Simulation {
             effect.force(motion, &mut self.scratch.effects[..effect.scratch()], &mut self.islands.force);
         }
         let put_in = self.guard.put_in();
-        self.paces.stop_early(true);
+        self.multirate.stop_early(true);
         self.step();
-        self.paces.stop_early(false);
-        self.guard.book(put_in);
-        self.scratch.free = free;
+        self.multirate.stop_early(false);
+        self.guard.set_put_in(put_in);
+        self.scratch.clear_box = clear_box;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
     }
 
-    /// Whether a body or net hardly moved when it was let go.
+    /// Whether a body or net stays at rest after the step from rest.
     fn rests(&self, number: usize, island: &Island) -> bool {
         let own = 2 * island.vertices.start..2 * island.vertices.end;
-        let h = self.paces.step(number, self.scene.step);
+        let h = self.multirate.step(number, self.scene.step);
         let (mass, inverse) = (&self.scene.mass[own.clone()], &self.scene.inverse_mass[own.clone()]);
         let [mut squares, mut net_x, mut net_y, mut outside] = [0.0; 4];
         let moved = self.state.v[own.clone()].iter().zip(&self.islands.force[own.clone()]);
@@ -244,16 +252,16 @@ impl Simulation {
             }
         }
         let round_off = f64::EPSILON * greatest(&self.state.x[own]) * 4.0 / (h * h);
-        let limit = (2.0 * FAR * island.size / (WINDOW * WINDOW)).max(round_off);
+        let limit = (2.0 * THETA * island.size / (WINDOW * WINDOW)).max(round_off);
         let balanced = outside == 0.0 || net_x.abs() + net_y.abs() <= (BALANCE * outside).max(island.mass * round_off);
         squares <= limit * limit * island.mass && balanced
     }
 }
 
-/// Why nothing is called.
+/// Reason for skipping all effects.
 const EVERYTHING: &str = "everything sleeps";
 
-/// The greatest size; what is not a number counts as infinite.
+/// Greatest magnitude; infinite if any value is NaN.
 fn greatest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| if value.abs() <= most { most } else { value.abs().max(most) })
 }

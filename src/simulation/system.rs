@@ -1,10 +1,10 @@
-//! A scene as a system for integrators.
+//! A scene as a system of second order for integrators.
 
 use crate::{
-    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, OUT_OF_REACH, around},
-    elements::{Kicking, UniformForce, make_room},
-    integrators::{Class, Dynamics, Work, kick_and_drift},
-    obstacles::{Encounter, Inside, Noted, Start, Surface, find_ways},
+    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR, around},
+    elements::{EulerUpdate, UniformForce, reserve_scratch},
+    integrators::{Class, Dynamics, Workspace, symplectic_euler_update},
+    obstacles::{ContactCache, ContactQuery, Inside, Start, Surface, find_penetrations},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{BlockMatrix, Weights},
@@ -13,42 +13,42 @@ use crate::{
 use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
 
-/// Why the elements of what sleeps are passed over.
+/// Reason for skipping elements of sleeping bodies.
 pub(super) const ASLEEP: &str = "asleep";
 
-/// Most turns that constraints take in a step.
+/// Most rounds of all constraints in a step.
 const TURNS: usize = 4;
 
-/// The effects of a scene by the part they take in a step, each by its number: what is not listed is not asked.
+/// Numbers of the effects of a scene, by their role in a step.
 #[derive(Default)]
 pub(super) struct Plan {
-    /// Elements of what is awake.
+    /// Elements of awake bodies and nets.
     pub elements: Vec<usize>,
-    /// What else adds forces.
+    /// Other forces.
     pub forces: Vec<usize>,
-    /// What constrains.
+    /// Constraints.
     pub constraints: Vec<usize>,
-    /// What has a say where constraints touch.
-    pub coatings: Vec<usize>,
-    /// Elements of what sleeps, which are not asked.
+    /// Effects that set surface properties.
+    pub surface_effects: Vec<usize>,
+    /// Elements of sleeping bodies and nets, which are skipped.
     pub sleeping: Vec<usize>,
-    /// What touching does.
+    /// Surface properties of contacts.
     pub surface: Surface,
-    /// Number of triangles that are computed in a step: those of bodies that are awake.
+    /// Number of triangles of awake bodies, which a step computes.
     pub triangles: usize,
 }
 
 impl Plan {
-    /// For a scene in which some elements sleep, the first of its effects.
+    /// Makes the plan of a scene; `asleep` tells which of its elements, the first effects, sleep.
     fn new(scene: &Scene, asleep: impl Iterator<Item = bool>) -> Self {
         let mut plan = Self::default();
         let asleep = asleep.chain(std::iter::repeat(false));
         for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
-            let part = match (effect.constrains(), effect.coats()) {
+            let part = match (effect.constrains(), effect.is_surface_effect()) {
                 _ if asleep => &mut plan.sleeping,
                 _ if number < scene.element_count() => &mut plan.elements,
                 (true, _) => &mut plan.constraints,
-                (_, true) => &mut plan.coatings,
+                (_, true) => &mut plan.surface_effects,
                 _ => &mut plan.forces,
             };
             part.push(number);
@@ -61,31 +61,31 @@ impl Plan {
     }
 }
 
-/// Everything that stepping writes to beside the state.
+/// Everything that stepping writes beside the state.
 #[derive(Default)]
 pub(super) struct Scratch {
-    /// For the integrator.
-    pub work: Work,
-    /// For the effects.
+    /// Buffers of the integrator.
+    pub workspace: Workspace,
+    /// Scratch of the effects.
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
-    /// Work of obstacles in this step [J]: of those that move, and of those that something begins inside of.
+    /// Work of moving and of penetrated obstacles in this step [J].
     pub supplied: f64,
-    /// Whether something began deep inside one.
+    /// Whether a vertex began deep inside an obstacle.
     pub inside: Inside,
-    /// What is near which obstacle, and who began inside.
-    pub noted: Noted,
+    /// Contacts and penetrations at the start of the step.
+    pub contact_cache: ContactCache,
     pub plan: Plan,
-    /// 1/mass [1/kg] with zero for what sleeps, while something does.
-    pub held: Vec<f64>,
-    /// The box in which no constraint has anything to say, while all ways lie in it.
-    pub free: Option<Bounds>,
-    /// How far every vertex may still go before it has to be looked where they are; negative if it is not known [m].
-    pub room: f64,
-    /// The energy of motion after the step [J], if it came along.
+    /// 1/mass [1/kg] with zero for sleeping vertices; empty while nothing sleeps.
+    pub masked_inverse_mass: Vec<f64>,
+    /// Box in which no constraint acts, while all vertices stay in it.
+    pub clear_box: Option<Bounds>,
+    /// Least distance that a vertex can still move before positions are checked again; negative if unknown [m].
+    pub displacement_bound: f64,
+    /// Kinetic energy after the step [J], if the step computed it.
     pub kinetic: Option<f64>,
-    /// The least mass of what can move [kg].
+    /// Least mass of a free coordinate [kg].
     pub lightest: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
@@ -95,10 +95,10 @@ pub(super) struct Scratch {
 
 impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
-        self.work.forget();
-        make_room(&mut self.effects, scene.scratch());
-        self.rest(scene, std::iter::empty());
-        (self.free, self.room, self.inside) = (None, -1.0, Inside::Nothing);
+        self.workspace.forget();
+        reserve_scratch(&mut self.effects, scene.scratch());
+        self.set_sleeping(scene, std::iter::empty());
+        (self.clear_box, self.displacement_bound, self.inside) = (None, -1.0, Inside::Nothing);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
         self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
@@ -110,33 +110,34 @@ impl Scratch {
         }
     }
 
-    /// Notes which bodies and nets of a scene sleep; none of their vertices is held yet.
-    pub fn rest(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
+    /// Sets which bodies and nets sleep; their vertices are not constrained yet.
+    pub fn set_sleeping(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
         let plan = Plan::new(scene, asleep);
         if plan.sleeping != self.plan.sleeping {
-            // Other vertices depend on each other now.
-            self.work.forget();
+            // The sparsity pattern changes.
+            self.workspace.forget();
         }
         self.plan = plan;
-        self.held.clear();
+        self.masked_inverse_mass.clear();
         if !self.plan.sleeping.is_empty() {
-            self.held.extend_from_slice(&scene.inverse_mass);
+            self.masked_inverse_mass.extend_from_slice(&scene.inverse_mass);
         }
     }
 
-    /// Holds vertices that sleep.
-    pub fn hold(&mut self, vertices: &Range<usize>) {
-        self.held[2 * vertices.start..2 * vertices.end].fill(0.0);
+    /// Constrains the vertices of a sleeping body or net.
+    pub fn constrain_sleeping(&mut self, vertices: &Range<usize>) {
+        self.masked_inverse_mass[2 * vertices.start..2 * vertices.end].fill(0.0);
     }
 
-    /// Takes off from the room what the fastest vertex may have gone in a step of length h [s]: its energy was not above all there
-    /// was, and round-off is far below what is added for it. Less than nothing is left where that is not known.
-    pub fn shrink_room(&mut self, h: f64) {
+    /// Reduces the displacement bound by the greatest displacement in a step of length h [s]: that of the lightest
+    /// vertex with all kinetic energy, enlarged for round-off. Negative if the energy is unknown.
+    pub fn reduce_displacement_bound(&mut self, h: f64) {
         let speed = (2.0 * self.kinetic.unwrap_or(f64::NAN) / self.lightest).sqrt();
-        self.room = if speed <= State::LIMIT { self.room - 1.000_001 * h * speed } else { -1.0 };
+        self.displacement_bound =
+            if speed <= State::LIMIT { self.displacement_bound - 1.000_001 * h * speed } else { -1.0 };
     }
 
-    /// What acts everywhere just now, if nothing else does beside the elements, and nobody wants to know what each effect costs.
+    /// The uniform force, if no other force acts beside the elements and effects are not timed.
     pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
         let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].uniform_force());
@@ -144,8 +145,8 @@ impl Scratch {
         all.filter(|_| !self.timed)
     }
 
-    /// Runs one effect and books its time and, if it is a call of its own, its elements.
-    fn booked<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
+    /// Runs one effect and adds its time and, if it is a separate call, its elements to the statistics.
+    fn call_effect<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
         let start = self.timed.then(Instant::now);
         let result = run(&mut self.effects);
         let cost = &mut self.costs[number];
@@ -158,24 +159,24 @@ impl Scratch {
         result
     }
 
-    /// Books that all constraints were passed over, and with them what has a say where they touch.
+    /// Records that all constraints, and with them the surface effects, were skipped.
     pub fn pass_over_constraints(&mut self) {
         for number in &self.plan.constraints {
-            self.costs[*number].pass_over(OUT_OF_REACH);
+            self.costs[*number].pass_over(NO_OBSTACLE_NEAR);
         }
-        for number in &self.plan.coatings {
+        for number in &self.plan.surface_effects {
             let cost = &mut self.costs[*number];
             if cost.auto { cost.pass_over(NO_CONTACT) } else { cost.call(0) }
         }
     }
 }
 
-/// A scene as the integrator sees it.
+/// A scene with scratch, pull and time of a step.
 pub(super) struct System<'a> {
     pub scene: &'a Scene,
     pub scratch: &'a mut Scratch,
     pub grab: Option<Grab>,
-    /// Simulated time where the step begins and where it ends [s].
+    /// Simulated time at the start and at the end of the step [s].
     pub time: [f64; 2],
 }
 
@@ -187,40 +188,41 @@ impl System<'_> {
 }
 
 impl System<'_> {
-    /// Notes what touches which obstacle where a step begins that would end at positions x, and who begins inside.
-    fn look(&mut self, start: &Start<'_>, x: &[f64], noted: &mut Noted) {
-        noted.clear();
-        let ways = around(start.x, x);
+    /// Records contacts and penetrations at the start of a step that ends at positions x.
+    fn find_contacts(&mut self, start: &Start<'_>, x: &[f64], contact_cache: &mut ContactCache) {
+        contact_cache.clear();
+        let swept_bounds = around(start.x, x);
         for turn in 0..self.scratch.plan.constraints.len() {
             let number = self.scratch.plan.constraints[turn];
             let effect = &self.scene.effects[number];
-            if !(self.scratch.costs[number].auto && effect.is_clear(ways)) {
-                let look = &mut |obstacle: Encounter<'_>| noted.look(&obstacle, start);
-                self.scratch.booked(number, None, |_| effect.encounters(number, start.time, ways, look));
+            if !(self.scratch.costs[number].auto && effect.is_clear(swept_bounds)) {
+                let record = &mut |obstacle: ContactQuery<'_>| contact_cache.record(&obstacle, start);
+                self.scratch
+                    .call_effect(number, None, |_| effect.contact_queries(number, start.time, swept_bounds, record));
             }
         }
-        if noted.is_inside() {
-            // Anything may be in the way. That something is inside is rare enough to ask for memory.
+        if contact_cache.is_inside() {
+            // All obstacles may block depenetration. Penetration is rare, so that an allocation is acceptable.
             let anywhere = [[-State::LIMIT; 2], [State::LIMIT; 2]];
             let mut obstacles = Vec::new();
             for number in &self.scratch.plan.constraints {
                 let effect = &self.scene.effects[*number];
-                effect.encounters(*number, start.time, anywhere, &mut |obstacle| obstacles.push(obstacle));
+                effect.contact_queries(*number, start.time, anywhere, &mut |obstacle| obstacles.push(obstacle));
             }
-            find_ways(&obstacles, start, noted);
+            find_penetrations(&obstacles, start, contact_cache);
         }
     }
 }
 
-/// The effects of a scene without the elements of what sleeps.
+/// The effects of a scene without the elements of sleeping bodies.
 fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effect> {
     let acts = |(number, effect): (usize, &'a Arc<dyn Effect>)| (!plan.sleeping.contains(&number)).then_some(&**effect);
     scene.effects.iter().enumerate().filter_map(acts)
 }
 
 impl System<'_> {
-    /// Books a step in which the vertices are moved while the elements are swept over.
-    pub fn book_kick(&mut self, x: &[f64], v: &[f64]) {
+    /// Updates the statistics of a step in which elements update the vertices themselves.
+    pub fn count_euler_update(&mut self, x: &[f64], v: &[f64]) {
         let scene = self.scene;
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
         let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
@@ -260,11 +262,11 @@ impl Dynamics for System<'_> {
                 continue;
             }
             let (size, elements) = (effect.scratch(), Some(effect.elements(motion)));
-            self.scratch.booked(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
+            self.scratch.call_effect(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
     }
 
-    /// Of the pull of the mouse, and of which bodies and nets sleep, whose elements are passed over.
+    /// Hash of the pull of the mouse, and of the sleeping bodies and nets, whose elements are skipped.
     fn load_fingerprint(&self) -> u32 {
         let grab = self.grab.map(|Grab { vertex, target: [x, y] }| [vertex as u64 + 1, x.to_bits(), y.to_bits()]);
         let sleeping = self.scratch.plan.sleeping.iter().map(|number| *number as u64 + 1);
@@ -273,20 +275,20 @@ impl Dynamics for System<'_> {
         (hash >> 32) as u32 ^ hash as u32
     }
 
-    /// Where nothing acts but elements and what does the same everywhere, the vertices are moved while the elements are swept over.
-    fn kick_and_drift(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+    /// If only elements and uniform forces act, the vertices are updated during force assembly.
+    fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
         let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(x, v)) else {
             self.force(x, v, force);
-            return kick_and_drift(x, v, force, self.inverse_mass(), h);
+            return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
         };
-        self.book_kick(x, v);
+        self.count_euler_update(x, v);
         let scene = self.scene;
-        let Scratch { plan, held, effects, .. } = &mut *self.scratch;
-        let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
+        let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
+        let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
         let mut vertices =
-            Kicking { x, v, mass: &scene.mass, inverse_mass, uniform_force, step: h, twice_kinetic: 0.0 };
+            EulerUpdate { x, v, mass: &scene.mass, inverse_mass, uniform_force, step: h, twice_kinetic: 0.0 };
         for number in &plan.elements {
-            scene.effects[*number].kick(&mut vertices, effects);
+            scene.effects[*number].euler_update(&mut vertices, effects);
         }
         self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
     }
@@ -296,22 +298,26 @@ impl Dynamics for System<'_> {
     }
 
     fn inverse_mass(&self) -> &[f64] {
-        if self.scratch.held.is_empty() { &self.scene.inverse_mass } else { &self.scratch.held }
+        if self.scratch.masked_inverse_mass.is_empty() {
+            &self.scene.inverse_mass
+        } else {
+            &self.scratch.masked_inverse_mass
+        }
     }
 
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let scene = self.scene;
-        let Scratch { plan, held, effects, .. } = &mut *self.scratch;
-        let inverse_mass = if held.is_empty() { &scene.inverse_mass } else { &*held };
+        let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
+        let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
         let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for effect in awake(self.scene, &self.scratch.plan) {
-            effect.couples(add);
+            effect.sparsity_pattern(add);
         }
     }
 
@@ -327,14 +333,14 @@ impl Dynamics for System<'_> {
     }
 
     fn constrains(&self) -> bool {
-        self.scratch.free.is_none() && !self.scratch.plan.constraints.is_empty()
+        self.scratch.clear_box.is_none() && !self.scratch.plan.constraints.is_empty()
     }
 
-    fn grips(&self) -> bool {
+    fn has_friction(&self) -> bool {
         self.scratch.plan.surface.friction != 0.0
     }
 
-    fn rest(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
+    fn project_contact_velocity(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
         let effects = &self.scene.effects;
         if !self.constrains() || !self.scratch.plan.constraints.iter().all(|number| effects[*number].is_steady()) {
             return false;
@@ -348,21 +354,22 @@ impl Dynamics for System<'_> {
         rests
     }
 
-    fn start_over(&mut self) {
+    fn discard_records(&mut self) {
         (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
     }
 
-    /// Walls and edges of the world may push where the others do not allow: they take turns until no other has anything to say.
+    /// Applies all constraints in rounds until none changes a vertex, because one may move a vertex into another.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         if !self.constrains() {
             return;
         }
         self.scratch.kinetic = None;
         let scene = self.scene;
-        let held = std::mem::take(&mut self.scratch.held);
-        let inverse_mass = if held.is_empty() { scene.inverse_mass.as_slice() } else { &held };
+        let masked_inverse_mass = std::mem::take(&mut self.scratch.masked_inverse_mass);
+        let inverse_mass =
+            if masked_inverse_mass.is_empty() { scene.inverse_mass.as_slice() } else { &masked_inverse_mass };
         let mut outward = std::mem::take(&mut self.scratch.outward);
-        let mut noted = std::mem::take(&mut self.scratch.noted);
+        let mut contact_cache = std::mem::take(&mut self.scratch.contact_cache);
         if faces {
             scene.outward(before_x, &mut outward);
         }
@@ -375,28 +382,28 @@ impl Dynamics for System<'_> {
             outward: faces.then_some(outward.as_slice()),
             time,
             supplied: &supplied,
-            exits: &scene.exits,
+            depenetrations: &scene.depenetrations,
             effect: 0,
             touching: &[],
-            overlaps: &[],
-            noted: Noted::NONE,
+            penetrations: &[],
+            contact_cache: ContactCache::NONE,
             inside: &inside,
         };
-        self.look(&start, x, &mut noted);
-        start.noted = &noted;
+        self.find_contacts(&start, x, &mut contact_cache);
+        start.contact_cache = &contact_cache;
         let count = self.scratch.plan.constraints.len();
         let (mut quiet, mut all) = (0, 0);
-        // The box around the ways of all vertices, as long as nobody has touched one.
-        let mut ways = None;
+        // Box around the swept vertices, valid until a constraint changes one.
+        let mut swept_bounds = None;
         for turn in 0..TURNS * count {
             if turn >= count && quiet + 1 >= count {
                 break;
             }
             let number = self.scratch.plan.constraints[turn % count];
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
-            if cost.auto && effect.is_clear(*ways.get_or_insert_with(|| around(before_x, x))) {
+            if cost.auto && effect.is_clear(*swept_bounds.get_or_insert_with(|| around(before_x, x))) {
                 if turn < count {
-                    cost.pass_over(OUT_OF_REACH);
+                    cost.pass_over(NO_OBSTACLE_NEAR);
                 }
                 quiet += 1;
                 continue;
@@ -404,24 +411,25 @@ impl Dynamics for System<'_> {
             let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
             let elements = (turn < count).then(|| effect.elements(motion));
             start.effect = number;
-            let touched = self.scratch.booked(number, elements, |_| effect.constrain(&start, x, v));
+            let touched = self.scratch.call_effect(number, elements, |_| effect.constrain(&start, x, v));
             if touched > 0 {
-                ways = None;
+                swept_bounds = None;
             }
             quiet = if touched == 0 { quiet + 1 } else { 0 };
             all += touched;
         }
-        // Implicit schemes call this more than once a step, and hold what it changes.
-        if noted.is_inside() && scene.integrator.kind().class() == Class::Explicit {
-            start.calm(v);
+        // Implicit schemes call this more than once a step and constrain the changed vertices.
+        if contact_cache.is_inside() && scene.integrator.kind().class() == Class::Explicit {
+            start.damp(v);
         }
         self.scratch.supplied += supplied.get();
         self.scratch.inside = self.scratch.inside.max(inside.get());
         self.scratch.counts.constrained += all as u64;
-        for number in &self.scratch.plan.coatings {
+        for number in &self.scratch.plan.surface_effects {
             let cost = &mut self.scratch.costs[*number];
             if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
         }
-        (self.scratch.outward, self.scratch.held, self.scratch.noted) = (outward, held, noted);
+        (self.scratch.outward, self.scratch.masked_inverse_mass, self.scratch.contact_cache) =
+            (outward, masked_inverse_mass, contact_cache);
     }
 }

@@ -1,8 +1,8 @@
-//! A toy as a system for integrators.
+//! A toy problem as a system of first order for integrators.
 
 use crate::{integrators::Ode, report::Counts, toys::Toy};
 
-/// A toy as the integrator sees it; its rates count as forces.
+/// A toy problem; evaluations of its rate count as force evaluations.
 pub(super) struct ToySystem<'a> {
     pub toy: &'a dyn Toy,
     pub counts: &'a mut Counts,

@@ -2,75 +2,76 @@
 
 use nalgebra::Matrix2;
 
-/// What the entries of a stiffness matrix are multiplied by when they are added to a [`BlockMatrix`]: an implicit step
-/// that writes `x = x^ + ax z, v = v^ + av z` needs `M + ax (-df/dx) + av (-df/dv)`.
+/// Factors of the entries of a stiffness matrix that is added to a [`BlockMatrix`]: an implicit step with `x = x^ + ax
+/// z, v = v^ + av z` needs `M + ax (-df/dx) + av (-df/dv)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Factor of `-df/dx` [N/m].
     pub position: f64,
     /// Factor of `-df/dv` [N s/m].
     pub velocity: f64,
-    /// Which derivative is meant.
+    /// Kind of derivative.
     pub tangent: Tangent,
 }
 
-/// Which derivative of the forces is taken: the true one, or one whose eigenvalues are changed, element by element, so that
-/// every Newton step leads downhill.
+/// Derivative of the forces: the true one, or one with eigenvalues changed element by element, so that every Newton
+/// step is a descent direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangent {
     /// The true one, with which Newton's method converges quadratically.
     Exact,
-    /// Negative eigenvalues become zero: the nearest positive semidefinite matrix (Teran et al., *Robust quasistatic finite
-    /// elements and flesh simulation*, SCA 2005). Steps are bold where there is no stiffness.
+    /// Negative eigenvalues become zero: the nearest positive semidefinite matrix (Teran et al., *Robust quasistatic
+    /// finite elements and flesh simulation*, SCA 2005). Steps are long where there is no stiffness.
     Definite,
-    /// All become positive: steps are no longer downhill than they would be uphill (Chen et al., *Stabler Neo-Hookean
+    /// Absolute eigenvalues: steps are no longer downhill than they would be uphill (Chen et al., *Stabler Neo-Hookean
     /// Simulation: Absolute Eigenvalue Filtering for Projected Newton*, SIGGRAPH 2024).
     Absolute,
 }
 
 /// A symmetric sparse matrix of 2 x 2 blocks.
 ///
-/// Which blocks exist is settled once, from a list of couples of vertices; repeated couples share a block. Filling goes
-/// through the same list in the same order: the n-th [`Self::couple`] after [`Self::clear`] lands in the slot of the
-/// n-th couple of the list, with no search. Each block is kept once, for the lower of its two vertices as the column.
+/// The sparsity pattern is fixed at construction, by a list of vertex pairs; repeated pairs share a block. Assembly
+/// follows the same list in the same order: the n-th [`Self::off_diagonal`] after [`Self::clear`] adds to the block of
+/// the n-th pair, without a search. Each block is stored once, with the lower of its two vertices as the column.
 #[derive(Clone, Debug, Default)]
 pub struct BlockMatrix {
     diagonal: Vec<Matrix2<f64>>,
-    /// One for each different couple, in the order of `couples`.
+    /// One for each different pair, in the order of `pattern`.
     blocks: Vec<Matrix2<f64>>,
-    /// The different couples, (row, column) with row > column, sorted by row.
-    couples: Vec<[u32; 2]>,
-    /// For each couple of the list the number of its block, doubled; odd where the couple names the lower vertex first.
+    /// The different pairs, (row, column) with row > column, sorted by row.
+    pattern: Vec<[u32; 2]>,
+    /// For each pair of the list the number of its block, doubled; odd where the pair has the lower vertex first.
     slots: Vec<u32>,
     cursor: usize,
 }
 
 impl BlockMatrix {
-    /// An empty matrix for so many vertices and these couples. A couple of a vertex with itself is left to the diagonal.
+    /// A zero matrix for a number of vertices and a list of pairs. A pair of a vertex with itself belongs to the
+    /// diagonal.
     pub fn new(vertices: usize, listed: &[[u32; 2]]) -> Self {
         let ordered = |[a, b]: [u32; 2]| [a.max(b), a.min(b)];
-        let mut couples: Vec<_> = listed.iter().map(|couple| ordered(*couple)).collect();
-        couples.sort_unstable();
-        couples.dedup();
-        let slot = |couple: &[u32; 2]| {
-            let block = couples.partition_point(|other| *other < ordered(*couple)) as u32;
-            2 * block + u32::from(couple[0] < couple[1])
+        let mut pattern: Vec<_> = listed.iter().map(|pair| ordered(*pair)).collect();
+        pattern.sort_unstable();
+        pattern.dedup();
+        let slot = |pair: &[u32; 2]| {
+            let block = pattern.partition_point(|other| *other < ordered(*pair)) as u32;
+            2 * block + u32::from(pair[0] < pair[1])
         };
         let slots = listed.iter().map(slot).collect();
-        let (diagonal, blocks) = (vec![Matrix2::zeros(); vertices], vec![Matrix2::zeros(); couples.len()]);
-        Self { diagonal, blocks, couples, slots, cursor: 0 }
+        let (diagonal, blocks) = (vec![Matrix2::zeros(); vertices], vec![Matrix2::zeros(); pattern.len()]);
+        Self { diagonal, blocks, pattern, slots, cursor: 0 }
     }
 
-    /// Whether it was made for so many vertices and this list.
+    /// Whether it was made for this number of vertices and this list.
     pub fn is_for(&self, vertices: usize, listed: &[[u32; 2]]) -> bool {
         let named = self.slots.iter().map(|slot| {
-            let [row, column] = self.couples[(slot >> 1) as usize];
+            let [row, column] = self.pattern[(slot >> 1) as usize];
             if slot & 1 == 0 { [row, column] } else { [column, row] }
         });
         self.vertices() == vertices && named.eq(listed.iter().copied())
     }
 
-    /// Sets every entry to zero and goes back to the first couple.
+    /// Sets every entry to zero and returns to the first pair.
     pub fn clear(&mut self) {
         self.diagonal.fill(Matrix2::zeros());
         self.blocks.fill(Matrix2::zeros());
@@ -83,10 +84,10 @@ impl BlockMatrix {
         self.diagonal[vertex] += block;
     }
 
-    /// Adds to the block of the next couple (a, b) of the list: how what acts on a depends on b, and by symmetry the other
-    /// way round. More blocks than couples are ignored, which [`Self::is_full`] tells.
+    /// Adds to the block of the next pair (a, b) of the list: the derivative of a by b, and by symmetry the transpose.
+    /// Extra blocks are ignored, which [`Self::is_full`] tells.
     #[inline]
-    pub fn couple(&mut self, block: &Matrix2<f64>) {
+    pub fn off_diagonal(&mut self, block: &Matrix2<f64>) {
         if let Some(slot) = self.slots.get(self.cursor) {
             let into = &mut self.blocks[(slot >> 1) as usize];
             if slot & 1 == 0 {
@@ -98,17 +99,17 @@ impl BlockMatrix {
         self.cursor += 1;
     }
 
-    /// Adds the six blocks of a triangle, each column by column: those of its corners with themselves, and those of the next three
-    /// couples of the list, (first, second), (first, third) and (second, third). More couples than listed are ignored.
+    /// Adds the six blocks of a triangle, each column by column: those of its corners with themselves, and those of the
+    /// next three pairs of the list, (first, second), (first, third) and (second, third). Extra pairs are ignored.
     #[inline(always)]
     pub fn triangle(&mut self, corners: [u32; 3], blocks: &[[f64; 4]; 6]) {
-        let (own, couples) = blocks.split_at(3);
+        let (own, pattern) = blocks.split_at(3);
         for (corner, block) in corners.into_iter().zip(own) {
             let into: &mut [[f64; 2]; 2] = self.diagonal[corner as usize].as_mut();
             into.as_flattened_mut().iter_mut().zip(block).for_each(|(into, entry)| *into += entry);
         }
         if let Some(slots) = self.slots.get(self.cursor..self.cursor + 3) {
-            for (slot, [m11, m21, m12, m22]) in slots.iter().zip(couples) {
+            for (slot, [m11, m21, m12, m22]) in slots.iter().zip(pattern) {
                 let (m21, m12) = if slot & 1 == 0 { (m21, m12) } else { (m12, m21) };
                 let into: &mut [[f64; 2]; 2] = self.blocks[(slot >> 1) as usize].as_mut();
                 into.as_flattened_mut().iter_mut().zip([m11, m21, m12, m22]).for_each(|(into, entry)| *into += entry);
@@ -117,7 +118,7 @@ impl BlockMatrix {
         self.cursor += 3;
     }
 
-    /// Takes the matrix to other axes, given by the first of them for each vertex, flat: `Q_aᵀ B_ab Q_b`.
+    /// Transforms the matrix to local axes, given by the first axis of each vertex, flat: `Q_aᵀ B_ab Q_b`.
     pub fn turn(&mut self, axes: &[f64]) {
         let turned = |vertex: usize| axes[2 * vertex..2 * vertex + 2] != [1.0, 0.0];
         let q = |vertex: usize| {
@@ -127,7 +128,7 @@ impl BlockMatrix {
         for (vertex, block) in self.diagonal.iter_mut().enumerate().filter(|(vertex, _)| turned(*vertex)) {
             *block = q(vertex).transpose() * *block * q(vertex);
         }
-        for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
+        for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
             let (row, column) = (*row as usize, *column as usize);
             if turned(row) || turned(column) {
                 *block = q(row).transpose() * *block * q(column);
@@ -135,7 +136,7 @@ impl BlockMatrix {
         }
     }
 
-    /// Makes rows and columns of numbers whose 1/weight is zero those of the identity.
+    /// Replaces rows and columns of numbers with 1/weight zero by those of the identity.
     pub fn fix(&mut self, inverse_weight: &[f64]) {
         if inverse_weight.iter().all(|weight| *weight > 0.0) {
             return;
@@ -147,7 +148,7 @@ impl BlockMatrix {
                 block[(axis, axis)] = 1.0;
             }
         }
-        for ([row, column], block) in self.couples.iter().zip(&mut self.blocks) {
+        for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
             for axis in 0..2 {
                 if inverse_weight[2 * *row as usize + axis] == 0.0 {
                     block.fill_row(axis, 0.0);
@@ -159,7 +160,7 @@ impl BlockMatrix {
         }
     }
 
-    /// Whether as many couples were added as were listed.
+    /// Whether as many pairs were added as were listed.
     pub fn is_full(&self) -> bool {
         self.cursor == self.slots.len()
     }
@@ -169,19 +170,19 @@ impl BlockMatrix {
         self.diagonal.len()
     }
 
-    /// The blocks of vertices with themselves.
+    /// The diagonal blocks.
     pub fn diagonals(&self) -> &[Matrix2<f64>] {
         &self.diagonal
     }
 
-    /// The other blocks, each once.
+    /// The off-diagonal blocks, each once.
     pub fn blocks(&self) -> &[Matrix2<f64>] {
         &self.blocks
     }
 
-    /// Row and column of each of the other blocks: row > column, in ascending order.
-    pub fn couples(&self) -> &[[u32; 2]] {
-        &self.couples
+    /// Row and column of each off-diagonal block: row > column, in ascending order.
+    pub fn pattern(&self) -> &[[u32; 2]] {
+        &self.pattern
     }
 
     /// Adds the product with a flat vector to another one.
@@ -194,7 +195,7 @@ impl BlockMatrix {
         for (vertex, block) in self.diagonal.iter().enumerate() {
             add(vertex, block, vertex);
         }
-        for ([row, column], block) in self.couples.iter().zip(&self.blocks) {
+        for ([row, column], block) in self.pattern.iter().zip(&self.blocks) {
             add(*row as usize, block, *column as usize);
             add(*column as usize, &block.transpose(), *row as usize);
         }

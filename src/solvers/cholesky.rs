@@ -9,46 +9,46 @@ use crate::simd::{SPARE, lined};
 use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 
-/// What a multiplication and subtraction of factorising costs, and a block of L in factorising and solving once [ns].
+/// Time of a multiplication and subtraction in factorisation, and of a block of L in one factorisation and solve [ns].
 const PRODUCT: f64 = 0.05;
 const ENTRY: f64 = 9.0;
 
 /// The factorisation `A = L Lᵀ` of a symmetric positive definite [`BlockMatrix`].
 ///
-/// The order of elimination (approximate minimum degree) and the places of the entries of L come from faer, once for a
-/// topology. The numbers are worked out here, by fronts (Duff and Reid, *The multifrontal solution of indefinite sparse
-/// symmetric linear systems*, ACM Transactions on Mathematical Software 9, 1983; Davis, *Direct Methods for Sparse Linear
-/// Systems*, section 4.8): columns of L with the same rows are one dense panel, which is worked on in lanes, and what its
-/// elimination takes from all others waits on a stack until the next front takes it up. They must be the same bits on every
-/// processor; faer's own kernels take whatever vector and fused operations the machine at hand has.
+/// The elimination order (approximate minimum degree) and the structure of L come from faer, once for a topology. The
+/// numeric factorisation is multifrontal (Duff and Reid, *The multifrontal solution of indefinite sparse symmetric
+/// linear systems*, ACM Transactions on Mathematical Software 9, 1983; Davis, *Direct Methods for Sparse Linear
+/// Systems*, section 4.8): columns of L with the same rows form one dense panel, which is processed with SIMD, and its
+/// update matrix waits on a stack for the parent front. The bits must be the same on every processor; faer's own
+/// kernels use whatever vector and fused operations the machine has.
 #[derive(Clone, Debug)]
 pub struct Factor {
     elimination: Elimination,
     /// The panels.
     values: Vec<f64>,
-    /// Updates that wait.
+    /// Stacks of update matrices.
     stacks: [Vec<f64>; 2],
     solution: Vec<f64>,
     below: Vec<f64>,
 }
 
 impl Factor {
-    /// Settles where the entries of L are. `None` if they are too many for the memory.
+    /// Symbolic factorisation. `None` if L does not fit in memory.
     pub fn new(matrix: &BlockMatrix) -> Option<Self> {
         let elimination = Elimination::new(matrix)?;
-        let room = |size: usize| vec![0.0; size + SPARE];
+        let buffer = |size: usize| vec![0.0; size + SPARE];
         let deepest = elimination.fronts.iter().map(Front::update_stride).max().unwrap_or(0);
         Some(Self {
-            values: room(elimination.size),
-            stacks: elimination.stacks.map(room),
+            values: buffer(elimination.size),
+            stacks: elimination.stacks.map(buffer),
             solution: vec![0.0; 2 * matrix.vertices()],
-            below: room(deepest),
+            below: buffer(deepest),
             elimination,
         })
     }
 
-    /// Factorises `A + shift W`. Rows and columns of numbers whose 1/W is zero are taken to be those of the identity.
-    /// Returns whether the matrix was positive definite; if not, nothing can be solved.
+    /// Factorises `A + shift W`. Rows and columns of numbers with 1/W zero are taken as those of the identity. Returns
+    /// whether the matrix was positive definite; if not, nothing can be solved.
     pub fn factorise(&mut self, matrix: &BlockMatrix, inverse_weight: &[f64], shift: f64) -> bool {
         let all = inverse_weight.iter().all(|weight| *weight > 0.0);
         Arch::new().dispatch(Factorise { of: self, matrix, inverse_weight, shift, all })
@@ -59,8 +59,8 @@ impl Factor {
         Arch::new().dispatch(Solve { of: self, b });
     }
 
-    /// About how long factorising and solving once take [ns]. It is worked out from the pattern alone, so that whoever chooses by it
-    /// chooses the same on every machine; only ratios of such times are of use.
+    /// Estimated time of one factorisation and solve [ns], from the pattern alone, so that choices by it are the same
+    /// on every machine; only ratios of such times are meaningful.
     pub fn time(&self) -> f64 {
         let front = |front: &Front| {
             let (first, last) = ((front.width + front.depth()) as f64, front.depth() as f64);
@@ -71,7 +71,7 @@ impl Factor {
         PRODUCT * products + ENTRY * self.entries() as f64
     }
 
-    /// Number of blocks of L, those of the diagonal and zeros that are kept for convenience included.
+    /// Number of blocks of L, including the diagonal and explicit zeros.
     pub fn entries(&self) -> usize {
         self.elimination.fronts.iter().map(|front| front.width * (front.width + 2 + 2 * front.depth()) / 8).sum()
     }
@@ -82,7 +82,7 @@ struct Factorise<'a> {
     matrix: &'a BlockMatrix,
     inverse_weight: &'a [f64],
     shift: f64,
-    /// Whether nothing is fixed.
+    /// Whether no number is fixed.
     all: bool,
 }
 
@@ -109,7 +109,7 @@ impl WithSimd for Factorise<'_> {
             let mut update = Columns { values, stride: front.update_stride() };
             for child in &elimination.children[front.children.clone()] {
                 let child = &elimination.fronts[*child as usize];
-                take_up(&mut panel, &mut update, top, (elimination, child, &other[child.update..]));
+                extend_add(&mut panel, &mut update, top, (elimination, child, &other[child.update..]));
             }
             if !eliminate(set, &mut panel, &mut update, (width, top, depth)) {
                 return false;
@@ -119,7 +119,7 @@ impl WithSimd for Factorise<'_> {
     }
 }
 
-/// Puts a front's own entries of the matrix into its panel.
+/// Copies a front's entries of the matrix into its panel.
 #[inline(always)]
 fn fill(
     panel: &mut [f64],
@@ -136,7 +136,7 @@ fn fill(
         let number = (entry.block >> 1) as usize;
         let mut block = matrix.blocks()[number];
         if !all {
-            let [row, column] = matrix.couples()[number].map(|vertex| free(inverse_weight, vertex as usize));
+            let [row, column] = matrix.pattern()[number].map(|vertex| free(inverse_weight, vertex as usize));
             block = masked(&block, row, column);
         }
         put(entry.to as usize, &if entry.block & 1 == 0 { block } else { block.transpose() });
@@ -153,9 +153,9 @@ fn fill(
     }
 }
 
-/// Adds the update of a front below to the front that takes it up.
+/// Extend-add: adds the update matrix of a child front to its parent.
 #[inline(always)]
-fn take_up(
+fn extend_add(
     panel: &mut Columns<'_>,
     update: &mut Columns<'_>,
     top: usize,
@@ -174,7 +174,7 @@ fn take_up(
                 (&mut update.values[(to - top) * update.stride..(to - top + 1) * update.stride], top)
             };
             for (number, run) in runs[number..].iter().enumerate() {
-                // Above the diagonal nothing is of use.
+                // Entries above the diagonal are not used.
                 let skipped = if number == 0 { column } else { 0 };
                 let (from, to) = (run.from as usize + skipped, run.to as usize + skipped - skip);
                 let count = run.count as usize - skipped;
@@ -242,13 +242,13 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-/// Which of a vertex's two numbers may change.
+/// Which of a vertex's two numbers are free.
 #[inline]
 fn free(inverse_weight: &[f64], vertex: usize) -> [bool; 2] {
     [inverse_weight[2 * vertex] > 0.0, inverse_weight[2 * vertex + 1] > 0.0]
 }
 
-/// The block without the rows and columns that are not free.
+/// The block with zeros in the rows and columns that are not free.
 #[inline]
 fn masked(block: &Matrix2<f64>, rows: [bool; 2], columns: [bool; 2]) -> Matrix2<f64> {
     if rows == [true; 2] && columns == [true; 2] {

@@ -1,32 +1,32 @@
-//! Groups of coupled vertices for the two-level preconditioner.
+//! Aggregation of coupled vertices for the two-level preconditioner.
 
 use super::BlockMatrix;
 use nalgebra::Matrix2;
 
-/// Of a vertex the share that it takes from its neighbours (Vaněk, Mandel and Brezina, *Algebraic multigrid by smoothed
-/// aggregation for second and fourth order elliptic problems*, Computing 56, 1996): as much as leaves least of what changes its
-/// sign from each vertex to the next.
+/// Weight of the neighbours in the smoothed prolongation (Vaněk, Mandel and Brezina, *Algebraic multigrid by smoothed
+/// aggregation for second and fourth order elliptic problems*, Computing 56, 1996): it leaves least of a vector that
+/// alternates from vertex to vertex.
 const SMOOTHING: f64 = 2.0 / 3.0;
 
-/// Belongs to no group yet.
+/// Marks a vertex without a group.
 const NONE: u32 = u32::MAX;
 
-/// A smaller system that stands for a large one: a vertex for each group of coupled vertices.
+/// A coarse system with a vertex for each group of coupled vertices.
 ///
-/// It is found from the couples alone, once for a topology. What is said of a group goes to its vertices and, in shares, to the
-/// neighbours of these: each vertex takes two thirds from around it, so that what is the same for all groups is the same for all
-/// vertices, and there is no jump from one group to the next.
+/// It depends on the sparsity pattern alone and is built once for a topology. The prolongation gives values of groups
+/// to their vertices and, with weights, to the neighbours of these: each vertex takes two thirds from its neighbours,
+/// so that constants are preserved and there is no jump between groups.
 #[derive(Clone, Debug)]
 pub struct Coarsening {
     groups: usize,
-    /// Where the shares of each vertex start.
+    /// Start of the weights of each vertex.
     starts: Vec<u32>,
-    /// Groups and what a vertex takes of them.
+    /// Groups and their weights.
     shares: Vec<(u32, f64)>,
 }
 
 impl Coarsening {
-    /// For the couples of a matrix.
+    /// Builds the groups of a matrix.
     pub fn new(matrix: &BlockMatrix) -> Self {
         let around = Neighbours::new(matrix);
         let (group_of, groups) = groups(&around);
@@ -49,13 +49,13 @@ impl Coarsening {
         coarsening
     }
 
-    /// What a vertex takes of which groups.
+    /// Groups of a vertex with their weights.
     #[inline]
     fn of(&self, vertex: usize) -> &[(u32, f64)] {
         &self.shares[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 
-    /// An empty matrix for the groups.
+    /// A zero matrix for the groups.
     pub fn matrix(&self, fine: &BlockMatrix) -> BlockMatrix {
         let mut listed = Vec::new();
         for vertex in 0..fine.vertices() {
@@ -64,7 +64,7 @@ impl Coarsening {
                 listed.extend(shares[number + 1..].iter().map(|(b, _)| [*a, *b]));
             }
         }
-        for [row, column] in fine.couples() {
+        for [row, column] in fine.pattern() {
             for (a, _) in self.of(*row as usize) {
                 listed.extend(self.of(*column as usize).iter().filter(|(b, _)| a != b).map(|(b, _)| [*a, *b]));
             }
@@ -72,8 +72,7 @@ impl Coarsening {
         BlockMatrix::new(self.groups, &listed)
     }
 
-    /// Makes `coarse`, which [`Self::matrix`] gave, what the matrix A is to vectors that are spread from groups: `Pᵀ A P`. Of
-    /// numbers whose 1/weight is zero it takes nothing.
+    /// Galerkin product: sets `coarse`, made by [`Self::matrix`], to `Pᵀ A P`. Numbers with 1/weight zero are left out.
     pub fn project(&self, fine: &BlockMatrix, inverse_weight: &[f64], coarse: &mut BlockMatrix) {
         coarse.clear();
         for (vertex, block) in fine.diagonals().iter().enumerate() {
@@ -84,24 +83,24 @@ impl Coarsening {
             }
             for (number, (a, share)) in shares.iter().enumerate() {
                 coarse.diagonal(*a as usize, &(block * (share * share)));
-                shares[number + 1..].iter().for_each(|(_, other)| coarse.couple(&(block * (share * other))));
+                shares[number + 1..].iter().for_each(|(_, other)| coarse.off_diagonal(&(block * (share * other))));
             }
         }
-        for ([row, column], block) in fine.couples().iter().zip(fine.blocks()) {
+        for ([row, column], block) in fine.pattern().iter().zip(fine.blocks()) {
             let both: Matrix2<f64> = block + block.transpose();
             for (a, share) in self.of(*row as usize) {
                 for (b, other) in self.of(*column as usize) {
                     if a == b {
                         coarse.diagonal(*a as usize, &(both * (share * other)));
                     } else {
-                        coarse.couple(&(block * (share * other)));
+                        coarse.off_diagonal(&(block * (share * other)));
                     }
                 }
             }
         }
     }
 
-    /// `coarse = Pᵀ fine`: what groups get of a flat vector.
+    /// Restriction, `coarse = Pᵀ fine`.
     pub fn gather(&self, fine: &[f64], coarse: &mut [f64]) {
         coarse.fill(0.0);
         let coarse = coarse.as_chunks_mut::<2>().0;
@@ -114,7 +113,7 @@ impl Coarsening {
         }
     }
 
-    /// `fine += P coarse`: what vertices get of groups.
+    /// Prolongation, `fine += P coarse`.
     pub fn spread(&self, coarse: &[f64], fine: &mut [f64]) {
         let coarse = coarse.as_chunks::<2>().0;
         for (vertex, [x, y]) in fine.as_chunks_mut().0.iter_mut().enumerate() {
@@ -127,7 +126,7 @@ impl Coarsening {
     }
 }
 
-/// The vertices that each is coupled with.
+/// Adjacency of vertices.
 struct Neighbours {
     starts: Vec<u32>,
     all: Vec<u32>,
@@ -136,15 +135,15 @@ struct Neighbours {
 impl Neighbours {
     fn new(matrix: &BlockMatrix) -> Self {
         let mut starts = vec![0; matrix.vertices() + 1];
-        for vertex in matrix.couples().as_flattened() {
+        for vertex in matrix.pattern().as_flattened() {
             starts[*vertex as usize + 1] += 1;
         }
         for vertex in 0..matrix.vertices() {
             starts[vertex + 1] += starts[vertex];
         }
         let mut next = starts.clone();
-        let mut all = vec![0; 2 * matrix.couples().len()];
-        for [a, b] in matrix.couples() {
+        let mut all = vec![0; 2 * matrix.pattern().len()];
+        for [a, b] in matrix.pattern() {
             for (of, other) in [(*a, *b), (*b, *a)] {
                 all[next[of as usize] as usize] = other;
                 next[of as usize] += 1;
@@ -158,8 +157,8 @@ impl Neighbours {
     }
 }
 
-/// The group of each vertex, and how many there are: first every vertex with all around it, where none of these is taken yet; what
-/// is left goes to a group next to it.
+/// The group of each vertex, and the number of groups: first every vertex with all its neighbours, where none of these
+/// has a group; the others join a neighbouring group.
 fn groups(around: &Neighbours) -> (Vec<u32>, usize) {
     let count = around.starts.len() - 1;
     let mut group_of = vec![NONE; count];
@@ -176,7 +175,7 @@ fn groups(around: &Neighbours) -> (Vec<u32>, usize) {
     }
     let first = group_of.clone();
     for (vertex, group) in group_of.iter_mut().enumerate().filter(|(_, group)| **group == NONE) {
-        // Something around it is taken, or the vertex would be a group.
+        // A neighbour has a group, otherwise the vertex would be one.
         let next = around.of(vertex).iter().map(|other| first[*other as usize]).find(|group| *group != NONE);
         *group = next.unwrap_or(0);
     }

@@ -1,47 +1,49 @@
-//! Conjugate gradients.
+//! Preconditioned conjugate gradients.
 
 use super::{BlockMatrix, Factor, NewtonCounts, Tangent, dense::dot, two_level::TwoLevel};
 use pulp::Arch;
 
-/// How exact a solution has to be.
+/// Tolerance of a linear solve.
 #[derive(Clone, Copy)]
 pub struct SolveTolerance {
-    /// The share of the error that may be left, measured as energy.
+    /// Fraction of the error that may remain, in the energy norm.
     pub share: f64,
-    /// An error of any vertex that is small enough in any case.
+    /// Error of any vertex that is accepted in any case.
     pub error: f64,
 }
 
-/// What came of solving.
-pub enum Outcome {
-    /// A solution; so large a share of its error is left.
+/// Result of a linear solve.
+pub enum SolveOutcome {
+    /// Solved; the fraction of the error that remains.
     Solved(f64),
     /// The matrix is not positive definite.
     Indefinite,
-    /// Nothing in the time that a factorisation takes.
+    /// Slower than a factorisation.
     Slow,
 }
 
-/// Conjugate gradients for large systems (Hestenes and Stiefel, *Methods of conjugate gradients for solving linear systems*,
-/// Journal of Research of the National Bureau of Standards 49, 1952), steered by [`TwoLevel`].
+/// Conjugate gradients for large systems (Hestenes and Stiefel, *Methods of conjugate gradients for solving linear
+/// systems*, Journal of Research of the National Bureau of Standards 49, 1952), preconditioned by [`TwoLevel`].
 ///
-/// Of a sheet of 100,000 triangles in a step of 1/60 s an iteration takes a twentieth of the time of factorising the matrix and
-/// solving with the factor; four iterations leave a hundredth of the error and nineteen 1e-8 of it, nearly whatever the size. The
-/// factor of an earlier matrix steers better, with two and nine iterations, but to solve with it takes a quarter of that time, for
-/// all its entries pass through the processor; and a step must not depend on what was solved before it. Near incompressibility
-/// neither serves, nor does anything else that looks at one vertex at a time: there the matrix is factorised.
+/// For a sheet of 100,000 triangles and a step of 1/60 s, an iteration takes a twentieth of the time of a factorisation
+/// and solve; four iterations leave a hundredth of the error and nineteen 1e-8 of it, nearly independent of size. The
+/// factor of an earlier matrix is a better preconditioner, with two and nine iterations, but a solve with it takes a
+/// quarter of that time, because all its entries are read from memory; and a step must not depend on what was solved
+/// before it. Near incompressibility neither works, nor does any other method that treats single vertices: there the
+/// matrix is factorised.
 ///
-/// No step allocates: all that is needed is settled with the couples.
+/// No step allocates: all buffers are made with the sparsity pattern.
 #[derive(Clone, Debug)]
 pub struct Iterative {
     levels: TwoLevel,
-    /// What an iteration and making the groups' matrix anew take, as shares of factorising the whole matrix and solving with its
-    /// factor.
+    /// Time of an iteration and of a rebuild of the coarse matrix, as fractions of a factorisation and solve of the
+    /// whole matrix.
     iteration: f64,
     refreshment: f64,
-    /// For which derivative the groups' matrix was made, and how many iterations it took then to leave 1/e of the error.
+    /// Derivative for which the coarse matrix was built, and the number of iterations it took then for a factor 1/e of
+    /// the error.
     made: Option<(Tangent, Option<f64>)>,
-    /// Whether it was too slow.
+    /// Whether iterations were too slow.
     is_off: bool,
     r: Vec<f64>,
     z: Vec<f64>,
@@ -50,14 +52,14 @@ pub struct Iterative {
 }
 
 impl Iterative {
-    /// For a matrix, if this is worth while; the factor tells what the other way costs.
+    /// Makes a solver for a matrix, if it is faster than factorisation by the estimated times.
     pub fn by_size(matrix: &BlockMatrix, factor: &Factor) -> Option<Self> {
         let [iteration, refreshment] = times(matrix, None);
         let worth = factor.time() > GAIN * (refreshment + USUAL * iteration);
         if worth { Self::new(matrix, factor) } else { None }
     }
 
-    /// For any matrix. `None` if there is no memory for it.
+    /// Makes a solver for any matrix. `None` if it does not fit in memory.
     pub fn new(matrix: &BlockMatrix, factor: &Factor) -> Option<Self> {
         let levels = TwoLevel::new(matrix)?;
         let [iteration, refreshment] = times(matrix, Some(&levels)).map(|time| time / factor.time());
@@ -65,62 +67,62 @@ impl Iterative {
         Some(Self { levels, iteration, refreshment, made: None, is_off: false, r, z, direction, product })
     }
 
-    /// Forgets what was made for other equations: a step must not depend on those before.
+    /// Resets the coarse matrix: a step must not depend on those before.
     pub fn begin(&mut self) {
         (self.made, self.is_off) = (None, false);
     }
 
-    /// Solves `A x = -g`. Rows and columns of numbers whose 1/weight is zero become those of the identity.
+    /// Solves `A x = -g`. Rows and columns of numbers with 1/weight zero become those of the identity.
     pub fn solve(
         &mut self,
         (matrix, tangent, inverse_weight): (&mut BlockMatrix, Tangent, &[f64]),
         (g, x): (&[f64], &mut [f64]),
-        aim: SolveTolerance,
+        tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
-    ) -> Outcome {
+    ) -> SolveOutcome {
         if self.is_off {
-            return Outcome::Slow;
+            return SolveOutcome::Slow;
         }
         matrix.fix(inverse_weight);
         if !self.levels.take_diagonal(matrix) {
-            return Outcome::Indefinite;
+            return SolveOutcome::Indefinite;
         }
         let reused = self.made.filter(|(made, _)| *made == tangent);
         if reused.is_none() && !self.levels.refresh(matrix, inverse_weight) {
-            return self.give_up(counts);
+            return self.abandon(counts);
         }
         let before = counts.linear_iterations;
-        let outcome = self.iterate(matrix, (g, x), aim, counts);
+        let outcome = self.iterate(matrix, (g, x), tolerance, counts);
         counts.reused += u64::from(reused.is_some());
         self.made = Some((tangent, None));
         match outcome {
-            Outcome::Solved(share) if share > 0.0 => {
+            SolveOutcome::Solved(share) if share > 0.0 => {
                 let taken = (counts.linear_iterations - before) as f64;
-                let pace = taken / -libm::log(share);
-                let first = reused.and_then(|(_, first)| first).unwrap_or(pace);
-                // Worth making anew: that costs less than what it took longer than at first.
-                let is_old = (1.0 - first / pace) * taken * self.iteration > self.refreshment;
+                let rate = taken / -libm::log(share);
+                let first = reused.and_then(|(_, first)| first).unwrap_or(rate);
+                // A rebuild pays if it costs less than the additional iterations since the first solve.
+                let is_old = (1.0 - first / rate) * taken * self.iteration > self.refreshment;
                 self.made = if is_old { None } else { Some((tangent, Some(first))) };
             }
-            Outcome::Slow => return self.give_up(counts),
+            SolveOutcome::Slow => return self.abandon(counts),
             _ => {}
         }
         outcome
     }
 
-    fn give_up(&mut self, counts: &mut NewtonCounts) -> Outcome {
+    fn abandon(&mut self, counts: &mut NewtonCounts) -> SolveOutcome {
         self.is_off = true;
         counts.abandoned += 1;
-        Outcome::Slow
+        SolveOutcome::Slow
     }
 
     fn iterate(
         &mut self,
         matrix: &BlockMatrix,
         (g, x): (&[f64], &mut [f64]),
-        aim: SolveTolerance,
+        tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
-    ) -> Outcome {
+    ) -> SolveOutcome {
         let Self { levels, r, z, direction, product, .. } = self;
         r.iter_mut().zip(g).for_each(|(r, g)| *r = -g);
         x.fill(0.0);
@@ -132,23 +134,23 @@ impl Iterative {
         let mut shares = [1.0; WINDOW];
         for iteration in 0..=most {
             if size == 0.0 {
-                return Outcome::Solved(0.0);
+                return SolveOutcome::Solved(0.0);
             }
             if !(size > 0.0 && size.is_finite()) {
-                return Outcome::Indefinite;
+                return SolveOutcome::Indefinite;
             }
             let share = (size / first).sqrt();
-            let enough = aim.share.max(aim.error / greatest(x));
+            let enough = tolerance.share.max(tolerance.error / greatest(x));
             if share <= enough && iteration > 0 {
-                return Outcome::Solved(share);
+                return SolveOutcome::Solved(share);
             }
-            // At the pace of the last few iterations.
+            // Extrapolates the convergence rate of the last few iterations.
             let earlier = std::mem::replace(&mut shares[iteration % WINDOW], share);
             if iteration >= WINDOW {
-                let pace = libm::log(earlier / share) / WINDOW as f64;
-                let missing = libm::log(share / enough) / pace;
-                if pace <= 0.0 || iteration as f64 + missing > most as f64 {
-                    return Outcome::Slow;
+                let rate = libm::log(earlier / share) / WINDOW as f64;
+                let missing = libm::log(share / enough) / rate;
+                if rate <= 0.0 || iteration as f64 + missing > most as f64 {
+                    return SolveOutcome::Slow;
                 }
             }
             product.fill(0.0);
@@ -156,7 +158,7 @@ impl Iterative {
             counts.linear_iterations += 1;
             let curvature = dot(direction, product);
             if !(curvature > 0.0 && curvature.is_finite()) {
-                return Outcome::Indefinite;
+                return SolveOutcome::Indefinite;
             }
             let way = size / curvature;
             Arch::new().dispatch(|| {
@@ -171,29 +173,29 @@ impl Iterative {
             Arch::new().dispatch(|| direction.iter_mut().zip(&*z).for_each(|(d, z)| *d = z + back * *d));
             size = next;
         }
-        Outcome::Slow
+        SolveOutcome::Slow
     }
 }
 
-/// Iterations over which the pace is measured.
+/// Iterations over which the convergence rate is measured.
 const WINDOW: usize = 4;
 
-/// As many iterations as cost as much as a factorisation are taken before the matrix is factorised after all, but not fewer.
+/// Least number of iterations before the matrix is factorised instead; otherwise as many as cost a factorisation.
 const LEAST: f64 = 16.0;
 
-/// How many times faster iterations must be to be chosen, and how many a solve usually takes.
+/// Least speed-up for which iterations are chosen, and the usual number of iterations of a solve.
 const GAIN: f64 = 1.3;
 const USUAL: f64 = 5.0;
 
-/// About how long an iteration and making the groups' matrix anew take [ns], as [`Factor::time`] counts; without levels for the
-/// groups of a usual mesh.
+/// Estimated time of an iteration and of a rebuild of the coarse matrix [ns], in the unit of [`Factor::time`]; without
+/// levels, for the groups of a usual mesh.
 fn times(matrix: &BlockMatrix, levels: Option<&TwoLevel>) -> [f64; 2] {
     let entries = levels.map_or(2.2 * matrix.vertices() as f64, |levels| levels.entries() as f64);
-    let blocks = matrix.couples().len() as f64;
+    let blocks = matrix.pattern().len() as f64;
     [12.0 * blocks + 8.0 * entries, 10.0 * blocks + 18.0 * entries]
 }
 
-/// The greatest length of the vector of any vertex: no other than after a turn.
+/// Greatest Euclidean norm of the vector of any vertex, which is invariant under rotation.
 pub fn greatest(values: &[f64]) -> f64 {
     let squares = values.chunks(2).map(|vector| vector.iter().map(|value| value * value).sum());
     squares.fold(0.0, f64::max).sqrt()

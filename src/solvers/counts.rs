@@ -1,11 +1,11 @@
 //! Counts of a Newton solve.
 
-/// What solving took.
+/// Counts of solves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NewtonCounts {
     /// Newton iterations.
     pub iterations: u64,
-    /// How often a Newton step was halved.
+    /// Halvings of Newton steps.
     pub cuts: u64,
     /// Factorisations of the matrix, failed ones included.
     pub factorisations: u64,
@@ -15,9 +15,9 @@ pub struct NewtonCounts {
     pub unconverged: u64,
     /// Iterations of conjugate gradients.
     pub linear_iterations: u64,
-    /// Linear systems solved with what had been factorised for an earlier one.
+    /// Linear systems solved with an earlier factor.
     pub reused: u64,
-    /// Solves whose linear systems were factorised after all, as iterations were too slow.
+    /// Solves that changed from slow iterations to factorisation.
     pub abandoned: u64,
 }
 
@@ -34,7 +34,7 @@ impl NewtonCounts {
         abandoned: 0,
     };
 
-    /// Adds what another solve took.
+    /// Adds the counts of another solve.
     pub fn add(&mut self, other: &Self) {
         self.iterations += other.iterations;
         self.cuts += other.cuts;

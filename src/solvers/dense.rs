@@ -1,23 +1,24 @@
-//! Factorising dense panels and what they take from others. Every number goes through the same operations in the same order,
-//! however many the processor works on at a time.
+//! Dense kernels of the multifrontal factorisation. Every number goes through the same operations in the same order,
+//! for any SIMD width.
 
 use crate::simd::LANES;
 use pulp::Simd;
 
-/// Columns that are worked on together.
+/// Columns of a register tile.
 const COLUMNS: usize = 4;
 
-/// Columns whose products are taken before going on to the next: what fits into the processor's nearer memory.
+/// Columns of a cache block.
 const BLOCK: usize = 64;
 
-/// Columns of a front: a slice, and from one to the next.
+/// Columns of a front: a slice and its stride.
 pub struct Columns<'a> {
     pub values: &'a mut [f64],
     pub stride: usize,
 }
 
-/// Eliminates the `width` columns of a panel, whose rows below start at `top`, and takes their products from the `depth` columns
-/// of its update: `A = L Lᵀ`, with 1/L where the diagonal is. Returns whether all pivots were positive.
+/// Eliminates the `width` columns of a panel, whose rows below start at `top`, and subtracts their products from the
+/// `depth` columns of its update matrix: `A = L Lᵀ`, with the reciprocal of the diagonal of L stored in its place.
+/// Returns whether all pivots were positive.
 #[inline(always)]
 pub fn eliminate<S: Simd>(
     set: S,
@@ -66,8 +67,8 @@ pub fn eliminate<S: Simd>(
     true
 }
 
-/// Takes `a bᵀ` from C columns for each column of a panel: a are its rows from `from` to `height`, which go to rows from `to` on,
-/// and b those from `across` on.
+/// Subtracts `a bᵀ` from C columns for each column of a panel: a are its rows from `from` to `height`, which go to rows
+/// from `to` on, and b those from `across` on.
 #[inline(always)]
 fn subtract<S: Simd, const C: usize>(
     set: S,
@@ -136,7 +137,7 @@ fn pivot<S: Simd, const C: usize>(
     }
     for column in 0..C {
         let pivot = block[column][column];
-        // Nothing that is not a number is positive.
+        // NaN fails the comparison.
         if !(pivot > 0.0 && pivot.is_finite()) {
             return false;
         }
@@ -189,7 +190,7 @@ pub fn add_products(sums: &mut [f64], columns: &[f64], stride: usize, top: usize
     }
 }
 
-/// The sum of products, the same for every processor: in eight sums side by side.
+/// Dot product in eight partial sums, with the same bits on every processor.
 #[inline(always)]
 pub fn dot(one: &[f64], other: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];

@@ -11,37 +11,37 @@ use faer::sparse::{
 };
 use std::ops::Range;
 
-/// Columns of L with nearly the same rows are kept together even where some entries are zero for that: so many columns, or
-/// fewer, while the share of zeros is below this.
+/// Relaxed supernodes: columns of L with nearly the same rows are merged, with explicit zeros: up to this many columns
+/// while the fraction of zeros is below the bound.
 const RELAX: &[(usize, f64)] = &[(4, 0.8), (16, 0.2), (48, 0.1), (usize::MAX, 0.05)];
 
-/// Vertices that are eliminated together: their columns of L have the same rows below, and are kept as one dense panel.
+/// Front: vertices that are eliminated together. Their columns of L have the same rows below and form one dense panel.
 ///
-/// All counts are of single numbers, two for each vertex. A panel is stored column by column. First come the rows of the
-/// vertices themselves, then those below; either is filled up to whole lanes.
+/// All counts are of single numbers, two for each vertex. A panel is stored column by column, first the rows of the
+/// vertices themselves, then those below; each is padded to whole SIMD vectors.
 #[derive(Clone, Debug)]
 pub struct Front {
-    /// The first of its numbers, in the order of elimination.
+    /// First of its numbers in elimination order.
     pub first: usize,
-    /// How many columns it has.
+    /// Number of columns.
     pub width: usize,
-    /// The places of the vertices below in [`Elimination::rows`].
+    /// Range of the vertices below in [`Elimination::rows`].
     pub below: Range<usize>,
-    /// Where its panel starts in the values.
+    /// Start of its panel in the values.
     pub panel: usize,
-    /// What it takes from the matrix, in [`Elimination::entries`].
+    /// Its entries of the matrix, in [`Elimination::entries`].
     pub entries: Range<usize>,
-    /// Fronts whose updates it takes, in [`Elimination::children`].
+    /// Its child fronts, in [`Elimination::children`].
     pub children: Range<usize>,
-    /// Which of two stacks its own update goes to, and where it starts there.
+    /// Stack of its own update matrix (0 or 1), and the start there.
     pub stack: usize,
     pub update: usize,
-    /// Where its rows below are in the front above, in [`Elimination::runs`].
+    /// Rows of its update in the parent front, in [`Elimination::runs`].
     pub runs: Range<usize>,
 }
 
 impl Front {
-    /// For these places, and those below; where it is kept is not settled yet.
+    /// Makes a front of these places, and those below, without storage.
     const fn new(places: Range<usize>, below: Range<usize>) -> Self {
         Self {
             first: 2 * places.start,
@@ -56,76 +56,76 @@ impl Front {
         }
     }
 
-    /// How many rows are below.
+    /// Number of rows below.
     pub const fn depth(&self) -> usize {
         2 * (self.below.end - self.below.start)
     }
 
-    /// The row of the panel at which those below start.
+    /// First row below in the panel.
     pub const fn top(&self) -> usize {
         self.width.next_multiple_of(LANES)
     }
 
-    /// From one column of the update to the next.
+    /// Stride of the update matrix.
     pub const fn update_stride(&self) -> usize {
         spread(self.depth().next_multiple_of(LANES))
     }
 
-    /// From one column of the panel to the next.
+    /// Stride of the panel.
     pub const fn stride(&self) -> usize {
         spread(self.top() + self.depth().next_multiple_of(LANES))
     }
 }
 
-/// Columns a multiple of 512 bytes apart would all lie in the same few lines of the processor's nearest memory.
+/// Pads a stride: columns a multiple of 512 bytes apart would map to the same few cache sets.
 const fn spread(rows: usize) -> usize {
     if rows.is_multiple_of(64) && rows > 0 { rows + LANES } else { rows }
 }
 
-/// Rows that follow each other in a front and in the one above.
+/// Rows that are consecutive in a front and in its parent.
 #[derive(Clone, Copy, Debug)]
-pub struct Run {
+pub struct RowRun {
     /// The first row in the update.
     pub from: u32,
-    /// The row in the panel above.
+    /// First row in the parent.
     pub to: u32,
-    /// How many.
+    /// Number of rows.
     pub count: u32,
 }
 
-/// A block of the matrix on its way into a panel.
+/// Position of a block of the matrix in a panel.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// Where its first number goes in the panel.
+    /// Index of its first number in the panel.
     pub to: u32,
     /// Twice the number of the block, odd if it has to be transposed.
     pub block: u32,
 }
 
-/// The order of elimination and all places of the entries of L.
+/// Elimination order and structure of L.
 #[derive(Clone, Debug)]
 pub struct Elimination {
     /// The vertex eliminated at each place.
     pub vertex_at: Vec<u32>,
-    /// Each after those it takes updates from.
+    /// Fronts, children before parents.
     pub fronts: Vec<Front>,
     pub rows: Vec<u32>,
     pub entries: Vec<Entry>,
     pub children: Vec<u32>,
-    pub runs: Vec<Run>,
-    /// How many numbers all panels have, and how high either stack grows.
+    pub runs: Vec<RowRun>,
+    /// Size of all panels, and of either stack.
     pub size: usize,
     pub stacks: [usize; 2],
 }
 
 impl Elimination {
-    /// For the pattern of a matrix; `None` if L has too many entries for the memory.
+    /// Analyses the pattern of a matrix; `None` if L does not fit in memory.
     pub fn new(matrix: &BlockMatrix) -> Option<Self> {
         let count = matrix.vertices();
         let (starts, indices) = upper_columns(matrix);
         let pattern = SymbolicSparseColMatRef::new_checked(count, count, &starts, None, &indices);
         let parameters = CholeskySymbolicParams {
-            // Also where nothing is coupled: zero, which forces most, is not below zero operations.
+            // Below zero, so that supernodes are used for a diagonal matrix too, which has zero operations.
             supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
             supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
             ..CholeskySymbolicParams::default()
@@ -166,8 +166,8 @@ impl Elimination {
         Some(elimination)
     }
 
-    /// Sorts the fronts so that updates can be stacked: each right after the last of those it takes updates from. `own` tells
-    /// the front of each place.
+    /// Sorts the fronts in postorder, so that updates can be stacked: each right after the last of its children. `own`
+    /// is the front of each place.
     fn order(&mut self, own: &[usize]) {
         let count = self.fronts.len();
         let parent = |front: &Front| self.rows[front.below.clone()].first().map(|row| own[*row as usize]);
@@ -180,7 +180,7 @@ impl Elimination {
         }
         let mut order = Vec::with_capacity(count);
         let mut level = vec![0; count];
-        // Roots last first, as what is turned round at the end.
+        // Roots in reverse, because the order is reversed at the end.
         let mut waiting: Vec<_> = (0..count).filter(|front| parents[*front].is_none()).collect();
         while let Some(front) = waiting.pop() {
             order.push(front);
@@ -217,14 +217,14 @@ impl Elimination {
         self.fronts = sorted;
     }
 
-    /// Finds where entries of the matrix and rows of updates go.
+    /// Computes the positions of entries of the matrix and of rows of updates.
     fn place(&mut self, matrix: &BlockMatrix, place_of: &[u32]) {
         let mut columns = vec![Vec::new(); matrix.vertices()];
-        for (block, [a, b]) in matrix.couples().iter().enumerate() {
+        for (block, [a, b]) in matrix.pattern().iter().enumerate() {
             let (a, b) = (place_of[*a as usize], place_of[*b as usize]);
             columns[a.min(b) as usize].push((a.max(b), 2 * block as u32 + u32::from(a < b)));
         }
-        // The row of each place in the panel at hand.
+        // Row of each place in the present panel.
         let mut row_of = vec![0; matrix.vertices()];
         for number in 0..self.fronts.len() {
             let front = self.fronts[number].clone();
@@ -250,7 +250,7 @@ impl Elimination {
                     let (from, to) = (2 * row as u32, row_of[*place as usize] as u32);
                     match self.runs[begin..].last_mut() {
                         Some(run) if run.to + run.count == to => run.count += 2,
-                        _ => self.runs.push(Run { from, to, count: 2 }),
+                        _ => self.runs.push(RowRun { from, to, count: 2 }),
                     }
                 }
                 self.fronts[child].runs = begin..self.runs.len();
@@ -262,10 +262,10 @@ impl Elimination {
 /// The upper triangle by columns, with the diagonal: starts of the columns, and rows.
 fn upper_columns(matrix: &BlockMatrix) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0];
-    let mut indices = Vec::with_capacity(matrix.couples().len() + matrix.vertices());
-    let mut couples = matrix.couples().iter().peekable();
+    let mut indices = Vec::with_capacity(matrix.pattern().len() + matrix.vertices());
+    let mut pattern = matrix.pattern().iter().peekable();
     for column in 0..matrix.vertices() as u32 {
-        while let Some([_, row]) = couples.next_if(|couple| couple[0] == column) {
+        while let Some([_, row]) = pattern.next_if(|pair| pair[0] == column) {
             indices.push(*row);
         }
         indices.push(column);

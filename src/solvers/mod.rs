@@ -1,5 +1,5 @@
-//! Sparse systems of equations: a symmetric matrix of 2 x 2 blocks, one block row a vertex, and how to solve with it.
-//! Nothing here knows what the numbers mean.
+//! Sparse systems of equations with a symmetric matrix of 2 x 2 blocks, one block row a vertex: direct and iterative
+//! solvers, and Newton's method. This module is independent of the meaning of the numbers.
 
 mod block_matrix;
 mod cholesky;

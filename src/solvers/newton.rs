@@ -2,79 +2,79 @@
 
 use super::{
     BlockMatrix, Factor, NewtonCounts, Tangent,
-    conjugate::{Iterative, Outcome, SolveTolerance, greatest},
+    conjugate::{Iterative, SolveOutcome, SolveTolerance, greatest},
 };
 
-/// Equations `g(z) = 0` whose matrix of derivatives is symmetric, or taken to be.
+/// Equations `g(z) = 0` with a symmetric matrix of derivatives, or one that is taken as symmetric.
 pub trait Equations {
-    /// Writes g(z); whatever is fixed has none.
+    /// Writes g(z); zero for fixed numbers.
     fn residual(&mut self, z: &[f64], g: &mut [f64]);
 
-    /// Adds dg/dz, or the part of it that is asked for, to a cleared matrix.
+    /// Adds dg/dz, with the tangent's change of eigenvalues, to a cleared matrix.
     fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix);
 
-    /// Names the couples of vertices that the derivative has, in the order in which it adds them.
-    fn couples(&self, add: &mut dyn FnMut(u32, u32));
+    /// Sparsity pattern of the derivative: its vertex pairs, in the order in which it adds them.
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
-    /// How many times a step from z may be gone, at most.
+    /// Largest allowed multiple of a step from z.
     fn longest_step(&mut self, _z: &[f64], _step: &[f64]) -> f64 {
         f64::INFINITY
     }
 
-    /// 1/weight of each number, zero where z must stay: residuals are measured by `sum g²/weight`.
+    /// 1/weight of each number, zero where z is fixed: residuals are measured by `sum g²/weight`.
     fn inverse_weight(&self) -> &[f64];
 
-    /// Changes z to another start, which is taken if its residual is smaller, or the way from it to z is longer than
-    /// [`Self::longest_step`] allows. What is fixed must stay.
+    /// Sets z to an alternative start, which is used if its residual is smaller, or if the step from it to z is longer
+    /// than [`Self::longest_step`] allows. Fixed numbers must stay.
     fn other_start(&self, z: &mut [f64]);
 
-    /// How far the vector of any vertex may be from the solution.
+    /// Tolerance of the vector of any vertex.
     fn tolerance(&self, z: &[f64]) -> f64;
 
-    /// How far the solution itself is from what it stands for, as far as that is known. Large systems need not be solved to more
-    /// than a small share of it.
+    /// Discretisation error of the solution itself, as far as it is known. Large systems need not be solved to more
+    /// than a small fraction of it.
     fn error(&self, _z: &[f64]) -> f64 {
         0.0
     }
 }
 
-/// How linear systems are solved.
+/// Method for linear systems.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearSolver {
-    /// The cheaper way for the size and the pattern of the matrix.
+    /// The faster method for the size and the pattern of the matrix.
     #[default]
     Chosen,
-    /// By factorising the matrix.
+    /// Factorisation.
     Direct,
-    /// By iterations where they get there.
+    /// Conjugate gradients where they converge.
     Iterative,
 }
 
-/// Newton's method with a line search, and everything it keeps between solves.
+/// Newton's method with a line search, and its buffers.
 ///
-/// Where the matrix is not positive definite the eigenvalues of its elements are changed (see [`Tangent`]), and for round-off
-/// its diagonal is made heavier, so that every Newton step leads downhill. No step goes farther than
-/// [`Equations::longest_step`] allows, and it is halved while g is not a number at its end, or points back along the step by
-/// more than nine tenths of what it pointed forth at the start: along a valley that means having climbed the other side. For
-/// equations that are the gradient of a potential this bounds it without ever computing it, and it also serves where damping
-/// leaves none.
+/// Where the matrix is not positive definite, the eigenvalues of its elements are changed (see [`Tangent`]), and
+/// against round-off its diagonal is increased, so that every Newton step is a descent direction. No step is longer
+/// than [`Equations::longest_step`] allows. It is halved while g is not finite at its end, or its component along the
+/// step has the opposite sign and more than nine tenths of its size at the start. For equations that are the gradient
+/// of a potential this bounds the potential without computing it, and it also applies where damping leaves no
+/// potential.
 ///
-/// It stops when the steps, shrinking as they did last, cannot add up to more than the tolerance any more
+/// It stops when the remaining steps, extrapolated with the last convergence rate, sum to less than the tolerance
 /// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.8).
 ///
-/// Large systems are solved by iterations ([`LinearSolver`]), each step as far as is of use so far from the solution (Eisenstat and Walker,
-/// *Choosing the forcing terms in an inexact Newton method*, SIAM Journal on Scientific Computing 17, 1996, choice 2), and all of
-/// it no further than a thousandth of what the equations are off by themselves.
+/// Large systems are solved iteratively ([`LinearSolver`]), each step as exactly as is useful at this distance from the
+/// solution (Eisenstat and Walker, *Choosing the forcing terms in an inexact Newton method*, SIAM Journal on Scientific
+/// Computing 17, 1996, choice 2), and the whole no further than a thousandth of the error of the equations themselves.
 #[derive(Default)]
 pub struct Newton {
     system: Option<System>,
-    path: LinearSolver,
-    /// The norm of g at the last step, and the share of its error that step was allowed to leave, while there was one.
+    linear_solver: LinearSolver,
+    /// Norm of g at the last step, and the forcing term of that step.
     forced: Option<(f64, f64)>,
-    /// The share of its error that the step at hand has left.
+    /// Fraction of its error that the present step has left.
     left: f64,
-    /// Whether the couples have to be listed again.
-    doubtful: bool,
+    /// Whether the sparsity pattern must be computed again.
+    is_stale: bool,
     g: Vec<f64>,
     trial: Vec<f64>,
     trial_g: Vec<f64>,
@@ -85,31 +85,31 @@ pub struct Newton {
 impl Newton {
     /// Most iterations of one solve.
     pub const ITERATIONS: usize = 200;
-    /// Most halvings of one step: below 1e-9 of it nothing is gained.
+    /// Most halvings of one step, to 1e-9 of it.
     const CUTS: u32 = 30;
-    /// Share of the longest step that is taken at most, and the share of a step below which it does not count.
-    const NEAR: f64 = 0.9;
+    /// Greatest fraction of the longest step, and the fraction of a step below which it counts as zero.
+    const TO_BOUNDARY: f64 = 0.9;
     const STUCK: f64 = 1e-6;
-    /// Share of the slope at the start up to which a step may point back.
+    /// Greatest opposite slope at the end of a step, as a fraction of the slope at its start.
     const BACK: f64 = 0.9;
-    /// Share of the error of the equations themselves to which large systems are solved.
+    /// Tolerance of large systems as a fraction of the error of the equations.
     const SHARE: f64 = 1e-3;
-    /// Share of its error that a step by iterations may leave, at most, and at least where it is the only one. Eisenstat and
-    /// Walker's factor.
+    /// Greatest forcing term of an iterative step, its value where there is only one step, and the factor of Eisenstat
+    /// and Walker.
     const FORCING: f64 = 1e-2;
     const ONLY: f64 = 1e-6;
     const GAMMA: f64 = 0.9;
-    /// Share of the tolerance that is enough for a linear system.
+    /// Tolerance of a linear system as a fraction of that of the equations.
     const INNER: f64 = 0.1;
 
-    /// Solves linear systems in this way.
-    pub fn new(path: LinearSolver) -> Self {
-        Self { path, ..Self::default() }
+    /// Makes a solver with this linear solver.
+    pub fn new(linear_solver: LinearSolver) -> Self {
+        Self { linear_solver, ..Self::default() }
     }
 
-    /// Asks anew which vertices are coupled before the next step. Where they are the same, what was worked out for them serves on.
+    /// Marks the sparsity pattern as stale. If it is unchanged, the symbolic factorisation is kept.
     pub fn forget(&mut self) {
-        self.doubtful = true;
+        self.is_stale = true;
     }
 
     /// Largest change of any vertex's z in each iteration of the last solve.
@@ -117,7 +117,7 @@ impl Newton {
         &self.sizes
     }
 
-    /// Solves g(z) = 0 from z, or from the other start. What is not a number at both leaves z not a number.
+    /// Solves g(z) = 0 from z, or from the alternative start. If g is not finite at both, z becomes NaN.
     pub fn solve(&mut self, equations: &mut dyn Equations, z: &mut [f64]) -> NewtonCounts {
         let mut counts = NewtonCounts::NONE;
         self.prepare(equations, z.len());
@@ -128,24 +128,24 @@ impl Newton {
             if self.g.iter().all(|g| *g == 0.0) {
                 return counts;
             }
-            let aim = self.aim(equations, z);
-            let Some(caution) = self.find_step(equations, z, least, aim, &mut counts) else { break };
+            let solve_tolerance = self.solve_tolerance(equations, z);
+            let Some(regularisation) = self.find_step(equations, z, least, solve_tolerance, &mut counts) else { break };
             counts.iterations += 1;
             let size = greatest(&self.step);
-            let tolerance = if self.left > 0.0 && caution == Regularisation::EXACT {
+            let tolerance = if self.left > 0.0 && regularisation == Regularisation::EXACT {
                 Self::loose(equations, z)
             } else {
                 equations.tolerance(z)
             };
             self.sizes.push(size);
-            // A step made short by a shift says nothing about the way left.
-            if size <= tolerance && !caution.shifts() {
+            // A step shortened by a shift does not bound the remaining error.
+            if size <= tolerance && !regularisation.shifts() {
                 z.iter_mut().zip(&self.step).for_each(|(z, step)| *z += step);
                 return counts;
             }
             let share = self.search(equations, z, &mut counts);
-            least = caution.after(share);
-            let whole = share == 1.0 && !caution.shifts();
+            least = regularisation.after(share);
+            let whole = share == 1.0 && !regularisation.shifts();
             let ratio = (size / last).max(self.left);
             if whole && last.is_finite() && ratio < 1.0 && size * ratio / (1.0 - ratio) <= tolerance {
                 return counts;
@@ -156,13 +156,13 @@ impl Newton {
         counts
     }
 
-    /// One linear solve: z such that `derivative(at) z = -g`. Where nothing comes of it z is not a number.
+    /// One linear solve: z such that `derivative(at) z = -g`; NaN if that fails.
     pub fn linear(&mut self, equations: &mut dyn Equations, at: &[f64], g: &[f64], z: &mut [f64]) -> NewtonCounts {
         let mut counts = NewtonCounts::NONE;
         self.prepare(equations, z.len());
         self.g.copy_from_slice(g);
-        let aim = SolveTolerance { share: Self::ONLY, error: 0.0 };
-        if self.find_step(equations, at, Regularisation::EXACT, aim, &mut counts).is_some() {
+        let solve_tolerance = SolveTolerance { share: Self::ONLY, error: 0.0 };
+        if self.find_step(equations, at, Regularisation::EXACT, solve_tolerance, &mut counts).is_some() {
             z.copy_from_slice(&self.step);
         } else {
             z.fill(f64::NAN);
@@ -172,8 +172,8 @@ impl Newton {
     }
 
     fn prepare(&mut self, equations: &dyn Equations, count: usize) {
-        if self.system.is_none() || std::mem::take(&mut self.doubtful) {
-            self.system = analyse(self.system.take(), equations, count / 2, self.path);
+        if self.system.is_none() || std::mem::take(&mut self.is_stale) {
+            self.system = analyse(self.system.take(), equations, count / 2, self.linear_solver);
         }
         for buffer in [&mut self.g, &mut self.trial, &mut self.trial_g, &mut self.step] {
             buffer.resize(count, 0.0);
@@ -186,19 +186,19 @@ impl Newton {
         }
     }
 
-    /// How far any vertex may be from the solution where iterations find it with the true derivative. What is less smooth might
-    /// stop too early at that.
+    /// Tolerance of any vertex where iterations with the true derivative converge. Less smooth equations might stop too
+    /// early with it.
     fn loose(equations: &dyn Equations, z: &[f64]) -> f64 {
         equations.tolerance(z).max(Self::SHARE * equations.error(z))
     }
 
-    /// How exact the next step has to be.
-    fn aim(&mut self, equations: &dyn Equations, z: &[f64]) -> SolveTolerance {
+    /// Tolerance of the next linear solve.
+    fn solve_tolerance(&mut self, equations: &dyn Equations, z: &[f64]) -> SolveTolerance {
         let norm = weighted(&self.g, equations.inverse_weight()).sqrt();
         let share = self.forced.map_or(Self::FORCING, |(last, share)| {
             let fast = Self::GAMMA * (norm / last) * (norm / last);
             let slow = Self::GAMMA * share * share;
-            // Not all of a sudden more exact than the last one promises.
+            // Safeguard: the forcing term does not decrease faster than its last value allows.
             let forced = if slow > 0.1 { fast.max(slow) } else { fast };
             forced.min(Self::FORCING)
         });
@@ -206,7 +206,7 @@ impl Newton {
         SolveTolerance { share, error: Self::INNER * Self::loose(equations, z) }
     }
 
-    /// Chooses between the two starts.
+    /// Chooses one of the two starts.
     fn start(&mut self, equations: &mut dyn Equations, z: &mut [f64]) {
         equations.residual(z, &mut self.g);
         self.trial.copy_from_slice(z);
@@ -225,13 +225,14 @@ impl Newton {
         }
     }
 
-    /// Writes the Newton step, found with at least so much caution; returns with how much, or `None` if there is no step.
+    /// Computes the Newton step with at least this regularisation; returns the one that was used, or `None` if there is
+    /// no step.
     fn find_step(
         &mut self,
         equations: &mut dyn Equations,
         z: &[f64],
         least: Regularisation,
-        aim: SolveTolerance,
+        solve_tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
     ) -> Option<Regularisation> {
         let System { matrix, factor, iterative } = self.system.as_mut()?;
@@ -239,54 +240,58 @@ impl Newton {
             return None;
         }
         let mut filled = None;
-        for caution in (least.0..=Regularisation::MOST).map(Regularisation) {
-            let tangent = caution.tangent();
+        for regularisation in (least.0..=Regularisation::MOST).map(Regularisation) {
+            let tangent = regularisation.tangent();
             if filled.replace(tangent) != Some(tangent) {
                 matrix.clear();
                 equations.derivative(z, tangent, matrix);
             }
             let weight = equations.inverse_weight();
-            if let Some(iterative) = iterative.as_mut().filter(|_| !caution.shifts()) {
+            if let Some(iterative) = iterative.as_mut().filter(|_| !regularisation.shifts()) {
                 let error = Self::INNER * equations.tolerance(z);
-                let aim = if caution == Regularisation::EXACT { aim } else { SolveTolerance { error, ..aim } };
-                match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), aim, counts) {
-                    Outcome::Solved(share) => {
+                let solve_tolerance = if regularisation == Regularisation::EXACT {
+                    solve_tolerance
+                } else {
+                    SolveTolerance { error, ..solve_tolerance }
+                };
+                match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), solve_tolerance, counts) {
+                    SolveOutcome::Solved(share) => {
                         self.left = share;
-                        return self.step.iter().all(|step| step.is_finite()).then_some(caution);
+                        return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
                     }
-                    Outcome::Indefinite => {
+                    SolveOutcome::Indefinite => {
                         counts.indefinite += 1;
                         continue;
                     }
-                    Outcome::Slow => {}
+                    SolveOutcome::Slow => {}
                 }
             }
             self.left = 0.0;
             counts.factorisations += 1;
-            if factor.factorise(matrix, weight, caution.shift() * heaviest(matrix, weight)) {
+            if factor.factorise(matrix, weight, regularisation.shift() * heaviest(matrix, weight)) {
                 self.step.iter_mut().zip(&self.g).for_each(|(step, g)| *step = -g);
                 factor.solve(&mut self.step);
-                return self.step.iter().all(|step| step.is_finite()).then_some(caution);
+                return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
             }
             counts.indefinite += 1;
         }
         None
     }
 
-    /// Takes as much of the step as is good; returns how much of it that was, which may be nothing.
+    /// Line search; returns the fraction of the step that was taken, which may be zero.
     fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], counts: &mut NewtonCounts) -> f64 {
         let along = |g: &[f64], step: &[f64]| g.iter().zip(step).map(|(g, step)| g * step).sum::<f64>();
         let limit = -Self::BACK * along(&self.g, &self.step);
-        let reach = Self::NEAR * equations.longest_step(z, &self.step);
-        // Next to a barrier that still leads on the solution lies beyond it: to stay would be to stand still for ever.
-        let mut share = if reach < Self::STUCK { 1.0 } else { reach.min(1.0) };
+        let limit_to_boundary = Self::TO_BOUNDARY * equations.longest_step(z, &self.step);
+        // At a barrier the solution lies beyond it: a step limited to the barrier would never progress.
+        let mut share = if limit_to_boundary < Self::STUCK { 1.0 } else { limit_to_boundary.min(1.0) };
         for _ in 0..Self::CUTS {
             for ((trial, z), step) in self.trial.iter_mut().zip(&*z).zip(&self.step) {
                 *trial = z + share * step;
             }
             equations.residual(&self.trial, &mut self.trial_g);
             let slope = along(&self.trial_g, &self.step);
-            // Nothing that is not a number is below the limit.
+            // NaN fails the comparison.
             if slope <= limit && slope.is_finite() {
                 z.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.g, &mut self.trial_g);
@@ -299,23 +304,24 @@ impl Newton {
     }
 }
 
-/// How a step is found, from bold to careful. Each next way is taken where the one before finds no step, or one that leads
-/// too far.
+/// Levels of regularisation of a Newton step. The next level is used where the one before gives no step, or one that is
+/// too long.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 struct Regularisation(i32);
 
 impl Regularisation {
-    /// With the true derivative.
+    /// The true derivative.
     const EXACT: Self = Self(0);
-    /// With its definite part, then with the absolute values of its eigenvalues: where the first leads far away along
-    /// directions that have no stiffness, the second does not.
+    /// Its positive semidefinite part, then the absolute eigenvalues: where the first gives long steps along directions
+    /// without stiffness, the second does not.
     const DEFINITE: Self = Self(1);
     const ABSOLUTE: Self = Self(2);
-    /// Beyond, with an ever heavier diagonal, for round-off: in the end steps are short and straight down the slope.
+    /// Greatest level. Beyond [`Self::ABSOLUTE`] the diagonal is increased, against round-off; in the end steps are
+    /// short and along the negative gradient.
     const MOST: i32 = 12;
-    /// The lightest shift, as a share of the greatest entry of the diagonal over its weight: round-off of that entry.
+    /// Least shift, as a fraction of the greatest entry of the diagonal over its weight: round-off of that entry.
     const SHIFT: f64 = 1e-14;
-    /// Each next one is so many times the last.
+    /// Ratio of successive shifts.
     const HEAVIER: f64 = 100.0;
 
     const fn tangent(self) -> Tangent {
@@ -335,7 +341,7 @@ impl Regularisation {
         self > Self::ABSOLUTE
     }
 
-    /// The least caution of the next step, after this one led as far as `share` of it.
+    /// Least regularisation of the next step, after this fraction of the step was taken.
     fn after(self, share: f64) -> Self {
         match share {
             1.0 if self.shifts() => Self(self.0 - 1),
@@ -347,23 +353,28 @@ impl Regularisation {
     }
 }
 
-/// The matrix, its factor, and iterations in its place where they are worth while.
+/// The matrix, its factor, and an iterative solver where it is faster.
 struct System {
     matrix: BlockMatrix,
     factor: Factor,
     iterative: Option<Iterative>,
 }
 
-/// What the couples of the equations need: what there was, if it was for the same.
-fn analyse(before: Option<System>, equations: &dyn Equations, vertices: usize, path: LinearSolver) -> Option<System> {
-    let mut couples = Vec::new();
-    equations.couples(&mut |a, b| couples.push([a, b]));
-    if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &couples)) {
+/// Builds the system for the sparsity pattern of the equations, or keeps the one before if the pattern is the same.
+fn analyse(
+    before: Option<System>,
+    equations: &dyn Equations,
+    vertices: usize,
+    linear_solver: LinearSolver,
+) -> Option<System> {
+    let mut pattern = Vec::new();
+    equations.sparsity_pattern(&mut |a, b| pattern.push([a, b]));
+    if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &pattern)) {
         return Some(before);
     }
-    let matrix = BlockMatrix::new(vertices, &couples);
+    let matrix = BlockMatrix::new(vertices, &pattern);
     let factor = Factor::new(&matrix)?;
-    let iterative = match path {
+    let iterative = match linear_solver {
         LinearSolver::Chosen => Iterative::by_size(&matrix, &factor),
         LinearSolver::Direct => None,
         LinearSolver::Iterative => Iterative::new(&matrix, &factor),

@@ -3,37 +3,37 @@
 use super::{BlockMatrix, Factor, coarsening::Coarsening};
 use nalgebra::Matrix2;
 
-/// The groups' matrix is made heavier by so much of its diagonal, for where few of a group's vertices are free: far above
-/// round-off, far below the least that anything resists with.
+/// Shift of the coarse matrix as a fraction of its diagonal, for groups with few free vertices: far above round-off,
+/// far below the least stiffness.
 const HEAVIER: f64 = 1e-10;
 
-/// A vector near the solution of `A x = r`, for conjugate gradients to be steered by: one sweep of Gauss and Seidel over all
-/// vertices, the exact solution for groups of vertices ([`Coarsening`]), and the sweep backwards. Sweeps settle what differs from a
-/// vertex to the next, groups what is far and wide; so it takes about as many iterations at any size.
+/// Preconditioner for `A x = r`: one Gauss-Seidel sweep over all vertices, the exact solution for groups of vertices
+/// ([`Coarsening`]), and the backward sweep. Sweeps reduce errors that oscillate between neighbours, groups reduce
+/// smooth ones; so the number of iterations is nearly independent of size.
 #[derive(Clone, Debug)]
 pub struct TwoLevel {
-    /// Where the couples of each row start.
+    /// Start of the pairs of each row.
     starts: Vec<u32>,
     coarsening: Coarsening,
     coarse: BlockMatrix,
     factor: Factor,
-    /// 1/weight of the groups' numbers.
+    /// 1/weight of the coarse numbers.
     weight: Vec<f64>,
-    /// Inverses of the blocks of the diagonal.
+    /// Inverses of the diagonal blocks.
     inverse: Vec<Matrix2<f64>>,
     left: Vec<f64>,
     small: Vec<f64>,
 }
 
 impl TwoLevel {
-    /// Settles the groups. `None` if even their factor has too many entries for the memory.
+    /// Builds the groups. `None` if their factor does not fit in memory.
     pub fn new(matrix: &BlockMatrix) -> Option<Self> {
         let count = matrix.vertices();
         let coarsening = Coarsening::new(matrix);
         let coarse = coarsening.matrix(matrix);
         let factor = Factor::new(&coarse)?;
         let mut starts = vec![0; count + 1];
-        matrix.couples().iter().for_each(|[row, _]| starts[*row as usize + 1] += 1);
+        matrix.pattern().iter().for_each(|[row, _]| starts[*row as usize + 1] += 1);
         for row in 0..count {
             starts[row + 1] += starts[row];
         }
@@ -49,12 +49,12 @@ impl TwoLevel {
         })
     }
 
-    /// Takes over the blocks of the diagonal, which must be positive definite, and says whether they are.
+    /// Inverts the diagonal blocks; returns whether they are positive definite.
     pub fn take_diagonal(&mut self, matrix: &BlockMatrix) -> bool {
         for (inverse, block) in self.inverse.iter_mut().zip(matrix.diagonals()) {
             let off = 0.5 * (block.m12 + block.m21);
             let determinant = block.m11 * block.m22 - off * off;
-            // Nothing that is not a number is positive.
+            // NaN fails the comparison.
             if !(block.m11 > 0.0 && determinant > 0.0 && determinant.is_finite()) {
                 return false;
             }
@@ -63,7 +63,7 @@ impl TwoLevel {
         true
     }
 
-    /// Makes the groups' matrix and its factor anew; says whether there is one.
+    /// Rebuilds the coarse matrix and its factor; returns whether that succeeded.
     pub fn refresh(&mut self, matrix: &BlockMatrix, inverse_weight: &[f64]) -> bool {
         self.coarsening.project(matrix, inverse_weight, &mut self.coarse);
         for (weight, block) in self.weight.as_chunks_mut::<2>().0.iter_mut().zip(self.coarse.diagonals()) {
@@ -72,35 +72,35 @@ impl TwoLevel {
         self.factor.factorise(&self.coarse, &self.weight, HEAVIER)
     }
 
-    /// Writes x for this r.
+    /// Applies the preconditioner to r.
     pub fn solve(&mut self, matrix: &BlockMatrix, r: &[f64], x: &mut [f64]) {
         let rows = || self.starts.windows(2).map(|ends| ends[0] as usize..ends[1] as usize);
-        let (couples, blocks) = (matrix.couples(), matrix.blocks());
+        let (pattern, blocks) = (matrix.pattern(), matrix.blocks());
         let (x, r) = (x.as_chunks_mut::<2>().0, r.as_chunks::<2>().0);
         let left = self.left.as_chunks_mut::<2>().0;
-        // Forwards from nothing: what is left of r then comes from vertices after each one alone.
+        // Forward sweep from zero: the residual of each vertex then comes from later vertices alone.
         left.fill([0.0; 2]);
         for (vertex, row) in rows().enumerate() {
-            let (couples, blocks) = (&couples[row.clone()], &blocks[row]);
-            let own = times(&self.inverse[vertex], less_products(r[vertex], couples, blocks, x));
+            let (pattern, blocks) = (&pattern[row.clone()], &blocks[row]);
+            let own = times(&self.inverse[vertex], less_products(r[vertex], pattern, blocks, x));
             x[vertex] = own;
-            take_products(own, couples, blocks, left);
+            take_products(own, pattern, blocks, left);
         }
         self.coarsening.gather(left.as_flattened(), &mut self.small);
         self.factor.solve(&mut self.small);
         self.coarsening.spread(&self.small, x.as_flattened_mut());
-        // Backwards, from there.
+        // Backward sweep.
         for (vertex, row) in rows().enumerate() {
-            left[vertex] = less_products(r[vertex], &couples[row.clone()], &blocks[row], x);
+            left[vertex] = less_products(r[vertex], &pattern[row.clone()], &blocks[row], x);
         }
         for (vertex, row) in rows().enumerate().rev() {
             let own = times(&self.inverse[vertex], left[vertex]);
             x[vertex] = own;
-            take_products(own, &couples[row.clone()], &blocks[row], left);
+            take_products(own, &pattern[row.clone()], &blocks[row], left);
         }
     }
 
-    /// Entries of the groups' factor.
+    /// Number of blocks of the coarse factor.
     pub fn entries(&self) -> usize {
         self.factor.entries()
     }
@@ -113,8 +113,8 @@ fn times(block: &Matrix2<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
 
 /// `r - Σ B x` over the blocks of a row.
 #[inline(always)]
-fn less_products([mut a, mut b]: [f64; 2], couples: &[[u32; 2]], blocks: &[Matrix2<f64>], x: &[[f64; 2]]) -> [f64; 2] {
-    for ([_, column], block) in couples.iter().zip(blocks) {
+fn less_products([mut a, mut b]: [f64; 2], pattern: &[[u32; 2]], blocks: &[Matrix2<f64>], x: &[[f64; 2]]) -> [f64; 2] {
+    for ([_, column], block) in pattern.iter().zip(blocks) {
         let product = times(block, x[*column as usize]);
         a -= product[0];
         b -= product[1];
@@ -122,10 +122,10 @@ fn less_products([mut a, mut b]: [f64; 2], couples: &[[u32; 2]], blocks: &[Matri
     [a, b]
 }
 
-/// Takes `Bᵀ x` from each column of a row.
+/// Subtracts `Bᵀ x` from each column of a row.
 #[inline(always)]
-fn take_products([x, y]: [f64; 2], couples: &[[u32; 2]], blocks: &[Matrix2<f64>], from: &mut [[f64; 2]]) {
-    for ([_, column], block) in couples.iter().zip(blocks) {
+fn take_products([x, y]: [f64; 2], pattern: &[[u32; 2]], blocks: &[Matrix2<f64>], from: &mut [[f64; 2]]) {
+    for ([_, column], block) in pattern.iter().zip(blocks) {
         let from = &mut from[*column as usize];
         from[0] -= block.m11 * x + block.m21 * y;
         from[1] -= block.m12 * x + block.m22 * y;

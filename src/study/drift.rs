@@ -5,7 +5,7 @@ use super::{
     march::{Deadline, March},
     measured_order,
     setting::limit,
-    trial::FAR,
+    trial::DIVERGED,
     workers::spread,
 };
 use crate::{
@@ -207,7 +207,7 @@ impl Drift {
     /// How a course went so far. It is unstable if it stopped, or if its energy changed ten times more than there is energy of motion and
     /// than it changed in most of the courses: between walls what blows up may go on for long.
     pub fn status(&self, run: &DriftRun) -> Status {
-        let far = FAR * self.scale().max(self.median(DriftRun::greatest_gain));
+        let far = DIVERGED * self.scale().max(self.median(DriftRun::greatest_gain));
         let moves = self.runs.len() > 1 && self.nothing_of(Invariant::Energy).is_none();
         if run.fault().is_some() || moves && run.greatest_gain() > far {
             Status::Unstable
@@ -310,7 +310,7 @@ impl Drift {
             (damped, "damping"),
             (!energy && heavy, "gravity"),
             (!energy && !scene.pins.is_empty(), "pins"),
-            (!energy && !scene.slides.is_empty(), "rollers"),
+            (!energy && !scene.rollers.is_empty(), "rollers"),
         ];
         reasons.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect()
     }

@@ -15,11 +15,11 @@ pub struct ClosedForm {
     pub words: String,
     /// Positions that motion is measured from, for relative errors [m].
     pub(super) origin: Vec<f64>,
-    path: Path,
+    solution: Solution,
 }
 
 #[derive(Clone)]
-enum Path {
+enum Solution {
     /// A toy's own solution, from time 0.
     Toy(ToyKind),
     /// `place + u (rest + swing cos wt + way sin wt)` of one particle, all others still; u is a unit vector.
@@ -43,28 +43,28 @@ impl ClosedForm {
     pub fn of_running(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<Self> {
         let rest = || {
             let (words, x) = strip::at_rest(scene, state).filter(|_| grab.is_none())?;
-            Some(Self { words, origin: scene.rest.clone(), path: Path::Rest(x) })
+            Some(Self { words, origin: scene.rest.clone(), solution: Solution::Rest(x) })
         };
         toy(scene).or_else(|| motion(scene, state, grab)).or_else(rest)
     }
 
     /// Positions at a simulated time [m].
     pub fn positions(&self, time: f64) -> Vec<f64> {
-        match &self.path {
-            Path::Toy(toy) => toy.kind().exact(time).to_vec(),
-            &Path::Oscillator { since, free, place, u, rest, swing, way, omega } => {
+        match &self.solution {
+            Solution::Toy(toy) => toy.kind().exact(time).to_vec(),
+            &Solution::Oscillator { since, free, place, u, rest, swing, way, omega } => {
                 let (sine, cosine) = libm::sincos(omega * (time - since));
                 let s = rest + swing * cosine + way * sine;
                 let mut x = self.origin.clone();
                 (x[free], x[free + 1]) = (place[0] + s * u[0], place[1] + s * u[1]);
                 x
             }
-            Path::FreeFall { since, v, g } => {
+            Solution::FreeFall { since, v, g } => {
                 let t = time - since;
                 let moved = [0, 1].map(|axis| v[axis] * t + 0.5 * g[axis] * t * t);
                 self.origin.iter().zip(moved.iter().cycle()).map(|(x, moved)| x + moved).collect()
             }
-            Path::Rest(x) => x.clone(),
+            Solution::Rest(x) => x.clone(),
         }
     }
 }
@@ -79,7 +79,11 @@ pub(super) fn only(scene: &Scene, names: &[&str]) -> bool {
 /// A toy knows its own solution.
 fn toy(scene: &Scene) -> Option<ClosedForm> {
     let toy = scene.toy.clone()?;
-    Some(ClosedForm { words: toy.kind().about().to_owned(), origin: scene.start.x.clone(), path: Path::Toy(toy) })
+    Some(ClosedForm {
+        words: toy.kind().about().to_owned(),
+        origin: scene.start.x.clone(),
+        solution: Solution::Toy(toy),
+    })
 }
 
 /// An oscillation or a free fall from this moment on.
@@ -116,9 +120,9 @@ fn oscillator(scene: &Scene, start: &State) -> Option<ClosedForm> {
         return None;
     }
     let place = [start.x[fixed], start.x[fixed + 1]];
-    let path = Path::Oscillator { since: start.time, free, place, u, rest, swing, way, omega };
+    let solution = Solution::Oscillator { since: start.time, free, place, u, rest, swing, way, omega };
     let words = "harmonic oscillator, s_e + (s0 - s_e) cos wt + v0/w sin wt".to_owned();
-    Some(ClosedForm { words, origin: start.x.clone(), path })
+    Some(ClosedForm { words, origin: start.x.clone(), solution })
 }
 
 /// A body without stress under gravity alone moves as one: `x = x0 + v t + g t²/2`.
@@ -135,8 +139,8 @@ fn free_fall(scene: &Scene, start: &State) -> Option<ClosedForm> {
     if size == 0.0 || !uniform(&acceleration, g) || !uniform(&start.v, v) {
         return None;
     }
-    let path = Path::FreeFall { since: start.time, v, g };
-    Some(ClosedForm { words: "free fall, x0 + v t + g t^2/2".to_owned(), origin: start.x.clone(), path })
+    let solution = Solution::FreeFall { since: start.time, v, g };
+    Some(ClosedForm { words: "free fall, x0 + v t + g t^2/2".to_owned(), origin: start.x.clone(), solution })
 }
 
 /// Force over mass, flat [m/s²].

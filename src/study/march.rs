@@ -38,14 +38,14 @@ pub(super) struct March {
 }
 
 /// Longest time between two looks at the clock, where single steps allow it.
-const LOOK: Duration = Duration::from_micros(400);
+const POLL_INTERVAL: Duration = Duration::from_micros(400);
 
 impl March {
     /// A march of so many frames from a state.
     pub fn new(scene: &Scene, start: &State, setting: &Setting, frames: u32) -> Self {
         // A study is about the setting as it is, and wants to see it blow up.
         let (integrator, step) = (setting.integrator.clone(), setting.substeps.step());
-        let scene = Scene { integrator, step, guard: false, sleep: false, alone: Vec::new(), ..scene.clone() };
+        let scene = Scene { integrator, step, guard: false, sleep: false, sub_scenes: Vec::new(), ..scene.clone() };
         // What another integrator remembers means nothing to this one.
         let start = State { memory: Vec::new(), ..start.clone() };
         let simulation = Simulation::new(scene, start);
@@ -63,7 +63,7 @@ impl March {
             let elapsed = begin.elapsed();
             self.taken += taken;
             // How steps are bunched changes nothing but how often the clock is read.
-            self.bunch = if elapsed < LOOK { (2 * self.bunch).min(256) } else { (self.bunch / 2).max(1) };
+            self.bunch = if elapsed < POLL_INTERVAL { (2 * self.bunch).min(256) } else { (self.bunch / 2).max(1) };
             if self.simulation.fault().is_some() {
                 self.spent += stopwatch.elapsed();
                 return true;

@@ -84,7 +84,7 @@ struct Slot {
     point: MeshPoint,
     /// Greatest displacement of any vertex [m].
     moved: f64,
-    work: Work,
+    run_state: RunState,
     /// Processor time of the first run.
     spent: Duration,
     /// What is run again.
@@ -94,7 +94,7 @@ struct Slot {
     again: Option<Box<March>>,
 }
 
-enum Work {
+enum RunState {
     Waiting,
     Marching(Box<March>),
     Over,
@@ -187,8 +187,8 @@ impl MeshStudy {
             if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
                 let (triangles, status) = (triangles as usize, Status::Ok);
                 let point = MeshPoint { triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 };
-                let (work, spent) = (Work::Waiting, Duration::ZERO);
-                slots.push(Slot { level, point, moved: 0.0, work, spent, scene: None, due: false, again: None });
+                let (run_state, spent) = (RunState::Waiting, Duration::ZERO);
+                slots.push(Slot { level, point, moved: 0.0, run_state, spent, scene: None, due: false, again: None });
             }
         }
         let limit = limit(&trial.scene, &trial.start);
@@ -209,17 +209,17 @@ impl MeshStudy {
     pub fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
         let Self { trial, plan, limit, slots, .. } = self;
-        let open = slots.iter_mut().filter(|slot| !matches!(slot.work, Work::Over)).collect();
+        let open = slots.iter_mut().filter(|slot| !matches!(slot.run_state, RunState::Over)).collect();
         spread(plan.threads, open, |slot: &mut Slot| {
             slot.until(trial, plan, *limit, deadline);
-            matches!(slot.work, Work::Over) && !deadline.passed()
+            matches!(slot.run_state, RunState::Over) && !deadline.passed()
         });
         self.repeat(deadline);
         let weight = |slot: &Slot| libm::pow(slot.point.triangles as f64, 1.5);
-        let done = |slot: &Slot| match &slot.work {
-            Work::Waiting => 0.0,
-            Work::Marching(march) => march.done(),
-            Work::Over => 1.0,
+        let done = |slot: &Slot| match &slot.run_state {
+            RunState::Waiting => 0.0,
+            RunState::Marching(march) => march.done(),
+            RunState::Over => 1.0,
         };
         let total: f64 = self.slots.iter().map(weight).sum();
         let done = self.slots.iter().map(|slot| weight(slot) * done(slot)).sum::<f64>() / total.max(1.0);
@@ -229,7 +229,7 @@ impl MeshStudy {
 
     /// Whether all meshes have run once.
     fn is_known(&self) -> bool {
-        self.slots.iter().all(|slot| matches!(slot.work, Work::Over))
+        self.slots.iter().all(|slot| matches!(slot.run_state, RunState::Over))
     }
 
     /// Runs short runs again, in turns, once all have run: prices are the least of several.
@@ -350,10 +350,10 @@ fn order_of_differences([h0, h1, h2]: [f64; 3], shrinking: f64) -> f64 {
 
 impl Slot {
     fn until(&mut self, trial: &Trial, plan: &MeshPlan, limit: f64, deadline: Deadline) {
-        if matches!(self.work, Work::Waiting) {
-            self.work = self.begin(trial, plan, limit);
+        if matches!(self.run_state, RunState::Waiting) {
+            self.run_state = self.begin(trial, plan, limit);
         }
-        let Work::Marching(march) = &mut self.work else { return };
+        let RunState::Marching(march) = &mut self.run_state else { return };
         if march.advance(deadline, &mut |_, _| ControlFlow::Continue(())) {
             let simulation = &march.simulation;
             (self.point.ms, self.point.runs, self.spent) = (march.ms_per_second(), 1, march.spent);
@@ -365,24 +365,24 @@ impl Slot {
                 self.moved = Measure::TipDeflection.of(scene, x);
                 self.scene = Some(Box::new(scene.clone()));
             }
-            self.work = Work::Over;
+            self.run_state = RunState::Over;
         }
     }
 
     /// Makes the mesh; finds the rest, or gets ready to march.
-    fn begin(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64) -> Work {
+    fn begin(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64) -> RunState {
         // Files were read for the trial's own scene; what cannot be refined is taken from there.
         let built = Scene::build(&self.level, self.level.mode, &NoFiles, Some(&trial.scene));
         let Ok(scene) = built else {
             self.point.status = Status::Unconverged;
-            return Work::Over;
+            return RunState::Over;
         };
         let count = scene.triangles.len();
         let area: f64 = scene.bodies.iter().flat_map(|body| body.elements.rest_areas()).sum();
         (self.point.triangles, self.point.vertices) = (count, scene.rest.len() / 2);
         self.point.size = (2.0 * area / count as f64).sqrt();
         if plan.moment == MeshMoment::AtTheEnd {
-            return Work::Marching(march(&scene, trial, own_limit));
+            return RunState::Marching(march(&scene, trial, own_limit));
         }
         let stopwatch = Stopwatch::start();
         let rest = statics::rest(&scene);
@@ -396,7 +396,7 @@ impl Slot {
             }
             _ => self.point.status = Status::Unconverged,
         }
-        Work::Over
+        RunState::Over
     }
 
     /// Runs what has run before, for its price.

@@ -47,7 +47,7 @@ pub use setting::{Setting, ladder};
 pub use stopwatch::CLOCK;
 pub use suggestion::{NoErrors, Price, Suggestion, USUAL_ERRORS};
 pub use sweep::{Curve, Plan, Point, WorkPrecision};
-pub use trial::{Outcome, Run, Status, Trial};
+pub use trial::{Outcome, Status, Trial, TrialRun};
 pub use twin::Twin;
 pub use workers::{share_partitions, threads};
 pub(crate) use {march::Deadline, refine::with_triangles, workers::spread};

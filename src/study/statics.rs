@@ -96,9 +96,9 @@ impl Equations for Balance<'_> {
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for effect in &self.scene.effects {
-            effect.couples(add);
+            effect.sparsity_pattern(add);
         }
     }
 

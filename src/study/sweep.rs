@@ -1,8 +1,8 @@
 //! Work-precision diagram: one trial with many settings.
 
 use super::{
-    MeasuredOrder, NoErrors, NoOrder, Outcome, Progress, Reference, ReferenceJob, Run, Sample, Setting, Status,
-    StudyError, Trial, ladder,
+    MeasuredOrder, NoErrors, NoOrder, Outcome, Progress, Reference, ReferenceJob, Sample, Setting, Status, StudyError,
+    Trial, TrialRun, ladder,
     march::{Deadline, March},
     measured_order,
     repetition::Repetitions,
@@ -62,7 +62,7 @@ pub struct Curve {
 struct Slot {
     curve: usize,
     point: Point,
-    run: Option<Box<Run>>,
+    run: Option<Box<TrialRun>>,
     /// Processor time of the first run.
     spent: Duration,
     /// Whether it is to be run once more in this round, and the run that does.
@@ -130,7 +130,7 @@ impl WorkPrecision {
         let trial = &self.trial;
         let open = self.slots.iter_mut().filter(|slot| slot.point.outcome.is_none()).collect();
         spread(self.plan.threads, open, |slot: &mut Slot| {
-            let run = slot.run.get_or_insert_with(|| Box::new(Run::new(trial, &slot.point.setting)));
+            let run = slot.run.get_or_insert_with(|| Box::new(TrialRun::new(trial, &slot.point.setting)));
             slot.point.outcome = run.until(trial, reference, deadline);
             let over = slot.point.outcome.is_some();
             if over {

@@ -110,7 +110,7 @@ pub struct Outcome {
 }
 
 /// An error above this many times the motion is no inaccuracy any more: the run is stopped and called unstable.
-pub(super) const FAR: f64 = 10.0;
+pub(super) const DIVERGED: f64 = 10.0;
 /// Motion smaller than this share of the greatest coordinate does not count for that: what hardly moves is soon far off.
 const SMALL: f64 = 1e-3;
 
@@ -164,16 +164,16 @@ impl Deviation {
 }
 
 /// A run on its way.
-pub struct Run {
+pub struct TrialRun {
     march: March,
     deviation: Deviation,
-    far: bool,
+    diverged: bool,
 }
 
-impl Run {
+impl TrialRun {
     /// A run of a trial with a setting.
     pub fn new(trial: &Trial, setting: &Setting) -> Self {
-        Self { march: trial.march(setting), deviation: Deviation::default(), far: false }
+        Self { march: trial.march(setting), deviation: Deviation::default(), diverged: false }
     }
 
     /// Goes on for about `budget`; gives the outcome when the run is over.
@@ -182,11 +182,11 @@ impl Run {
     }
 
     pub(super) fn until(&mut self, trial: &Trial, reference: &Reference, deadline: Deadline) -> Option<Outcome> {
-        let Self { march, deviation, far } = self;
+        let Self { march, deviation, diverged } = self;
         let over = march.advance(deadline, &mut |frame, simulation| {
             deviation.add(&simulation.state().x, reference.at(frame), &trial.start.x);
-            *far = deviation.metres() > FAR * deviation.motion().max(SMALL * reference.extent());
-            if *far { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            *diverged = deviation.metres() > DIVERGED * deviation.motion().max(SMALL * reference.extent());
+            if *diverged { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         over.then(|| self.outcome())
     }
@@ -204,7 +204,7 @@ impl Run {
     fn outcome(&self) -> Outcome {
         let counts = self.march.simulation.counts();
         let stopped = self.march.simulation.fault().is_some();
-        let status = if stopped || self.far {
+        let status = if stopped || self.diverged {
             Status::Unstable
         } else if counts.unconverged > 0 {
             Status::Unconverged

@@ -251,7 +251,7 @@ fn finer_scene(live: &Scene, per_step: u64) -> Scene {
         step: live.step / per_step as f64,
         guard: false,
         sleep: false,
-        alone: Vec::new(),
+        sub_scenes: Vec::new(),
         ..live.clone()
     }
 }

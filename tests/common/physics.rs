@@ -48,8 +48,8 @@ impl Dynamics for Physics<'_> {
         }
     }
 
-    fn couples(&self, add: &mut dyn FnMut(u32, u32)) {
-        self.scene.effects.iter().for_each(|effect| effect.couples(add));
+    fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+        self.scene.effects.iter().for_each(|effect| effect.sparsity_pattern(add));
     }
 
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
@@ -64,7 +64,7 @@ impl Dynamics for Physics<'_> {
         self.floor.is_finite()
     }
 
-    fn grips(&self) -> bool {
+    fn has_friction(&self) -> bool {
         false
     }
 

@@ -1,6 +1,7 @@
 //! The built program, run as in a terminal or a script, and a folder for its files.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its own part, and a failing test should panic")]
 
+#[allow(clippy::duplicate_mod, reason = "a test of the program may share the helpers of the library's tests")]
 #[path = "folder.rs"]
 mod folder;
 

@@ -2,7 +2,7 @@
 
 use super::sheet;
 use gingerbread::{
-    integrators::{Class, Dynamics, IntegratorKind, Ode, Work},
+    integrators::{Class, Dynamics, IntegratorKind, Ode, Workspace},
     level::Level,
     meshes::NoFiles,
     scene::Scene,
@@ -58,7 +58,7 @@ impl Dynamics for Oscillator {
         product[1] += force.y;
     }
 
-    fn couples(&self, _: &mut dyn FnMut(u32, u32)) {}
+    fn sparsity_pattern(&self, _: &mut dyn FnMut(u32, u32)) {}
 
     fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
         let damping = Matrix2::from_diagonal_element(weights.velocity * MASS * self.damping);
@@ -88,7 +88,7 @@ pub fn particle() -> State {
 }
 
 pub fn run(kind: &IntegratorKind, system: &mut Oscillator, state: &mut State, h: f64, steps: u64) {
-    let mut work = Work::default();
+    let mut work = Workspace::default();
     for _ in 0..steps {
         let counts = kind.kind().step(system, state, &mut work, h);
         assert_eq!(counts.newton.unconverged, 0, "{}", kind.name());

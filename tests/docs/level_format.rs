@@ -40,7 +40,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("enum When", "level.rs", "Modes of an effect"),
     ("enum RunMode", "level.rs", "Run mode"),
     ("enum Toggle", "level.rs", "On and off"),
-    ("enum Paces", "level/steps.rs", "Multirate stepping"),
+    ("enum SubstepMode", "level/steps.rs", "Multirate stepping"),
     ("struct StretchTest", "level.rs", "Test of stretch and compression"),
     ("struct ScriptedAction", "level/script.rs", "Scripted action"),
     ("enum Action", "level/script.rs", "Kinds of scripted actions"),
@@ -336,7 +336,7 @@ fn integrators(page: &mut String) {
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
-    let bodies = "Level RunMode Paces Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel";
+    let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel";
     let actions = "EffectLevel Switch When StretchTest ScriptedAction Action";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);

@@ -11,7 +11,7 @@ use gingerbread::{
     command::{Command, Mode},
     files,
     integrators::{Class, IntegratorKind},
-    level::{Level, Paces},
+    level::{Level, SubstepMode},
     levels::built_in,
     meshes::NoFiles,
     obstacles::Inside,
@@ -160,7 +160,7 @@ fn the_way_out_does_not_depend_on_the_step() {
 fn multirate_stepping_leads_out_as_common_steps_do() {
     let (_, effects) = overlapped().swap_remove(1);
     let common = disk([0.5, 0.5], ("SymplecticEuler", 20), "Corotated", &effects);
-    let own = Level { paces: Paces::Own, ..common.clone() };
+    let own = Level { paces: SubstepMode::Own, ..common.clone() };
     let [common, own] = [common, own].map(|level| {
         let mut simulation = simulation(&level);
         simulation.advance(400, &mut || true);

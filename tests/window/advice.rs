@@ -145,11 +145,11 @@ fn the_caution_of_a_stretch_test_ends_with_the_model_it_offers() {
     let mut window = open_level(level, 1280.0, 800.0);
     press(&mut window, Key::V);
     press(&mut window, Key::ArrowDown);
-    let caution = |window: &Window| window.state().snapshot().bodies[0].caution.clone();
-    assert!(caution(&window).is_some(), "St. Venant-Kirchhoff has no answer here");
+    let strip_warning = |window: &Window| window.state().snapshot().bodies[0].strip_warning.clone();
+    assert!(strip_warning(&window).is_some(), "St. Venant-Kirchhoff has no answer here");
     take(&mut window, "Use neo-Hookean");
     press(&mut window, Key::ArrowDown);
-    assert_eq!(caution(&window), None);
+    assert_eq!(strip_warning(&window), None);
 }
 
 #[test]

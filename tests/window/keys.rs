@@ -51,7 +51,7 @@ fn every_key_does_in_every_mode_what_the_table_says() {
             for shortcut in binding.shortcuts {
                 let mut window = in_mode("stretch_test", mode);
                 let before = window.state().snapshot().clone();
-                if !binding.when.holds(&before) {
+                if !binding.when.applies(&before) {
                     continue;
                 }
                 press_with(&mut window, shortcut.modifiers, shortcut.logical_key);

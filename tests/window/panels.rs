@@ -8,7 +8,7 @@ use gingerbread::command::Mode;
 use gingerbread::effects::EffectKind;
 use gingerbread::hard::Case;
 use gingerbread::integrators::IntegratorKind;
-use gingerbread::level::Paces;
+use gingerbread::level::SubstepMode;
 use gingerbread::materials::{Model, Plane};
 use gingerbread::{files, levels};
 
@@ -225,12 +225,13 @@ fn the_fonts_have_every_letter_of_every_text() {
 #[test]
 fn the_panel_lists_the_multirate_steps_of_each_body() {
     let mut window = open("pea_and_cake");
-    let parts = |window: &Window| window.state().snapshot().paces.iter().map(|pace| pace.steps).collect::<Vec<_>>();
+    let parts =
+        |window: &Window| window.state().snapshot().substep_plans.iter().map(|pace| pace.steps).collect::<Vec<_>>();
     let words = format!("cake 1, pea {}", parts(&window)[1]);
     assert!(window.query_by_label(&words).is_some());
     assert!(window.query_by_label_contains("the stiffest body takes steps of").is_some());
     click(&mut window, "Multirate stepping");
-    assert_eq!((window.state().snapshot().level.paces, parts(&window)), (Paces::Same, Vec::new()));
+    assert_eq!((window.state().snapshot().level.paces, parts(&window)), (SubstepMode::Same, Vec::new()));
     assert!(window.query_by_label_contains("cake 1,").is_none());
     click(&mut window, "Multirate stepping");
     assert!(window.query_by_label(&words).is_some());

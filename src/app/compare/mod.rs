@@ -173,7 +173,7 @@ impl Comparison {
     }
 
     /// Copies what is to be seen, as of now, and notes the difference.
-    pub fn look(&mut self, a: &Sandbox, seen: &mut Snapshot, field: Field) {
+    pub fn update_snapshots(&mut self, a: &Sandbox, seen: &mut Snapshot, field: Field) {
         let live = self.is_live(a);
         let can = [false, true].map(|forth| self.next(a, forth).is_some());
         for (sandbox, snapshot) in [(a, &mut *seen), (&self.b, &mut self.snapshot)] {
@@ -228,11 +228,11 @@ impl Comparison {
                 }
             }
         }
-        self.remember(a, before)
+        self.record_undo(a, before)
     }
 
     /// Puts both at the start if only one was, and notes what is to be undone.
-    fn remember(&mut self, a: &mut Sandbox, before: [(u64, Restart); 2]) -> Result<(), Refused> {
+    fn record_undo(&mut self, a: &mut Sandbox, before: [(u64, Restart); 2]) -> Result<(), Refused> {
         let [a_before, b_before] = before;
         let counts = [a.history.count() - a_before.0, self.b.history.count() - b_before.0];
         let mut states = [None, None];

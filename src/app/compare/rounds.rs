@@ -76,7 +76,7 @@ impl Rounds {
                 }
             }
             taken += self.bunch;
-            self.book(self.bunch as f64 * length);
+            self.record_time(self.bunch as f64 * length);
         }
     }
 
@@ -89,7 +89,7 @@ impl Rounds {
         other.advance(steps as u64, &mut || true);
     }
 
-    fn book(&mut self, simulated: f64) {
+    fn record_time(&mut self, simulated: f64) {
         let fade = libm::exp(-simulated / MEMORY);
         // What was just spent is in already.
         self.spent.iter_mut().chain(&mut self.simulated).for_each(|known| *known *= fade);

@@ -41,7 +41,7 @@ fn mesh(level: &Level, value: f64) -> MeshKind {
 
 fn look(a: &Sandbox, panes: &mut Comparison) -> Snapshot {
     let mut seen = Snapshot::default();
-    panes.look(a, &mut seen, Field::None);
+    panes.update_snapshots(a, &mut seen, Field::None);
     seen
 }
 
@@ -60,7 +60,7 @@ fn run_pulled(a: &mut Sandbox, panes: &mut Comparison, frames: u32) {
         assert_eq!(panes.advance(a, rounds, &mut || true), rounds);
         let times = [&*a, &panes.b].map(|sandbox| sandbox.simulation().state().time);
         assert!((times[0] - times[1]).abs() < 1e-12 * f64::from(frame + 1), "{times:?}");
-        panes.look(a, &mut seen, Field::None);
+        panes.update_snapshots(a, &mut seen, Field::None);
     }
 }
 

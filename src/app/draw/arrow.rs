@@ -53,6 +53,6 @@ pub fn force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pul
         (vec2(-gap, 0.0), Align2::RIGHT_CENTER)
     };
     let text = si_fixed(pull.force, "N");
-    let color = view.theme.pull.lerp_to_gamma(view.theme.ink, 0.35);
+    let color = view.theme.pull.lerp_to_gamma(view.theme.annotation, 0.35);
     card(painter, view, canvas, (to + aside, anchor), (text.trim(), font, color));
 }

@@ -3,7 +3,7 @@
 use super::{
     View,
     fill::{Detail, Fill},
-    icing::{self, Look},
+    icing::{self, IcingStyle},
     shape_buffer::ShapeBuffer,
 };
 use crate::{
@@ -23,7 +23,7 @@ const OUTLINE: f32 = 1.5;
 const CRUMBLED: usize = 10;
 
 /// What does not change while a body moves.
-struct Part {
+struct ConstantPart {
     /// Its boundary, the body on the left.
     loops: Vec<Vec<u32>>,
     /// Its edges, each once.
@@ -38,7 +38,7 @@ struct Part {
 #[derive(Default)]
 pub struct Bodies {
     generation: Option<u64>,
-    parts: Vec<Part>,
+    constant: Vec<ConstantPart>,
     /// The vertices on the screen.
     points: Vec<Pos2>,
     line: Vec<Pos2>,
@@ -47,10 +47,11 @@ pub struct Bodies {
 impl Bodies {
     /// Places the vertices on the screen.
     pub fn place(&mut self, snapshot: &Snapshot, view: View) {
-        if self.generation != Some(snapshot.generation) || self.parts.len() != snapshot.bodies.len() {
+        if self.generation != Some(snapshot.generation) || self.constant.len() != snapshot.bodies.len() {
             self.generation = Some(snapshot.generation);
             let scale = |i: usize| snapshot.level.bodies.get(i).map_or(1.0, |body| body.place.scale.get() as f32);
-            self.parts = snapshot.bodies.iter().enumerate().map(|(i, body)| Part::new(body, scale(i))).collect();
+            self.constant =
+                snapshot.bodies.iter().enumerate().map(|(i, body)| ConstantPart::new(body, scale(i))).collect();
         }
         self.points.clear();
         let positions = snapshot.positions.chunks_exact(2);
@@ -85,13 +86,14 @@ impl Bodies {
         scale: &Scale,
     ) {
         let field = options.field != Field::None && options.field == snapshot.field;
-        for (body, part) in snapshot.bodies.iter().zip(&self.parts) {
+        for (body, constant_part) in snapshot.bodies.iter().zip(&self.constant) {
             let Some(points) = self.points.get(body.vertices.clone()) else { continue };
             let values = snapshot.values.get(body.triangles.clone()).filter(|_| field);
-            match fill.choose(part.areas(fill, (body, points), snapshot.inverted > 0, options.wireframe, view)) {
+            match fill.choose(constant_part.areas(fill, (body, points), snapshot.inverted > 0, options.wireframe, view))
+            {
                 Detail::Full => {}
                 Detail::Outline => {
-                    part.outline(buffer, view, points, &mut self.line);
+                    constant_part.outline(buffer, view, points, &mut self.line);
                     continue;
                 }
                 Detail::Points => {
@@ -103,22 +105,22 @@ impl Bodies {
                 Some(values) => buffer.facets(points, body.mesh.triangles(), scale.colors(values)),
                 None => buffer.sheet(points, body.mesh.triangles(), view.theme.dough),
             }
-            part.rim(buffer, view, points, &mut self.line, values.is_none());
+            constant_part.rim(buffer, view, points, &mut self.line, values.is_none());
             if options.wireframe {
-                part.wireframe(buffer, view, points, values.is_some());
+                constant_part.wireframe(buffer, view, points, values.is_some());
             }
             if values.is_none() {
-                part.specks(buffer, view, body, points);
+                constant_part.specks(buffer, view, body, points);
             }
             let inverted = if snapshot.inverted > 0 { inside_out(buffer, view, body, points) } else { 0 };
             let opacity = if values.is_some() || options.wireframe { 0.55 } else { 1.0 };
-            let look = Look { opacity, scale: part.scale };
+            let style = IcingStyle { opacity, scale: constant_part.scale };
             if inverted * CRUMBLED > body.triangles.len() {
                 // Icing would only hide what is left of the body.
             } else if body.mesh.icing().is_empty() {
-                icing::edge(buffer, view, &part.loops, points, &mut self.line, look);
+                icing::edge(buffer, view, &constant_part.loops, points, &mut self.line, style);
             } else {
-                icing::strokes(buffer, view, &body.mesh, points, &mut self.line, look);
+                icing::strokes(buffer, view, &body.mesh, points, &mut self.line, style);
             }
             if options.vertices {
                 vertices(buffer, view, points);
@@ -127,7 +129,7 @@ impl Bodies {
     }
 }
 
-impl Part {
+impl ConstantPart {
     fn new(body: &BodySnapshot, scale: f32) -> Self {
         let triangles = body.mesh.triangles();
         let mut edges: Vec<[u32; 2]> = triangles
@@ -245,6 +247,6 @@ pub(super) fn dots(buffer: &mut ShapeBuffer, points: &[Pos2], color: Color32) {
 fn vertices(buffer: &mut ShapeBuffer, view: View, points: &[Pos2]) {
     let size = view.size(0.0028, 1.7, 6.0);
     for &point in points {
-        buffer.dot(point, size, view.theme.ink);
+        buffer.dot(point, size, view.theme.annotation);
     }
 }

@@ -45,9 +45,9 @@ pub fn colour_bar(painter: &Painter, buffer: &mut ShapeBuffer, view: View, canva
     gradient(buffer, layout.bar, scale, field == Field::Volume);
     let (count, unit) = unit_for(range[1], field.unit());
     let title = pos2(layout.card.center().x, layout.card.top() + 0.5 * size);
-    painter.text(title, Align2::CENTER_TOP, short_title(field), FontId::proportional(1.05 * size), theme.ink);
+    painter.text(title, Align2::CENTER_TOP, short_title(field), FontId::proportional(1.05 * size), theme.annotation);
     let below = title + vec2(0.0, 1.4 * size);
-    painter.text(below, Align2::CENTER_TOP, unit, FontId::proportional(size), theme.faint_ink);
+    painter.text(below, Align2::CENTER_TOP, unit, FontId::proportional(size), theme.faint_annotation);
     for value in ticks(range) {
         let rest = field == Field::Volume && (value - 1.0).abs() < 1e-9;
         let y = layout.bar.bottom() - layout.bar.height() * scale.share(value);
@@ -86,14 +86,14 @@ fn gradient(buffer: &mut ShapeBuffer, bar: Rect, scale: &Scale, both_ways: bool)
 fn tick(painter: &Painter, view: View, layout: &Layout, y: f32, text: &str, rest: bool) {
     let reach = if rest { layout.bar.width() } else { 0.0 };
     let right = layout.bar.right();
-    let color = if rest { Color32::BLACK } else { view.theme.ink };
+    let color = if rest { Color32::BLACK } else { view.theme.annotation };
     painter.hline(right - reach..=right + 4.0, y, (1.0, color));
-    painter.text(pos2(right + 8.0, y), Align2::LEFT_CENTER, text, layout.font.clone(), view.theme.ink);
+    painter.text(pos2(right + 8.0, y), Align2::LEFT_CENTER, text, layout.font.clone(), view.theme.annotation);
 }
 
 /// Writes the value under the pointer beside it.
 pub fn reading(painter: &Painter, view: View, canvas: Rect, at: Pos2, field: Field, value: f64) {
     let text = si(value, field.unit());
     let font = FontId::monospace((canvas.height() / 55.0).clamp(13.0, 32.0));
-    card(painter, view, canvas, (at + vec2(18.0, -18.0), Align2::LEFT_BOTTOM), (&text, font, view.theme.ink));
+    card(painter, view, canvas, (at + vec2(18.0, -18.0), Align2::LEFT_BOTTOM), (&text, font, view.theme.annotation));
 }

@@ -15,7 +15,7 @@ pub fn place(point: &Embedded, triangles: &[[u32; 3]], points: &[Pos2]) -> Pos2 
 
 /// How a body's icing is drawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct IcingStyle {
     /// 1 hides what is below, 0 hides the icing.
     pub opacity: f32,
     /// The body's size in the world over its size in the mesh.
@@ -23,10 +23,17 @@ pub struct Look {
 }
 
 /// The strokes that came with the mesh, each with a little shade below that lifts it off the dough.
-pub fn strokes(buffer: &mut ShapeBuffer, view: View, mesh: &Mesh, points: &[Pos2], line: &mut Vec<Pos2>, look: Look) {
+pub fn strokes(
+    buffer: &mut ShapeBuffer,
+    view: View,
+    mesh: &Mesh,
+    points: &[Pos2],
+    line: &mut Vec<Pos2>,
+    style: IcingStyle,
+) {
     let theme = view.theme;
-    let lift = vec2(0.0, view.size(0.0025 * look.scale, 0.7, 6.0));
-    let shade = theme.crust.gamma_multiply(0.7 * look.opacity);
+    let lift = vec2(0.0, view.size(0.0025 * style.scale, 0.7, 6.0));
+    let shade = theme.crust.gamma_multiply(0.7 * style.opacity);
     for stroke in mesh.icing() {
         let color = match stroke.color {
             IcingColor::White => theme.icing,
@@ -35,8 +42,8 @@ pub fn strokes(buffer: &mut ShapeBuffer, view: View, mesh: &Mesh, points: &[Pos2
         };
         line.clear();
         line.extend(stroke.points.iter().map(|point| place(point, mesh.triangles(), points) + lift));
-        let width = view.camera.length(stroke.width as f32 * look.scale).max(1.5);
-        for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(look.opacity), -lift)] {
+        let width = view.camera.length(stroke.width as f32 * style.scale).max(1.5);
+        for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(style.opacity), -lift)] {
             for point in line.iter_mut() {
                 *point += back;
             }
@@ -56,14 +63,14 @@ pub fn edge(
     loops: &[Vec<u32>],
     points: &[Pos2],
     line: &mut Vec<Pos2>,
-    look: Look,
+    style: IcingStyle,
 ) {
     let (inset, half, pixel) =
-        (view.size(0.016 * look.scale, 3.0, 60.0), view.size(0.003 * look.scale, 0.9, 12.0), buffer.pixel());
+        (view.size(0.016 * style.scale, 3.0, 60.0), view.size(0.003 * style.scale, 0.9, 12.0), buffer.pixel());
     for vertices in loops {
         gather(line, points, vertices);
         let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
-        let color = view.theme.icing.gamma_multiply(look.opacity);
+        let color = view.theme.icing.gamma_multiply(style.opacity);
         buffer.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
     }
 }

@@ -43,18 +43,18 @@ impl Pins {
         let full = view.size(0.0115, 5.5, 22.0);
         for (place, &(vertex, since)) in self.since.iter().enumerate() {
             let Some(&at) = points.get(vertex as usize) else { continue };
-            let room = 0.56 * self.room(place, points);
+            let spacing = 0.56 * self.spacing(place, points);
             peppermint(
                 buffer,
                 view,
                 at,
-                room.clamp(0.5 * full, full) * pop(((now - since) / POP).clamp(0.0, 1.0) as f32),
+                spacing.clamp(0.5 * full, full) * pop(((now - since) / POP).clamp(0.0, 1.0) as f32),
             );
         }
     }
 
     /// The distance to the nearest other pin, so that a row of pins stays a row; not worth finding among very many.
-    fn room(&self, place: usize, points: &[Pos2]) -> f32 {
+    fn spacing(&self, place: usize, points: &[Pos2]) -> f32 {
         if self.since.len() > MANY {
             return 0.0;
         }

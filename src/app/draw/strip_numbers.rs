@@ -37,13 +37,13 @@ pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Sna
         let column = Column { top: pos2(middle, top), width, size, head };
         bottom = bottom.max(column.write(painter, view, name, (body, snapshot.negligible)));
     }
-    for caution in snapshot.bodies.iter().filter_map(|body| body.caution.as_deref()) {
+    for strip_warning in snapshot.bodies.iter().filter_map(|body| body.strip_warning.as_deref()) {
         bottom = sentence(
             painter,
             pos2(canvas.center().x, bottom + 0.25 * size),
             canvas.width() - size,
-            caution,
-            (FontId::proportional(size), view.theme.caution),
+            strip_warning,
+            (FontId::proportional(size), view.theme.warning),
         );
     }
 }
@@ -80,7 +80,7 @@ struct Column {
 impl Column {
     /// Writes name and numbers; returns where they end.
     fn write(&self, painter: &Painter, view: View, name: &str, (body, negligible): (&BodySnapshot, f64)) -> f32 {
-        let color = view.theme.ink;
+        let color = view.theme.annotation;
         let force = or_zero(body.top_force, negligible / body.mesh.area().sqrt());
         let numbers = [
             format!("width  {}", si_fixed(body.mid_width, "m")),

@@ -46,7 +46,7 @@ impl Trail {
         let Some(toy) = &snapshot.toy else { return };
         self.draw_trail(buffer, view, toy);
         let path: Vec<Pos2> = toy.path.0.iter().map(|point| view.camera.screen_from_world(*point)).collect();
-        buffer.line(&path, toy.path.1, 1.5, view.theme.ink.gamma_multiply(0.75));
+        buffer.line(&path, toy.path.1, 1.5, view.theme.annotation.gamma_multiply(0.75));
         let (at, exact) = (view.camera.screen_from_world(toy.at), view.camera.screen_from_world(toy.exact));
         if let Some(pivot) = toy.pivot {
             rod(buffer, view, view.camera.screen_from_world(pivot), at);

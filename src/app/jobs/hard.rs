@@ -1,6 +1,6 @@
 //! Background job: runs of hard cases.
 
-use super::{job::Work, studies::threads};
+use super::{job::Task, studies::threads};
 use crate::{
     hard::{COLUMNS, Case, Entry, Method, Sweep, Trial, row},
     materials::Model,
@@ -70,7 +70,7 @@ impl Hard {
     }
 }
 
-impl Work for Hard {
+impl Task for Hard {
     type Results = Known;
 
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {

@@ -10,7 +10,7 @@ use std::{
 };
 
 /// A study that can be worked on bit by bit.
-pub trait Work: Send + 'static {
+pub trait Task: Send + 'static {
     /// What is known of it, to be drawn.
     type Results: Clone + Default + Send + 'static;
 
@@ -38,18 +38,18 @@ pub struct Findings<R> {
 }
 
 /// A study of a window: what is known of the last one, and the work on it while it goes on.
-pub struct Study<W: Work> {
+pub struct Study<W: Task> {
     findings: Option<Findings<W::Results>>,
     job: Option<Job<W>>,
 }
 
-impl<W: Work> Default for Study<W> {
+impl<W: Task> Default for Study<W> {
     fn default() -> Self {
         Self { findings: None, job: None }
     }
 }
 
-impl<W: Work> Study<W> {
+impl<W: Task> Study<W> {
     /// What is known, if it was ever begun.
     pub const fn findings(&self) -> Option<&Findings<W::Results>> {
         self.findings.as_ref()
@@ -91,21 +91,21 @@ impl<W: Work> Study<W> {
     }
 }
 
-impl<W: Work> Drop for Study<W> {
+impl<W: Task> Drop for Study<W> {
     fn drop(&mut self) {
         self.cancel();
     }
 }
 
 /// Work that goes on: in a thread of its own, or where there are none, between frames.
-struct Job<W: Work> {
+struct Job<W: Task> {
     shared: Arc<Mutex<Findings<W::Results>>>,
     cancelled: Arc<AtomicBool>,
     #[cfg(target_arch = "wasm32")]
     bench: Bench<W>,
 }
 
-impl<W: Work> Job<W> {
+impl<W: Task> Job<W> {
     fn start(bench: Bench<W>) -> Self {
         let (shared, cancelled) = (Arc::default(), Arc::new(AtomicBool::new(false)));
         #[cfg(not(target_arch = "wasm32"))]
@@ -131,7 +131,7 @@ enum Bench<W> {
     Cleared,
 }
 
-impl<W: Work> Bench<W> {
+impl<W: Task> Bench<W> {
     /// Works for about `budget` and shares what is known then. Returns whether there is more to do.
     fn step(&mut self, shared: &Mutex<Findings<W::Results>>, budget: Duration) -> bool {
         let begun = match std::mem::replace(self, Self::Cleared) {
@@ -167,7 +167,7 @@ mod tests {
     /// Counts to three.
     struct Count(u32);
 
-    impl Work for Count {
+    impl Task for Count {
         type Results = u32;
         fn advance(&mut self, _: Duration) -> Result<Progress, StudyError> {
             self.0 += 1;

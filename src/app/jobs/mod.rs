@@ -102,7 +102,7 @@ impl Jobs {
     }
 
     /// Measures the longest stable step at rest for a part of a frame. Returns whether there is more to do.
-    pub fn look_at_rest(&mut self, sandbox: &Sandbox) -> bool {
+    pub fn measure_rest_limit(&mut self, sandbox: &Sandbox) -> bool {
         let (scene, rest) = (sandbox.simulation().scene(), &mut self.rest);
         let known = |(level, mode): &(Arc<Level>, Mode)| Arc::ptr_eq(level, &sandbox.shown) && *mode == sandbox.mode;
         if !rest.of.as_ref().is_some_and(known) {
@@ -215,7 +215,7 @@ impl Jobs {
 
     /// Works for a small part of a frame; looks for the longest stable step only where that is shown. Returns whether there is
     /// more to do.
-    pub fn work(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
+    pub fn advance(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
         let simulation = sandbox.simulation();
         let doubtful = gauge && self.settled != Some(simulation.shape());
         if doubtful {

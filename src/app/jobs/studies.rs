@@ -1,6 +1,6 @@
 //! The studies that the window offers and their results.
 
-use super::job::Work;
+use super::job::Task;
 use crate::{
     files::Disk,
     integrators::IntegratorKind,
@@ -61,7 +61,7 @@ pub fn accuracy(level: &Level) -> Result<WorkPrecision, StudyError> {
     Ok(WorkPrecision::new(Trial::new(level, &Disk, SECONDS)?, plan))
 }
 
-impl Work for WorkPrecision {
+impl Task for WorkPrecision {
     type Results = Diagram;
 
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
@@ -130,7 +130,7 @@ pub fn meshes(level: &Level, measure: Measure) -> Result<Meshes, StudyError> {
     Ok(Meshes { level: level.clone(), study, locking: None })
 }
 
-impl Work for Meshes {
+impl Task for Meshes {
     type Results = MeshFindings;
 
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
@@ -208,7 +208,7 @@ pub fn drift(level: &Level, seconds: f64) -> Result<Drift, StudyError> {
     Ok(Drift::new(trial, settings, threads()))
 }
 
-impl Work for Drift {
+impl Task for Drift {
     type Results = Courses;
 
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
@@ -254,7 +254,7 @@ pub fn savings(level: &Level) -> Result<Savings, StudyError> {
     Savings::new(level, &Disk)
 }
 
-impl Work for Savings {
+impl Task for Savings {
     type Results = Saved;
 
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {

@@ -1,6 +1,6 @@
 //! Banner over the stage: faults and their remedies.
 
-use super::{Desk, Notice, View};
+use super::{Notice, PanelContext, View};
 use crate::{
     app::{
         advice::{Facts, Trouble},
@@ -12,27 +12,27 @@ use crate::{
 };
 use eframe::egui::{Align2, Area, Color32, Context, Frame, Id, Key, Label, Order, Rect, RichText, Stroke, Ui, vec2};
 
-pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    let now = desk.now;
-    let other = desk.comparison.filter(|_| now.fault.is_none()).and_then(|panes| {
-        let seen = if panes.chosen() == Pane::A { panes.snapshot() } else { desk.first };
+pub fn show(ctx: &Context, stage: Rect, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let now = context.now;
+    let other = context.comparison.filter(|_| now.fault.is_none()).and_then(|panes| {
+        let seen = if panes.chosen() == Pane::A { panes.snapshot() } else { context.first };
         Some((panes.chosen().other(), seen.fault.as_ref()?))
     });
     if now.fault.is_none() && other.is_none() && view.notice.is_none() {
         return;
     }
     // Below the heads of two panes, which say what stopped.
-    let down = if desk.comparison.is_some() { 54.0 } else { 10.0 };
+    let down = if context.comparison.is_some() { 54.0 } else { 10.0 };
     let top = stage.center_top() + vec2(0.0, down);
     let area = Area::new(Id::unique("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
     area.constrain_to(stage).show(ctx, |ui| {
         let width = (stage.width() - 56.0).clamp(160.0, 520.0);
         ui.set_max_width(width);
         if let Some(fault) = &now.fault {
-            let pane = desk.comparison.map(|panes| format!("Time stopped in {}", panes.chosen().letter()));
+            let pane = context.comparison.map(|panes| format!("Time stopped in {}", panes.chosen().letter()));
             let title = pane.as_deref().unwrap_or("Time stopped");
             card(ui, width, Theme::of(ctx).bad, title, &fault.to_string(), |ui| {
-                remedies(ui, desk, view, commands);
+                remedies(ui, context, view, commands);
             });
         }
         if let Some((pane, fault)) = other {
@@ -47,7 +47,7 @@ pub fn show(ctx: &Context, stage: Rect, desk: &Desk<'_>, view: &mut View, comman
         let mut read = false;
         if let Some(notice) = &view.notice {
             let (title, color) = match notice {
-                Notice::Trouble(_) => ("Error", Theme::of(ctx).caution),
+                Notice::Trouble(_) => ("Error", Theme::of(ctx).warning),
                 Notice::Done(_) => ("Done", Theme::of(ctx).good),
             };
             card(ui, width, color, title, notice.text(), |ui| {
@@ -73,9 +73,9 @@ fn card(ui: &mut Ui, width: f32, color: Color32, title: &str, text: &str, button
 }
 
 /// What helps against a fault.
-fn remedies(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    let now = desk.now;
-    let reach = now.rewind_reach.min(1.0);
+fn remedies(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let now = context.now;
+    let reach = now.rewind_length.min(1.0);
     if reach > 0.0 {
         let help = "Goes back in time to before the failure, and pauses: change something, then run again. [Backspace]";
         if ui.button(format!("Back {}", numbers::si(reach, "s"))).on_hover_text(help).clicked() {
@@ -86,7 +86,7 @@ fn remedies(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
         commands.push(Command::Reset);
     }
     let Some(fault) = &now.fault else { return };
-    let advice = Facts::of(now, desk.jobs.limit_at_rest(), view).advise(Trouble::Fault(fault.cause));
+    let advice = Facts::of(now, context.jobs.limit_at_rest(), view).advise(Trouble::Fault(fault.cause));
     for (number, remedy) in advice.remedies.iter().enumerate() {
         let help = format!("{} Starts over.", remedy.help());
         if ui.button(remedy.label()).on_hover_text(help).clicked() {

@@ -1,10 +1,9 @@
 //! Panel of a body: material, mass and mesh.
 
 use super::{
-    Notice, View, heading, net,
+    Notice, View, apply_response, heading, net,
     segmented::{Segment, segmented},
-    settle,
-    slider::{self, Look, Outcome},
+    slider::{self, SliderOptions, SliderResponse},
 };
 use crate::{
     command::Command,
@@ -81,12 +80,12 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
             None
         }
     };
-    let sum = Outcome {
+    let sum = SliderResponse {
         changed,
         ended: switched || outcomes.iter().any(|outcome| outcome.ended),
         refused: outcomes.into_iter().find_map(|outcome| outcome.refused),
     };
-    settle(sum, command, view, commands);
+    apply_response(sum, command, view, commands);
 }
 
 fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, commands: &mut Vec<Command>) {
@@ -106,14 +105,14 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, c
         MassLevel::Density(mut density) => (slider::quantity(ui, &mut density), MassLevel::Density(density)),
         MassLevel::Total(mut total) => (slider::quantity(ui, &mut total), MassLevel::Total(total)),
     };
-    settle(outcome, Some(Command::SetMass(view.body, new)), view, commands);
+    apply_response(outcome, Some(Command::SetMass(view.body, new)), view, commands);
 }
 
 /// How fine the mesh is. Another one starts over.
 fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Command>) {
     const SIDES: [&str; 2] = ["columns of cells", "rows of cells"];
     let mut mesh = mesh.clone();
-    let mut sum = Outcome::default();
+    let mut sum = SliderResponse::default();
     let names = [Triangles::SPEC.name, Tolerance::SPEC.name, Cells::SPEC.name, Rings::SPEC.name];
     let mut finer = mesh.kind_mut().parameters();
     finer.retain(|number| names.contains(&number.spec().name));
@@ -121,14 +120,15 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
         let spec = number.spec();
         let help = format!("{}\nAnother mesh starts over.\nAllowed: {}.", spec.help.trim(), spec.range());
         let name = if spec.name == Cells::SPEC.name { side } else { spec.name };
-        let look = Look { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
+        let look =
+            SliderOptions { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
         let value = number.get();
         let outcome = slider::number(ui, &look, value, &mut |new| number.set(new).map_err(|error| error.to_string()));
         sum.changed |= outcome.changed;
         sum.ended |= outcome.ended;
         sum.refused = outcome.refused.or(sum.refused.take());
     }
-    settle(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
+    apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
 }
 
 /// The same mass [kg] told the other way, over an area [m²].

@@ -1,7 +1,7 @@
 //! Panel of the comparison: which pane is edited, and the differences.
 
 use super::{
-    Desk, Side, View, axes,
+    PanelContext, Side, View, axes,
     energy::{marks, nice_range},
     export::{self, Figure},
     fixed, heading_here,
@@ -26,8 +26,8 @@ const PLOT: f32 = 92.0;
 const ROUNDING: f64 = 1e-12;
 
 /// Splits the stage; while it is split, chooses the pane that the panels edit.
-pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let on = desk.comparison.is_some();
+pub fn switch(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    let on = context.comparison.is_some();
     let button = Button::selectable(on, "A | B").min_size(vec2(46.0, HEIGHT));
     let help = if on {
         "One pane again: A stays. [B]"
@@ -37,7 +37,7 @@ pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     if ui.add(button).on_hover_text(help).accessible_name("Compare").clicked() {
         view.panes.push(PaneRequest::Toggle);
     }
-    if let Some(panes) = desk.comparison {
+    if let Some(panes) = context.comparison {
         let about = "The panels, and the model beside, show and change this pane.";
         let part = |pane: Pane, name| Segment { text: pane.letter(), name, about, on: panes.chosen() == pane };
         let parts = [part(Pane::A, "Edit pane A"), part(Pane::B, "Edit pane B")];
@@ -48,15 +48,15 @@ pub fn switch(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
 }
 
 /// Says which pane a panel is about.
-pub fn caption(ui: &mut Ui, desk: &Desk<'_>, side: Side) {
-    let Some(panes) = desk.comparison else { return };
+pub fn caption(ui: &mut Ui, context: &PanelContext<'_>, side: Side) {
+    let Some(panes) = context.comparison else { return };
     let pane = panes.chosen();
     let theme = Theme::of(ui.ctx());
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new(format!("Pane {}", pane.letter())).strong().color(color(theme, pane)));
         let words = match side {
-            Side::Left if desk.now.bodies.is_empty() => "everything here applies to both panes",
+            Side::Left if context.now.bodies.is_empty() => "everything here applies to both panes",
             Side::Left => "its mesh; everything else here applies to both panes",
             Side::Right => "its step, scheme, cost and energies",
         };
@@ -65,14 +65,14 @@ pub fn caption(ui: &mut Ui, desk: &Desk<'_>, side: Side) {
 }
 
 /// How far the panes are apart, now and in the last seconds, and what each costs.
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let Some(panes) = desk.comparison else { return };
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    let Some(panes) = context.comparison else { return };
     let record = panes.record();
     ui.add_space(6.0);
     ui.horizontal(|ui| {
         heading_here(ui, "Difference B − A");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            export::buttons(ui, view, Figure::Difference, &desk.now.level.name, || record.csv());
+            export::buttons(ui, view, Figure::Difference, &context.now.level.name, || record.csv());
         });
     });
     let Some(last) = record.last() else { return };
@@ -83,7 +83,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let share = |of: &Moment| of.positions.map(share).filter(|share| share.is_finite());
     plot(ui, record, &Curve { name: "difference of positions", unit: "", value: &share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
-    let negligible = desk.now.negligible;
+    let negligible = context.now.negligible;
     let energy =
         if last.energy.is_finite() { fixed(numbers::or_zero(last.energy, negligible), "J") } else { "–".to_owned() };
     row(ui, "Total energy", &energy, help);

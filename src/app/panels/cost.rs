@@ -1,16 +1,15 @@
 //! Panel of display options and costs.
 
 use super::{
-    Desk, View, count, fixed, heading, row,
+    PanelContext, View, apply_response, count, fixed, heading, row,
     segmented::{Segment, segmented},
-    settle,
-    slider::{self, Look},
+    slider::{self, SliderOptions},
     status::AT_REST,
 };
 use crate::{
     command::Command,
     integrators::Class,
-    level::{Paces, Substeps},
+    level::{SubstepMode, Substeps},
     nets::Role,
     snapshot::{Field, Snapshot},
 };
@@ -20,18 +19,18 @@ use std::collections::BTreeSet;
 /// A frame of 60 Hz [s].
 const FRAME: f64 = 1.0 / 60.0;
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    if !desk.now.triangles.is_empty() {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    if !context.now.triangles.is_empty() {
         looks(ui, view);
-    } else if has_hidden_springs(desk.now) {
+    } else if has_hidden_springs(context.now) {
         let help = "Draws the flexion springs too, which lie over the others";
         ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
     }
     heading(ui, "What it costs");
-    speed(ui, desk);
-    substeps(ui, desk.now, view, commands);
-    paces(ui, desk.now, commands);
-    size(ui, desk.now);
+    speed(ui, context);
+    substeps(ui, context.now, view, commands);
+    substep_mode(ui, context.now, commands);
+    size(ui, context.now);
 }
 
 /// Whether some springs are only drawn on request.
@@ -72,10 +71,10 @@ const fn about(field: Field) -> &'static str {
 }
 
 /// How fast time runs and how long a frame takes.
-fn speed(ui: &mut Ui, desk: &Desk<'_>) {
-    let rates = desk.rates;
+fn speed(ui: &mut Ui, context: &PanelContext<'_>) {
+    let rates = context.rates;
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
-    let factor = if desk.now.rests() {
+    let factor = if context.now.rests() {
         AT_REST.to_owned()
     } else {
         or_dash(rates.map(|rates| format!("{:.2} × real time", rates.factor)))
@@ -86,7 +85,7 @@ fn speed(ui: &mut Ui, desk: &Desk<'_>) {
         &factor,
         "Simulated time over real time. Steps are never skipped: if the computer is too slow for them, simulated time runs slower.",
     );
-    row(ui, "Simulated time", &fixed(desk.now.time, "s"), "Time since the start [s]");
+    row(ui, "Simulated time", &fixed(context.now.time, "s"), "Time since the start [s]");
     let physics = or_dash(rates.map(|rates| fixed(rates.physics, "s")));
     row(ui, "Physics per frame", &physics, "Time spent on stepping in a frame [s]");
     let frame = or_dash(rates.map(|rates| format!("{}, {:.1} per second", fixed(rates.frame, "s"), rates.frames)));
@@ -112,7 +111,7 @@ fn gauge(ui: &mut Ui, physics: f32, whole: f32) {
 }
 
 fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
-    let look = Look {
+    let look = SliderOptions {
         name: "substeps",
         unit: "",
         range: (1.0, 2000.0),
@@ -126,26 +125,26 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         Ok(())
     });
     let command = (chosen != now.level.substeps).then_some(Command::SetSubsteps(chosen));
-    settle(outcome, command, view, commands);
+    apply_response(outcome, command, view, commands);
     row(ui, "Step", &fixed(chosen.step(), "s"), "h = 1/(60 n): the length of a step [s]");
 }
 
 /// Whether each body takes as many steps as it needs, and how many these are.
-fn paces(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+fn substep_mode(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if now.toy.is_some() || now.level.integrator.kind().class() != Class::Explicit {
         return;
     }
     let help = "Each body and net divides every step into as many equal parts as its own stability needs: no part is longer than \
                 half of its longest stable step at rest. So a stiff body does not make a soft one take short steps too. This is \
                 exact, as bodies do not touch each other.";
-    let mut own = now.level.paces == Paces::Own;
+    let mut own = now.level.paces == SubstepMode::Own;
     if ui.checkbox(&mut own, "Multirate stepping").on_hover_text(help).changed() {
-        let paces = if own { Paces::Own } else { Paces::Same };
-        commands.extend([Command::SetPaces(paces), Command::EndGesture]);
+        let mode = if own { SubstepMode::Own } else { SubstepMode::Same };
+        commands.extend([Command::SetSubstepMode(mode), Command::EndGesture]);
     }
     let names = now.bodies.iter().map(|body| &body.name).chain(now.nets.iter().map(|net| &net.name));
     let each: Vec<_> =
-        names.zip(&now.paces).map(|(name, pace)| format!("{name} {}", count(pace.steps as usize))).collect();
+        names.zip(&now.substep_plans).map(|(name, plan)| format!("{name} {}", count(plan.steps as usize))).collect();
     if !each.is_empty() {
         let help = "Into how many equal parts each body or net divides a step";
         ui.add(Label::new(RichText::new(each.join(", ")).small()).wrap()).on_hover_text(help);

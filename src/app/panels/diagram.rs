@@ -1,7 +1,7 @@
 //! Plot of error against processor time for every integrator.
 
 use super::{
-    Desk, View,
+    PanelContext, View,
     axes::{self, Label, color_of, write_labels},
     export::{self, Figure},
     scheme::percent,
@@ -22,7 +22,7 @@ use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, PlotPoints, Points}
 
 /// How the diagram is looked at.
 #[derive(Default)]
-pub struct Look {
+pub struct DiagramSettings {
     /// What the horizontal axis shows.
     pub price: Price,
     /// Which of the targets is asked about; if none was chosen, a usual one that is reached.
@@ -35,12 +35,12 @@ pub const HELP: &str = "Every scheme runs the next second from the present state
 /// Where runs stand that blew up: the common logarithm of their error.
 const TOP: f64 = 1.0;
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let invitation = "Every scheme runs the next second from the present state, without the mouse, with many steps; each run \
                       is a point.";
-    let Some(diagram) = results(ui, desk.jobs.accuracy.findings(), invitation) else { return };
+    let Some(diagram) = results(ui, context.jobs.accuracy.findings(), invitation) else { return };
     if let Some(why) = &diagram.no_errors {
-        ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).caution));
+        ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).warning));
     } else {
         suggest(ui, diagram, view, commands);
     }
@@ -65,7 +65,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
 }
 
 fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<Command>) {
-    let look = &mut view.studies.diagram;
+    let settings = &mut view.studies.diagram;
     ui.horizontal_wrapped(|ui| {
         let parts = [
             (Price::Time, "Time", "Measured processor time [ms] for a simulated second"),
@@ -75,13 +75,14 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
                 "The same on every computer, but the time for solving equations is not counted",
             ),
         ];
-        let segments = parts.map(|(price, text, about)| Segment { text, name: text, about, on: look.price == price });
+        let segments =
+            parts.map(|(price, text, about)| Segment { text, name: text, about, on: settings.price == price });
         if let Some((price, ..)) = segmented(ui, "price", &segments, false).and_then(|clicked| parts.get(clicked)) {
-            look.price = *price;
+            settings.price = *price;
         }
         ui.label("Cheapest under");
-        let price = usize::from(look.price == Price::ForceEvaluations);
-        let mut target = look.target.unwrap_or_else(|| diagram.usual_target(price));
+        let price = usize::from(settings.price == Price::ForceEvaluations);
+        let mut target = settings.target.unwrap_or_else(|| diagram.usual_target(price));
         let before = target;
         let shown = percent(TARGETS[target % TARGETS.len()]);
         let combo = ComboBox::from_id_salt("target").width(72.0).selected_text(shown).show_ui(ui, |ui| {
@@ -92,7 +93,7 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
         combo.response.accessible_name("Error to stay under");
         ui.label("mean error:");
         if target != before {
-            look.target = Some(target);
+            settings.target = Some(target);
         }
         match diagram.suggestions.get(target).and_then(|by_price| by_price[price].as_ref()) {
             Some(suggestion) => {

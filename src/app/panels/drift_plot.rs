@@ -1,7 +1,7 @@
 //! Plot of energy and momentum over time for every integrator.
 
 use super::{
-    Desk, View,
+    PanelContext, View,
     axes::{self, Label, color_of, write_labels},
     export::{self, Figure},
     segmented::{Segment, segmented},
@@ -20,7 +20,7 @@ use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, Points};
 
 /// What is followed, and for how long.
 #[derive(Default)]
-pub struct Look {
+pub struct DriftSettings {
     /// Which of [`Invariant::ALL`].
     invariant: usize,
     /// Which of [`TIMES`].
@@ -37,30 +37,30 @@ const EDGES: [f64; 2] = [-17.0, 3.0];
 pub const HELP: &str = "Every scheme runs from the present state, without the mouse; explicit ones with the present step length, \
                         implicit ones with steps ten times as long, as each takes more computing time.";
 
-impl Look {
+impl DriftSettings {
     /// Simulated time [s].
     pub fn seconds(&self) -> f64 {
         TIMES.get(self.time).copied().unwrap_or(TIMES[0])
     }
 }
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     choose(ui, &mut view.studies.drift);
     let invitation = "Every scheme runs from the present state, without the mouse: which schemes conserve energy and momentum, \
                       and which gain or lose some?";
-    let Some(courses) = results(ui, desk.jobs.drift.findings(), invitation) else { return };
+    let Some(courses) = results(ui, context.jobs.drift.findings(), invitation) else { return };
     let number = view.studies.drift.invariant;
     let (Some(invariant), Some((reasons, nothing))) = (Invariant::ALL.get(number), courses.words.get(number)) else {
         return;
     };
     let theme = Theme::of(ui.ctx());
     if let Some(nothing) = nothing {
-        ui.label(RichText::new(*nothing).color(theme.caution));
+        ui.label(RichText::new(*nothing).color(theme.warning));
         return;
     }
     if !reasons.is_empty() {
         let text = format!("Here {reasons} also change the {}: that is not an error of a scheme.", invariant.title());
-        ui.label(RichText::new(text).color(theme.caution));
+        ui.label(RichText::new(text).color(theme.warning));
     }
     if !courses.touching.is_empty() {
         let valid = courses.each.iter().filter(|course| course.status != Status::Unstable).count();
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
             courses.touching.join(", ")
         };
         let text = format!("Walls that are touched change the {} too, for {who}.", invariant.title());
-        ui.label(RichText::new(text).color(theme.caution));
+        ui.label(RichText::new(text).color(theme.warning));
     }
     if courses.each.is_empty() {
         return;
@@ -84,7 +84,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     export::pose(ui, view, Figure::Drift, rect);
 }
 
-fn choose(ui: &mut Ui, look: &mut Look) {
+fn choose(ui: &mut Ui, settings: &mut DriftSettings) {
     ui.horizontal_wrapped(|ui| {
         let abouts = [
             "Kinetic, elastic and potential energy together [J]",
@@ -94,15 +94,15 @@ fn choose(ui: &mut Ui, look: &mut Look) {
         let texts = ["Energy", "Momentum", "Angular momentum"];
         let mut parts = texts.map(|text| Segment { text, name: text, about: "", on: false });
         for (number, (part, about)) in parts.iter_mut().zip(abouts).enumerate() {
-            (part.about, part.on) = (about, number == look.invariant);
+            (part.about, part.on) = (about, number == settings.invariant);
         }
         if let Some(clicked) = segmented(ui, "invariant", &parts, false) {
-            look.invariant = clicked;
+            settings.invariant = clicked;
         }
         let time = |number: usize| TIMES.get(number).map_or_else(String::new, |time| format!("{time} s"));
-        let shown = ComboBox::from_id_salt("time").width(64.0).selected_text(time(look.time)).show_ui(ui, |ui| {
+        let shown = ComboBox::from_id_salt("time").width(64.0).selected_text(time(settings.time)).show_ui(ui, |ui| {
             for number in 0..TIMES.len() {
-                ui.selectable_value(&mut look.time, number, time(number));
+                ui.selectable_value(&mut settings.time, number, time(number));
             }
         });
         let help = "How much time to simulate when it is measured next.";

@@ -1,7 +1,7 @@
 //! Plot of energies over time.
 
 use super::{
-    Desk, View, axes,
+    PanelContext, View, axes,
     export::{self, Figure},
     fixed, heading_here,
     history::{History, WINDOW},
@@ -61,8 +61,8 @@ fn visible(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
     numbers::or_zero((curve.value)(of), negligible.max(1e-12 * largest))
 }
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let (history, level) = (desk.history, &desk.now.level);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    let (history, level) = (context.history, &context.now.level);
     let Some(&(end, now)) = history.last() else { return };
     ui.add_space(6.0);
     ui.horizontal(|ui| {
@@ -77,11 +77,11 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         ui.columns(pair.len(), |columns| {
             for (ui, curve) in columns.iter_mut().zip(pair) {
                 let name = RichText::new(curve.name).color((curve.color)(theme));
-                row(ui, name, &fixed(visible(curve, &now, desk.now.negligible), "J"), curve.help);
+                row(ui, name, &fixed(visible(curve, &now, context.now.negligible), "J"), curve.help);
             }
         });
     }
-    let rect = ui.scope(|ui| plot(ui, history, (end, desk.now.negligible), theme)).response.rect;
+    let rect = ui.scope(|ui| plot(ui, history, (end, context.now.negligible), theme)).response.rect;
     export::pose(ui, view, Figure::Energies, rect);
 }
 

@@ -55,7 +55,7 @@ pub struct Sitting {
 }
 
 /// After so many frames there will be no pixels any more.
-const PATIENCE: u32 = 90;
+const TIMEOUT_FRAMES: u32 = 90;
 
 /// Two small buttons in a row that is laid out from the right: for the picture of a plot, and for its numbers.
 pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table: impl Fn() -> String) {
@@ -112,7 +112,7 @@ impl View {
         let image = sitting.pixels.lock().unwrap_or_else(PoisonError::into_inner).take();
         let file = match (image, sitting.rect) {
             (Some(image), Some(rect)) => png(&image, rect, ctx.pixels_per_point(), &sitting.about),
-            _ if sitting.frames > PATIENCE => Err("the window delivered no picture".to_owned()),
+            _ if sitting.frames > TIMEOUT_FRAMES => Err("the window delivered no picture".to_owned()),
             _ => return,
         };
         match file {

@@ -1,7 +1,7 @@
 //! Window of hard cases. They run in the background while the scene goes on.
 
 use super::{
-    Desk, FileRequest, View,
+    FileRequest, PanelContext, View,
     export::Export,
     segmented::{Segment, segmented},
 };
@@ -20,14 +20,14 @@ use eframe::egui::{
 use std::f32::consts::TAU;
 
 /// How the hard cases are looked at.
-pub struct Look {
+pub struct HardSettings {
     /// Whether the window is shown.
     pub open: bool,
     /// The materials and methods that are shown and run.
     choice: Choice,
 }
 
-impl Default for Look {
+impl Default for HardSettings {
     fn default() -> Self {
         Self { open: false, choice: Choice { method: Some(Method::ImplicitEuler), ..Choice::default() } }
     }
@@ -41,14 +41,14 @@ enum Mark {
     /// So far.
     Going(f32),
     /// It was held.
-    Held,
+    Passed,
     /// It was not, and the file of the case says why.
     Cannot,
     /// It was not, and should have been.
     Failed,
 }
 
-pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View) {
+pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View) {
     if !view.hard.open || view.is_posing() {
         return;
     }
@@ -63,13 +63,13 @@ pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View) {
         .constrain(true)
         .show(ctx, |ui| {
             let nothing = Known::default();
-            let known = desk.jobs.hard.findings().map_or(&nothing, |findings| &findings.results);
-            top(ui, desk, view, known);
+            let known = context.jobs.hard.findings().map_or(&nothing, |findings| &findings.results);
+            top(ui, context, view, known);
             ui.separator();
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 ui.set_max_width(ui.available_width() - 10.0);
-                for (name, case) in desk.gallery.hard() {
-                    row(ui, (name, case), desk, view, known);
+                for (name, case) in context.gallery.hard() {
+                    row(ui, (name, case), context, view, known);
                 }
             });
         });
@@ -77,7 +77,7 @@ pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View) {
 }
 
 /// What is chosen, the button that runs it, and how many are held.
-fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, known: &Known) {
+fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) {
     let choice = &mut view.hard.choice;
     ui.horizontal_wrapped(|ui| {
         let mut parts = vec![Segment { text: "All", name: "All materials", about: "", on: choice.model.is_none() }];
@@ -103,11 +103,11 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, known: &Known) {
     });
     let choice = *choice;
     ui.horizontal(|ui| {
-        if desk.jobs.hard.is_running() {
+        if context.jobs.hard.is_running() {
             if ui.button("Cancel").on_hover_text("Stops; what is known stays.").clicked() {
                 view.requests.push(JobRequest::Cancel);
             }
-            let done = desk.jobs.hard.findings().map_or(0.0, |findings| findings.progress.done);
+            let done = context.jobs.hard.findings().map_or(0.0, |findings| findings.progress.done);
             ui.add(ProgressBar::new(done as f32).desired_width(90.0));
         } else if ui
             .button("Run all")
@@ -126,19 +126,19 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, known: &Known) {
                 }
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.add(Label::new(RichText::new(summary(known, &choice, desk)).small().weak()).wrap());
+                ui.add(Label::new(RichText::new(summary(known, &choice, context)).small().weak()).wrap());
             });
         });
     });
 }
 
 /// How many of the chosen runs were held, in a sentence.
-fn summary(known: &Known, choice: &Choice, desk: &Desk<'_>) -> String {
+fn summary(known: &Known, choice: &Choice, context: &PanelContext<'_>) -> String {
     let of = |wanted: Mark| chosen(known, choice).filter(|(trial, entry)| mark(trial, entry, true) == wanted).count();
-    let [held, cannot, failed] = [Mark::Held, Mark::Cannot, Mark::Failed].map(of);
+    let [held, cannot, failed] = [Mark::Passed, Mark::Cannot, Mark::Failed].map(of);
     let models = if choice.model.is_some() { 1 } else { Model::ALL.len() };
     let methods = if choice.method.is_some() { 1 } else { Method::ALL.len() };
-    let all = desk.gallery.hard().len() * models * methods;
+    let all = context.gallery.hard().len() * models * methods;
     if held + cannot + failed == 0 {
         return format!("{all} runs. Each must pass, or its case file states why it cannot.");
     }
@@ -154,7 +154,7 @@ fn chosen<'a>(known: &'a Known, choice: &'a Choice) -> impl Iterator<Item = &'a 
 
 fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
     match &entry.verdict {
-        Some(Ok(verdict)) if verdict.held() => Mark::Held,
+        Some(Ok(verdict)) if verdict.held() => Mark::Passed,
         Some(_) if trial.case.cannot(trial.model, trial.method).is_some() => Mark::Cannot,
         Some(_) => Mark::Failed,
         None if running && entry.done > 0.0 => Mark::Going(entry.done as f32),
@@ -163,8 +163,8 @@ fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
 }
 
 /// One case.
-fn row(ui: &mut Ui, (name, case): (&'static str, &Case), desk: &Desk<'_>, view: &mut View, known: &Known) {
-    let running = desk.jobs.hard.is_running();
+fn row(ui: &mut Ui, (name, case): (&'static str, &Case), context: &PanelContext<'_>, view: &mut View, known: &Known) {
+    let running = context.jobs.hard.is_running();
     let choice = Choice { case: Some(name), ..view.hard.choice };
     let runs: Vec<_> = chosen(known, &choice).collect();
     let marks: Vec<_> = runs.iter().map(|(trial, entry)| mark(trial, entry, running)).collect();
@@ -236,7 +236,7 @@ fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
         (_, 0) => String::new(),
         ([(_, Entry { verdict: Some(Ok(verdict)), .. })], _) => verdict.decided_by(),
         ([(_, Entry { verdict: Some(Err(why)), .. })], _) => why.to_string(),
-        _ => format!("{} of {} passed", marks.iter().filter(|mark| **mark == Mark::Held).count(), runs.len()),
+        _ => format!("{} of {} passed", marks.iter().filter(|mark| **mark == Mark::Passed).count(), runs.len()),
     };
     (text, seconds)
 }
@@ -296,7 +296,7 @@ fn together(marks: &[Mark]) -> Mark {
     } else if any(Mark::Cannot) {
         Mark::Cannot
     } else {
-        Mark::Held
+        Mark::Passed
     }
 }
 
@@ -304,7 +304,7 @@ const fn words(mark: Mark) -> &'static str {
     match mark {
         Mark::Waiting => "not run yet",
         Mark::Going(_) => "running",
-        Mark::Held => "passed",
+        Mark::Passed => "passed",
         Mark::Cannot => "known not to pass, for a stated reason",
         Mark::Failed => "failed",
     }
@@ -312,7 +312,7 @@ const fn words(mark: Mark) -> &'static str {
 
 const fn color(mark: Mark, theme: &Theme) -> Color32 {
     match mark {
-        Mark::Held => theme.good,
+        Mark::Passed => theme.good,
         Mark::Failed => theme.bad,
         Mark::Going(_) => theme.accent_line,
         Mark::Waiting | Mark::Cannot => theme.faint_text,
@@ -337,7 +337,7 @@ fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
             let angle = |step: u32| TAU * (share * step as f32 / steps.max(1) as f32 - 0.25);
             painter.add(line((0..=steps).map(|step| at(angle(step).cos(), angle(step).sin())).collect()));
         }
-        Mark::Held => {
+        Mark::Passed => {
             painter.circle_filled(centre, radius, color.gamma_multiply(0.22));
             painter.add(line(vec![at(-0.45, 0.02), at(-0.12, 0.38), at(0.48, -0.36)]));
         }

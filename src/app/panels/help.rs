@@ -42,7 +42,7 @@ fn table(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         Grid::new(group.title()).num_columns(2).min_col_width(72.0).spacing([12.0, 4.0]).show(ui, |ui| {
             for binding in TABLE.iter().filter(|binding| binding.when == group) {
                 let cap = Button::new(RichText::new(binding.label).strong()).min_size(vec2(34.0, 22.0));
-                let usable = !binding.shortcuts.is_empty() && group.holds(now);
+                let usable = !binding.shortcuts.is_empty() && group.applies(now);
                 let cap = ui.add_enabled(usable, cap).accessible_name(format!("{}, {}", binding.label, binding.words));
                 if cap.clicked() {
                     view.pressed.push(binding);

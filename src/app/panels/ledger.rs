@@ -1,6 +1,6 @@
 //! Table of the cost of each effect, with reasons where it was skipped.
 
-use super::{Desk, View, count, numbers};
+use super::{PanelContext, View, count, numbers};
 use crate::{
     app::{jobs::JobRequest, meter::Use},
     report::EffectCost,
@@ -8,32 +8,32 @@ use crate::{
 };
 use eframe::egui::{self, Align, CollapsingHeader, Layout, RichText, Ui};
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    if desk.now.costs.is_empty() {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    if context.now.costs.is_empty() {
         view.ledger = false;
         return;
     }
     let header = CollapsingHeader::new("What each effect costs").id_salt("ledger").show(ui, |ui| {
-        let active = desk.meter.shown().iter().zip(&desk.now.costs).filter(|(_, cost)| cost.idle.is_none());
+        let active = context.meter.shown().iter().zip(&context.now.costs).filter(|(_, cost)| cost.idle.is_none());
         let all = active.map(|(used, _)| used.time).sum::<f64>();
-        for (number, cost) in desk.now.costs.iter().enumerate() {
-            entry(ui, desk, number, cost, all);
+        for (number, cost) in context.now.costs.iter().enumerate() {
+            entry(ui, context, number, cost, all);
         }
-        off(ui, desk);
-        savings(ui, desk, view);
+        off(ui, context);
+        savings(ui, context, view);
     });
     view.ledger = header.body_returned.is_some();
 }
 
 /// One effect: its time and share; below, what it did or why it did nothing, and what that saves.
-fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost, all: f64) {
-    let used = desk.meter.shown().get(number).filter(|used| used.name == cost.name);
+fn entry(ui: &mut Ui, context: &PanelContext<'_>, number: usize, cost: &EffectCost, all: f64) {
+    let used = context.meter.shown().get(number).filter(|used| used.name == cost.name);
     let timed = timed(cost, used);
     let time = timed.map_or_else(|| "–".to_owned(), |used| numbers::si_fixed(used.time, "s"));
     let share =
         timed.filter(|_| all > 0.0).map_or_else(String::new, |used| format!("{:3.0} %", 100.0 * used.time / all));
     let response = ui.horizontal(|ui| {
-        ui.label(RichText::new(name(desk, number, cost)).strong());
+        ui.label(RichText::new(name(context, number, cost)).strong());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.monospace(format!("{time} {share:>5}"));
         });
@@ -41,7 +41,7 @@ fn entry(ui: &mut Ui, desk: &Desk<'_>, number: usize, cost: &EffectCost, all: f6
     response.response.on_hover_text(
         "Time in a frame of 1/60 s of simulated time in which it is computed, and its share of what all effects take",
     );
-    let words = match (state(cost, used), saving(desk, number, cost)) {
+    let words = match (state(cost, used), saving(context, number, cost)) {
         (state, Some(saving)) => format!("{state}; skipping saves {} a frame", numbers::si(saving.saved(), "s")),
         (state, None) => state,
     };
@@ -54,8 +54,8 @@ fn timed<'a>(cost: &EffectCost, used: Option<&'a Use>) -> Option<&'a Use> {
 }
 
 /// The name; with several bodies or nets, of whom.
-fn name(desk: &Desk<'_>, number: usize, cost: &EffectCost) -> String {
-    let (bodies, nets) = (&desk.now.bodies, &desk.now.nets);
+fn name(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> String {
+    let (bodies, nets) = (&context.now.bodies, &context.now.nets);
     let owners = bodies.iter().map(|body| &body.name).chain(nets.iter().map(|net| &net.name));
     match owners.clone().nth(number).filter(|_| owners.count() > 1) {
         Some(owner) => format!("{} of {owner}", cost.name),
@@ -83,16 +83,16 @@ fn state(cost: &EffectCost, used: Option<&Use>) -> String {
     format!("{switch} – {acting}{skipped}{slept}")
 }
 
-fn saving(desk: &Desk<'_>, number: usize, cost: &EffectCost) -> Option<Saving> {
-    let measured = desk.jobs.savings.findings()?.results.each.get(number).copied();
+fn saving(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> Option<Saving> {
+    let measured = context.jobs.savings.findings()?.results.each.get(number).copied();
     // What was measured was another scene if its effects are not these.
     measured.filter(|saving| saving.name == cost.name && saving.own < saving.forced && cost.auto)
 }
 
 /// What is listed but not there.
-fn off(ui: &mut Ui, desk: &Desk<'_>) {
-    let there = |name: &str| desk.now.costs.iter().any(|cost| cost.name == name);
-    let titles = desk.now.level.effects.iter().map(|listed| listed.effect.kind().title());
+fn off(ui: &mut Ui, context: &PanelContext<'_>) {
+    let there = |name: &str| context.now.costs.iter().any(|cost| cost.name == name);
+    let titles = context.now.level.effects.iter().map(|listed| listed.effect.kind().title());
     let off: Vec<_> = titles.filter(|title| !there(title)).collect();
     if !off.is_empty() {
         ui.label(RichText::new(format!("Not active: {}", off.join(", "))).small().weak())
@@ -101,15 +101,15 @@ fn off(ui: &mut Ui, desk: &Desk<'_>) {
 }
 
 /// The button that measures, and what came out for a whole frame.
-fn savings(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+fn savings(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let help = "Runs one second of a copy of this scene twice from the present state: as it is, and with every effect evaluated \
                 in every step and no body asleep.";
-    let running = desk.jobs.savings.is_running();
+    let running = context.jobs.savings.is_running();
     let text = if running { "Measuring …" } else { "Measure what skipping saves" };
     if ui.add_enabled(!running, egui::Button::new(text)).on_hover_text(help).clicked() {
         view.requests.push(JobRequest::Savings);
     }
-    let Some(findings) = desk.jobs.savings.findings() else { return };
+    let Some(findings) = context.jobs.savings.findings() else { return };
     if let Some(trouble) = &findings.trouble {
         ui.label(RichText::new(trouble).small().color(ui.visuals().warn_fg_color));
     }

@@ -1,7 +1,7 @@
 //! Plot of error against processor time for several meshes, and locking.
 
 use super::{
-    Desk, View,
+    PanelContext, View,
     axes::{self, Label, write_labels},
     count,
     export::{self, Figure},
@@ -22,7 +22,7 @@ use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, Points};
 
 /// What is compared.
 #[derive(Default)]
-pub struct Look {
+pub struct MeshPlotSettings {
     /// Between meshes.
     pub measure: Measure,
 }
@@ -30,23 +30,24 @@ pub struct Look {
 /// What measuring it does.
 pub const HELP: &str = "The level from its start, on meshes of 1/64 to 4 times as many triangles.";
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let look = &mut view.studies.meshes;
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    let settings = &mut view.studies.meshes;
     let parts = [
         (Measure::TipDeflection, "Tip deflection", "The greatest displacement of any vertex along x or y [m]"),
         (Measure::ElasticEnergy, "Elastic energy", "The sum over all triangles [J]"),
     ];
-    let segments = parts.map(|(measure, text, about)| Segment { text, name: text, about, on: look.measure == measure });
+    let segments =
+        parts.map(|(measure, text, about)| Segment { text, name: text, about, on: settings.measure == measure });
     if let Some((measure, ..)) = segmented(ui, "measure", &segments, false).and_then(|clicked| parts.get(clicked)) {
-        look.measure = *measure;
+        settings.measure = *measure;
     }
     let invitation = format!(
         "The level from its start, on meshes of 1/64 to 4 times as many triangles: at rest if pins hold it, else after \
          {SECONDS} s. Each mesh is a point."
     );
-    let Some(study) = results(ui, desk.jobs.meshes.findings(), &invitation) else { return };
+    let Some(study) = results(ui, context.jobs.meshes.findings(), &invitation) else { return };
     if let Some(Err(why)) = study.reference {
-        ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).caution));
+        ui.label(RichText::new(format!("{why}.")).color(Theme::of(ui.ctx()).warning));
     }
     if study.meshes.is_empty() {
         return;
@@ -100,7 +101,7 @@ fn words(ui: &mut Ui, study: &MeshFindings) {
                     mesh may lock too, the true share is smaller.";
         let tight = study.locking.iter().any(|number| number.is_tight() && number.ratio() < 0.5);
         let theme = Theme::of(ui.ctx());
-        let color = if tight { theme.caution } else { theme.text };
+        let color = if tight { theme.warning } else { theme.text };
         let meshes = study.locking.first().map_or_else(String::new, |number| {
             let [own, better] = number.meshes;
             format!(" Own mesh: {own}; compared with: {better}.")

@@ -42,7 +42,7 @@ use super::{
     compare::{self as panes, Comparison},
     gallery::Gallery,
     jobs::{JobRequest, Jobs},
-    keys::{Act, Binding},
+    keys::{Binding, KeyAction},
     meshing::Progress,
     meter::Meter,
     numbers,
@@ -80,11 +80,11 @@ pub struct View {
     /// What is wanted of the file system.
     pub file: Option<FileRequest>,
     /// How the hard cases are looked at.
-    pub hard: hard::Look,
+    pub hard: hard::HardSettings,
     /// What is wanted of the studies.
     pub requests: Vec<JobRequest>,
     /// How the studies are looked at.
-    pub studies: studies::Look,
+    pub studies: studies::StudiesSettings,
     /// The plot whose picture is being taken.
     pub sitting: Option<export::Sitting>,
     /// What is wanted of the two panes.
@@ -159,7 +159,7 @@ impl FileRequest {
 }
 
 /// What the panels read.
-pub struct Desk<'a> {
+pub struct PanelContext<'a> {
     /// The state of everything.
     pub now: &'a Snapshot,
     /// How fast time runs and what it costs.
@@ -185,14 +185,20 @@ pub type DrawStage<'a> = dyn FnMut(&mut Ui, &mut View, &mut Vec<Command>) + 'a;
 const NARROW: f32 = 900.0;
 
 /// Draws the window.
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<'_>, commands: &mut Vec<Command>) {
+pub fn show(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    view: &mut View,
+    draw: &mut DrawStage<'_>,
+    commands: &mut Vec<Command>,
+) {
     let narrow = ui.available_width() < NARROW;
     view.stage.pointed = view.meant.take();
-    strip::show(ui, desk, view, commands, narrow);
-    status::show(ui, desk, view, commands);
+    strip::show(ui, context, view, commands, narrow);
+    status::show(ui, context, view, commands);
     if !narrow {
         view.drawer = None;
-        docked(ui, desk, view, commands);
+        docked(ui, context, view, commands);
     }
     let stage = egui::CentralPanel::no_frame().show(ui, |ui| {
         let stage = ui.max_rect();
@@ -201,18 +207,18 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, draw: &mut DrawStage<
     });
     let stage = stage.inner;
     if let Some(side) = view.drawer {
-        drawer(ui, stage, side, desk, view, commands);
+        drawer(ui, stage, side, context, view, commands);
     }
-    studies::show(ui.ctx(), desk, view, commands);
-    hard::show(ui.ctx(), desk, view);
+    studies::show(ui.ctx(), context, view, commands);
+    hard::show(ui.ctx(), context, view);
     close_by_key(ui.ctx(), view);
     // Nothing may lie over a plot while its picture is taken.
     if !view.is_posing() {
-        banner::show(ui.ctx(), stage, desk, view, commands);
-        help::show(ui.ctx(), desk.now, view);
+        banner::show(ui.ctx(), stage, context, view, commands);
+        help::show(ui.ctx(), context.now, view);
         meshing::show(ui.ctx(), stage, view);
         prompt::show(ui.ctx(), view);
-        unsaved::show(ui.ctx(), &desk.now.level.name, view);
+        unsaved::show(ui.ctx(), &context.now.level.name, view);
     }
     if view.meant != view.stage.pointed {
         ui.ctx().request_repaint();
@@ -233,18 +239,18 @@ fn close_by_key(ctx: &egui::Context, view: &mut View) {
 }
 
 /// Both sides beside the stage.
-fn docked(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+fn docked(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let [mut left, mut right] = view.hidden.map(|hidden| !hidden);
     Panel::left("left").resizable(false).exact_size(256.0).show_collapsible(ui, &mut left, |ui| {
-        side(ui, Side::Left, desk, view, commands);
+        side(ui, Side::Left, context, view, commands);
     });
     Panel::right("right").resizable(false).exact_size(320.0).show_collapsible(ui, &mut right, |ui| {
-        side(ui, Side::Right, desk, view, commands);
+        side(ui, Side::Right, context, view, commands);
     });
 }
 
 /// One side over the stage.
-fn drawer(ui: &Ui, stage: Rect, which: Side, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+fn drawer(ui: &Ui, stage: Rect, which: Side, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let align = if which == Side::Left { Align2::LEFT_TOP } else { Align2::RIGHT_TOP };
     let width = (if which == Side::Left { 240.0_f32 } else { 304.0 }).min(stage.width() - 28.0);
     let corner = align.pos_in_rect(&stage.shrink(6.0));
@@ -254,34 +260,34 @@ fn drawer(ui: &Ui, stage: Rect, which: Side, desk: &Desk<'_>, view: &mut View, c
         Frame::window(ui.style()).inner_margin(10).show(ui, |ui| {
             ui.set_width(width - 20.0);
             ui.set_max_height(stage.height() - 36.0);
-            side(ui, which, desk, view, commands);
+            side(ui, which, context, view, commands);
         });
     });
 }
 
-fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let salt = if side == Side::Left { "left scroll" } else { "right scroll" };
     ScrollArea::vertical().id_salt(salt).auto_shrink([false, true]).show(ui, |ui| {
         // The bar of the scroll area lies over the panel: it must not cover the last digit.
         ui.set_max_width(ui.available_width() - 8.0);
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
-        compare::caption(ui, desk, side);
+        compare::caption(ui, context, side);
         if side == Side::Left {
-            if !desk.now.level.about.is_empty() {
-                ui.label(RichText::new(&desk.now.level.about).small().weak());
+            if !context.now.level.about.is_empty() {
+                ui.label(RichText::new(&context.now.level.about).small().weak());
             }
-            test_pose::show(ui, desk.now, commands);
-            body::show(ui, desk.now, view, commands);
-            toy::show(ui, desk.now, view, commands);
-            effects::show(ui, desk.now, view, commands);
+            test_pose::show(ui, context.now, commands);
+            body::show(ui, context.now, view, commands);
+            toy::show(ui, context.now, view, commands);
+            effects::show(ui, context.now, view, commands);
         } else {
-            compare::show(ui, desk, view);
-            cost::show(ui, desk, view, commands);
-            ledger::show(ui, desk, view);
-            scheme::show(ui, desk, view, commands);
+            compare::show(ui, context, view);
+            cost::show(ui, context, view, commands);
+            ledger::show(ui, context, view);
+            scheme::show(ui, context, view, commands);
             studies::buttons(ui, view);
-            energy::show(ui, desk, view);
+            energy::show(ui, context, view);
         }
         ui.add_space(8.0);
     });
@@ -289,17 +295,17 @@ fn side(ui: &mut Ui, side: Side, desk: &Desk<'_>, view: &mut View, commands: &mu
 
 /// Does what a line of the key table, or the button that stands for it, asks for.
 pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Command> {
-    match (binding.act)(now) {
-        Act::Do(command) => Some(command),
-        Act::ToggleHelp => {
+    match (binding.action)(now) {
+        KeyAction::Do(command) => Some(command),
+        KeyAction::ToggleHelp => {
             view.help = !view.help;
             None
         }
-        Act::ToggleComparison => {
+        KeyAction::ToggleComparison => {
             view.panes.push(panes::PaneRequest::Toggle);
             None
         }
-        Act::Mouse => None,
+        KeyAction::Mouse => None,
     }
 }
 
@@ -328,21 +334,26 @@ fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
 }
 
 /// Takes what a slider did into the view: a refusal is shown, the end of a gesture is passed on.
-fn settle(outcome: slider::Outcome, command: Option<Command>, view: &mut View, commands: &mut Vec<Command>) {
-    if outcome.refused.is_some() || outcome.changed {
-        view.notice = outcome.refused.map(Notice::Trouble);
+fn apply_response(
+    response: slider::SliderResponse,
+    command: Option<Command>,
+    view: &mut View,
+    commands: &mut Vec<Command>,
+) {
+    if response.refused.is_some() || response.changed {
+        view.notice = response.refused.map(Notice::Trouble);
     }
-    if outcome.changed {
+    if response.changed {
         commands.extend(command);
     }
-    if outcome.ended {
+    if response.ended {
         commands.push(Command::EndGesture);
     }
 }
 
 /// Sliders for numbers that describe themselves; what they did, all together.
-fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::Outcome {
-    let mut sum = slider::Outcome::default();
+fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::SliderResponse {
+    let mut sum = slider::SliderResponse::default();
     for (index, number) in numbers.into_iter().enumerate() {
         sum.add(ui.push_id(index, |ui| slider::quantity(ui, number)).inner);
     }

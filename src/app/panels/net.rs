@@ -1,6 +1,6 @@
 //! Panel of a net.
 
-use super::{View, settle, sliders};
+use super::{View, apply_response, sliders};
 use crate::{command::Command, level::NetLevel, quantity::Quantity};
 use eframe::egui::Ui;
 
@@ -9,5 +9,5 @@ pub fn show(ui: &mut Ui, number: usize, listed: &NetLevel, view: &mut View, comm
     let (mut net, mut mass) = (listed.net.clone(), listed.mass);
     let springs = net.kind_mut().parameters();
     let outcome = sliders(ui, std::iter::once(&mut mass as &mut dyn Quantity).chain(springs));
-    settle(outcome, Some(Command::SetNet(number, net, mass)), view, commands);
+    apply_response(outcome, Some(Command::SetNet(number, net, mass)), view, commands);
 }

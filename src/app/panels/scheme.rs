@@ -1,6 +1,6 @@
 //! Panel of time stepping: integrator, step and stability limit.
 
-use super::{Desk, View, count, fixed, heading, row, settle, slider};
+use super::{PanelContext, View, apply_response, count, fixed, heading, row, slider};
 use crate::{
     app::{jobs::JobRequest, numbers, theme::Theme},
     command::Command,
@@ -12,19 +12,19 @@ use eframe::egui::{Color32, ComboBox, Rect, RichText, Sense, Ui, vec2};
 /// Height of the list of all schemes [points].
 const ALL: f32 = 400.0;
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     heading(ui, "Time stepping");
-    choose(ui, desk, commands);
-    parameters(ui, desk, view, commands);
-    gauge(ui, desk);
-    guard(ui, desk, commands);
-    sleep(ui, desk, commands);
-    error_now(ui, desk, view);
+    choose(ui, context, commands);
+    parameters(ui, context, view, commands);
+    gauge(ui, context);
+    guard(ui, context, commands);
+    sleep(ui, context, commands);
+    error_now(ui, context, view);
 }
 
-fn choose(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
-    let now = &desk.now.level.integrator;
-    let toy = desk.now.level.toy.is_some();
+fn choose(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let now = &context.now.level.integrator;
+    let toy = context.now.level.toy.is_some();
     let title = now.kind().title();
     let width = ui.available_width();
     let all = ComboBox::from_id_salt("integrator").selected_text(title).width(width).height(ALL);
@@ -41,32 +41,32 @@ fn choose(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
     combo.response.on_hover_text(now.kind().about());
 }
 
-fn parameters(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    let mut changed = desk.now.level.integrator.clone();
-    let mut sum = slider::Outcome::default();
+fn parameters(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    let mut changed = context.now.level.integrator.clone();
+    let mut sum = slider::SliderResponse::default();
     for (number, parameter) in changed.kind_mut().parameters().into_iter().enumerate() {
         let outcome = ui.push_id(("scheme", number), |ui| slider::quantity(ui, parameter)).inner;
         sum.changed |= outcome.changed;
         sum.ended |= outcome.ended;
         sum.refused = outcome.refused.or(sum.refused.take());
     }
-    settle(sum, Some(Command::SetIntegrator(changed)), view, commands);
+    apply_response(sum, Some(Command::SetIntegrator(changed)), view, commands);
 }
 
 /// The step over the longest stable one, as a bar and in a sentence.
-fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
-    let integrator = desk.now.level.integrator.kind();
-    let scene = desk.now.level.substeps.step();
-    let step = desk.now.paces.iter().map(|pace| pace.step).fold(scene, f64::min);
+fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
+    let integrator = context.now.level.integrator.kind();
+    let scene = context.now.level.substeps.step();
+    let step = context.now.substep_plans.iter().map(|plan| plan.step).fold(scene, f64::min);
     let theme = Theme::of(ui.ctx());
-    let (words, share) = match (integrator.class(), desk.jobs.limit()) {
+    let (words, share) = match (integrator.class(), context.jobs.limit()) {
         (Class::Implicit, _) => {
             // A vibration of h w = 0.5 loses a tenth of its swing in every step of implicit Euler.
             let unresolved = numbers::si(0.5 / (std::f64::consts::TAU * step), "Hz");
             (format!("Stable for every step length; vibrations faster than {unresolved} are not resolved."), None)
         }
         (Class::ErrorControlled, _) => ("Chooses its own steps; the tolerance limits its error.".to_owned(), None),
-        (Class::Explicit, None) if desk.now.level.toy.is_some() => (
+        (Class::Explicit, None) if context.now.level.toy.is_some() => (
             "No stability limit is known for this toy problem; the step length determines the accuracy.".to_owned(),
             None,
         ),
@@ -75,14 +75,14 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
         }
         (Class::Explicit, Some(limit)) => {
             let limit = 0.5 * integrator.stability_limit().unwrap_or(2.0) * limit;
-            (verdict(step, limit, step < scene, desk.now.level.guard), Some(step / limit))
+            (verdict(step, limit, step < scene, context.now.level.guard), Some(step / limit))
         }
     };
     if let Some(share) = share {
         let color = if share > 1.0 {
             theme.bad
         } else if share > 0.8 {
-            theme.caution
+            theme.warning
         } else {
             theme.good
         };
@@ -93,8 +93,8 @@ fn gauge(ui: &mut Ui, desk: &Desk<'_>) {
 }
 
 /// Whether the guard may take shorter steps, and how many it takes now.
-fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
-    let now = desk.now;
+fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let now = context.now;
     // A toy has no energy to lose, and what controls its error has its own guard.
     if now.toy.is_some() || now.level.integrator.kind().class() == Class::ErrorControlled {
         return;
@@ -106,20 +106,20 @@ fn guard(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
         if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
             commands.extend([Command::SetGuard(on.into()), Command::EndGesture]);
         }
-        let words = match (on && now.guarded > 0, now.parts) {
+        let words = match (on && now.guarded > 0, now.guard_substeps) {
             (false, _) => return,
             (true, 1) if now.guarded == 1 => "1 step was divided into shorter ones".to_owned(),
             (true, 1) => format!("{} steps were divided into shorter ones", count(now.guarded as usize)),
             (true, parts) => format!("divides each step into {parts}; {} steps so far", count(now.guarded as usize)),
         };
-        let color = if now.parts > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        let color = if now.guard_substeps > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
         ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
     });
 }
 
 /// Whether what has come to rest may sleep, and how much of the scene does.
-fn sleep(ui: &mut Ui, desk: &Desk<'_>, commands: &mut Vec<Command>) {
-    let now = desk.now;
+fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let now = context.now;
     if now.toy.is_some() {
         return;
     }
@@ -170,15 +170,15 @@ fn bar(ui: &mut Ui, share: f64, color: Color32) {
 }
 
 /// A twin with a fine step, and how far the scene is from it.
-fn error_now(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let mut on = desk.jobs.twin().is_some();
+fn error_now(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    let mut on = context.jobs.twin().is_some();
     let help = "Compares positions with the exact solution where one is known; otherwise with a reference: a second run of the same \
                 scene with far shorter steps and the same pull of the mouse. The error is sqrt(mean |x − x_ref|²) over the root mean \
                 square of the displacements.";
     if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
         view.requests.push(JobRequest::Twin(on));
     }
-    let Some(twin) = desk.jobs.twin() else { return };
+    let Some(twin) = context.jobs.twin() else { return };
     let still = if twin.age() > 0.0 { "nothing moves" } else { "–" };
     let error = twin.error().map_or_else(|| still.to_owned(), percent);
     row(ui, "Error now", &error, help);

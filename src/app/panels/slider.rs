@@ -5,7 +5,7 @@ use eframe::egui::{self, DragValue, Slider, SliderClamping, Ui, vec2};
 use std::cell::RefCell;
 
 /// What a number slider needs to know.
-pub struct Look<'a> {
+pub struct SliderOptions<'a> {
     /// Name in words.
     pub name: &'a str,
     /// Unit symbol.
@@ -20,7 +20,7 @@ pub struct Look<'a> {
 
 /// What a person did to a number.
 #[derive(Debug, Default)]
-pub struct Outcome {
+pub struct SliderResponse {
     /// The value has changed.
     pub changed: bool,
     /// The drag or the typing is over: the next change is another gesture.
@@ -29,7 +29,7 @@ pub struct Outcome {
     pub refused: Option<String>,
 }
 
-impl Outcome {
+impl SliderResponse {
     /// Takes in what was done to another number.
     pub fn add(&mut self, other: Self) {
         self.changed |= other.changed;
@@ -39,32 +39,42 @@ impl Outcome {
 }
 
 /// A slider for any quantity; a value outside its range is refused.
-pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> Outcome {
+pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
     let spec = quantity.spec();
     let help = format!("{}\nAllowed: {}.", spec.help.trim(), spec.range());
-    let look =
-        Look { name: spec.name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
+    let options = SliderOptions {
+        name: spec.name,
+        unit: spec.unit,
+        range: spec.slider,
+        logarithmic: spec.logarithmic,
+        help: &help,
+    };
     let value = quantity.get();
-    number(ui, &look, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
+    number(ui, &options, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
 }
 
 /// A slider for a number; `set` may refuse a value.
-pub fn number(ui: &mut Ui, look: &Look<'_>, value: f64, set: &mut dyn FnMut(f64) -> Result<(), String>) -> Outcome {
-    let mut outcome = Outcome::default();
+pub fn number(
+    ui: &mut Ui,
+    options: &SliderOptions<'_>,
+    value: f64,
+    set: &mut dyn FnMut(f64) -> Result<(), String>,
+) -> SliderResponse {
+    let mut outcome = SliderResponse::default();
     let mut now = value;
-    let mut take = |new: f64, outcome: &mut Outcome| match set(new) {
+    let mut take = |new: f64, outcome: &mut SliderResponse| match set(new) {
         Ok(()) => {
             now = new;
             outcome.changed = true;
         }
         Err(message) => outcome.refused = Some(message),
     };
-    ui.push_id(look.name, |ui| {
+    ui.push_id(options.name, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
-        if let Some(new) = typed(ui, look, value, &mut outcome) {
+        if let Some(new) = typed(ui, options, value, &mut outcome) {
             take(new, &mut outcome);
         }
-        if let Some(new) = dragged(ui, look, value, &mut outcome) {
+        if let Some(new) = dragged(ui, options, value, &mut outcome) {
             take(new, &mut outcome);
         }
         ui.add_space(5.0);
@@ -74,26 +84,26 @@ pub fn number(ui: &mut Ui, look: &Look<'_>, value: f64, set: &mut dyn FnMut(f64)
 }
 
 /// The row with the name and the number.
-fn typed(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Option<f64> {
+fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
     let mut chosen = None;
     let not_a_number = RefCell::new(None);
     ui.horizontal(|ui| {
-        let label = ui.label(capitalised(look.name)).on_hover_text(look.help);
+        let label = ui.label(capitalised(options.name)).on_hover_text(options.help);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let shown = numbers::si(value, look.unit);
+            let shown = numbers::si(value, options.unit);
             let widget = DragValue::from_get_set(|new| {
                 // Leaving the field without a change must not round the value to what is shown.
-                if let Some(new) = new.filter(|new| Some(*new) != parse(&shown, look.unit)) {
+                if let Some(new) = new.filter(|new| Some(*new) != parse(&shown, options.unit)) {
                     chosen = Some(new);
                 }
                 chosen.unwrap_or(value)
             })
-            .speed(if look.logarithmic { 0.01 * value.abs() } else { 0.002 * (look.range.1 - look.range.0) })
+            .speed(if options.logarithmic { 0.01 * value.abs() } else { 0.002 * (options.range.1 - options.range.0) })
             .update_while_editing(false)
             .min_size(vec2(84.0, 20.0))
-            .custom_formatter(|value, _| numbers::si(value, look.unit))
+            .custom_formatter(|value, _| numbers::si(value, options.unit))
             .custom_parser(|text| {
-                let number = parse(text, look.unit);
+                let number = parse(text, options.unit);
                 if number.is_none() {
                     *not_a_number.borrow_mut() = Some(text.trim().to_owned());
                 }
@@ -101,34 +111,34 @@ fn typed(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Opt
             });
             let response = ui.add(widget).labelled_by(label.id);
             outcome.ended |= response.drag_stopped() || response.lost_focus();
-            response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k or 2.5e4.", look.help));
+            response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k or 2.5e4.", options.help));
         });
     });
     if let Some(text) = not_a_number.take() {
-        outcome.refused = Some(format!("{}: '{text}' is not a number", look.name));
+        outcome.refused = Some(format!("{}: '{text}' is not a number", options.name));
     }
     chosen
 }
 
 /// The slider under it, as wide as the panel.
-fn dragged(ui: &mut Ui, look: &Look<'_>, value: f64, outcome: &mut Outcome) -> Option<f64> {
+fn dragged(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
     let mut chosen = None;
     ui.spacing_mut().interact_size.y = 16.0;
     ui.spacing_mut().slider_width = ui.available_width();
-    let slider = Slider::from_get_set(look.range.0..=look.range.1, |new| {
+    let slider = Slider::from_get_set(options.range.0..=options.range.1, |new| {
         if new.is_some_and(|new| new != value) {
             chosen = new;
         }
         chosen.unwrap_or(value)
     })
-    .logarithmic(look.logarithmic)
+    .logarithmic(options.logarithmic)
     .clamping(SliderClamping::Never)
     .show_value(false)
     .trailing_fill(true);
-    let response = ui.add(slider).accessible_name(capitalised(look.name));
+    let response = ui.add(slider).accessible_name(capitalised(options.name));
     // A key or an assistive tool changes it without a drag: each change is one gesture.
     outcome.ended |= response.drag_stopped() || (response.changed() && !response.dragged());
-    response.on_hover_text(look.help);
+    response.on_hover_text(options.help);
     chosen
 }
 

@@ -1,6 +1,6 @@
 //! Status line: keys of the present mode, or one warning with its remedies.
 
-use super::{Desk, View};
+use super::{PanelContext, View};
 use crate::{
     app::{
         advice::{Advice, Cause, Facts, Load, Remedy, Trouble},
@@ -33,21 +33,21 @@ const SLOW: (f64, f64) = (0.85, 0.95);
 /// Room that the keys keep beside a warning [points].
 const KEYS: f32 = 440.0;
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-    let warning = warning(desk, view);
+    let warning = warning(context, view);
     Panel::bottom("status").frame(frame).exact_size(34.0).show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some(warning) = &warning {
-                complain(ui, warning, desk.now, view, commands);
+                complain(ui, warning, context.now, view, commands);
                 ui.add_space(12.0);
-            } else if desk.now.rests() {
+            } else if context.now.rests() {
                 ui.label(RichText::new(AT_REST).small().weak()).on_hover_text(AT_REST_HELP);
                 ui.add_space(12.0);
             }
             let width = ui.available_width();
             ui.allocate_ui_with_layout(vec2(width, 26.0), Layout::left_to_right(Align::Center), |ui| {
-                hints(ui, desk.now, view);
+                hints(ui, context.now, view);
             });
         });
     });
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Co
 fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
     let places = [When::Edit, When::Moving, When::Test];
-    let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.holds(now));
+    let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.applies(now));
     let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "?"].contains(&binding.label));
     // A toy has no vertices to pin or pull, and nothing that could be damped.
     let special = special.filter(|binding| now.toy.is_none() || !["Click", "Drag"].contains(&binding.label));
@@ -134,21 +134,21 @@ pub const AT_REST_HELP: &str = "All bodies and nets are at rest, so nothing woul
                                 Switch Sleep off to let it run.";
 
 /// The one that matters most and was not put away. What is over can be warned of again.
-fn warning(desk: &Desk<'_>, view: &mut View) -> Option<Warning> {
-    let now = desk.now;
+fn warning(context: &PanelContext<'_>, view: &mut View) -> Option<Warning> {
+    let now = context.now;
     if now.fault.is_some() {
         return None;
     }
-    let factor = desk.rates.map_or(1.0, |rates| rates.factor);
+    let factor = context.rates.map_or(1.0, |rates| rates.factor);
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
-    let facts = Facts::of(now, desk.jobs.limit_at_rest(), view);
+    let facts = Facts::of(now, context.jobs.limit_at_rest(), view);
     let mut all = Vec::new();
     all.extend(exploded(now, &facts));
     all.extend(inside(now.inside));
     all.extend(inside_out(now, &facts).or_else(|| folded(now)));
-    all.extend(caution(now));
+    all.extend(strip_warning(now));
     if view.slow {
-        all.extend(desk.rates.map(|rates| slow(now, &rates, &facts)));
+        all.extend(context.rates.map(|rates| slow(now, &rates, &facts)));
     }
     let message = |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), advice: None };
     all.extend(now.messages.first().map(message));
@@ -220,8 +220,8 @@ fn inside(inside: Inside) -> Option<Warning> {
 }
 
 /// A model that has no honest answer at this stretch; the stage writes it out.
-fn caution(now: &Snapshot) -> Option<Warning> {
-    let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.caution.clone()?)))?;
+fn strip_warning(now: &Snapshot) -> Option<Warning> {
+    let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.strip_warning.clone()?)))?;
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
     let text = if text.len() < 12 { details.clone() } else { text };
     let possible = body.model != Model::NeoHookean && !now.side_by_side;

@@ -1,7 +1,7 @@
 //! Toolbar: level, mode, time, model, history and panels.
 
 use super::{
-    Desk, FileRequest, Side, View, compare,
+    FileRequest, PanelContext, Side, View, compare,
     icons::Icon,
     segmented::{HEIGHT, Lit, Segment, icon_button, segmented},
 };
@@ -18,27 +18,27 @@ use eframe::egui::{
 /// Width of the four buttons on the right.
 const LOOKS: f32 = 4.0 * HEIGHT + 3.0 * 2.0;
 
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
     let height = Panel::top("strip").frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(2.0, 5.0);
         ui.horizontal_wrapped(|ui| {
             ui.set_min_height(HEIGHT);
-            levels(ui, desk, view);
+            levels(ui, context, view);
             apart(ui);
-            if let Some(mode) = modes(ui, desk.now) {
+            if let Some(mode) = modes(ui, context.now) {
                 commands.push(Command::SetMode(mode));
             }
             apart(ui);
-            time(ui, desk.now, commands);
-            if !desk.now.bodies.is_empty() {
-                if let Some(model) = models(ui, desk.now) {
+            time(ui, context.now, commands);
+            if !context.now.bodies.is_empty() {
+                if let Some(model) = models(ui, context.now) {
                     commands.push(Command::SetModel(model));
                 }
                 apart(ui);
             }
-            history(ui, desk.now, commands);
-            compare::switch(ui, desk, view);
+            history(ui, context.now, commands);
+            compare::switch(ui, context, view);
             if narrow && ui.available_size_before_wrap().x < LOOKS {
                 ui.end_row();
             }
@@ -62,8 +62,8 @@ fn apart(ui: &mut Ui) {
 }
 
 /// The level picker with its files.
-fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
-    let name = if desk.now.level.name.is_empty() { "Level" } else { &desk.now.level.name };
+fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    let name = if context.now.level.name.is_empty() { "Level" } else { &context.now.level.name };
     let room_for_arrow = Atom::custom(IdSalt::new("arrow"), Vec2::splat(10.0));
     let button = Button::new((name, room_for_arrow)).truncate().min_size(vec2(120.0, HEIGHT));
     let response = ui.scope(|ui| {
@@ -73,7 +73,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
     let arrow = Rect::from_center_size(response.inner.rect.right_center() - vec2(16.0, 0.0), vec2(9.0, 5.0));
     let corners = vec![arrow.left_top(), arrow.right_top(), arrow.center_bottom()];
     ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
-    let about = if desk.now.level.about.is_empty() { "Choose a level" } else { &desk.now.level.about };
+    let about = if context.now.level.about.is_empty() { "Choose a level" } else { &context.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
         ui.set_width(240.0);
@@ -81,7 +81,7 @@ fn levels(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         let list = ScrollArea::vertical().max_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
-                for (index, entry) in desk.gallery.entries().iter().enumerate() {
+                for (index, entry) in context.gallery.entries().iter().enumerate() {
                     let button = Button::selectable(entry.name == *name, entry.name.as_str());
                     if ui.add(button).on_hover_text(&entry.about).clicked() {
                         view.file = Some(FileRequest::BuiltIn(index));
@@ -122,7 +122,7 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
 
 /// Turn back, play, step and start over.
 fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
-    ui.add_enabled_ui(now.rewind_reach > 0.0, |ui| {
+    ui.add_enabled_ui(now.rewind_length > 0.0, |ui| {
         let about = "Goes back 0.5 s in time, and pauses. [Backspace; hold it to go back further]";
         if icon_button(ui, Icon::Back, "Go back in time", about, false).clicked() {
             commands.push(Command::Rewind(0.5));

@@ -2,7 +2,7 @@
 //! far.
 
 use super::{
-    Desk, View, diagram, drift_plot,
+    PanelContext, View, diagram, drift_plot,
     export::{self, Figure},
     heading, mesh_plot,
     segmented::{Segment, segmented},
@@ -18,17 +18,17 @@ use eframe::egui::{Align, Context, Id, Layout, ProgressBar, RichText, Ui, Vec2, 
 
 /// How the studies are looked at.
 #[derive(Default)]
-pub struct Look {
+pub struct StudiesSettings {
     /// Whether the window is shown.
     pub open: bool,
     /// Which of them.
     pub topic: Topic,
     /// How the diagram of accuracy is looked at.
-    pub diagram: diagram::Look,
+    pub diagram: diagram::DiagramSettings,
     /// What is compared between meshes.
-    pub meshes: mesh_plot::Look,
+    pub meshes: mesh_plot::MeshPlotSettings,
     /// What is followed over time.
-    pub drift: drift_plot::Look,
+    pub drift: drift_plot::DriftSettings,
 }
 
 /// A topic, in short, in full, and what it does.
@@ -56,18 +56,22 @@ const TOPICS: [(Topic, &str, &str, &str); 3] = [
 /// The buttons that open it.
 pub fn buttons(ui: &mut Ui, view: &mut View) {
     heading(ui, "What accuracy costs");
-    let look = &mut view.studies;
-    let parts =
-        TOPICS.map(|(topic, text, name, about)| Segment { text, name, about, on: look.open && look.topic == topic });
+    let settings = &mut view.studies;
+    let parts = TOPICS.map(|(topic, text, name, about)| Segment {
+        text,
+        name,
+        about,
+        on: settings.open && settings.topic == topic,
+    });
     if let Some((topic, ..)) = segmented(ui, "studies", &parts, true).and_then(|clicked| TOPICS.get(clicked)) {
-        look.open = !look.open || look.topic != *topic;
-        look.topic = *topic;
+        settings.open = !settings.open || settings.topic != *topic;
+        settings.topic = *topic;
         // Where the sides lie over the stage, one would hide the other.
         view.drawer = None;
     }
 }
 
-pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<Command>) {
+pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     // A plot beside it is having its picture taken.
     if view.poses(Figure::Energies) {
         return;
@@ -82,18 +86,18 @@ pub fn show(ctx: &Context, desk: &Desk<'_>, view: &mut View, commands: &mut Vec<
         .min_size(Vec2::new(320.0, 280.0))
         .constrain(true)
         .show(ctx, |ui| {
-            top(ui, desk, view);
+            top(ui, context, view);
             match view.studies.topic {
-                Topic::Accuracy => diagram::show(ui, desk, view, commands),
-                Topic::Meshes => mesh_plot::show(ui, desk, view),
-                Topic::Drift => drift_plot::show(ui, desk, view),
+                Topic::Accuracy => diagram::show(ui, context, view, commands),
+                Topic::Meshes => mesh_plot::show(ui, context, view),
+                Topic::Drift => drift_plot::show(ui, context, view),
             }
         });
     view.studies.open = open;
 }
 
 /// Which study, and the button that begins or ends it.
-fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
+fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     ui.horizontal_wrapped(|ui| {
         let now = view.studies.topic;
         let parts = TOPICS.map(|(topic, text, _, about)| Segment { text, name: text, about, on: now == topic });
@@ -101,11 +105,11 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
             view.studies.topic = *topic;
         }
         let topic = view.studies.topic;
-        if desk.jobs.is_running(topic) {
+        if context.jobs.is_running(topic) {
             if ui.button("Cancel").on_hover_text("Stops; what is measured stays.").clicked() {
                 view.requests.push(JobRequest::Cancel);
             }
-            let done = desk.jobs.done(topic).unwrap_or(0.0);
+            let done = context.jobs.done(topic).unwrap_or(0.0);
             ui.add(ProgressBar::new(done as f32).desired_width(110.0));
             ui.label(format!("{:.0} %", 100.0 * done));
             return;
@@ -118,7 +122,7 @@ fn top(ui: &mut Ui, desk: &Desk<'_>, view: &mut View) {
         if ui.button("Measure").on_hover_text(help).clicked() {
             view.requests.push(request);
         }
-        if !desk.now.level.actions.is_empty() {
+        if !context.now.level.actions.is_empty() {
             ui.label(RichText::new("The scripted actions of this level are not performed in a study.").small().weak());
         }
     });
@@ -134,7 +138,7 @@ pub fn results<'a, R>(ui: &mut Ui, findings: Option<&'a Findings<R>>, invitation
         let mut text = trouble.clone();
         // Messages of the library begin small, as they stand after a file's name in a terminal.
         text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
-        ui.label(RichText::new(text + ".").color(Theme::of(ui.ctx()).caution));
+        ui.label(RichText::new(text + ".").color(Theme::of(ui.ctx()).warning));
         return None;
     }
     Some(&findings.results)

@@ -1,6 +1,6 @@
 //! Panel of a toy: equation, parameters and error.
 
-use super::{View, fixed, heading, row, settle, sliders};
+use super::{View, apply_response, fixed, heading, row, sliders};
 use crate::{command::Command, snapshot::Snapshot};
 use eframe::egui::{RichText, Ui};
 
@@ -11,7 +11,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     ui.add_space(4.0);
     let mut toy = listed.clone();
     let outcome = sliders(ui, toy.kind_mut().parameters());
-    settle(outcome, Some(Command::SetToy(toy)), view, commands);
+    apply_response(outcome, Some(Command::SetToy(toy)), view, commands);
     for reading in &shown.readings {
         row(ui, reading.name, &fixed(reading.value, reading.unit), reading.help);
     }

@@ -1,5 +1,5 @@
-//! How obstacles move: where they are and how fast is a closed function of time, so that going back, saving and shorter steps
-//! find them at the same place to the bit. Each motion is one file; [`MotionKind`] lists them all.
+//! Prescribed motions of obstacles: placement and velocity as closed functions of time, so that rewinding, saving and
+//! shorter steps reproduce them bit for bit. Each motion is one file; [`MotionKind`] lists them all.
 
 mod slide;
 mod swing;
@@ -13,7 +13,7 @@ use super::Rigid;
 use crate::{quantity::Quantity, registry::registry};
 
 registry! {
-    /// How an obstacle moves.
+    /// Kinds of motion.
     pub enum MotionKind: dyn Motion {
         Swing(Swing),
         Slide(Slide),
@@ -23,14 +23,14 @@ registry! {
 
 /// A motion with its parameters.
 pub trait Motion {
-    /// Where something is at a time [s], and how it moves there.
+    /// Placement and velocity at a time [s].
     fn at(&self, time: f64) -> Rigid;
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 }
 
-/// Where several motions, each of what the ones before it have moved, bring something at a time [s].
+/// Composition of several motions, each applied after the ones before, at a time [s].
 pub fn placed(motions: &[MotionKind], time: f64) -> Rigid {
     motions.iter().fold(Rigid::STILL, |moved, motion| motion.kind().at(time).of(&moved))
 }

@@ -1,4 +1,4 @@
-//! A step of symplectic Euler for the vertices whose forces are known: `v += h f/m`, then `x += h v`.
+//! Symplectic Euler update of vertices with complete forces: `v += h f/m`, then `x += h v`.
 
 use super::UniformForce;
 use crate::simd::{Lanes, Wide};
@@ -9,26 +9,26 @@ use pulp::{
 use std::ops::{Add, Mul, Sub};
 use wide::f64x2;
 
-/// Positions and velocities by vertices.
+/// Positions and velocities of vertices.
 pub type Moving<'a> = [&'a mut [[f64; 2]]; 2];
 
-/// Masses and their reciprocals by vertices.
+/// Masses of vertices and their reciprocals.
 pub type Masses<'a> = [&'a [[f64; 2]]; 2];
 
-/// What is the same for every vertex: a vector, or one for each of several vertices side by side.
+/// Coefficients of the update, equal for all vertices: one vector, or copies for several vertices.
 #[derive(Clone, Copy)]
-pub struct Kick<T = f64x2> {
+pub struct EulerCoefficients<T = f64x2> {
     field: T,
     mass_damping: T,
     drag: T,
-    /// Whether any of both is there.
+    /// Whether mass damping or drag is nonzero.
     slows: bool,
     step: T,
 }
 
-impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
-    /// Position and velocity after the step, and the mass times the square of that, number by number; `forces` gives those of each of
-    /// N stresses.
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> EulerCoefficients<T> {
+    /// Position and velocity after the step, and mass times velocity squared, componentwise; `forces` gives those of
+    /// each of N stresses.
     #[inline(always)]
     fn after<const N: usize>(
         self,
@@ -39,8 +39,8 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
         let mut force = forces(0) + mass * self.field;
         if N > 1 || self.slows {
             force = force - self.mass_damping * mass * v;
-            for law in 1..N {
-                force = force + forces(law);
+            for stress in 1..N {
+                force = force + forces(stress);
             }
             force = force - self.drag * v;
         }
@@ -49,8 +49,8 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Kick<T> {
     }
 }
 
-impl Kick {
-    /// For what acts everywhere, and steps of a length [s].
+impl EulerCoefficients {
+    /// Coefficients for a uniform force and a step length [s].
     #[inline(always)]
     pub fn new(uniform_force: UniformForce, step: f64) -> Self {
         let UniformForce { field, mass_damping, drag, .. } = uniform_force;
@@ -63,21 +63,22 @@ impl Kick {
         }
     }
 
-    /// Moves one vertex; its mass times the squares of its velocity.
+    /// Updates one vertex; returns its mass times velocity squared, componentwise.
     #[inline(always)]
     pub fn of<const N: usize>(self, [x, v]: [&mut [f64; 2]; 2], masses: [[f64; 2]; 2], forces: [f64x2; N]) -> f64x2 {
         let [mass, inverse_mass] = masses.map(f64x2::new);
         let before = [f64x2::new(*x), f64x2::new(*v)];
-        let [place, velocity, squares] = self.after::<N>(before, [mass, inverse_mass], |law| forces[law]);
-        // Both numbers are written at once, as they are read next: together what was written apart is not at hand.
+        let [place, velocity, squares] = self.after::<N>(before, [mass, inverse_mass], |stress| forces[stress]);
+        // Both numbers are written in one store, because the next load reads both: two stores would prevent store
+        // forwarding.
         (*x, *v) = (place.to_array(), velocity.to_array());
         squares
     }
 
-    /// Moves vertices whose numbers follow each other from `first` on, four at a time and what is left; the sum of their masses times
-    /// the squares of their velocities.
+    /// Updates consecutive vertices from `first` on, in groups of four and a rest; returns the sum of mass times
+    /// velocity squared.
     #[inline(always)]
-    pub fn of_run<S: Simd, const N: usize>(
+    pub fn update_run<S: Simd, const N: usize>(
         self,
         set: S,
         first: usize,
@@ -95,7 +96,7 @@ impl Kick {
         let moving = x.iter_mut().zip(v);
         let masses = mass.iter().zip(inverse_mass);
         for (((x, v), (mass, inverse_mass)), forces) in moving.zip(masses).zip(fours) {
-            self.of_four(set, [x, v], [mass, inverse_mass], forces, &mut sums);
+            self.update_four(set, [x, v], [mass, inverse_mass], forces, &mut sums);
         }
         let [ax, ay, bx, by, cx, cy, dx, dy] = sums;
         let mut squares = f64x2::new([ax, ay]) + f64x2::new([bx, by]) + (f64x2::new([cx, cy]) + f64x2::new([dx, dy]));
@@ -107,9 +108,9 @@ impl Kick {
         squares
     }
 
-    /// Moves four vertices side by side, and adds to sums in which they stay apart.
+    /// Updates four vertices in SIMD lanes and adds to separate sums.
     #[inline(always)]
-    fn of_four<S: Simd, const N: usize>(
+    fn update_four<S: Simd, const N: usize>(
         self,
         set: S,
         [x, v]: [&mut [[f64; 2]; 4]; 2],
@@ -120,7 +121,7 @@ impl Kick {
         for part in 0..Wide::<S>::PARTS {
             let wide = |numbers: &Lanes| Wide::load(set, numbers, part);
             let each = |vector: f64x2| wide(&side_by_side([vector; 4]));
-            let kick = Kick {
+            let euler_update = EulerCoefficients {
                 field: each(self.field),
                 mass_damping: each(self.mass_damping),
                 drag: each(self.drag),
@@ -128,8 +129,8 @@ impl Kick {
                 step: each(self.step),
             };
             let masses = [wide(flat(masses[0])), wide(flat(masses[1]))];
-            let forces = |law: usize| wide(&side_by_side([a[law], b[law], c[law], d[law]]));
-            let [place, velocity, squares] = kick.after::<N>([wide(flat(x)), wide(flat(v))], masses, forces);
+            let forces = |stress: usize| wide(&side_by_side([a[stress], b[stress], c[stress], d[stress]]));
+            let [place, velocity, squares] = euler_update.after::<N>([wide(flat(x)), wide(flat(v))], masses, forces);
             place.store(flat_mut(x), part);
             velocity.store(flat_mut(v), part);
             (wide(sums) + squares).store(sums, part);

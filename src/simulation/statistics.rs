@@ -1,18 +1,18 @@
-//! Books of several that are stepped by themselves, kept as those of one.
+//! Statistics of sub-scenes that are stepped separately, merged into those of the scene.
 
 use super::system::{ASLEEP, Scratch};
 use crate::report::EffectCost;
 
 impl Scratch {
-    /// Begins a step of several: what none of them books belongs to who sleeps.
-    pub fn begin_books(&mut self) {
+    /// Begins a step of several sub-scenes: effects that none of them calls belong to sleeping ones.
+    pub fn begin_statistics(&mut self) {
         for cost in &mut self.costs {
             cost.idle = Some(ASLEEP);
         }
     }
 
-    /// Books steps of the scene: the triangles of bodies that sleep were not computed.
-    pub fn book_steps(&mut self, steps: u64) {
+    /// Counts steps of the scene; triangles of sleeping bodies were not computed.
+    pub fn count_steps(&mut self, steps: u64) {
         self.counts.steps += steps;
         self.counts.triangle_steps += steps * self.plan.triangles as u64;
         for number in &self.plan.sleeping {
@@ -20,18 +20,18 @@ impl Scratch {
         }
     }
 
-    /// Takes over what one of them has booked since the last time; `effects` are the numbers of its effects here.
-    pub fn take_over(&mut self, one: &mut Self, effects: &[usize]) {
+    /// Merges and resets the statistics of a sub-scene; `effects` are the numbers of its effects in the scene.
+    pub fn merge(&mut self, one: &mut Self, effects: &[usize]) {
         for (cost, &number) in one.costs.iter_mut().zip(effects) {
             let whole = &mut self.costs[number];
             whole.time += cost.time;
             whole.calls += cost.calls;
             whole.elements += cost.elements;
             whole.skipped += cost.skipped;
-            // Called, if it was for any of them.
+            // Called if any sub-scene called it.
             whole.idle = whole.idle.and(cost.idle);
             *cost = EffectCost { idle: cost.idle, ..EffectCost::none(cost.name, cost.auto) };
         }
-        self.counts.take_over(&std::mem::take(&mut one.counts));
+        self.counts.merge(&std::mem::take(&mut one.counts));
     }
 }

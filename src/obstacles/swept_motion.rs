@@ -1,55 +1,55 @@
-//! Where a moving obstacle is, how fast, and what a step looks like to who moves along with it.
+//! Rigid motion of an obstacle, and a step in its frame of reference.
 
 use super::Corner;
 use parry2d::math::Vector;
 
-/// Where something rigid is that was built elsewhere, and how it moves: `p` is now at `R p + t`, and whatever of it is at a
-/// point x of the world has the velocity `u + w x x`.
+/// A rigid placement and its velocity: a point `p` of the shape is at `R p + t`, and a material point at x has the
+/// velocity `u + w x x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rigid {
     /// Cosine and sine of R.
     pub turn: [f64; 2],
     /// t [m].
     pub shift: [f64; 2],
-    /// u: the velocity that it has, or would have, at the origin of the world [m/s].
+    /// u: the velocity of the material point at the origin of the world [m/s].
     pub velocity: [f64; 2],
     /// w [rad/s].
     pub spin: f64,
 }
 
 impl Rigid {
-    /// Where it was built, at rest.
+    /// The identity, at rest.
     pub const STILL: Self = Self { turn: [1.0, 0.0], shift: [0.0; 2], velocity: [0.0; 2], spin: 0.0 };
 
-    /// A direction after the turn.
+    /// Applies R to a direction.
     fn turned(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [c, s] = self.turn;
         [c * x - s * y, s * x + c * y]
     }
 
-    /// A direction before the turn.
+    /// Applies R⁻¹ to a direction.
     fn turned_back(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [c, s] = self.turn;
         [c * x + s * y, c * y - s * x]
     }
 
-    /// Where a point got.
+    /// Maps a point of the shape to the world.
     pub fn point(&self, point: [f64; 2]) -> [f64; 2] {
         let [x, y] = self.turned(point);
         [x + self.shift[0], y + self.shift[1]]
     }
 
-    /// Where a point came from.
+    /// Maps a point of the world to the shape.
     pub fn back(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         self.turned_back([x - self.shift[0], y - self.shift[1]])
     }
 
-    /// The velocity at a point of the world [m/s].
+    /// Velocity of the material point at a point of the world [m/s].
     pub fn velocity_at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.velocity[0] - self.spin * y, self.velocity[1] + self.spin * x]
     }
 
-    /// This motion of something that already moves.
+    /// Composes this motion with an earlier one.
     #[must_use]
     pub fn of(&self, moved: &Self) -> Self {
         let ([c, s], [tx, ty]) = (self.turn, self.shift);
@@ -63,63 +63,63 @@ impl Rigid {
         }
     }
 
-    /// The same direction seen from where it was built, turned out into the world.
+    /// Maps a direction of the shape to the world.
     pub(super) fn normal(&self, normal: [f64; 2]) -> [f64; 2] {
         self.turned(normal)
     }
 
-    pub(super) fn direction_back(&self, way: [f64; 2]) -> [f64; 2] {
-        self.turned_back(way)
+    pub(super) fn direction_back(&self, vector: [f64; 2]) -> [f64; 2] {
+        self.turned_back(vector)
     }
 }
 
-/// An obstacle's motion from the start of a step to its end.
+/// Motion of an obstacle from the start of a step to its end.
 ///
-/// Contact is looked at as if the obstacle had been at its place of the end all the time: what was somewhere at the start
-/// is put where it would be had it been carried along. What then is straight between start and end stands for the way
-/// relative to the obstacle, so that nothing is passed through however fast either moves.
+/// Contact is resolved in the frame of the obstacle at the end of the step: points at the start of the step are mapped
+/// as if attached to the obstacle. The straight segment from there to the end point is the displacement relative to the
+/// obstacle, so that nothing tunnels at any speed of either.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carry {
+pub struct SweptMotion {
     pub(super) start: Rigid,
     pub(super) end: Rigid,
     still: bool,
 }
 
-impl Carry {
-    /// What never moves.
+impl SweptMotion {
+    /// An obstacle at rest.
     pub const STILL: Self = Self { start: Rigid::STILL, end: Rigid::STILL, still: true };
 
-    /// From one place to another.
+    /// Motion between two placements.
     pub const fn new(start: Rigid, end: Rigid) -> Self {
         Self { start, end, still: false }
     }
 
-    /// Whether it never moves.
+    /// Whether the obstacle is at rest.
     pub const fn is_still(&self) -> bool {
         self.still
     }
 
-    /// Where a point of the start would be at the end, carried along.
+    /// Maps a point at the start of the step to the end, attached to the obstacle.
     pub fn place(&self, point: [f64; 2]) -> [f64; 2] {
         if self.still { point } else { self.end.point(self.start.back(point)) }
     }
 
-    /// Where a point that was carried along was at the start.
+    /// Inverse of [`Self::place`].
     pub fn place_back(&self, point: [f64; 2]) -> [f64; 2] {
         if self.still { point } else { self.start.point(self.end.back(point)) }
     }
 
-    /// Where a point of the world at the end is on what was built.
+    /// Maps a point of the world at the end of the step to the shape.
     pub fn place_built(&self, point: [f64; 2]) -> [f64; 2] {
         if self.still { point } else { self.end.back(point) }
     }
 
-    /// A direction of the start, carried along.
-    pub fn direction(&self, way: [f64; 2]) -> [f64; 2] {
-        if self.still { way } else { self.end.turned(self.start.turned_back(way)) }
+    /// Maps a direction at the start of the step to the end.
+    pub fn direction(&self, vector: [f64; 2]) -> [f64; 2] {
+        if self.still { vector } else { self.end.turned(self.start.turned_back(vector)) }
     }
 
-    /// The velocity at the start of what was at a point, relative to the obstacle, carried along [m/s].
+    /// Velocity at the start of a point relative to the obstacle, mapped to the end of the step [m/s].
     pub fn relative(&self, velocity: [f64; 2], point: [f64; 2]) -> [f64; 2] {
         if self.still {
             return velocity;
@@ -128,17 +128,17 @@ impl Carry {
         self.direction([velocity[0] - wall[0], velocity[1] - wall[1]])
     }
 
-    /// The obstacle's velocity at the end, at a point [m/s].
+    /// Velocity of the obstacle at a point at the end of the step [m/s].
     pub fn velocity_at(&self, point: [f64; 2]) -> [f64; 2] {
         if self.still { [0.0; 2] } else { self.end.velocity_at(point) }
     }
 
-    /// One of its corners at the end.
+    /// A corner at the end of the step.
     pub fn corner(&self, corner: &Corner) -> Corner {
         if self.still { *corner } else { Corner { middle: self.end.point(corner.middle), ..*corner } }
     }
 
-    /// A box that holds everything of a box, carried along or not.
+    /// A box around a box and its image at the end of the step.
     pub fn bounds(&self, bounds: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         if self.still {
             return bounds;
@@ -148,13 +148,13 @@ impl Carry {
         [least.min(a).into(), greatest.max(b).into()]
     }
 
-    /// A box around a box, where the obstacle was built.
+    /// A box around a box, in coordinates of the shape.
     pub(super) fn built(&self, bounds: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         if self.still { bounds } else { bounded(bounds, |corner| self.end.back(corner)) }
     }
 }
 
-/// The box around a box that was moved.
+/// The axis-aligned box around the image of a box.
 fn bounded([[left, bottom], [right, top]]: [[f64; 2]; 2], place: impl Fn([f64; 2]) -> [f64; 2]) -> [[f64; 2]; 2] {
     let corners =
         [[left, bottom], [right, bottom], [right, top], [left, top]].map(|corner| Vector::from(place(corner)));

@@ -1,10 +1,11 @@
 //! Renumbering of vertices for locality (reverse Cuthill-McKee).
 //!
-//! Meshes that are made here have one, as long as they are small. Those from files, and nets, have the numbers that somebody gave them: on
-//! a shuffled mesh every corner of a triangle would be fetched from far away. And in large ones that follow a curve through the plane,
-//! the forces at a vertex are wanted long after the first of them were known. Nor can a large body be partitioned whose vertices are in
-//! another order than its triangles. Such meshes are numbered anew while a scene is built, as they are stepped: fan by fan ([`Mesh::fans`]).
-//! Nobody outside needs to know: levels, saved states, tables and messages go on with the names from the file ([`Numbering`]).
+//! Small generated meshes have good locality. Meshes from files and nets have arbitrary numbers: on a shuffled mesh
+//! every corner of a triangle is a cache miss. In large meshes whose numbering follows a space-filling curve, the
+//! forces of a vertex are summed long after the first of them is computed. A large body cannot be partitioned
+//! if its vertices are in another order than its triangles. Such meshes are renumbered while a scene is
+//! built, in the order in which they are stepped: fan by fan ([`Mesh::fans`]). Levels, saved states, tables and
+//! messages keep the names from the file ([`Numbering`]).
 
 use crate::{
     elements::{STAGE_ELEMENTS, is_unpartitioned},
@@ -12,23 +13,23 @@ use crate::{
     nets::Net,
 };
 
-/// Vertices whose positions lie in the same line of memory.
+/// Vertices with positions in one cache line.
 const LINE: usize = 4;
 
-/// For so many corners that are looked at after it, a line of memory is taken to be still near.
-const NEAR: usize = 256;
+/// A cache line counts as cached for this many corner accesses after its last use.
+const RECENT: usize = 256;
 
-/// A mesh is out of order if each line is fetched from far away more than so many times in a step. Where rows, rings or a curve that fills the
-/// plane are followed that is at most 0.5 times, as the processor sees the next line coming; where thousands of vertices or triangles
-/// are listed anyhow it is 2 to 16 times. What is so small that it is always near is in order in any order.
-const SEVERAL: f64 = 1.5;
+/// A mesh is renumbered if each cache line is fetched more than this many times in a step. For numbers along rows,
+/// rings or a space-filling curve it is at most 0.5 times, because of prefetching; for arbitrary numbers of thousands
+/// of vertices or triangles it is 2 to 16 times. A mesh that fits the cache has good locality in any order.
+const MAX_FETCHES: f64 = 1.5;
 
-/// Nor is it in order if elements with more corners than these lie between two that meet at a vertex, and in another order less than half
-/// as many: the forces at all those corners have to be kept meanwhile. Where rows are followed it is one row or two; a curve that fills
-/// the plane passes where it has been before half the mesh ago.
-const FAR: usize = 8192;
+/// A mesh is also renumbered if elements with more corners than this lie between two that share a vertex, and in
+/// another order less than half as many: the forces at all those corners must be kept meanwhile. For numbers along rows
+/// it is one row or two; a space-filling curve returns to a place after half the mesh.
+const MAX_SPREAD: usize = 8192;
 
-/// A mesh in a better order, if it is out of order; others are left as they are.
+/// Renumbers a mesh with poor locality; returns others unchanged.
 pub(super) fn mesh(mesh: Mesh) -> Mesh {
     let fans: Vec<_> = mesh.fans().iter().map(|fan| fan.corners(mesh.triangles())).collect();
     let vertices = mesh.points().len();
@@ -38,21 +39,21 @@ pub(super) fn mesh(mesh: Mesh) -> Mesh {
     mesh.renumbered(Numbering::new(names, triangles.collect()))
 }
 
-/// A net in a better order, if it is out of order.
+/// Renumbers a net with poor locality.
 pub(super) fn net(net: Net) -> Net {
     let ends: Vec<_> = net.links().iter().map(|link| link.ends).collect();
     let Some([names, order]) = mended(net.points().len(), &ends) else { return net };
     net.renumbered(Numbering::new(names, order))
 }
 
-/// The names of vertices and of elements, springs or fans of triangles, in a better order; nothing where they are in order.
+/// Names of vertices and of elements, springs or fans of triangles, in a better order; `None` if locality is good.
 fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<[Vec<u32>; 2]> {
-    let (scattered, apart) = (fetches(vertices, elements) > SEVERAL, spread(vertices, elements.iter()));
-    if !scattered && N * apart <= FAR {
+    let (scattered, apart) = (fetches(vertices, elements) > MAX_FETCHES, spread(vertices, elements.iter()));
+    if !scattered && N * apart <= MAX_SPREAD {
         return None;
     }
     let near = by_neighbours(vertices, elements);
-    // What is listed with the lowest vertex comes first; a stable sort keeps the order of the file where that says nothing.
+    // Elements are sorted by their vertices; the stable sort keeps the order of the file for equal keys.
     let key = |element: &u32| {
         let mut corners = elements[*element as usize].map(|corner| near[corner as usize]);
         corners.sort_unstable();
@@ -64,37 +65,37 @@ fn mended<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Option<[Vec
     if !scattered && !better() {
         return None;
     }
-    Some([by_stretches(vertices, elements, &order), order])
+    Some([by_stages(vertices, elements, &order), order])
 }
 
-/// The same with the elements as they are listed, for a large body that can be partitioned only then.
+/// Renumbers the vertices in the order of the elements of the file, if a large body can be partitioned only then.
 fn partitionable(vertices: usize, fans: &[[u32; 4]]) -> Option<[Vec<u32>; 2]> {
     if !is_unpartitioned(fans, vertices) {
         return None;
     }
     let order: Vec<_> = (0..fans.len() as u32).collect();
-    let names = by_stretches(vertices, fans, &order);
+    let names = by_stages(vertices, fans, &order);
     let mut places = vec![0; vertices];
     names.iter().zip(0..).for_each(|(name, place)| places[*name as usize] = place);
     let renamed: Vec<_> = fans.iter().map(|fan| fan.map(|corner| places[corner as usize])).collect();
     (!is_unpartitioned(&renamed, vertices)).then_some([names, order])
 }
 
-/// How often a line of positions is fetched from far away in a sweep over all elements, on average: when neither it nor a line
-/// beside it was looked at lately.
+/// Average number of fetches of a cache line of positions in one pass over all elements: accesses when neither it nor a
+/// line beside it was used recently.
 fn fetches<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> f64 {
     let mut seen = vec![None; vertices.div_ceil(LINE)];
     let mut fetched = 0_usize;
     for (now, corner) in elements.as_flattened().iter().enumerate() {
         let line = *corner as usize / LINE;
         let beside = &seen[line.saturating_sub(1)..seen.len().min(line + 2)];
-        fetched += usize::from(!beside.iter().flatten().any(|before| now - before <= NEAR));
+        fetched += usize::from(!beside.iter().flatten().any(|before| now - before <= RECENT));
         seen[line] = Some(now);
     }
     fetched as f64 / seen.len() as f64
 }
 
-/// The most elements between the first and the last that meet at a vertex.
+/// Greatest number of elements between the first and the last that share a vertex.
 fn spread<'a, const N: usize>(vertices: usize, elements: impl Iterator<Item = &'a [u32; N]>) -> usize {
     let mut first = vec![None; vertices];
     let mut most = 0;
@@ -106,9 +107,9 @@ fn spread<'a, const N: usize>(vertices: usize, elements: impl Iterator<Item = &'
     most
 }
 
-/// The place of each vertex in an order in which neighbours are near: one after another names its neighbours, those with few
-/// elements first, beginning at the edge (E. Cuthill and J. `McKee`, *Reducing the bandwidth of sparse symmetric matrices*, Proc. 24th
-/// ACM National Conference, 1969).
+/// Place of each vertex in Cuthill-McKee order: breadth-first, with neighbours of few elements first, from a peripheral
+/// vertex (E. Cuthill and J. `McKee`, *Reducing the bandwidth of sparse symmetric matrices*, Proc. 24th ACM National
+/// Conference, 1969).
 fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<u32> {
     let mut around = vec![Vec::new(); vertices];
     for (element, corners) in elements.iter().enumerate() {
@@ -116,18 +117,18 @@ fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<
             around[corner as usize].push(element);
         }
     }
-    // In which walk each vertex was met last.
-    let mut met = vec![0_u32; vertices];
-    let mut walks = 0;
-    let mut walk = |from: u32, order: &mut Vec<u32>| {
-        walks += 1;
+    // Number of the last traversal that visited each vertex.
+    let mut visited = vec![0_u32; vertices];
+    let mut traversals = 0;
+    let mut traverse = |from: u32, order: &mut Vec<u32>| {
+        traversals += 1;
         let mut next = order.len();
         order.push(from);
-        met[from as usize] = walks;
+        visited[from as usize] = traversals;
         while let Some(&vertex) = order.get(next) {
             let first = order.len();
             for &corner in around[vertex as usize].iter().flat_map(|element| &elements[*element]) {
-                if std::mem::replace(&mut met[corner as usize], walks) != walks {
+                if std::mem::replace(&mut visited[corner as usize], traversals) != traversals {
                     order.push(corner);
                 }
             }
@@ -140,14 +141,14 @@ fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<
         if places[start as usize] != u32::MAX {
             continue;
         }
-        // Who is met last is at the edge; twice, as far away as can be.
+        // The last visited vertex is peripheral; a second traversal finds a more distant one.
         let (begin, mut from) = (order.len(), start);
         for _ in 0..2 {
-            walk(from, &mut order);
+            traverse(from, &mut order);
             from = order.last().copied().unwrap_or(from);
             order.truncate(begin);
         }
-        walk(from, &mut order);
+        traverse(from, &mut order);
         for (place, vertex) in order.iter().enumerate().skip(begin) {
             places[*vertex as usize] = place as u32;
         }
@@ -155,9 +156,9 @@ fn by_neighbours<const N: usize>(vertices: usize, elements: &[[u32; N]]) -> Vec<
     places
 }
 
-/// The vertices in the order in which their forces are summed: by the stretch of elements after which they have them all, and there
-/// those with as many elements as each other in a row. Then they follow each other in memory.
-fn by_stretches<const N: usize>(vertices: usize, elements: &[[u32; N]], order: &[u32]) -> Vec<u32> {
+/// Vertices in the order in which their forces are summed: by the stage after which all forces are known, and there by
+/// the number of elements. So they are contiguous in memory.
+fn by_stages<const N: usize>(vertices: usize, elements: &[[u32; N]], order: &[u32]) -> Vec<u32> {
     let (mut count, mut last) = (vec![0_u32; vertices], vec![0; vertices]);
     for (place, element) in order.iter().enumerate() {
         for corner in elements[*element as usize] {

@@ -1,11 +1,11 @@
 //! Step lengths of each body and net in the report.
 
-use crate::{report::Pace, simulation::Simulation};
+use crate::{report::SubstepPlan, simulation::Simulation};
 use serde::Serialize;
 
 /// How a body or net was stepped that went at its own pace.
 #[derive(Debug, Serialize)]
-pub struct PaceReport {
+pub struct SubstepReport {
     /// Name of the body or net.
     pub name: String,
     /// In how many equal parts it took every step.
@@ -17,14 +17,14 @@ pub struct PaceReport {
 }
 
 /// Bodies and then nets; nothing if all took the same steps.
-pub(super) fn paces(simulation: &Simulation) -> Vec<PaceReport> {
+pub(super) fn substep_reports(simulation: &Simulation) -> Vec<SubstepReport> {
     let scene = simulation.scene();
     let names = scene.bodies.iter().map(|body| &body.name).chain(scene.nets.iter().map(|net| &net.name));
-    let row = |(name, pace): (&String, Pace)| PaceReport {
+    let row = |(name, plan): (&String, SubstepPlan)| SubstepReport {
         name: name.clone(),
-        steps: pace.steps,
-        step_seconds: pace.step,
-        critical_step_seconds: pace.limit,
+        steps: plan.steps,
+        step_seconds: plan.step,
+        critical_step_seconds: plan.limit,
     };
-    names.zip(simulation.paces()).map(row).collect()
+    names.zip(simulation.substep_plans()).map(row).collect()
 }

@@ -1,25 +1,26 @@
-//! Speeds of depenetration for each body and net.
+//! Depenetration parameters of each body and net.
 
 use super::{Scene, extent};
-use crate::{nets::Link, obstacles::Exit};
+use crate::{nets::Link, obstacles::Depenetration};
 use std::ops::Range;
 
-/// The share of the speed of waves, and of the size of a triangle: it strains by no more than that.
+/// Depenetration speed as a fraction of the wave speed, and shallow depth as a fraction of the size of a triangle: the
+/// strain is no more than that.
 const STRAIN: f64 = 0.1;
 
-/// What else moves in there fades while it comes this share of its size.
-const CALM: f64 = 0.05;
+/// Other motion decays while the body moves by this fraction of its size.
+const DECAY: f64 = 0.05;
 
-/// No faster than its own size in this time, for people to see what happens [s].
+/// Least time for a displacement by its own size, so that depenetration is visible [s].
 const WHILE: f64 = 1.0;
 
 impl Scene {
-    /// Each body's, and then each net's: a tenth of the speed of its waves, but no faster than its size in a second; and from a tenth
-    /// of its triangles or springs at once. What stores no energy leaves at once.
+    /// Parameters of each body and then each net: a tenth of the wave speed, but at most its size in a second; in one
+    /// step from a depth below a tenth of its triangles or springs. A body without elastic energy leaves in one step.
     ///
-    /// Shear waves of a body of mass m and area A have the speed `sqrt(mu A / m)`; a spring of stiffness k and length l passes
-    /// on what happens to particles of mass m at about `l sqrt(k / m)`, and the fastest one of a net counts.
-    pub(super) fn exits(&self) -> Vec<Exit> {
+    /// Shear waves of a body of mass m and area A have the speed `sqrt(mu A / m)`; a spring of stiffness k and length l
+    /// transmits a disturbance to particles of mass m at about `l sqrt(k / m)`, and the fastest spring of a net counts.
+    pub(super) fn depenetrations(&self) -> Vec<Depenetration> {
         let bodies = self.bodies.iter().map(|body| {
             let area: f64 = body.elements.rest_areas().sum();
             let mass: f64 = self.mass[numbers(&body.vertices)].iter().step_by(2).sum();
@@ -32,13 +33,13 @@ impl Scene {
             let length = links.iter().map(|link| link.rest).sum::<f64>() / links.len().max(1) as f64;
             (&net.vertices, links.iter().map(speed).fold(0.0, f64::max), length)
         });
-        let exit = |(vertices, waves, length): (&Range<usize>, f64, f64)| {
+        let depenetration = |(vertices, waves, length): (&Range<usize>, f64, f64)| {
             let size = self.size(vertices);
             let speed = f64::min(STRAIN * waves, size / WHILE);
             let speed = if speed > 0.0 { speed } else { f64::INFINITY };
-            Exit { end: vertices.end, speed, shallow: STRAIN * length, calm: CALM * size / speed }
+            Depenetration { end: vertices.end, speed, shallow: STRAIN * length, decay: DECAY * size / speed }
         };
-        bodies.chain(nets).map(exit).collect()
+        bodies.chain(nets).map(depenetration).collect()
     }
 
     /// The diagonal of the box around some vertices at rest [m].
@@ -50,7 +51,7 @@ impl Scene {
     }
 }
 
-/// Their places in flat vectors.
+/// Their range in flat vectors.
 fn numbers(vertices: &Range<usize>) -> Range<usize> {
     2 * vertices.start..2 * vertices.end
 }

@@ -2,7 +2,7 @@
 
 use super::{
     App,
-    dialogs::{Answer, Purpose, stem},
+    dialogs::{DialogResult, Purpose, stem},
     panels::{Export, FileRequest, Notice, Prompt, View},
 };
 use crate::{
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 impl App {
     /// Handles requests, dialogs and prompts.
-    pub(super) fn file_work(&mut self, ctx: &Context) {
+    pub(super) fn handle_files(&mut self, ctx: &Context) {
         self.view.develop(ctx);
         self.take_close_request(ctx);
         if let Some(request) = self.decide() {
@@ -25,14 +25,14 @@ impl App {
             self.grant(request);
         }
         match self.dialogs.poll(ctx) {
-            Some(Answer::Chosen(purpose, path)) => self.answer(&purpose, &path),
-            Some(Answer::Unavailable(purpose)) => self.ask_for_text(ctx, purpose),
+            Some(DialogResult::Chosen(purpose, path)) => self.handle_dialog(&purpose, &path),
+            Some(DialogResult::Unavailable(purpose)) => self.ask_for_text(ctx, purpose),
             None => {}
         }
         if let Some(prompt) = self.view.prompt.take_if(|prompt| prompt.answered) {
             match (&prompt.purpose, cfg!(target_arch = "wasm32")) {
                 (Purpose::Open, true) => self.open_text(&prompt.text, "pasted level"),
-                (purpose, _) => self.answer(purpose, Path::new(prompt.text.trim())),
+                (purpose, _) => self.handle_dialog(purpose, Path::new(prompt.text.trim())),
             }
         }
         if self.view.prompt.is_none() && !self.dialogs.is_waiting() {
@@ -180,7 +180,7 @@ impl App {
         self.view.prompt = Some(Prompt { purpose, text, answered: false });
     }
 
-    fn answer(&mut self, purpose: &Purpose, path: &Path) {
+    fn handle_dialog(&mut self, purpose: &Purpose, path: &Path) {
         match purpose {
             Purpose::Open => self.open(path),
             Purpose::Save(_) => self.save(path),

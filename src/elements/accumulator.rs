@@ -1,16 +1,16 @@
-//! Accumulators: what becomes of the forces that are assembled at vertices. They are added to others, or move the vertices at once.
+//! Force accumulators: assembled forces are added to a vector, or update the vertices at once.
 
-use super::kick::{Kick, Masses, Moving};
+use super::euler_update::{EulerCoefficients, Masses, Moving};
 use pulp::Simd;
 use std::ops::Range;
 use wide::f64x2;
 
-/// Takes the forces on vertices; each of N stresses has its own.
+/// Receives the forces on vertices, separately for each of N stresses.
 pub trait Scatter<const N: usize = 1> {
-    /// Takes the forces on some vertices [N]. Each vertex comes once.
+    /// Receives the forces on some vertices [N]. Each vertex comes once.
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>);
 
-    /// The same for vertices whose numbers follow each other from `first` on: four at a time, and what is left.
+    /// The same for consecutive vertices from `first` on: in groups of four, and a rest.
     fn take_run<S: Simd>(
         &mut self,
         set: S,
@@ -20,30 +20,30 @@ pub trait Scatter<const N: usize = 1> {
     );
 }
 
-/// The vertices of a scene, a body or a partition: positions and velocities that forces are computed from, and what is done with the
-/// forces. Vertices are counted from its first.
+/// The vertices of a scene, a body or a partition: positions and velocities that forces are computed from, and a
+/// receiver of forces. Vertices are counted from its first.
 pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
-    /// The same for some of the vertices.
-    type Part<'a>: Accumulator<N>
+    /// A view of some of the vertices.
+    type View<'a>: Accumulator<N>
     where
         Self: 'a;
 
     /// Positions [m], and velocities [m/s] if a stress depends on them; flat.
     fn motion(&self) -> [&[f64]; 2];
 
-    /// A range of the vertices.
-    fn part(&mut self, vertices: Range<usize>) -> Self::Part<'_>;
+    /// A view of a range of vertices.
+    fn view(&mut self, vertices: Range<usize>) -> Self::View<'_>;
 
-    /// The vertices before a number, and those from it on.
+    /// Splits the vertices at a number.
     fn split(self, vertex: usize) -> (Self, Self);
 
-    /// What was summed up over the vertices; see the accumulator.
+    /// Sum over the vertices, as defined by the accumulator.
     fn sum(&self) -> f64 {
         0.0
     }
 }
 
-/// Adds the forces to others.
+/// Adds forces to a vector.
 pub struct Adding<'a> {
     /// Positions, flat [m].
     pub x: &'a [f64],
@@ -54,7 +54,7 @@ pub struct Adding<'a> {
 }
 
 impl Accumulator for Adding<'_> {
-    type Part<'a>
+    type View<'a>
         = Adding<'a>
     where
         Self: 'a;
@@ -64,7 +64,7 @@ impl Accumulator for Adding<'_> {
         [self.x, self.v]
     }
 
-    fn part(&mut self, vertices: Range<usize>) -> Adding<'_> {
+    fn view(&mut self, vertices: Range<usize>) -> Adding<'_> {
         let range = 2 * vertices.start..2 * vertices.end;
         Adding {
             x: &self.x[range.clone()],
@@ -108,7 +108,7 @@ impl Scatter for Adding<'_> {
     }
 }
 
-/// What acts everywhere beside the elements, and is added to their forces in this order.
+/// Uniform forces beside the elements, added to their forces in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UniformForce {
     /// An acceleration g that every vertex is given, by the force `m g` [m/s²].
@@ -122,7 +122,7 @@ pub struct UniformForce {
 }
 
 impl UniformForce {
-    /// Both, if `other` has nothing that would be added before anything of this.
+    /// The sum, if no term of `other` comes before a term of `self` in that order.
     pub fn and(self, other: Self) -> Option<Self> {
         let acts =
             |of: Self| [of.field != [0.0; 2], of.mass_damping != 0.0, of.stiffness_damping != 0.0, of.drag != 0.0];
@@ -137,28 +137,28 @@ impl UniformForce {
     }
 }
 
-/// Moves each vertex by a step of symplectic Euler, `v += h f/m`, then `x += h v`, with the forces of elements and of what acts
-/// everywhere. Where forces are handed out apart, the others are those of the viscous stress.
-pub struct Kicking<'a> {
+/// Updates each vertex by symplectic Euler, `v += h f/m`, then `x += h v`, with the forces of elements and the uniform
+/// force. Where forces come separately, the second ones are those of the viscous stress.
+pub struct EulerUpdate<'a> {
     /// Positions, flat [m].
     pub x: &'a mut [f64],
     /// Velocities, flat [m/s].
     pub v: &'a mut [f64],
     /// Masses, flat [kg].
     pub mass: &'a [f64],
-    /// 1/mass, flat [1/kg]; zero where nothing moves.
+    /// 1/mass, flat [1/kg]; zero for constrained coordinates.
     pub inverse_mass: &'a [f64],
-    /// What acts beside the elements.
+    /// Uniform force beside the elements.
     pub uniform_force: UniformForce,
     /// Length of the step h [s].
     pub step: f64,
-    /// Twice the energy of motion of all that was moved [J].
+    /// Twice the kinetic energy of all updated vertices [J].
     pub twice_kinetic: f64,
 }
 
-impl<const N: usize> Accumulator<N> for Kicking<'_> {
-    type Part<'a>
-        = Kicking<'a>
+impl<const N: usize> Accumulator<N> for EulerUpdate<'_> {
+    type View<'a>
+        = EulerUpdate<'a>
     where
         Self: 'a;
 
@@ -167,9 +167,9 @@ impl<const N: usize> Accumulator<N> for Kicking<'_> {
         [self.x, self.v]
     }
 
-    fn part(&mut self, vertices: Range<usize>) -> Kicking<'_> {
+    fn view(&mut self, vertices: Range<usize>) -> EulerUpdate<'_> {
         let range = 2 * vertices.start..2 * vertices.end;
-        Kicking {
+        EulerUpdate {
             x: &mut self.x[range.clone()],
             v: &mut self.v[range.clone()],
             mass: &self.mass[range.clone()],
@@ -197,21 +197,21 @@ impl<const N: usize> Accumulator<N> for Kicking<'_> {
         (Self { x, v, mass, inverse_mass, uniform_force, step, twice_kinetic: self.twice_kinetic }, other)
     }
 
-    /// Twice the kinetic energy of what was moved [J].
+    /// Twice the kinetic energy of the updated vertices [J].
     fn sum(&self) -> f64 {
         self.twice_kinetic
     }
 }
 
-impl<const N: usize> Scatter<N> for Kicking<'_> {
+impl<const N: usize> Scatter<N> for EulerUpdate<'_> {
     #[inline(always)]
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>) {
-        let ([x, v], [mass, inverse_mass], kick) = self.parts();
+        let ([x, v], [mass, inverse_mass], euler_update) = self.views();
         let mut squares = f64x2::ZERO;
         for (vertex, forces) in forces {
-            squares += kick.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], forces);
+            squares += euler_update.of([&mut x[vertex], &mut v[vertex]], [mass[vertex], inverse_mass[vertex]], forces);
         }
-        self.book(squares);
+        self.add_squares(squares);
     }
 
     #[inline(always)]
@@ -222,23 +222,23 @@ impl<const N: usize> Scatter<N> for Kicking<'_> {
         fours: impl ExactSizeIterator<Item = [[f64x2; N]; 4]>,
         rest: impl ExactSizeIterator<Item = [f64x2; N]>,
     ) {
-        let (moving, masses, kick) = self.parts();
-        let squares = kick.of_run(set, first, moving, masses, fours, rest);
-        self.book(squares);
+        let (moving, masses, euler_update) = self.views();
+        let squares = euler_update.update_run(set, first, moving, masses, fours, rest);
+        self.add_squares(squares);
     }
 }
 
-impl Kicking<'_> {
-    /// Positions and velocities, masses and their reciprocals, all by vertices, and what is the same for all.
+impl EulerUpdate<'_> {
+    /// Positions and velocities, masses and their reciprocals, all by vertices, and the coefficients.
     #[inline(always)]
-    fn parts(&mut self) -> (Moving<'_>, Masses<'_>, Kick) {
+    fn views(&mut self) -> (Moving<'_>, Masses<'_>, EulerCoefficients) {
         let moving = [&mut *self.x, &mut *self.v].map(|values| values.as_chunks_mut().0);
         let masses = [self.mass, self.inverse_mass].map(|values| values.as_chunks().0);
-        (moving, masses, Kick::new(self.uniform_force, self.step))
+        (moving, masses, EulerCoefficients::new(self.uniform_force, self.step))
     }
 
     #[inline(always)]
-    fn book(&mut self, squares: f64x2) {
+    fn add_squares(&mut self, squares: f64x2) {
         let [along_x, along_y] = squares.to_array();
         self.twice_kinetic += along_x + along_y;
     }

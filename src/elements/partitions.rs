@@ -1,8 +1,8 @@
 //! Partitions of a body: ranges of fans whose forces are assembled independently, in parallel.
 //!
 //! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions and
-//! sums them at the vertices of no other partition. At an interface vertex the partial sums are added in the order of
-//! the partitions afterwards. So any number of threads gives the same bits.
+//! sums them at the vertices that no other partition uses. At an interface vertex the partial sums are added in the
+//! order of the partitions afterwards. So any number of threads gives the same bits.
 
 use super::{
     Accumulator, Scatter,
@@ -85,7 +85,7 @@ impl Cut {
         }
         let mut bounds = vec![0];
         for part in 1..count {
-            // How many more vertices of later partitions than of earlier ones come before a vertex: least where they part best.
+            // Vertices of later partitions minus those of earlier ones before a vertex: least at the best boundary.
             let (mut balance, mut best) = (0_i64, (0, 0));
             for (vertex, parts) in touching.iter().enumerate() {
                 if vertex % 4 == 0 && balance < best.0 {

@@ -1,5 +1,5 @@
-//! The window. `logic` applies what was asked for in the last frame and lets time run; `ui` draws a snapshot and gathers
-//! what is asked for next. Nothing drawn holds a reference into the simulation.
+//! The window. `logic` applies the requests of the last frame and advances simulated time. `ui` draws a snapshot and collects
+//! the requests for the next frame. Nothing drawn holds a reference into the simulation.
 
 mod advice;
 mod camera;
@@ -44,13 +44,13 @@ use meter::Meter;
 use panels::{FileRequest, History, Notice, PanelContext, View};
 use web_time::Instant;
 
-/// Time for stepping in a frame [s]: it leaves some of 1/60 s for drawing.
+/// Time budget for steps in a frame [s]. The rest of 1/60 s is for drawing.
 const BUDGET: f64 = 0.012;
 
-/// Smallest window that is still usable [points].
+/// Minimum size of the window [points].
 const SMALLEST: [f32; 2] = [400.0, 400.0];
 
-/// The window's state.
+/// State of the window.
 pub struct App {
     sandbox: Sandbox,
     snapshot: Snapshot,
@@ -61,27 +61,27 @@ pub struct App {
     history: History,
     dialogs: Dialogs,
     jobs: Jobs,
-    /// What effects cost in the chosen pane, while somebody reads it.
+    /// Cost of effects in the chosen pane. It is measured only while the ledger is shown.
     meter: Meter,
-    /// The second pane, while two are compared.
+    /// The second pane, while two panes are compared.
     comparison: Option<Box<Comparison>>,
     commands: Vec<Command>,
-    /// A mesh that is made in the background.
+    /// A mesh that is generated in the background.
     meshing: Meshing,
-    /// The document as it was opened or saved last.
+    /// The document as it was last opened or saved.
     kept: Document,
-    /// What waits until the changes are saved.
+    /// File request that waits until the changes are saved.
     after_saving: Option<FileRequest>,
-    /// Whether the window is to close, whatever is unsaved.
+    /// Whether the window closes even if changes are unsaved.
     leaves: bool,
-    /// When the last frame was drawn, while time runs [s].
+    /// Time of the last frame, while simulated time runs [s].
     last: Option<f64>,
-    /// Time for stepping in a frame [s].
+    /// Time budget for steps in a frame [s].
     budget: f64,
 }
 
 impl App {
-    /// Starts with a level, or with the gingerbread man.
+    /// Creates the window with a level, or with the first level of the gallery.
     ///
     /// # Errors
     /// If the level cannot be built.
@@ -93,7 +93,7 @@ impl App {
         Self::with_level(&cc.egui_ctx, level, Box::new(Disk))
     }
 
-    /// Starts with a level whose meshes are read from `files`.
+    /// Creates the window with a level whose mesh files are read from `files`.
     ///
     /// # Errors
     /// If the level cannot be built.
@@ -126,45 +126,47 @@ impl App {
         })
     }
 
-    /// Takes every step it owes, however long that takes, so that what happens does not depend on the machine.
+    /// Removes the time budget: every owed step is taken. The result does not depend on the speed of the machine.
     #[must_use]
     pub fn unhurried(self) -> Self {
         Self { budget: f64::INFINITY, ..self }
     }
 
-    /// Opens no native dialogs: where to open and save is asked in the window itself.
+    /// Disables native dialogs: the window itself asks for file names.
     #[must_use]
     pub fn without_dialogs(self) -> Self {
         Self { dialogs: Dialogs::silent(), ..self }
     }
 
-    /// What is shown now, in pane A if there are two.
+    /// Snapshot on the screen, of pane A if there are two.
     pub const fn snapshot(&self) -> &Snapshot {
         &self.snapshot
     }
 
-    /// What is edited and run, in pane A if there are two.
+    /// Sandbox that is edited and run, of pane A if there are two.
     pub const fn sandbox(&self) -> &Sandbox {
         &self.sandbox
     }
 
-    /// The second pane, while two are compared.
+    /// The second pane, while two panes are compared.
     pub fn comparison(&self) -> Option<&Comparison> {
         self.comparison.as_deref()
     }
 
-    /// Where a point of the world [m] is on the screen, if the stage fills `stage`.
+    /// Position on the screen of a point of the world [m], if the stage fills `stage`.
     pub fn on_screen(&self, stage: egui::Rect, point: [f64; 2]) -> egui::Pos2 {
         canvas::camera(&self.snapshot, stage).screen_from_world(point)
     }
 
-    /// The message that waits to be read, if there is one.
+    /// Text of the current notice, if there is one.
     pub fn notice(&self) -> Option<&str> {
         self.view.notice.as_ref().map(Notice::text)
     }
 
-    /// Applies a command, in two panes as one that came from `pane` or else from the chosen one; one that is refused is shown,
-    /// and nothing changes. A large mesh is only requested: it is made in the background. Returns whether the command was done.
+    /// Applies a command and returns whether it was done.
+    ///
+    /// With two panes the command comes from `pane`, or else from the chosen pane. A refused command shows a notice and changes nothing.
+    /// A large mesh is only requested: it is generated in the background.
     fn apply(&mut self, pane: Option<Pane>, command: Command) -> bool {
         if let Command::SetMesh(body, mesh) = &command {
             let pane = pane.or(self.comparison.as_ref().map(|panes| panes.chosen())).unwrap_or_default();
@@ -176,7 +178,7 @@ impl App {
         self.apply_now(pane, command)
     }
 
-    /// The body of a document that a number of the shown level stands for.
+    /// Body of the document for a body number of the shown level.
     fn listed_body(&self, pane: Pane, number: usize) -> Option<&BodyLevel> {
         let document = match &self.comparison {
             Some(panes) if pane == Pane::B => panes.sandbox().document(),
@@ -185,7 +187,7 @@ impl App {
         document.level.bodies.get(document.source(number))
     }
 
-    /// Takes a mesh that has become ready.
+    /// Takes a mesh that is finished.
     fn take_mesh(&mut self, ctx: &Context) {
         if std::mem::take(&mut self.view.cancel_mesh) {
             self.meshing.cancel();
@@ -214,7 +216,7 @@ impl App {
         }
     }
 
-    /// Applies a command at once, however long that takes.
+    /// Applies a command in the same frame, even if it takes long.
     fn apply_now(&mut self, pane: Option<Pane>, command: Command) -> bool {
         let result = match &mut self.comparison {
             Some(panes) => panes.apply(&mut self.sandbox, pane.unwrap_or(panes.chosen()), command),
@@ -226,7 +228,7 @@ impl App {
         result.is_ok()
     }
 
-    /// Does what was asked for: first what was clicked and dragged, then the keys, each judged after the one before.
+    /// Applies the requests of the last frame: first those of the mouse, then those of the keys, each after the one before.
     fn apply_requests(&mut self) {
         for request in std::mem::take(&mut self.view.panes) {
             self.compare(request);
@@ -234,7 +236,7 @@ impl App {
         if let Some(panes) = &mut self.comparison {
             let idle = self.commands.is_empty() && self.view.pressed.is_empty();
             if idle && panes.is_between() && panes.stage.only_pulls() {
-                // The hand waits until the panes have met; all else takes them back to where they last met.
+                // Mouse commands on a vertex wait until both panes have the same time. Other commands return the panes to their last common time.
                 return;
             }
             for (pane, command) in std::mem::take(&mut panes.stage.asked) {
@@ -258,7 +260,7 @@ impl App {
         }
     }
 
-    /// What the panels edit, at a moment that both panes share.
+    /// Sandbox that the panels edit, at a common time of both panes.
     fn settled(&mut self) -> &Sandbox {
         match &mut self.comparison {
             Some(panes) => {
@@ -269,7 +271,7 @@ impl App {
         }
     }
 
-    /// Splits the stage, joins it, or turns the panels to a pane.
+    /// Splits the stage, joins it, or chooses the pane of the panels.
     fn compare(&mut self, request: PaneRequest) {
         let keep = match (request, &mut self.comparison) {
             (PaneRequest::Choose(pane), Some(panes)) => return panes.choose(pane),
@@ -290,12 +292,12 @@ impl App {
             self.canvas = stage.into_canvas();
         }
         self.canvas.unshare_scale();
-        // The hand may have been in the pane that is gone.
+        // The mouse may have held a vertex of the pane that was removed.
         self.apply(None, Command::Release);
         self.clock.stop();
     }
 
-    /// Lets time run for as long as the last frame took. While everything sleeps it stands still: nothing would change.
+    /// Advances simulated time by the length of the last frame. The clock stops while everything sleeps: nothing would change.
     fn advance(&mut self, now: f64, frame: f64) {
         let panes = self.comparison.as_mut();
         if !panes.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox)) {
@@ -321,13 +323,13 @@ impl App {
         }
     }
 
-    /// Steps that were computed so far, those that the guard threw away among them, and how many they would be if it divided none.
+    /// Number of computed steps, with those that the guard rejected, and their number if the guard divided none.
     fn step_counts(&self) -> [u64; 2] {
         let mut sum = [0, 0];
         for sandbox in [&self.sandbox].into_iter().chain(self.comparison.as_ref().map(|panes| &panes.b)) {
             let simulation = sandbox.simulation();
             let counts = simulation.counts();
-            // What controls its error divides its steps itself; nobody guards it.
+            // An error-controlled scheme divides its steps itself; the guard does not act on it.
             let each = simulation.substep_plans().map(|plan| u64::from(plan.steps)).sum::<u64>().max(1);
             let undivided = if simulation.scene().integrator.kind().class() == Class::ErrorControlled {
                 counts.inner_steps
@@ -339,7 +341,7 @@ impl App {
         sum
     }
 
-    /// Measures beside the scene that the panels are about, and goes on with what was begun beside the other.
+    /// Advances the studies of the chosen pane, and those of the other pane that were already started.
     fn study(&mut self, ctx: &Context) {
         let gauge = !self.view.hidden[1] || self.view.drawer == Some(panels::Side::Right);
         let doubtful =
@@ -367,7 +369,7 @@ impl App {
         }
     }
 
-    /// Copies what is to be seen. While the panes are on their way to meet, what they showed last stays.
+    /// Updates the snapshots. While the panes are between two common times, the last snapshots stay.
     fn update_snapshot(&mut self) {
         let field = self.view.stage.field;
         match &mut self.comparison {
@@ -382,7 +384,7 @@ impl App {
         }
     }
 
-    /// Reads the clock around each effect only while the ledger is shown.
+    /// Measures the time of each effect only while the ledger is shown.
     fn time_effects(&mut self) {
         let timed = self.view.ledger;
         for sandbox in [&mut self.sandbox].into_iter().chain(self.comparison.as_mut().map(|panes| &mut panes.b)) {
@@ -455,17 +457,19 @@ impl eframe::App for App {
     }
 }
 
-/// Bytes that the allocator learns to keep from frame to frame.
+/// Size of the block that the allocator keeps from frame to frame [bytes].
 const KEPT: usize = 24 << 20;
 
-/// egui hands some megabytes of triangles to the graphics card in every frame and frees them again. The allocator of glibc returns
-/// so much to the system and gets it anew page by page, which takes longer than filling it. It keeps twice the largest block that
-/// was ever freed: one is, without being touched.
+/// Makes the allocator of glibc keep freed memory from frame to frame.
+///
+/// egui allocates some megabytes of triangles for the graphics card in every frame and frees them again. glibc returns such large
+/// blocks to the system and gets them again page by page, which takes longer than filling them. It keeps blocks up to twice the
+/// largest block that was ever freed. So one large block is allocated and freed here, without being written.
 fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
 }
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
 /// If the level cannot be built, or there is no display to open a window on.

@@ -1,5 +1,7 @@
-//! Comparison of two panes: the same scene under two settings. A is the window's own sandbox; B is a second one that is done to what is
-//! done to A, but for scheme, step, model and mesh. Both are at the same simulated time whenever they are looked at.
+//! Comparison of two panes: the same scene with two settings.
+//!
+//! Pane A is the window's own sandbox. Pane B is a second sandbox that gets the same commands, except scheme, step, model and mesh.
+//! Both panes have the same simulated time whenever they are shown.
 
 mod link;
 mod record;
@@ -21,21 +23,21 @@ use crate::{
 use eframe::egui::Color32;
 use rounds::Rounds;
 
-/// One of the two.
+/// One of the two panes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pane {
-    /// The scene that was there.
+    /// The first pane: the original scene.
     #[default]
     A,
-    /// The copy beside it.
+    /// The second pane: a copy of the scene.
     B,
 }
 
 impl Pane {
-    /// Both, in order.
+    /// Both panes, in order.
     pub const BOTH: [Self; 2] = [Self::A, Self::B];
 
-    /// What it is called.
+    /// Letter of the pane.
     pub const fn letter(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -43,7 +45,7 @@ impl Pane {
         }
     }
 
-    /// The other one.
+    /// The other pane.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {
@@ -53,23 +55,23 @@ impl Pane {
     }
 }
 
-/// The colour that stands for a pane.
+/// Colour of a pane.
 pub const fn color(theme: &Theme, pane: Pane) -> Color32 {
     theme.series[pane as usize]
 }
 
-/// What the window may be asked for.
+/// Requests for the two panes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PaneRequest {
     /// Splits the stage, or joins it and keeps A.
     Toggle,
-    /// Lets the panels edit this pane.
+    /// Chooses the pane that the panels edit.
     Choose(Pane),
     /// Joins the stage and keeps this pane.
     Keep(Pane),
 }
 
-/// The second pane, and what holds both together. Pane A is lent to it where it is needed.
+/// The second pane and the state that both panes share. Methods borrow pane A where they need it.
 pub struct Comparison {
     pub(super) b: Sandbox,
     pub(super) snapshot: Snapshot,
@@ -83,19 +85,19 @@ pub struct Comparison {
     record: Record,
 }
 
-/// A change that can be undone in both panes at once.
+/// A change that is undone in both panes at once.
 struct Change {
-    /// How many changes it is for each pane.
+    /// Number of undo steps of the change in each pane.
     counts: [u64; 2],
-    /// Where a pane was that changed nothing itself, but had to start over with the other.
+    /// State of a pane that did not change itself but started over with the other pane.
     states: [Option<Restart>; 2],
 }
 
-/// Most changes that are remembered.
+/// Maximum number of changes in the undo history.
 const DEPTH: usize = 200;
 
 impl Comparison {
-    /// Begins with two equal panes; B is chosen, as it is there to be changed.
+    /// Creates two equal panes and chooses B.
     pub fn new(a: &Sandbox) -> Self {
         Self {
             b: a.fork(),
@@ -111,53 +113,53 @@ impl Comparison {
         }
     }
 
-    /// The second pane.
+    /// Sandbox of the second pane.
     pub const fn sandbox(&self) -> &Sandbox {
         &self.b
     }
 
-    /// What it shows now.
+    /// Snapshot of the second pane.
     pub const fn snapshot(&self) -> &Snapshot {
         &self.snapshot
     }
 
-    /// The pane that the panels show and change.
+    /// Pane that the panels show and edit.
     pub const fn chosen(&self) -> Pane {
         self.chosen
     }
 
-    /// Lets the panels show and change a pane.
+    /// Chooses the pane that the panels show and edit.
     pub const fn choose(&mut self, pane: Pane) {
         self.chosen = pane;
     }
 
-    /// How far the panes are apart, over time.
+    /// Recorded difference of the panes over time.
     pub const fn record(&self) -> &Record {
         &self.record
     }
 
-    /// Whether time should run: in both, and neither has stopped.
+    /// Whether simulated time runs in both panes.
     pub const fn is_live(&self, a: &Sandbox) -> bool {
         a.is_live() && self.b.is_live()
     }
 
-    /// Whether there is anything to compute in either.
+    /// Whether there is anything to compute in either pane.
     pub const fn is_busy(&self, a: &Sandbox) -> bool {
         self.is_live(a) && (self.is_between() || a.is_busy() || self.b.is_busy())
     }
 
-    /// Whether B is on its way to where A is, or the other way round. What is seen then is the last moment they shared.
+    /// Whether the panes are at different times, within a round. The snapshots then show their last common time.
     pub const fn is_between(&self) -> bool {
         self.rounds.is_between()
     }
 
-    /// Shortest simulated time after which both are at the end of a step again [s].
+    /// Length of a round: the shortest simulated time after which both panes are at the end of a step [s].
     pub fn round_length(&self, a: &Sandbox) -> f64 {
         Rounds::length(a, &self.b)
     }
 
-    /// Lets both run for so many rounds, as long as there is time for `more`. Returns how many were completed. If one stops with
-    /// a fault, the panels turn to it.
+    /// Runs both panes for up to `rounds` rounds, as long as `more` returns true. Returns the number of completed rounds. If one pane
+    /// stops with a fault, it becomes the chosen pane.
     pub fn advance(&mut self, a: &mut Sandbox, rounds: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let taken = self.rounds.advance([a, &mut self.b], rounds, more);
         let faulty = [&*a, &self.b].map(|sandbox| sandbox.simulation().fault().is_some());
@@ -167,12 +169,12 @@ impl Comparison {
         taken
     }
 
-    /// Goes back to the last moment both shared, if they are between two.
+    /// Returns both panes to their last common time, if they are within a round.
     pub fn go_back(&mut self, a: &mut Sandbox) {
         self.rounds.go_back([a, &mut self.b]);
     }
 
-    /// Copies what is to be seen, as of now, and notes the difference.
+    /// Updates both snapshots and records the difference.
     pub fn update_snapshots(&mut self, a: &Sandbox, seen: &mut Snapshot, field: Field) {
         let live = self.is_live(a);
         let can = [false, true].map(|forth| self.next(a, forth).is_some());
@@ -187,8 +189,7 @@ impl Comparison {
         }
     }
 
-    /// Does what a command says: to both panes if it is about the experiment, else to the pane it came from. `from` is also
-    /// the pane whose vertices it means.
+    /// Applies a command: to both panes if it concerns the experiment, else to the pane `from`. Vertex numbers are those of `from`.
     ///
     /// # Errors
     /// As for a sandbox; neither pane has changed then.
@@ -211,7 +212,7 @@ impl Comparison {
                 here.apply(command)?;
                 there.apply(Command::EndGesture)?;
                 if here.shown.bodies.len() != there.shown.bodies.len() {
-                    // A single model takes the place of all models side by side: in both, as they show one experiment.
+                    // A single model replaces all models side by side in both panes, because both show one experiment.
                     there.apply(Command::SetSideBySide(false))?;
                 }
             }
@@ -231,7 +232,7 @@ impl Comparison {
         self.record_undo(a, before)
     }
 
-    /// Puts both at the start if only one was, and notes what is to be undone.
+    /// Starts both panes over if only one started over, and records the change for undo.
     fn record_undo(&mut self, a: &mut Sandbox, before: [(u64, Restart); 2]) -> Result<(), Refused> {
         let [a_before, b_before] = before;
         let counts = [a.history.count() - a_before.0, self.b.history.count() - b_before.0];
@@ -253,7 +254,7 @@ impl Comparison {
         Ok(())
     }
 
-    /// Whether only one of the two was put to another time since they had taken so many steps.
+    /// Whether exactly one of the panes has another step count than in `steps`.
     const fn parted(&self, a: &Sandbox, steps: [u64; 2]) -> bool {
         (a.simulation().state().steps == steps[0]) != (self.b.simulation().state().steps == steps[1])
     }
@@ -266,7 +267,7 @@ impl Comparison {
         Ok(())
     }
 
-    /// How many changes each pane would go back or forth. What happened before the panes were two is common to both.
+    /// Number of undo or redo steps for each pane. Changes from before the split are common to both panes.
     fn next(&self, a: &Sandbox, forth: bool) -> Option<[u64; 2]> {
         let can = |sandbox: &Sandbox| if forth { sandbox.history.can_redo() } else { sandbox.history.can_undo() };
         let common = || (can(a) && can(&self.b) && (!forth || self.past.is_empty())).then_some([1, 1]);

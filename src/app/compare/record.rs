@@ -9,41 +9,41 @@ use crate::{
 };
 use std::collections::VecDeque;
 
-/// Least time between two kept moments [s].
+/// Minimum time between two recorded moments [s].
 const APART: f64 = 1.0 / 120.0;
 
-/// How often the shown prices change [s].
+/// Update interval of the shown costs [s].
 const REFRESH: f64 = 0.25;
 
-/// The panes at one simulated time.
+/// Difference of the panes at one simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Simulated time [s].
     pub time: f64,
-    /// How far positions are apart; `None` if the panes do not show the same things.
+    /// Distance of the positions; `None` if the panes do not show the same things.
     pub positions: Option<Apart>,
-    /// Total energy of B less that of A [J].
+    /// Total energy of B minus that of A [J].
     pub energy: f64,
-    /// Time of computing for a second of simulated time, A and B [s]; `None` before any was simulated.
+    /// Computing time for a second of simulated time, A and B [s]; `None` before any was simulated.
     pub prices: Option<[f64; 2]>,
 }
 
-/// The moments of the last seconds, oldest first.
+/// Moments of the last seconds, oldest first.
 #[derive(Default)]
 pub struct Record {
     moments: VecDeque<Moment>,
     difference: Option<Difference>,
-    /// Prices that hold still long enough to be read, and since when [s].
+    /// Time of the last update [s] and the costs shown since then.
     shown: Option<(f64, [f64; 2])>,
-    /// Which scenes it is about.
+    /// Generations of the two recorded scenes.
     generations: [u64; 2],
-    /// Name of the level, and how each pane is computed.
+    /// Name of the level, and the settings of each pane.
     level: String,
     settings: [String; 2],
 }
 
 impl Record {
-    /// Notes the present moment; time that went backwards or other scenes begin anew.
+    /// Records the present moment. It clears the record if time went backwards or a scene has changed.
     pub fn note(&mut self, panes: [&Sandbox; 2], seen: [&Snapshot; 2], prices: Option<[f64; 2]>) {
         let generations = seen.map(|seen| seen.generation);
         let time = seen[0].time;
@@ -63,7 +63,7 @@ impl Record {
         let positions = difference.measure(a, b);
         let energy = seen[1].energies.total() - seen[0].energies.total();
         let kept = self.moments.len();
-        // The newest moment moves along until it is far enough from the one before.
+        // The newest moment is replaced until it is far enough from the one before.
         if kept >= 2 && time - self.moments[kept - 2].time < APART {
             self.moments.pop_back();
         }
@@ -78,22 +78,22 @@ impl Record {
         self.settings = seen.map(|seen| super::stage::settings(seen).join(", "));
     }
 
-    /// What was kept, oldest first.
+    /// Recorded moments, oldest first.
     pub fn moments(&self) -> impl Iterator<Item = &Moment> {
         self.moments.iter()
     }
 
-    /// Time of computing for a second of simulated time, A and B [s], as it is shown.
+    /// Shown computing time for a second of simulated time, A and B [s].
     pub fn prices(&self) -> Option<[f64; 2]> {
         self.shown.map(|(_, prices)| prices)
     }
 
-    /// The newest.
+    /// The newest moment.
     pub fn last(&self) -> Option<&Moment> {
         self.moments.back()
     }
 
-    /// Everything as comma-separated values, with a head that says what was compared and what is measured.
+    /// The record as comma-separated values, with a head that states what is compared and measured.
     pub fn csv(&self) -> String {
         let [a, b] = self.settings.clone();
         let positions =

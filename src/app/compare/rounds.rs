@@ -3,29 +3,29 @@
 use crate::{sandbox::Sandbox, simulation::Restart};
 use web_time::Instant;
 
-/// Steps that a pane takes in one go, if its rounds are short [steps].
+/// Number of steps that a pane takes in one go, if its rounds are short.
 const LEAP: u64 = 10;
 
-/// How fast the prices follow [s of simulated time].
+/// Time constant of the costs [s of simulated time].
 const MEMORY: f64 = 0.5;
 
-/// Where both panes are, and what it cost to get there.
+/// Progress of both panes within a round, and the cost of their steps.
 #[derive(Default)]
 pub struct Rounds {
-    /// Steps that A and B have yet to take before they meet, and how many rounds it was.
+    /// Steps that A and B still take before they have the same time, and the number of rounds that these steps belong to.
     left: [u64; 2],
     bunch: u64,
-    /// Whether B goes first: they take turns, as who goes first finds cold caches.
+    /// Whether B is computed first. The panes alternate, because the first one finds cold caches.
     b_first: bool,
-    /// Where both were when they last met.
+    /// States of both panes at their last common time.
     met: [Restart; 2],
-    /// Time of computing [s], and the simulated time it was for [s], both fading: steps that were slept through do not count.
+    /// Computing time [s] and its simulated time [s], both fading. Slept steps do not count.
     spent: [f64; 2],
     simulated: [f64; 2],
 }
 
 impl Rounds {
-    /// Steps of A and of B in a round.
+    /// Number of steps of A and of B in a round.
     fn steps(a: &Sandbox, b: &Sandbox) -> [u64; 2] {
         let counts = [a, b].map(|sandbox| u64::from(sandbox.shown.substeps.get()));
         counts.map(|count| count / greatest_common_divisor(counts))
@@ -41,7 +41,7 @@ impl Rounds {
         self.left[0] > 0 || self.left[1] > 0
     }
 
-    /// Finishes what has begun and takes up to so many rounds more; `more` is asked in between. Returns how many were completed.
+    /// Completes the round that has begun and takes up to `rounds` more, as long as `more` returns true. Returns the number completed.
     pub fn advance(&mut self, mut panes: [&mut Sandbox; 2], rounds: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let (steps, length) = (Self::steps(panes[0], panes[1]), Self::length(panes[0], panes[1]));
         let mut taken = 0;
@@ -80,22 +80,22 @@ impl Rounds {
         }
     }
 
-    /// One of the two has stopped: the other goes from where they last met to that time, or as near to it as its steps allow.
+    /// One pane has stopped: the other one runs from the last common time to the time of the stop, or as near as its steps allow.
     fn catch_up(&mut self, other: &mut Sandbox, stopped: f64, number: usize) {
         other.resume(&self.met[number]);
         self.left = [0, 0];
-        // Half a millionth of a step is rounding.
+        // A difference of less than half a millionth of a step is round-off.
         let steps = ((stopped - self.met[number].state.time) / other.step_length() + 5e-7).max(0.0);
         other.advance(steps as u64, &mut || true);
     }
 
     fn record_time(&mut self, simulated: f64) {
         let fade = libm::exp(-simulated / MEMORY);
-        // What was just spent is in already.
+        // The newest computing time is already in the sums.
         self.spent.iter_mut().chain(&mut self.simulated).for_each(|known| *known *= fade);
     }
 
-    /// Goes back to where both last met.
+    /// Returns both panes to their last common time.
     pub fn go_back(&mut self, panes: [&mut Sandbox; 2]) {
         if self.is_between() {
             for (pane, met) in panes.into_iter().zip(&self.met) {
@@ -105,7 +105,7 @@ impl Rounds {
         }
     }
 
-    /// Time of computing for a second of simulated time that was computed [s]; `None` before there was any of both.
+    /// Computing time for a second of simulated time without slept steps [s]; `None` before both panes have computed some.
     pub fn prices(&self) -> Option<[f64; 2]> {
         let [a, b] = [0, 1].map(|pane| (self.simulated[pane] > 0.0).then(|| self.spent[pane] / self.simulated[pane]));
         Some([a?, b?])

@@ -17,30 +17,30 @@ use eframe::egui::{
 };
 use std::sync::Arc;
 
-/// Room between the panes [points].
+/// Gap between the panes [points].
 const GAP: f32 = 3.0;
 
-/// Room around the words of a head [points].
+/// Padding around the text of a head [points].
 const PAD: f32 = 7.0;
 
 /// Side of the square with the letter [points].
 const BADGE: f32 = 20.0;
 
-/// A pane wider than this has room for what is measured [points].
+/// Minimum width of a pane whose head shows measured values [points].
 const WIDE: f32 = 560.0;
 
 /// Width of the button in a head [points].
 const KEEP: f32 = 58.0;
 
-/// The canvas of pane B, and what the pointer asked for in either.
+/// Canvas of pane B and the pointer commands of both panes.
 #[derive(Default)]
 pub struct Stage {
     canvas: Canvas,
-    /// Commands, with the pane whose vertices they mean.
+    /// Commands of the pointer, with the pane whose vertices they concern.
     pub asked: Vec<(Pane, Command)>,
 }
 
-/// How a snapshot is computed, from what matters most to what matters least: scheme, step, model, mesh.
+/// Settings of a snapshot, most important first: scheme, step, model, mesh.
 pub fn settings(seen: &Snapshot) -> Vec<String> {
     let level = &seen.level;
     let mut all = vec![level.integrator.kind().title().to_owned(), si(level.substeps.step(), "s")];
@@ -57,28 +57,28 @@ pub fn settings(seen: &Snapshot) -> Vec<String> {
     all
 }
 
-/// Both panes, and which of them the panels edit.
+/// Both panes and the chosen one.
 pub struct Split<'a> {
-    /// What each shows.
+    /// Snapshots of the panes.
     pub seen: [&'a Snapshot; 2],
-    /// What the panels edit.
+    /// Pane that the panels edit.
     pub chosen: Pane,
-    /// How far they are apart, for the head of B.
+    /// Distance of the panes in words, for the head of B.
     pub apart: String,
 }
 
 impl Stage {
-    /// Whether nothing but a hand on a vertex was asked for.
+    /// Whether all pointer commands only grab, pull or release a vertex.
     pub fn only_pulls(&self) -> bool {
         self.asked.iter().all(|(_, command)| command.is_of_the_hand())
     }
 
-    /// The canvas of pane B, for when B is all that stays.
+    /// Canvas of pane B, for a stage where only B is kept.
     pub fn into_canvas(self) -> Canvas {
         self.canvas
     }
 
-    /// Fills what is left of `ui` with both panes; `first` is the canvas of pane A.
+    /// Fills the rest of `ui` with both panes; `first` is the canvas of pane A.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -113,9 +113,9 @@ impl Stage {
     }
 }
 
-/// Two parts beside each other, or one above the other, whichever shows the world larger.
+/// Splits a rectangle side by side or one above the other, whichever shows the world larger.
 fn split_rect(whole: Rect, seen: &Snapshot) -> [Rect; 2] {
-    // Equal to the point, so that both show the world at one scale.
+    // The parts are exactly equal, so that both show the world at the same scale.
     let half = ((whole.size() - vec2(GAP, GAP)) * 0.5).floor();
     let beside = [whole.with_max_x(whole.left() + half.x), whole.with_min_x(whole.right() - half.x)];
     let stacked = [whole.with_max_y(whole.top() + half.y), whole.with_min_y(whole.bottom() - half.y)];
@@ -123,7 +123,7 @@ fn split_rect(whole: Rect, seen: &Snapshot) -> [Rect; 2] {
     if size(stacked[0]) > size(beside[0]) { stacked } else { beside }
 }
 
-/// The words of both heads: what differs is strong, what is equal is faint.
+/// Texts of both heads: different settings are strong, equal ones are faint.
 fn texts(ui: &Ui, split: &Split<'_>, width: f32) -> [Arc<Galley>; 2] {
     let theme = Theme::of(ui.ctx());
     let all = split.seen.map(settings);
@@ -151,7 +151,7 @@ fn texts(ui: &Ui, split: &Split<'_>, width: f32) -> [Arc<Galley>; 2] {
     })
 }
 
-/// A head: the letter, how the pane is computed, and a button that keeps it alone. A click chooses it.
+/// Draws a head: letter, settings and a button that keeps only this pane. A click on the head chooses the pane.
 fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_>) -> Option<PaneRequest> {
     let theme = Theme::of(ui.ctx());
     let chosen = split.chosen == pane;

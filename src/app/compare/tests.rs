@@ -45,7 +45,7 @@ fn look(a: &Sandbox, panes: &mut Comparison) -> Snapshot {
     seen
 }
 
-/// Runs for some frames of 1/60 s, with a hand on a vertex.
+/// Runs for some frames of 1/60 s while the mouse pulls a vertex.
 fn run_pulled(a: &mut Sandbox, panes: &mut Comparison, frames: u32) {
     let mut seen = Snapshot::default();
     panes.apply(a, Pane::A, Command::SetMode(Mode::Simulate)).unwrap();
@@ -106,11 +106,11 @@ fn who_has_no_time_left_shows_the_moment_that_both_shared() {
     let met = [&a, &panes.b].map(|sandbox| sandbox.simulation().state().clone());
     assert_eq!(panes.advance(&mut a, 1, &mut || false), 0);
     assert!(panes.is_between() && a.simulation().state() != &met[0]);
-    // A change does not wait for the other pane: both go back to where they met.
+    // A change does not wait for the other pane: both return to their last common time.
     panes.apply(&mut a, Pane::A, Command::SetDamping(true)).unwrap();
     assert!(!panes.is_between());
     assert_eq!([&a, &panes.b].map(|sandbox| sandbox.simulation().state().clone()), met);
-    // Little by little one gets there as well.
+    // Short calls also complete a round.
     let mut frames = 0;
     while panes.advance(&mut a, 1, &mut || false) == 0 {
         frames += 1;

@@ -8,19 +8,19 @@ use crate::{
 };
 use std::{path::Path, sync::Arc, time::Duration};
 
-/// Which of the gallery's runs; all where nothing is named.
+/// Selection of runs of hard cases; a field without a value selects all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
     /// Name of a case.
     pub case: Option<&'static str>,
     /// Constitutive model.
     pub model: Option<Model>,
-    /// How time passes.
+    /// Method of time integration.
     pub method: Option<Method>,
 }
 
 impl Choice {
-    /// Whether a run is among them.
+    /// Whether a run is selected.
     pub fn takes(&self, trial: &Trial) -> bool {
         self.case.is_none_or(|case| case == trial.name)
             && self.model.is_none_or(|model| model == trial.model)
@@ -28,15 +28,15 @@ impl Choice {
     }
 }
 
-/// What is known of the hard cases.
+/// Results of the hard cases.
 #[derive(Clone, Default)]
 pub struct Known {
-    /// Every run that was begun.
+    /// All runs that were started.
     pub runs: Vec<(Trial, Entry)>,
 }
 
 impl Known {
-    /// The table of all runs that are over, as comma-separated values.
+    /// Table of all finished runs as comma-separated values.
     pub fn csv(&self) -> String {
         let over = self.runs.iter().filter_map(|(trial, entry)| match &entry.verdict {
             Some(Ok(verdict)) => Some(row(trial, verdict)),
@@ -46,14 +46,14 @@ impl Known {
     }
 }
 
-/// Runs that go on, beside what was known before.
+/// Runs in progress, and the results of earlier runs.
 pub struct Hard {
     before: Vec<(Trial, Entry)>,
     sweep: Sweep,
 }
 
 impl Hard {
-    /// Prepares the runs of a choice; what else is known stays.
+    /// Prepares the selected runs; other results stay.
     pub fn new(choice: Choice, known: Known) -> Result<Self, StudyError> {
         let mut trials = Vec::new();
         for name in Case::names() {

@@ -9,35 +9,35 @@ use std::{
     time::Duration,
 };
 
-/// A study that can be worked on bit by bit.
+/// A study that is computed in small parts.
 pub trait Task: Send + 'static {
-    /// What is known of it, to be drawn.
+    /// Type of the results, to be drawn.
     type Results: Clone + Default + Send + 'static;
 
-    /// Works for about `budget`.
+    /// Computes for about `budget`.
     ///
     /// # Errors
     /// If there is nothing to study.
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError>;
 
-    /// What is known so far.
+    /// Results so far.
     fn results(&self) -> Self::Results;
 }
 
-/// What is known of a study.
+/// State of a study.
 #[derive(Clone, Default)]
 pub struct Findings<R> {
-    /// What it came to so far.
+    /// Results so far.
     pub results: R,
-    /// How far it is.
+    /// Progress of the study.
     pub progress: Progress,
-    /// Why there is none.
+    /// Reason why there are no results.
     pub trouble: Option<String>,
-    /// Counts the changes, so that a reader knows when to look.
+    /// Number of changes, so that a reader sees when there are new results.
     version: u64,
 }
 
-/// A study of a window: what is known of the last one, and the work on it while it goes on.
+/// A study of the window: the findings of the last run, and its job while it runs.
 pub struct Study<W: Task> {
     findings: Option<Findings<W::Results>>,
     job: Option<Job<W>>,
@@ -50,31 +50,31 @@ impl<W: Task> Default for Study<W> {
 }
 
 impl<W: Task> Study<W> {
-    /// What is known, if it was ever begun.
+    /// Findings of the study, if it was ever started.
     pub const fn findings(&self) -> Option<&Findings<W::Results>> {
         self.findings.as_ref()
     }
 
-    /// Whether it is being worked on.
+    /// Whether the study is running.
     pub const fn is_running(&self) -> bool {
         self.job.is_some()
     }
 
-    /// Begins anew. Preparing is part of the work: it may take as long as making a mesh.
+    /// Starts the study again. `prepare` is part of the job: it may take as long as making a mesh.
     pub fn start(&mut self, prepare: impl FnOnce() -> Result<W, StudyError> + Send + 'static) {
         self.cancel();
         self.findings = Some(Findings::default());
         self.job = Some(Job::start(Bench::Waiting(Box::new(prepare))));
     }
 
-    /// Stops; what is known stays.
+    /// Stops the study; its findings stay.
     pub fn cancel(&mut self) {
         if let Some(job) = self.job.take() {
             job.cancelled.store(true, Ordering::Relaxed);
         }
     }
 
-    /// Fetches what was found since the last time.
+    /// Fetches the findings since the last call.
     pub fn collect(&mut self) {
         let Some(job) = &mut self.job else { return };
         #[cfg(target_arch = "wasm32")]
@@ -97,7 +97,7 @@ impl<W: Task> Drop for Study<W> {
     }
 }
 
-/// Work that goes on: in a thread of its own, or where there are none, between frames.
+/// A running job: in a thread of its own, or between frames where there are no threads.
 struct Job<W: Task> {
     shared: Arc<Mutex<Findings<W::Results>>>,
     cancelled: Arc<AtomicBool>,
@@ -124,7 +124,7 @@ impl<W: Task> Job<W> {
     }
 }
 
-/// Where the work lies.
+/// State of the work of a job.
 enum Bench<W> {
     Waiting(Box<dyn FnOnce() -> Result<W, StudyError> + Send>),
     Working(W),
@@ -132,7 +132,7 @@ enum Bench<W> {
 }
 
 impl<W: Task> Bench<W> {
-    /// Works for about `budget` and shares what is known then. Returns whether there is more to do.
+    /// Computes for about `budget` and shares the results. Returns whether there is more to do.
     fn step(&mut self, shared: &Mutex<Findings<W::Results>>, budget: Duration) -> bool {
         let begun = match std::mem::replace(self, Self::Cleared) {
             Self::Waiting(prepare) => prepare(),

@@ -1,4 +1,4 @@
-//! Study jobs: everything that is measured beside the running scene.
+//! Study jobs: all measurements beside the running scene.
 
 mod hard;
 mod job;
@@ -19,15 +19,15 @@ use crate::{
 };
 use std::{sync::Arc, time::Duration};
 
-/// For how many coordinates, about as many as there are triangles, the stability limit is looked for in one frame: two rounds for so many
-/// take a third of a millisecond.
+/// Number of coordinates, about equal to that of triangles, that the stability limit is computed for in one frame.
+/// Two rounds for this number take a third of a millisecond.
 const PER_FRAME: usize = 7500;
-/// Rounds of a look while something moves, and at most while nothing does.
+/// Rounds of one call of the probe while something moves, and at most while nothing moves.
 const ROUNDS: [usize; 2] = [2, 16];
-/// A change of the limit by a look, as a share of it, at which it is settled.
+/// Relative change of the limit in one call below which the limit has settled.
 const SETTLED: f64 = 5e-5;
 
-/// What a study is about.
+/// Topic of a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Topic {
     /// Errors of schemes and steps against time: the work-precision diagram.
@@ -39,52 +39,52 @@ pub enum Topic {
     Drift,
 }
 
-/// What the panels may ask for. There is one study at a time.
+/// Requests of the panels. Only one study runs at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JobRequest {
     /// Measure the work-precision diagram from the present state.
     Accuracy,
-    /// Compare meshes by this.
+    /// Compare meshes by this measure.
     Meshes(Measure),
-    /// Follow energy and momentum from the present state for so long [s].
+    /// Follow energy and momentum from the present state for this simulated time [s].
     Drift(f64),
     /// Run hard cases.
     Hard(Choice),
-    /// Stop the study that is worked on; what is known stays.
+    /// Stop the running study; its findings stay.
     Cancel,
-    /// Measure what passing effects over saves.
+    /// Measure the time saved by skipping effects.
     Savings,
     /// Run a twin beside the scene, or stop it.
     Twin(bool),
 }
 
-/// All studies of a window.
+/// All studies of the window.
 #[derive(Default)]
 pub struct Jobs {
     probe: StabilityProbe,
     limit: Option<f64>,
-    /// Frames since the probe was last worked on.
+    /// Frames since the last call of the probe.
     unprobed: usize,
-    /// The shape for which the limit has settled.
+    /// Shape for which the limit has settled.
     settled: Option<u64>,
     rest: RestLimit,
     twin: Option<Twin>,
     /// The work-precision diagram.
     pub accuracy: Study<WorkPrecision>,
-    /// The price of spatial accuracy.
+    /// Errors of meshes against time.
     pub meshes: Study<Meshes>,
     /// Energy and momentum over time.
     pub drift: Study<Drift>,
-    /// The gallery of hard cases.
+    /// Runs of hard cases.
     pub hard: Study<Hard>,
-    /// What passing effects over saves.
+    /// Time saved by skipping effects.
     pub savings: Study<Savings>,
 }
 
-/// The longest stable step of a scene at rest, measured once somebody asks for it.
+/// Longest stable step of a scene at rest, measured on request.
 #[derive(Default)]
 struct RestLimit {
-    /// The level and the mode that it is measured for.
+    /// Level and mode of the measurement.
     of: Option<(Arc<Level>, Mode)>,
     probe: StabilityProbe,
     limit: Option<f64>,
@@ -133,12 +133,12 @@ impl Jobs {
         self.limit
     }
 
-    /// The twin that measures the error now.
+    /// The twin that measures the present error.
     pub const fn twin(&self) -> Option<&Twin> {
         self.twin.as_ref()
     }
 
-    /// Whether a study is being worked on.
+    /// Whether the study of a topic is running.
     pub const fn is_running(&self, topic: Topic) -> bool {
         match topic {
             Topic::Accuracy => self.accuracy.is_running(),
@@ -147,7 +147,7 @@ impl Jobs {
         }
     }
 
-    /// Whether any study is being worked on.
+    /// Whether any study is running.
     pub const fn is_busy(&self) -> bool {
         self.accuracy.is_running()
             || self.meshes.is_running()
@@ -156,7 +156,7 @@ impl Jobs {
             || self.savings.is_running()
     }
 
-    /// How much of a study is done, if it was ever begun.
+    /// Completed share of a study, if it was ever started.
     pub fn done(&self, topic: Topic) -> Option<f64> {
         match topic {
             Topic::Accuracy => self.accuracy.findings().map(|findings| findings.progress.done),
@@ -165,10 +165,10 @@ impl Jobs {
         }
     }
 
-    /// Does what a panel asked for.
+    /// Starts or stops what a panel requested.
     pub fn grant(&mut self, request: JobRequest, sandbox: &Sandbox) {
         if !matches!(request, JobRequest::Twin(_)) {
-            // Two at once would disturb each other's times.
+            // Two studies at once would disturb each other's times.
             self.cancel();
         }
         let level = || sandbox.saved();
@@ -206,15 +206,15 @@ impl Jobs {
         self.savings.cancel();
     }
 
-    /// Takes note of what the scene does; call it before anything is changed from outside.
+    /// Advances the twin with the scene. Call it before any change from outside.
     pub fn follow(&mut self, sandbox: &Sandbox) {
         if let Some(twin) = &mut self.twin {
             twin.follow(sandbox.simulation());
         }
     }
 
-    /// Works for a small part of a frame; looks for the longest stable step only where that is shown. Returns whether there is
-    /// more to do.
+    /// Computes for a small part of a frame and returns whether there is more to do. It updates the longest stable step only while
+    /// `gauge` is true, that is while the step is shown.
     pub fn advance(&mut self, sandbox: &Sandbox, gauge: bool) -> bool {
         let simulation = sandbox.simulation();
         let doubtful = gauge && self.settled != Some(simulation.shape());
@@ -233,7 +233,7 @@ impl Jobs {
         behind || self.is_busy() || doubtful && !sandbox.is_busy()
     }
 
-    /// Looks for the longest stable step.
+    /// Updates the longest stable step.
     fn probe(&mut self, sandbox: &Sandbox) {
         let (simulation, size) = (sandbox.simulation(), sandbox.simulation().scene().rest.len());
         let [few, many] = ROUNDS;
@@ -242,7 +242,7 @@ impl Jobs {
         } else {
             ((many * PER_FRAME / size.max(1)).clamp(few, many), many / few * PER_FRAME)
         };
-        // The limit moves slowly and a look at it costs as much as some steps: a large scene is looked at every few frames.
+        // The limit changes slowly, and one call costs as much as some steps. So a large scene is probed only every few frames.
         self.unprobed += 1;
         if self.limit.is_some() && self.unprobed <= size / per_frame {
             return;

@@ -1,4 +1,4 @@
-//! The studies that the window offers and their results.
+//! The studies of the window and their results.
 
 use super::job::Task;
 use crate::{
@@ -13,29 +13,29 @@ use crate::{
 };
 use std::time::Duration;
 
-/// Errors that a cheapest setting is looked for.
+/// Target errors for which the cheapest setting is searched.
 pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
 
-/// Simulated time of errors and of meshes that do not come to rest [s].
+/// Simulated time of the error studies, and of meshes that do not come to rest [s].
 pub const SECONDS: f64 = 1.0;
 
-/// Threads for a study: one is left for the scene, which goes on.
+/// Number of threads for a study. One thread is left for the running scene.
 pub(super) fn threads() -> usize {
     crate::study::threads().saturating_sub(1).max(1)
 }
 
-/// What is known of the work-precision diagram.
+/// Results of the work-precision diagram.
 #[derive(Clone, Default)]
 pub struct Diagram {
     /// Title of the level.
     pub level: String,
-    /// A line for every scheme.
+    /// One curve for each scheme.
     pub curves: Vec<Curve>,
-    /// What errors are measured against, with its own error.
+    /// Reference of the errors, and its own error.
     pub reference: Option<(String, f64)>,
-    /// What errors must exceed to tell something.
+    /// Limits below which an error is not meaningful.
     pub limits: Limits,
-    /// Why errors tell nothing.
+    /// Reason why there are no errors.
     pub no_errors: Option<NoErrors>,
     /// The cheapest setting for each of [`TARGETS`], by time and by force evaluations.
     pub suggestions: Vec<[Option<Suggestion>; 2]>,
@@ -44,7 +44,7 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// Which of [`TARGETS`] is asked about where none is chosen: the first usual error that some setting reaches by this price.
+    /// Number of the default target in [`TARGETS`]: the first usual error that some setting reaches at this price.
     pub fn usual_target(&self, price: usize) -> usize {
         let number = |error: &f64| TARGETS.iter().position(|target| target == error);
         let reached = |number: &usize| {
@@ -82,46 +82,46 @@ impl Task for WorkPrecision {
     }
 }
 
-/// A mesh study, and then how much the level's mesh locks.
+/// A mesh study, followed by the measurement of locking for the level's mesh.
 pub struct Meshes {
     level: Level,
     study: MeshStudy,
     locking: Option<Locking>,
 }
 
-/// A mesh with what came out of it.
+/// A mesh with its results.
 #[derive(Clone)]
 pub struct Mesh {
     /// The mesh and its value.
     pub point: MeshPoint,
     /// Relative error of the value, once it is known.
     pub error: Option<f64>,
-    /// Whether it is the level's own.
+    /// Whether it is the level's own mesh.
     pub current: bool,
 }
 
-/// What is known of a mesh study.
+/// Results of a mesh study.
 #[derive(Clone, Default)]
 pub struct MeshFindings {
     /// Title of the level.
     pub level: String,
-    /// What is compared.
+    /// Measure that is compared.
     pub measure: Measure,
-    /// When it is taken.
+    /// Time at which the measure is taken.
     pub moment: MeshMoment,
-    /// From coarse to fine.
+    /// Meshes from coarse to fine.
     pub meshes: Vec<Mesh>,
-    /// What values are compared with, or why there is nothing.
+    /// Reference of the values, or the reason why there is none.
     pub reference: Option<Result<MeshReference, NoMeshReference>>,
-    /// How steeply the error falls with the size of the triangles, or why that cannot be told.
+    /// Order of the error in the size of the triangles, or the reason why it cannot be measured.
     pub order: Option<MeasuredOrder>,
-    /// How much the level's mesh locks.
+    /// Locking of the level's mesh.
     pub locking: Vec<LockingNumber>,
     /// The table as comma-separated values.
     pub csv: String,
 }
 
-/// Prepares a mesh study of a level: at rest where it is held, else at the end of [`SECONDS`].
+/// Prepares a mesh study of a level: at rest if pins hold it, else after [`SECONDS`].
 pub fn meshes(level: &Level, measure: Measure) -> Result<Meshes, StudyError> {
     let plan = |moment| MeshPlan { measure, moment, threads: threads(), ..MeshPlan::default() };
     let trial = Trial::new(level, &Disk, SECONDS)?;
@@ -134,7 +134,7 @@ impl Task for Meshes {
     type Results = MeshFindings;
 
     fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
-        /// About how large a share of the work the meshes are.
+        /// Approximate share of the mesh study in the whole work.
         const MESHES: f64 = 0.7;
         let compared = self.study.advance(budget);
         let alone = self.study.plan().moment == MeshMoment::AtTheEnd || !self.study.is_telling();
@@ -169,39 +169,39 @@ impl Task for Meshes {
     }
 }
 
-/// The course of one scheme.
+/// Results of one scheme over time.
 #[derive(Clone)]
 pub struct Course {
-    /// How it was stepped.
+    /// Scheme and step.
     pub setting: Setting,
-    /// Whether this is how the level itself is stepped.
+    /// Whether these are the level's own scheme and step.
     pub current: bool,
-    /// How it went.
+    /// Status of the run.
     pub status: Status,
     /// For each of [`Invariant::ALL`]: time [s] and the greatest change so far.
     pub changes: [Vec<[f64; 2]>; 3],
-    /// The change of the energy at the end, below zero if some is lost.
+    /// Change of the energy at the end; negative for a loss.
     pub gain: f64,
 }
 
-/// What is known of energy and momentum over time.
+/// Results of energy and momentum over time.
 #[derive(Clone, Default)]
 pub struct Courses {
     /// Title of the level.
     pub level: String,
     /// Simulated time [s].
     pub seconds: f64,
-    /// One for each scheme.
+    /// One course for each scheme.
     pub each: Vec<Course>,
-    /// The schemes that stayed stable and touched a wall, so that energy and momentum were changed by right.
+    /// Stable schemes that touched a wall, so that a change of energy and momentum is physical.
     pub touching: Vec<&'static str>,
-    /// For each of [`Invariant::ALL`]: what changes it by right, and why there is nothing of it.
+    /// For each of [`Invariant::ALL`]: the physical causes of a change, and the reason why there is no curve.
     pub words: [(String, Option<&'static str>); 3],
     /// The table as comma-separated values.
     pub csv: String,
 }
 
-/// Prepares the courses of a level from its state, for a time [s].
+/// Prepares the drift study of a level from its state, for a time [s].
 pub fn drift(level: &Level, seconds: f64) -> Result<Drift, StudyError> {
     let trial = Trial::new(level, &Disk, seconds)?;
     let settings = Drift::settings(&trial, &IntegratorKind::all(), None);
@@ -240,16 +240,16 @@ impl Task for Drift {
     }
 }
 
-/// What passing effects over saves, as far as it is known.
+/// Results of the time saved by skipping effects.
 #[derive(Clone, Default)]
 pub struct Saved {
-    /// For each effect, elements first.
+    /// Saving of each effect, elements first.
     pub each: Vec<Saving>,
-    /// Time of a whole frame as it is, and with everything forced [s].
+    /// Time of a whole frame with skipping, and with every effect forced [s].
     pub whole: Option<[f64; 2]>,
 }
 
-/// Prepares to measure what passing effects over saves from a level's state on.
+/// Prepares the measurement of the time saved by skipping effects, from the level's state.
 pub fn savings(level: &Level) -> Result<Savings, StudyError> {
     Savings::new(level, &Disk)
 }

@@ -236,7 +236,8 @@ impl App {
         if let Some(panes) = &mut self.comparison {
             let idle = self.commands.is_empty() && self.view.pressed.is_empty();
             if idle && panes.is_between() && panes.stage.only_pulls() {
-                // Mouse commands on a vertex wait until both panes have the same time. Other commands return the panes to their last common time.
+                // Mouse commands on a vertex wait until both panes have the same time.
+                // Other commands return the panes to their last common time.
                 return;
             }
             for (pane, command) in std::mem::take(&mut panes.stage.asked) {

@@ -4,12 +4,12 @@ use crate::{app::theme::Theme, integrators::IntegratorKind};
 use eframe::egui::{Align2, Color32, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
 use egui_plot::{GridInput, GridMark, Plot};
 
-/// A plot with two axes of powers of ten: what is plotted are common logarithms.
+/// Creates a plot with two logarithmic axes. The plotted values are common logarithms.
 pub fn log_log<'a>(name: &'static str, theme: &Theme) -> Plot<'a> {
     log_y(name, theme).x_grid_spacer(decades).x_axis_formatter(|mark, _| power_of_ten(mark.value))
 }
 
-/// A plot whose vertical axis is one of powers of ten.
+/// Creates a plot with a logarithmic vertical axis. The plotted heights are common logarithms.
 pub fn log_y<'a>(name: &'static str, theme: &Theme) -> Plot<'a> {
     Plot::new(name)
         .y_grid_spacer(decades)
@@ -20,7 +20,7 @@ pub fn log_y<'a>(name: &'static str, theme: &Theme) -> Plot<'a> {
         .show_y(false)
 }
 
-/// A small plot of the last seconds, which follows time by itself and cannot be moved.
+/// Creates a small plot of the last seconds, which follows simulated time and cannot be moved.
 pub fn still<'a>(name: &'static str, height: f32, theme: &Theme) -> Plot<'a> {
     Plot::new(name)
         .height(height)
@@ -34,14 +34,14 @@ pub fn still<'a>(name: &'static str, height: f32, theme: &Theme) -> Plot<'a> {
         .show_y(false)
 }
 
-/// A line for every power of ten, or for every second, third, ... one.
+/// Grid lines at every power of ten, or at every second, third, ... power.
 fn decades(GridInput { bounds: (from, to), .. }: GridInput) -> Vec<GridMark> {
     let every = ((to - from) / 8.0).ceil().max(1.0);
     let (first, last) = ((from / every).ceil() as i64, (to / every).floor() as i64);
     (first..=last).map(|mark| GridMark { value: mark as f64 * every, step_size: every }).collect()
 }
 
-/// Round values to mark, two at least, which stand apart by no more than a share of the range, from 0.4 to 0.62.
+/// Round values for grid lines, at least two. Their distance is at most a share of the range, from 0.4 to 0.62.
 pub fn heights((low, high): (f64, f64), share: f64) -> Vec<GridMark> {
     let most = share * (high - low);
     let power = 10f64.powf(most.log10().floor());
@@ -57,31 +57,31 @@ fn power_of_ten(exponent: f64) -> String {
     }
 }
 
-/// The colour of a scheme, the same in every plot.
+/// Colour of a scheme, the same in every plot.
 pub fn color_of(integrator: &IntegratorKind, theme: &Theme) -> Color32 {
     let number = IntegratorKind::all().iter().position(|kind| kind.name() == integrator.name()).unwrap_or(0);
     let base = theme.series[number % theme.series.len()];
-    // The second round of colours is lighter or darker, so that eleven lines can be told apart.
+    // Colours after the first round are lighter or darker, so that eleven lines can be told apart.
     if number < theme.series.len() { base } else { base.lerp_to_gamma(theme.text, 0.45) }
 }
 
-/// A name that belongs to a point of a plot.
+/// Label of a point in a plot.
 pub struct Label {
-    /// The point on the screen.
+    /// Position of the point on the screen.
     pub at: Pos2,
-    /// What is written beside it.
+    /// Text of the label.
     pub text: String,
-    /// The colour of its line.
+    /// Colour of the line of the point.
     pub color: Color32,
 }
 
 /// Distance of a label from its point [points].
 const GAP: f32 = 8.0;
 
-/// How much nearer a place on the left must be, where lines come from [points].
+/// Extra distance that is added to places left of the point, where the lines run [points].
 const LEFT: f32 = 60.0;
 
-/// Writes names beside their points, none over another, with a thin line where one had to give way.
+/// Draws labels beside their points without overlap. A thin line leads to a label that had to move away.
 pub fn write_labels(ui: &Ui, frame: Rect, labels: &[Label]) {
     let painter = ui.painter_at(frame);
     let font = TextStyle::Small.resolve(ui.style());
@@ -98,7 +98,7 @@ pub fn write_labels(ui: &Ui, frame: Rect, labels: &[Label]) {
     }
 }
 
-/// Places for names of these sizes: to the right of their points if there is room, else as near as can be.
+/// Places for labels of these sizes: to the right of their points if there is room, else the nearest free place.
 fn places(frame: Rect, wanted: &[(Pos2, Vec2)]) -> Vec<Rect> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|a, b| wanted[*a].0.y.total_cmp(&wanted[*b].0.y));
@@ -113,7 +113,7 @@ fn places(frame: Rect, wanted: &[(Pos2, Vec2)]) -> Vec<Rect> {
             let points = wanted.iter().all(|(point, _)| !rect.contains(*point));
             frame.contains_rect(*rect) && points && placed.iter().all(|(_, other)| !rect.intersects(*other))
         };
-        // The nearest free place; where all is full, beside the point.
+        // The nearest free place, or beside the point if there is none.
         let distance = |rect: &Rect| rect.distance_to_pos(at) + if rect.center().x < at.x { LEFT } else { 0.0 };
         let best = candidates.filter(free).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let rect = best.unwrap_or_else(|| Align2::LEFT_CENTER.anchor_size(at + vec2(GAP, 0.0), size));

@@ -21,7 +21,7 @@ pub fn show(ctx: &Context, stage: Rect, context: &PanelContext<'_>, view: &mut V
     if now.fault.is_none() && other.is_none() && view.notice.is_none() {
         return;
     }
-    // Below the heads of two panes, which say what stopped.
+    // The banner lies below the heads of two panes, which name the pane with the fault.
     let down = if context.comparison.is_some() { 54.0 } else { 10.0 };
     let top = stage.center_top() + vec2(0.0, down);
     let area = Area::new(Id::unique("banner")).order(Order::Foreground).pivot(Align2::CENTER_TOP).fixed_pos(top);
@@ -65,14 +65,14 @@ fn card(ui: &mut Ui, width: f32, color: Color32, title: &str, text: &str, button
     frame.show(ui, |ui| {
         ui.set_width(width);
         ui.label(RichText::new(title).strong().color(color));
-        // A message may be worth copying.
+        // A message can be copied.
         ui.add(Label::new(text).selectable(true));
         ui.add_space(4.0);
         ui.horizontal_wrapped(buttons);
     });
 }
 
-/// What helps against a fault.
+/// Draws the remedies of a fault.
 fn remedies(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let now = context.now;
     let reach = now.rewind_length.min(1.0);

@@ -108,7 +108,7 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, c
     apply_response(outcome, Some(Command::SetMass(view.body, new)), view, commands);
 }
 
-/// How fine the mesh is. Another one starts over.
+/// Draws the parameters of the mesh. Another mesh starts the scene over.
 fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Command>) {
     const SIDES: [&str; 2] = ["columns of cells", "rows of cells"];
     let mut mesh = mesh.clone();
@@ -131,7 +131,7 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
 }
 
-/// The same mass [kg] told the other way, over an area [m²].
+/// Converts a mass [kg] to a density, or back, for an area [m²].
 fn converted(mass: MassLevel, area: f64, to_density: bool) -> Result<MassLevel, OutOfRange> {
     Ok(match (mass, to_density) {
         (MassLevel::Total(total), true) => MassLevel::Density(Density::new(total.get() / area)?),

@@ -22,10 +22,10 @@ use egui_plot::{Line, PlotPoints};
 /// Height of a plot [points].
 const PLOT: f32 = 92.0;
 
-/// Positions nearer than this differ by rounding [m].
+/// Distance of positions below which they differ only by round-off [m].
 const ROUNDING: f64 = 1e-12;
 
-/// Splits the stage; while it is split, chooses the pane that the panels edit.
+/// Draws the button that splits the stage and, while it is split, the choice of the pane that the panels edit.
 pub fn switch(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let on = context.comparison.is_some();
     let button = Button::selectable(on, "A | B").min_size(vec2(46.0, HEIGHT));
@@ -47,7 +47,7 @@ pub fn switch(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     ui.add_space(8.0);
 }
 
-/// Says which pane a panel is about.
+/// Draws the name of the pane that a panel shows.
 pub fn caption(ui: &mut Ui, context: &PanelContext<'_>, side: Side) {
     let Some(panes) = context.comparison else { return };
     let pane = panes.chosen();
@@ -64,7 +64,7 @@ pub fn caption(ui: &mut Ui, context: &PanelContext<'_>, side: Side) {
     });
 }
 
-/// How far the panes are apart, now and in the last seconds, and what each costs.
+/// Draws the distance of the panes, now and over the last seconds, and the cost of each.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let Some(panes) = context.comparison else { return };
     let record = panes.record();
@@ -102,12 +102,12 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     ui.separator();
 }
 
-/// A difference of positions in per cent of the farthest that A has been; zero where it is only rounding.
+/// Relative distance of positions over the farthest displacement of A [%]; zero if it is only round-off.
 fn share(apart: Apart) -> f64 {
     if apart.metres < ROUNDING { 0.0 } else { 100.0 * apart.relative }
 }
 
-/// How far positions are apart, in words.
+/// Distance of positions in words.
 fn words(apart: Apart) -> String {
     if apart.metres == 0.0 {
         "exactly 0".to_owned()
@@ -119,7 +119,7 @@ fn words(apart: Apart) -> String {
     }
 }
 
-/// How far the panes are apart and what B costs, in one line.
+/// Distance of the panes and cost of B, in one line.
 pub fn apart(panes: &Comparison) -> String {
     let record = panes.record();
     let apart = record.last().and_then(|last| last.positions).map_or(String::new(), |apart| match apart.metres {
@@ -130,7 +130,7 @@ pub fn apart(panes: &Comparison) -> String {
     ratio.map_or(apart.clone(), |ratio| format!("{apart}, {:>4} × cost", times(ratio))).replace(' ', "\u{a0}")
 }
 
-/// Time of computing for a second of simulated time, and how many times as dear B is.
+/// Draws the computing time for a second of simulated time, and the cost of B relative to A.
 fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
     let theme = Theme::of(ui.ctx());
     let help = "Time of computing for a second of simulated time that was not slept through [s]; above 1 s a pane alone is slower than real time.";
@@ -143,13 +143,13 @@ fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
     }
 }
 
-/// A ratio of costs in two digits.
+/// Formats a ratio of costs with two digits.
 fn times(ratio: f64) -> String {
     let digits = if ratio < 0.995 { 2 } else { usize::from(ratio < 9.95) };
     format!("{ratio:.digits$}")
 }
 
-/// How many times as dear B is, in words.
+/// Cost of B relative to A, in words.
 fn verdict(ratio: f64) -> String {
     if (0.95..=1.05).contains(&ratio) {
         "B costs as much as A.".to_owned()
@@ -160,14 +160,14 @@ fn verdict(ratio: f64) -> String {
     }
 }
 
-/// A line of a plot.
+/// Curve of a plot.
 struct Curve<'a> {
     name: &'static str,
     unit: &'static str,
     value: &'a dyn Fn(&Moment) -> Option<f64>,
 }
 
-/// A small plot over the last seconds.
+/// Draws a small plot of the last seconds.
 fn plot(ui: &mut Ui, record: &Record, curve: &Curve<'_>) {
     let theme = Theme::of(ui.ctx());
     let end = record.last().map_or(0.0, |moment| moment.time);

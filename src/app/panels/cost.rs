@@ -16,7 +16,7 @@ use crate::{
 use eframe::egui::{Label, Rect, RichText, Sense, Ui, vec2};
 use std::collections::BTreeSet;
 
-/// A frame of 60 Hz [s].
+/// Frame time at 60 Hz [s].
 const FRAME: f64 = 1.0 / 60.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
@@ -33,12 +33,12 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
     size(ui, context.now);
 }
 
-/// Whether some springs are only drawn on request.
+/// Whether some springs are drawn only on request.
 fn has_hidden_springs(now: &Snapshot) -> bool {
     now.nets.iter().any(|net| net.springs.links().iter().any(|link| link.role == Role::Flexion))
 }
 
-/// Colours, edges and vertices.
+/// Draws the display options: colours, edges and vertices.
 fn looks(ui: &mut Ui, view: &mut View) {
     heading(ui, "Colour by");
     let shorts = ["Plain", "Energy", "Von Mises", "J"];
@@ -70,7 +70,7 @@ const fn about(field: Field) -> &'static str {
     }
 }
 
-/// How fast time runs and how long a frame takes.
+/// Draws the speed of simulated time and the frame time.
 fn speed(ui: &mut Ui, context: &PanelContext<'_>) {
     let rates = context.rates;
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
@@ -97,7 +97,7 @@ fn speed(ui: &mut Ui, context: &PanelContext<'_>) {
     gauge(ui, share as f32, whole as f32);
 }
 
-/// How much of a frame of 60 Hz is used: physics strong, the rest weak.
+/// Draws the used share of a 60 Hz frame: stepping in the strong colour, the rest in the pale one.
 fn gauge(ui: &mut Ui, physics: f32, whole: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
     response.on_hover_text("Frame time as a share of 1/60 s: stepping in the strong colour, drawing in the pale one");
@@ -129,7 +129,7 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     row(ui, "Step", &fixed(chosen.step(), "s"), "h = 1/(60 n): the length of a step [s]");
 }
 
-/// Whether each body takes as many steps as it needs, and how many these are.
+/// Draws the switch for substeps per body, and their present numbers.
 fn substep_mode(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if now.toy.is_some() || now.level.integrator.kind().class() != Class::Explicit {
         return;

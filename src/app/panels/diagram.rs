@@ -20,19 +20,19 @@ use crate::{
 use eframe::egui::{Align2, Color32, ComboBox, RichText, TextStyle, Ui, pos2};
 use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, PlotPoints, Points};
 
-/// How the diagram is looked at.
+/// Display settings of the diagram.
 #[derive(Default)]
 pub struct DiagramSettings {
-    /// What the horizontal axis shows.
+    /// Quantity of the horizontal axis.
     pub price: Price,
-    /// Which of the targets is asked about; if none was chosen, a usual one that is reached.
+    /// Number of the chosen target error; without a choice, a default target that is reached.
     pub target: Option<usize>,
 }
 
-/// What measuring it does.
+/// Tooltip of the measurement.
 pub const HELP: &str = "Every scheme runs the next second from the present state, without the mouse, with many steps.";
 
-/// Where runs stand that blew up: the common logarithm of their error.
+/// Common logarithm of the error at which unstable runs are drawn.
 const TOP: f64 = 1.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
@@ -125,7 +125,7 @@ fn plot(ui: &mut Ui, diagram: &Diagram, price: Price) {
             HoverPosition::Elsewhere { .. } => None,
         });
     if left.is_finite() {
-        // Room for the names of the lines.
+        // The margin leaves room for the names of the lines.
         plot = plot.include_x(right + 0.36 * (right - left).max(1.0)).include_y(TOP + 0.4);
     }
     let shown = plot.show(ui, |plot| {
@@ -163,15 +163,15 @@ fn sound(outcome: &Outcome) -> bool {
     outcome.status == Status::Ok && outcome.error > 0.0
 }
 
-/// Where a run stands, in powers of ten; what blew up stands at the top.
+/// Point of a run, in common logarithms. An unstable run lies at the top.
 fn at(outcome: &Outcome, price: Price) -> [f64; 2] {
     let blown = outcome.status == Status::Unstable || !outcome.error.is_finite();
     let error = if blown { TOP } else { outcome.error.max(1e-16).log10().min(TOP) };
     [price.of(outcome).max(1e-6).log10(), error]
 }
 
-/// The current setting is a large filled dot, other runs small ones; runs that blew up are crosses, those with unsolved equations
-/// empty squares.
+/// Marker of a run: a large filled dot for the current setting and small dots for other runs. Unstable runs are crosses, runs with
+/// unsolved equations are empty squares.
 fn marker<'a>(diagram: &Diagram, point: &Point, outcome: &Outcome, price: Price, color: Color32) -> Points<'a> {
     let (shape, radius) = match (outcome.status, point.current) {
         (Status::Ok, true) => (MarkerShape::Circle, 7.0),
@@ -185,7 +185,7 @@ fn marker<'a>(diagram: &Diagram, point: &Point, outcome: &Outcome, price: Price,
     points.shape(shape).filled(filled).radius(radius).color(color)
 }
 
-/// What is said of a run that is pointed at.
+/// Tooltip of a run.
 fn story(diagram: &Diagram, point: &Point, outcome: &Outcome) -> String {
     let note = diagram.limits.note(outcome.error).map_or_else(String::new, |note| format!(" ({})", note.words()));
     let errors = || format!("mean error {}{note}, largest {}", percent(outcome.error), percent(outcome.greatest_error));
@@ -200,7 +200,7 @@ fn story(diagram: &Diagram, point: &Point, outcome: &Outcome) -> String {
     format!("{}{now}\n{came}\n{time} for a simulated second, least of {runs}", point.setting.label())
 }
 
-/// The scheme with the order that was measured.
+/// Label of a scheme with its measured order.
 fn label(curve: &Curve) -> String {
     let title = curve.integrator.kind().title();
     match curve.order {

@@ -18,22 +18,22 @@ use crate::{
 use eframe::egui::{ComboBox, RichText, Ui};
 use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, Points};
 
-/// What is followed, and for how long.
+/// Display settings of the drift plot.
 #[derive(Default)]
 pub struct DriftSettings {
-    /// Which of [`Invariant::ALL`].
+    /// Index in [`Invariant::ALL`].
     invariant: usize,
-    /// Which of [`TIMES`].
+    /// Index in [`TIMES`].
     time: usize,
 }
 
 /// Simulated times to choose from [s].
 const TIMES: [f64; 4] = [2.0, 5.0, 20.0, 60.0];
 
-/// Changes smaller and greater than these are drawn at the edge: common logarithms.
+/// Common logarithms of the least and greatest change that is drawn; others are drawn at the edge.
 const EDGES: [f64; 2] = [-17.0, 3.0];
 
-/// What measuring it does.
+/// Tooltip of the measurement.
 pub const HELP: &str = "Every scheme runs from the present state, without the mouse; explicit ones with the present step length, \
                         implicit ones with steps ten times as long, as each takes more computing time.";
 
@@ -123,7 +123,7 @@ fn plot(ui: &mut Ui, courses: &Courses, number: usize, invariant: Invariant) {
         .x_axis_label("simulated time [s]")
         .y_axis_label(axis)
         .include_x(0.0)
-        // Room for the names of the lines.
+        // The margin leaves room for the names of the lines.
         .include_x(1.42 * courses.seconds)
         .label_formatter(|hovered| match hovered {
             HoverPosition::NearDataPoint { plot_name, .. } => Some((*plot_name).to_owned()),
@@ -154,7 +154,7 @@ fn plot(ui: &mut Ui, courses: &Courses, number: usize, invariant: Invariant) {
     write_labels(ui, *shown.transform.frame(), &labels);
 }
 
-/// A course as time and common logarithm; the beginning, where nothing has changed yet, is left out.
+/// Points of a course: time and common logarithm of the change. The beginning, where nothing has changed yet, is left out.
 fn line(changes: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let [low, high] = EDGES;
     let logarithm = |change: f64| if change.is_finite() { change.log10().clamp(low, high) } else { high };
@@ -162,7 +162,7 @@ fn line(changes: &[[f64; 2]]) -> Vec<[f64; 2]> {
     changed.map(|[time, change]| [*time, logarithm(*change)]).collect()
 }
 
-/// The scheme, and whether it gained or lost energy by the end.
+/// Label of a course: the scheme, and whether it gained or lost energy by the end.
 fn label(course: &Course, invariant: Invariant) -> String {
     let title = course.setting.integrator.kind().title();
     match (course.status, invariant) {
@@ -175,7 +175,7 @@ fn label(course: &Course, invariant: Invariant) -> String {
     }
 }
 
-/// What is said of a course that is pointed at.
+/// Tooltip of a course.
 fn story(course: &Course) -> String {
     let now = if course.current { " (now)" } else { "" };
     let ended = match course.status {

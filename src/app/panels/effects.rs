@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     add(ui, now, commands);
 }
 
-/// A menu of the effects that the level does not have.
+/// Draws a menu of the effects that the level does not have.
 fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let listed = |kind: &EffectKind| now.level.effects.iter().any(|listed| listed.effect.name() == kind.name());
     let missing: Vec<_> = EffectKind::all().into_iter().filter(|kind| !listed(kind)).collect();
@@ -37,7 +37,7 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     });
 }
 
-/// Whether an effect may be passed over.
+/// Draws the switch that allows an effect to be skipped.
 fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Command>) {
     let now = effect.switch == Switch::Auto;
     let help = if now {

@@ -14,13 +14,13 @@ use crate::{
 use eframe::egui::{self, Align2, Color32, RichText, Ui};
 use egui_plot::{GridMark, Line, PlotPoint, PlotPoints, Text};
 
-/// Largest energy that is plotted [J].
+/// Largest energy that is drawn [J].
 const FARTHEST: f64 = 1e60;
 
-/// Least and greatest height of the plot [points].
+/// Minimum and maximum height of the plot [points].
 const HEIGHTS: (f32, f32) = (150.0, 300.0);
 
-/// One curve.
+/// Curve of a plot.
 struct Curve {
     name: &'static str,
     help: &'static str,
@@ -55,7 +55,7 @@ const CURVES: [Curve; 4] = [
     },
 ];
 
-/// The value of a curve; zero for what is only rounding: beside the largest energy, or `negligible` to the scene [J].
+/// Value of a curve; zero if it is round-off of the largest energy, or at most `negligible` for the scene [J].
 fn visible(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
     numbers::or_zero((curve.value)(of), negligible.max(1e-12 * largest))
@@ -85,7 +85,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     export::pose(ui, view, Figure::Energies, rect);
 }
 
-/// A height in the plot: an explosion ends at numbers that a screen cannot place.
+/// Height of a curve in the plot, limited to [`FARTHEST`]: egui cannot place the numbers of an explosion.
 fn plotted(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
     let value = visible(curve, of, negligible);
     if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
@@ -105,7 +105,7 @@ fn plot(ui: &mut Ui, history: &History, (end, negligible): (f64, f64), theme: &T
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
         .show(ui, |plot| {
-            // The labels stand on the right of where the lines end.
+            // The labels stand to the right of the ends of the lines.
             plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
             plot.set_plot_bounds_y(low..=high);
             for curve in &CURVES {
@@ -124,7 +124,7 @@ fn plot(ui: &mut Ui, history: &History, (end, negligible): (f64, f64), theme: &T
     response.response.on_hover_text("Energies [J] over simulated time [s]");
 }
 
-/// Seconds to mark and to number: few enough that the numbers do not touch.
+/// Grid marks of the time axis with numbers, few enough that the numbers do not overlap.
 pub(super) fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
     let step = [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|step| *step >= 0.32 * span).unwrap_or(10.0);
     let first = (from / step).ceil() as i64;
@@ -132,7 +132,7 @@ pub(super) fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
     (first..=last).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
 }
 
-/// Where to write the names of the curves: at their last values, but at least `apart` from each other, and up to `top`.
+/// Heights of the curve labels: at the last values, but at least `apart` from each other, and at most `top`.
 fn label_heights(now: &Energies, negligible: f64, [apart, top]: [f64; 2]) -> [f64; 4] {
     let mut heights = CURVES.each_ref().map(|curve| plotted(curve, now, negligible));
     let mut order = [0, 1, 2, 3];
@@ -150,7 +150,7 @@ fn label_heights(now: &Energies, negligible: f64, [apart, top]: [f64; 2]) -> [f6
     heights
 }
 
-/// A range that holds all values and ends at round numbers, so that it stands still while they change a little.
+/// Range that contains all values and ends at round numbers, so that it stays constant while they change a little.
 pub(super) fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     let round = |value: f64| {
@@ -161,7 +161,7 @@ pub(super) fn nice_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         let lead = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0].into_iter().find(|lead| lead * power >= value.abs() * 0.999);
         lead.unwrap_or(10.0) * power * value.signum()
     };
-    // Nothing at all is shown as nothing of a joule.
+    // If all values are zero, the range ends at 1 J.
     let high = if high > 0.0 || low < 0.0 { round(high) } else { 1.0 };
     let low = if low < -0.02 * high { round(low) } else { 0.0 };
     let margin = (high - low) * 0.06;

@@ -1,20 +1,20 @@
-//! Exports plots: numbers as CSV, picture as PNG.
+//! Exports plots: numbers as CSV, pictures as PNG.
 
 use super::{FileRequest, Notice, View};
 use crate::app::dialogs::stem;
 use eframe::egui::{Button, ColorImage, Context, Rect, RichText, Ui, Vec2, style::ScrollAnimation};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A finished file that waits for a place.
+/// A finished file that waits for a file name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Export {
-    /// The name that is suggested, with its extension.
+    /// Suggested file name, with its extension.
     pub name: String,
-    /// What is in it.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
-/// The plots there are.
+/// The plots that can be exported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
     /// Energies of the last seconds.
@@ -25,12 +25,12 @@ pub enum Figure {
     Meshes,
     /// Energy and momentum over time.
     Drift,
-    /// How far two panes are apart.
+    /// Distance of two panes.
     Difference,
 }
 
 impl Figure {
-    /// What it is called on buttons and in file names.
+    /// Title of the plot on buttons and in file names.
     const fn title(self) -> &'static str {
         match self {
             Self::Energies => "Energies",
@@ -42,22 +42,22 @@ impl Figure {
     }
 }
 
-/// A plot whose picture is being taken: it takes some frames until its pixels are there.
+/// A plot whose picture is being taken. It takes some frames until the pixels arrive.
 pub struct Sitting {
     figure: Figure,
     name: String,
-    /// The head of its table, which goes into the file.
+    /// Head of the table of the plot, which is stored in the file.
     about: String,
-    /// Where it was drawn last [points].
+    /// Place of the plot in the last frame [points].
     rect: Option<Rect>,
     frames: u32,
     pixels: Arc<Mutex<Option<Arc<ColorImage>>>>,
 }
 
-/// After so many frames there will be no pixels any more.
+/// Number of frames after which the picture is given up.
 const TIMEOUT_FRAMES: u32 = 90;
 
-/// Two small buttons in a row that is laid out from the right: for the picture of a plot, and for its numbers.
+/// Draws two small buttons in a right-to-left row: for the picture of a plot, and for its numbers.
 pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table: impl Fn() -> String) {
     let title = figure.title();
     let name = |extension: &str| format!("{}-{}.{extension}", stem(level), title.to_lowercase());
@@ -78,7 +78,7 @@ pub fn buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str, table:
     }
 }
 
-/// Call it after a plot was drawn: if its picture is wanted, it is brought into view and taken.
+/// Takes the picture of a plot if it was requested; scrolls to the plot first. Call it after the plot was drawn.
 pub fn pose(ui: &Ui, view: &mut View, figure: Figure, rect: Rect) {
     let Some(sitting) = view.sitting.as_mut().filter(|sitting| sitting.figure == figure) else { return };
     let before = sitting.rect.replace(rect.expand(4.0));
@@ -94,7 +94,7 @@ pub fn pose(ui: &Ui, view: &mut View, figure: Figure, rect: Rect) {
 }
 
 impl View {
-    /// Whether a picture of this plot is being taken, so that nothing may lie over it.
+    /// Whether a picture of this plot is being taken, so that nothing may cover the plot.
     pub fn poses(&self, figure: Figure) -> bool {
         self.sitting.as_ref().is_some_and(|sitting| sitting.figure == figure)
     }
@@ -104,7 +104,7 @@ impl View {
         self.sitting.is_some()
     }
 
-    /// Counts the frames of a sitting, and turns its pixels into a file once they are there.
+    /// Counts the frames of a picture, and makes a file from its pixels when they have arrived.
     pub fn develop(&mut self, ctx: &Context) {
         let Some(sitting) = &mut self.sitting else { return };
         ctx.request_repaint();
@@ -125,7 +125,7 @@ impl View {
     }
 }
 
-/// The part of a picture of the window that shows `rect` [points], as a PNG file with a text about it.
+/// Encodes the part `rect` [points] of a picture of the window as a PNG file with a text about it.
 fn png(image: &ColorImage, rect: Rect, pixels_per_point: f32, about: &str) -> Result<Vec<u8>, String> {
     let [width, height] = image.size;
     let pixel = |at: f32, most: usize| ((at * pixels_per_point).round().max(0.0) as usize).min(most);
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use eframe::egui::{Color32, pos2};
 
-    /// A picture whose pixels say where they are.
+    /// A picture whose pixels contain their own coordinates.
     fn window() -> ColorImage {
         let pixels = (0..40 * 30).map(|i| Color32::from_rgb((i % 40) as u8, (i / 40) as u8, 7)).collect();
         ColorImage::new([40, 30], pixels)

@@ -19,11 +19,11 @@ use eframe::egui::{
 };
 use std::f32::consts::TAU;
 
-/// How the hard cases are looked at.
+/// Display settings of the hard cases.
 pub struct HardSettings {
     /// Whether the window is shown.
     pub open: bool,
-    /// The materials and methods that are shown and run.
+    /// Models and methods that are shown and run.
     choice: Choice,
 }
 
@@ -33,18 +33,18 @@ impl Default for HardSettings {
     }
 }
 
-/// How a run stands.
+/// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mark {
-    /// Not begun.
+    /// Not started.
     Waiting,
-    /// So far.
+    /// Running, with the completed share.
     Going(f32),
-    /// It was held.
+    /// Passed.
     Passed,
-    /// It was not, and the file of the case says why.
+    /// Not passed, as expected: the file of the case states the reason.
     Cannot,
-    /// It was not, and should have been.
+    /// Not passed, although no reason is stated.
     Failed,
 }
 
@@ -76,7 +76,7 @@ pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View) {
     view.hard.open = open;
 }
 
-/// What is chosen, the button that runs it, and how many are held.
+/// Draws the choice, the button that runs it, and the number of passed runs.
 fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) {
     let choice = &mut view.hard.choice;
     ui.horizontal_wrapped(|ui| {
@@ -132,7 +132,7 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
     });
 }
 
-/// How many of the chosen runs were held, in a sentence.
+/// Number of passed runs among the chosen ones, in a sentence.
 fn summary(known: &Known, choice: &Choice, context: &PanelContext<'_>) -> String {
     let of = |wanted: Mark| chosen(known, choice).filter(|(trial, entry)| mark(trial, entry, true) == wanted).count();
     let [held, cannot, failed] = [Mark::Passed, Mark::Cannot, Mark::Failed].map(of);
@@ -147,7 +147,7 @@ fn summary(known: &Known, choice: &Choice, context: &PanelContext<'_>) -> String
     format!("{held} of {all} passed{cannot}{failed}.")
 }
 
-/// What is known of the chosen runs.
+/// Results of the chosen runs.
 fn chosen<'a>(known: &'a Known, choice: &'a Choice) -> impl Iterator<Item = &'a (Trial, Entry)> {
     known.runs.iter().filter(|(trial, _)| choice.takes(trial))
 }
@@ -162,7 +162,7 @@ fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
     }
 }
 
-/// One case.
+/// Draws one case.
 fn row(ui: &mut Ui, (name, case): (&'static str, &Case), context: &PanelContext<'_>, view: &mut View, known: &Known) {
     let running = context.jobs.hard.is_running();
     let choice = Choice { case: Some(name), ..view.hard.choice };
@@ -209,7 +209,7 @@ fn row(ui: &mut Ui, (name, case): (&'static str, &Case), context: &PanelContext<
     });
 }
 
-/// Runs one case, or opens it in the sandbox.
+/// Draws the buttons that run one case or open it in the sandbox.
 fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
     let button = |text: &str| Button::new(RichText::new(text).small()).small().min_size(Vec2::new(40.0, 20.0));
     let model = choice.model.unwrap_or(Model::Corotated);
@@ -228,7 +228,7 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
     }
 }
 
-/// What the runs of a case came to, and the time they took [s].
+/// Results of the runs of a case, and their computing time [s].
 fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
     let seconds = runs.iter().map(|(_, entry)| entry.seconds).sum();
     let over = runs.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
@@ -241,7 +241,7 @@ fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
     (text, seconds)
 }
 
-/// Why runs of a case cannot be held, each reason once, with the materials that it is about.
+/// Reasons why runs of a case cannot pass, each once, with its materials.
 fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
     let mut found: Vec<(&str, Vec<&str>)> = Vec::new();
     for ((trial, _), _) in runs.iter().zip(marks).filter(|(_, mark)| **mark == Mark::Cannot) {
@@ -257,7 +257,7 @@ fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
     found.into_iter().map(|(why, models)| format!("Known not to pass with {}. {why}", models.join(", "))).collect()
 }
 
-/// A small mark for every run, after the letter of its material.
+/// Draws a small mark for every run, after the letter of its material.
 fn dots(ui: &mut Ui, runs: &[&(Trial, Entry)], marks: &[Mark], theme: &Theme) {
     ui.spacing_mut().interact_size.y = 14.0;
     ui.horizontal_wrapped(|ui| {
@@ -278,7 +278,7 @@ fn dots(ui: &mut Ui, runs: &[&(Trial, Entry)], marks: &[Mark], theme: &Theme) {
     });
 }
 
-/// The mark of several runs.
+/// Combined mark of several runs.
 fn together(marks: &[Mark]) -> Mark {
     let any = |wanted: Mark| marks.contains(&wanted);
     let share = marks.iter().map(|mark| match mark {
@@ -319,7 +319,7 @@ const fn color(mark: Mark, theme: &Theme) -> Color32 {
     }
 }
 
-/// Draws a mark: a ring that fills, a tick, a dash for what cannot be, a cross for what should have been.
+/// Draws a mark: a ring for the completed share, a tick for passed, a dash for impossible, a cross for failed.
 fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(size), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Image, true, about));
@@ -353,7 +353,7 @@ fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
     }
 }
 
-/// A time that was spent, short.
+/// Formats a computing time briefly.
 fn time(seconds: f64) -> String {
     if seconds < 0.9995 { format!("{:.0} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }

@@ -8,10 +8,10 @@ use crate::{
 };
 use std::collections::VecDeque;
 
-/// How far back the plot looks [s of simulated time].
+/// Length of the history [s of simulated time].
 pub const WINDOW: f64 = 10.0;
 
-/// Least time between two kept samples [s].
+/// Minimum time between two samples [s].
 const APART: f64 = 1.0 / 120.0;
 
 /// Energies of the last seconds.
@@ -22,7 +22,7 @@ pub struct History {
 }
 
 impl History {
-    /// Notes the energies of now; time that went backwards or another scene begins anew.
+    /// Records the present energies. It clears the history if time went backwards or the scene has changed.
     pub fn record(&mut self, now: &Snapshot) {
         let back = self.samples.back().is_some_and(|(time, _)| now.time < *time);
         if back || self.generation != now.generation {
@@ -30,7 +30,7 @@ impl History {
             self.generation = now.generation;
         }
         let kept = self.samples.len();
-        // The newest sample moves along until it is far enough from the one before.
+        // The newest sample is replaced until it is far enough from the one before.
         if kept >= 2 && now.time - self.samples[kept - 2].0 < APART || kept == 1 && now.time == self.samples[0].0 {
             self.samples.pop_back();
         }
@@ -40,7 +40,7 @@ impl History {
         }
     }
 
-    /// The samples as text, one line each, with a head that says where they come from; `level` is what was run.
+    /// The samples as comma-separated values, with a head that states their origin; `level` is the level that was run.
     pub fn csv(&self, level: &Level) -> String {
         let about = [
             ("stepped_by", Setting::of(level).label()),
@@ -57,7 +57,7 @@ impl History {
         table.text()
     }
 
-    /// What was kept, oldest first.
+    /// Samples, oldest first.
     pub fn samples(&self) -> impl Iterator<Item = &(f64, Energies)> {
         self.samples.iter()
     }

@@ -3,39 +3,39 @@
 use eframe::egui::{self, Color32, Mesh, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// What a button shows.
+/// Icon of a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
-    /// Time runs.
+    /// Run.
     Play,
-    /// Time stops.
+    /// Pause.
     Pause,
-    /// One step.
+    /// Take one step.
     Step,
-    /// Turn time back.
+    /// Go back in time.
     Back,
     /// Start over.
     Reset,
-    /// Take back.
+    /// Undo.
     Undo,
-    /// Do again.
+    /// Redo.
     Redo,
-    /// Light colours.
+    /// Light theme.
     Sun,
-    /// Dark colours.
+    /// Dark theme.
     Moon,
-    /// A question mark.
+    /// Help.
     Help,
     /// The panel on the left.
     Left,
     /// The panel on the right.
     Right,
-    /// Away with it.
+    /// Close.
     Close,
 }
 
 impl Icon {
-    /// Paints it about a point, 14 points wide.
+    /// Draws the icon centred at a point, 14 points wide.
     pub fn paint(self, painter: &Painter, at: Pos2, color: Color32) {
         let stroke = Stroke::new(1.6, color);
         let p = |x: f32, y: f32| at + vec2(x, y);
@@ -85,13 +85,13 @@ fn fill(painter: &Painter, points: Vec<Pos2>, color: Color32) {
     painter.add(Shape::convex_polygon(points, color, Stroke::NONE));
 }
 
-/// Part of a circle, by angles measured clockwise from the right.
+/// Draws an arc of a circle. Angles are measured clockwise from the right.
 fn arc(painter: &Painter, center: Pos2, radius: f32, from: f32, to: f32, stroke: Stroke) {
     let points = (0..=24).map(|i| center + radius * Vec2::angled(egui::lerp(from..=to, i as f32 / 24.0)));
     painter.line(points.collect(), stroke);
 }
 
-/// A small triangle at `tip` that points along `angle`.
+/// Draws a small triangle at `tip` that points along `angle`.
 fn head(painter: &Painter, tip: Pos2, angle: f32, color: Color32) {
     let (along, across) = (Vec2::angled(angle), Vec2::angled(angle + FRAC_PI_2));
     fill(painter, vec![tip + 3.6 * along, tip - 1.2 * along + 3.4 * across, tip - 1.2 * along - 3.4 * across], color);
@@ -117,11 +117,11 @@ fn sun(painter: &Painter, at: Pos2, stroke: Stroke) {
     }
 }
 
-/// A crescent: a disk less another one. It is not convex, so it is a strip of triangles between two arcs.
+/// Draws a crescent: a disk minus another disk. It is not convex, so it is a strip of triangles between two arcs.
 fn moon(painter: &Painter, at: Pos2, stroke: Stroke) {
     let (shift, outer, inner) = (vec2(3.0, -2.4), 6.4_f32, 5.4_f32);
     let apart = shift.length();
-    // Angles at which the circles cross, seen from either middle, from the direction of the shift.
+    // Angles at which the circles cross, seen from each centre and measured from the direction of the shift.
     let crossing = (apart * apart + outer * outer - inner * inner) / (2.0 * apart);
     let (from_outer, from_inner) = ((crossing / outer).acos(), ((crossing - apart) / inner).acos());
     let along = |middle: Pos2, radius: f32, first: f32, t: f32| {
@@ -139,6 +139,6 @@ fn moon(painter: &Painter, at: Pos2, stroke: Stroke) {
     let rim = mesh.vertices.iter().step_by(2).chain(mesh.vertices.iter().skip(1).step_by(2).rev());
     let rim = rim.map(|vertex| vertex.pos).collect();
     painter.add(mesh);
-    // The rim makes the edge smooth, which triangles alone are not.
+    // The line along the rim smooths the edge, which the triangles alone do not.
     painter.add(Shape::closed_line(rim, Stroke::new(0.6, stroke.color)));
 }

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     view.ledger = header.body_returned.is_some();
 }
 
-/// One effect: its time and share; below, what it did or why it did nothing, and what that saves.
+/// Draws one effect: its time and share, and below these its state, the reason for skipping it, and the time saved.
 fn entry(ui: &mut Ui, context: &PanelContext<'_>, number: usize, cost: &EffectCost, all: f64) {
     let used = context.meter.shown().get(number).filter(|used| used.name == cost.name);
     let timed = timed(cost, used);
@@ -48,12 +48,12 @@ fn entry(ui: &mut Ui, context: &PanelContext<'_>, number: usize, cost: &EffectCo
     ui.add(egui::Label::new(RichText::new(words).small()).wrap());
 }
 
-/// What was measured, unless the effect is skipped now: then it is from before, and says nothing about now.
+/// Measured use of an effect; `None` while the effect is skipped, because the measurement is from before.
 fn timed<'a>(cost: &EffectCost, used: Option<&'a Use>) -> Option<&'a Use> {
     used.filter(|used| cost.idle.is_none() && used.slept < 1.0)
 }
 
-/// The name; with several bodies or nets, of whom.
+/// Name of an effect; with several bodies or nets also that of its owner.
 fn name(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> String {
     let (bodies, nets) = (&context.now.bodies, &context.now.nets);
     let owners = bodies.iter().map(|body| &body.name).chain(nets.iter().map(|net| &net.name));
@@ -63,7 +63,7 @@ fn name(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> String 
     }
 }
 
-/// Whether it acts, and how much.
+/// State of an effect in words, with its number of calls.
 fn state(cost: &EffectCost, used: Option<&Use>) -> String {
     let switch = if cost.auto { "Auto" } else { "On" };
     let acting = match (cost.idle, used) {
@@ -85,11 +85,11 @@ fn state(cost: &EffectCost, used: Option<&Use>) -> String {
 
 fn saving(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> Option<Saving> {
     let measured = context.jobs.savings.findings()?.results.each.get(number).copied();
-    // What was measured was another scene if its effects are not these.
+    // The measurement belongs to another scene if the names of its effects differ.
     measured.filter(|saving| saving.name == cost.name && saving.own < saving.forced && cost.auto)
 }
 
-/// What is listed but not there.
+/// Draws the effects of the level that are not active.
 fn off(ui: &mut Ui, context: &PanelContext<'_>) {
     let there = |name: &str| context.now.costs.iter().any(|cost| cost.name == name);
     let titles = context.now.level.effects.iter().map(|listed| listed.effect.kind().title());
@@ -100,7 +100,7 @@ fn off(ui: &mut Ui, context: &PanelContext<'_>) {
     }
 }
 
-/// The button that measures, and what came out for a whole frame.
+/// Draws the button that measures the saving, and the result for a whole frame.
 fn savings(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let help = "Runs one second of a copy of this scene twice from the present state: as it is, and with every effect evaluated \
                 in every step and no body asleep.";

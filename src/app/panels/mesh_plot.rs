@@ -20,14 +20,14 @@ use crate::{
 use eframe::egui::{Grid, RichText, Ui};
 use egui_plot::{HoverPosition, Line, MarkerShape, PlotPoint, Points};
 
-/// What is compared.
+/// Display settings of the mesh plot.
 #[derive(Default)]
 pub struct MeshPlotSettings {
-    /// Between meshes.
+    /// Quantity that is compared between meshes.
     pub measure: Measure,
 }
 
-/// What measuring it does.
+/// Tooltip of the measurement.
 pub const HELP: &str = "The level from its start, on meshes of 1/64 to 4 times as many triangles.";
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     export::pose(ui, view, Figure::Meshes, rect);
 }
 
-/// What is compared, when, and with what.
+/// Text about the compared quantity, its time and its reference.
 fn about(study: &MeshFindings) -> String {
     let when = match study.moment {
         MeshMoment::AtRest => "at rest".to_owned(),
@@ -79,7 +79,7 @@ fn about(study: &MeshFindings) -> String {
     }
 }
 
-/// How the error falls, and how much the triangles lock.
+/// Draws the order of the error, and the locking of the triangles.
 fn words(ui: &mut Ui, study: &MeshFindings) {
     match study.order {
         Some(Ok(order)) => {
@@ -111,7 +111,7 @@ fn words(ui: &mut Ui, study: &MeshFindings) {
     }
 }
 
-/// The values so far, as long as errors are not known.
+/// Draws the values so far, as long as the errors are unknown.
 fn table(ui: &mut Ui, study: &MeshFindings) {
     ui.set_min_width(ui.available_width());
     Grid::new("meshes").num_columns(3).spacing([28.0, 4.0]).show(ui, |ui| {
@@ -159,7 +159,7 @@ fn plot(ui: &mut Ui, study: &MeshFindings) {
             for (mesh, at) in &known {
                 let radius = if mesh.current { 7.0 } else { 3.5 };
                 let points = Points::new(story(study, mesh), vec![*at]).shape(MarkerShape::Circle).radius(radius);
-                // The reference was extrapolated beyond the finest mesh: its error is no more than an estimate.
+                // The reference is extrapolated beyond the finest mesh. An error not above that of the reference is only an estimate.
                 let own = study.reference.and_then(Result::ok).map(|reference| reference.own_error);
                 let estimate = mesh.error.zip(own).is_some_and(|(error, own)| error <= own);
                 plot.points(points.color(color).filled(!estimate));
@@ -174,12 +174,12 @@ fn plot(ui: &mut Ui, study: &MeshFindings) {
     write_labels(ui, *shown.transform.frame(), &labels);
 }
 
-/// Where a mesh stands, in powers of ten.
+/// Point of a mesh, in common logarithms.
 fn at(mesh: &Mesh) -> Option<[f64; 2]> {
     Some([mesh.point.ms.max(1e-3).log10(), mesh.error?.max(1e-16).log10()])
 }
 
-/// What is said of a mesh that is pointed at.
+/// Tooltip of a mesh.
 fn story(study: &MeshFindings, mesh: &Mesh) -> String {
     let point = &mesh.point;
     let value = point.value.map_or_else(String::new, |value| numbers::si(value, study.measure.unit()));

@@ -1,5 +1,4 @@
-//! Everything around the stage. A panel reads the snapshot, changes only how things are looked at ([`View`]), and
-//! answers with commands.
+//! Panels around the stage. A panel reads the snapshot, changes only the display settings ([`View`]), and returns commands.
 
 mod axes;
 mod banner;
@@ -52,71 +51,71 @@ use crate::{command::Command, hard::Method, materials::Model, quantity::Quantity
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 use std::path::PathBuf;
 
-/// How things are looked at: nothing in here changes the simulation.
+/// Display settings; nothing in them changes the simulation.
 #[derive(Default)]
 pub struct View {
-    /// Colours, edges and vertices.
+    /// Display options of the stage: colours, edges and vertices.
     pub stage: canvas::Options,
-    /// The solid whose numbers the pointer was over in this frame: it stands out on the stage in the next.
+    /// Solid whose sliders the pointer was over in this frame. The stage highlights it in the next frame.
     pub meant: Option<[usize; 2]>,
-    /// The body, or after the bodies the net, whose numbers the sliders show.
+    /// Body whose parameters the sliders show; numbers after the bodies are nets.
     pub body: usize,
-    /// Whether the panels on the left and on the right are hidden, in a wide window.
+    /// Whether the left and the right panel are hidden in a wide window.
     pub hidden: [bool; 2],
-    /// The panel that lies over the stage, in a narrow window.
+    /// Panel that covers the stage in a narrow window.
     pub drawer: Option<Side>,
-    /// Height of the strip at the top in the last frame [points].
+    /// Height of the toolbar in the last frame [points].
     pub strip_height: f32,
     /// Whether the list of keys is shown.
     pub help: bool,
-    /// A message that waits to be read.
+    /// Notice that waits to be closed.
     pub notice: Option<Notice>,
-    /// Kinds of warnings that were read and put away.
+    /// Kinds of warnings that were hidden.
     pub dismissed: Vec<&'static str>,
-    /// Whether time was too slow of late; keeps the warning from flickering.
+    /// Whether simulated time was recently too slow. It keeps the warning from flickering.
     pub slow: bool,
-    /// Keys that were pressed, or clicked in the line at the bottom.
+    /// Keys that were pressed, or clicked in the status line.
     pub pressed: Vec<&'static Binding>,
-    /// What is wanted of the file system.
+    /// Request for a file.
     pub file: Option<FileRequest>,
-    /// How the hard cases are looked at.
+    /// Display settings of the hard cases.
     pub hard: hard::HardSettings,
-    /// What is wanted of the studies.
+    /// Requests for the studies.
     pub requests: Vec<JobRequest>,
-    /// How the studies are looked at.
+    /// Display settings of the studies.
     pub studies: studies::StudiesSettings,
     /// The plot whose picture is being taken.
     pub sitting: Option<export::Sitting>,
-    /// What is wanted of the two panes.
+    /// Requests for the two panes.
     pub panes: Vec<panes::PaneRequest>,
-    /// Whether the ledger of effects is open: only then they are timed.
+    /// Whether the ledger of effects is open. Effects are timed only then.
     pub ledger: bool,
-    /// A question that waits for text, where there are no native dialogs.
+    /// Text input, where there are no native dialogs.
     pub prompt: Option<Prompt>,
-    /// The question about changes that are not saved.
+    /// Dialog about unsaved changes.
     pub unsaved: Option<Unsaved>,
-    /// A mesh that is being made in the background.
+    /// Progress of a mesh that is generated in the background.
     pub meshing: Option<Progress>,
-    /// Whether that mesh is no longer wanted.
+    /// Whether that mesh is cancelled.
     pub cancel_mesh: bool,
 }
 
-/// A message that waits to be read.
+/// A message in a banner over the stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// A refused value, a file that cannot be read: nothing has changed.
+    /// A refused value, or a file that cannot be read; nothing has changed.
     Trouble(String),
-    /// Something that cannot be seen was done.
+    /// Success of an action without a visible result.
     Done(String),
 }
 
 impl Notice {
-    /// What is wrong.
+    /// Notice of an error.
     pub fn trouble(why: &dyn std::fmt::Display) -> Self {
         Self::Trouble(why.to_string())
     }
 
-    /// What it says.
+    /// Text of the message.
     pub fn text(&self) -> &str {
         let (Self::Trouble(text) | Self::Done(text)) = self;
         text
@@ -126,65 +125,65 @@ impl Notice {
 /// A side of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The body and what acts on it.
+    /// The panel of bodies and effects.
     Left,
-    /// What it costs.
+    /// The panel of display options and costs.
     Right,
 }
 
-/// What is wanted of the file system.
+/// Requests for files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileRequest {
-    /// A level of the gallery, by number.
+    /// Open a level of the gallery, by number.
     BuiltIn(usize),
-    /// A hard case, by its name, with a model and a method.
+    /// Open a hard case, by its name, with a model and a method.
     Hard(&'static str, Model, Method),
-    /// Choose a level file and open it.
+    /// Ask for a level file and open it.
     Open,
-    /// Choose a name and save.
+    /// Ask for a file name and save the level.
     Save,
-    /// Choose a name for what a plot shows, and save it.
+    /// Ask for a file name and save the data of a plot.
     Export(Export),
-    /// Open this file; others that were dropped together with it are ignored.
+    /// Open this file. Other files that were dropped together with it are ignored.
     File(PathBuf, Vec<PathBuf>),
     /// Close the window.
     Close,
 }
 
 impl FileRequest {
-    /// Whether the level that is shown goes away.
+    /// Whether the request replaces the shown level.
     pub const fn replaces_level(&self) -> bool {
         matches!(self, Self::BuiltIn(_) | Self::Hard(..) | Self::Open | Self::File(..) | Self::Close)
     }
 }
 
-/// What the panels read.
+/// Data that the panels read.
 pub struct PanelContext<'a> {
-    /// The state of everything.
+    /// Snapshot of the chosen pane.
     pub now: &'a Snapshot,
-    /// How fast time runs and what it costs.
+    /// Rates of simulated time and of frames.
     pub rates: Option<Rates>,
-    /// The levels that come with the program.
+    /// Built-in levels and hard cases.
     pub gallery: &'a Gallery,
     /// Energies of the last seconds.
     pub history: &'a History,
-    /// What is measured beside the scene.
+    /// Study jobs.
     pub jobs: &'a Jobs,
-    /// What effects cost in a frame, while the ledger is open.
+    /// Cost of effects in a frame, while the ledger is open.
     pub meter: &'a Meter,
-    /// The two panes, if there are two; all the rest is about the one that is chosen.
+    /// The two panes, if there are two. All other fields concern the chosen pane.
     pub comparison: Option<&'a Comparison>,
-    /// What pane A shows.
+    /// Snapshot of pane A.
     pub first: &'a Snapshot,
 }
 
-/// Draws the stage and appends what the pointer asked for.
+/// Draws the stage and appends the commands of the pointer.
 pub type DrawStage<'a> = dyn FnMut(&mut Ui, &mut View, &mut Vec<Command>) + 'a;
 
-/// Below this width the sides fold away [points].
+/// Width of a window below which the panels cover the stage [points].
 const NARROW: f32 = 900.0;
 
-/// Draws the window.
+/// Draws the window: panels, stage and dialogs.
 pub fn show(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -212,7 +211,7 @@ pub fn show(
     studies::show(ui.ctx(), context, view, commands);
     hard::show(ui.ctx(), context, view);
     close_by_key(ui.ctx(), view);
-    // Nothing may lie over a plot while its picture is taken.
+    // Nothing may cover a plot while its picture is taken.
     if !view.is_posing() {
         banner::show(ui.ctx(), stage, context, view, commands);
         help::show(ui.ctx(), context.now, view);
@@ -225,7 +224,7 @@ pub fn show(
     }
 }
 
-/// Escape closes the windows over the stage, if it means nothing else.
+/// Closes the windows over the stage when Escape is pressed, unless the key has another meaning at the moment.
 fn close_by_key(ctx: &egui::Context, view: &mut View) {
     let means_else = view.help
         || view.prompt.is_some()
@@ -238,7 +237,7 @@ fn close_by_key(ctx: &egui::Context, view: &mut View) {
     }
 }
 
-/// Both sides beside the stage.
+/// Draws both panels beside the stage.
 fn docked(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let [mut left, mut right] = view.hidden.map(|hidden| !hidden);
     Panel::left("left").resizable(false).exact_size(256.0).show_collapsible(ui, &mut left, |ui| {
@@ -249,7 +248,7 @@ fn docked(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &m
     });
 }
 
-/// One side over the stage.
+/// Draws one panel over the stage.
 fn drawer(ui: &Ui, stage: Rect, which: Side, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let align = if which == Side::Left { Align2::LEFT_TOP } else { Align2::RIGHT_TOP };
     let width = (if which == Side::Left { 240.0_f32 } else { 304.0 }).min(stage.width() - 28.0);
@@ -268,7 +267,7 @@ fn drawer(ui: &Ui, stage: Rect, which: Side, context: &PanelContext<'_>, view: &
 fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let salt = if side == Side::Left { "left scroll" } else { "right scroll" };
     ScrollArea::vertical().id_salt(salt).auto_shrink([false, true]).show(ui, |ui| {
-        // The bar of the scroll area lies over the panel: it must not cover the last digit.
+        // The bar of the scroll area lies over the panel and must not cover the last digit.
         ui.set_max_width(ui.available_width() - 8.0);
         ui.spacing_mut().item_spacing = vec2(6.0, 4.0);
         ui.add_space(4.0);
@@ -293,7 +292,7 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
     });
 }
 
-/// Does what a line of the key table, or the button that stands for it, asks for.
+/// Carries out the action of a key binding, or of the button for it.
 pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Command> {
     match (binding.action)(now) {
         KeyAction::Do(command) => Some(command),
@@ -309,19 +308,19 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
     }
 }
 
-/// A heading between the groups of a panel.
+/// Draws a heading between the groups of a panel.
 fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
     heading_here(ui, text);
     ui.add_space(2.0);
 }
 
-/// A heading without space around it.
+/// Draws a heading without space around it.
 fn heading_here(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).size(15.5).color(Theme::of(ui.ctx()).accent_line));
 }
 
-/// A row with a name on the left and a number on the right that does not move when it changes.
+/// Draws a row with a name on the left and a number of constant width on the right.
 fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().interact_size.y = 18.0;
@@ -333,7 +332,7 @@ fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
     });
 }
 
-/// Takes what a slider did into the view: a refusal is shown, the end of a gesture is passed on.
+/// Applies the response of a slider: pushes its command, shows a refusal, and passes on the end of a gesture.
 fn apply_response(
     response: slider::SliderResponse,
     command: Option<Command>,
@@ -351,7 +350,7 @@ fn apply_response(
     }
 }
 
-/// Sliders for numbers that describe themselves; what they did, all together.
+/// Draws sliders for quantities and returns their combined response.
 fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::SliderResponse {
     let mut sum = slider::SliderResponse::default();
     for (index, number) in numbers.into_iter().enumerate() {
@@ -360,7 +359,7 @@ fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quanti
     sum
 }
 
-/// A count with thousands apart: `12 480`.
+/// Formats a count with a gap between thousands: `12 480`.
 pub fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -373,7 +372,7 @@ pub fn count(number: usize) -> String {
     text
 }
 
-/// A number with a unit, always of the same width.
+/// Formats a number and its unit with constant width.
 fn fixed(value: f64, unit: &str) -> String {
     numbers::si_fixed(value, unit)
 }

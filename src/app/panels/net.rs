@@ -4,7 +4,7 @@ use super::{View, apply_response, sliders};
 use crate::{command::Command, level::NetLevel, quantity::Quantity};
 use eframe::egui::Ui;
 
-/// Mass of the particles and whatever numbers the net has.
+/// Draws the sliders of a net: the mass of its particles and its parameters.
 pub fn show(ui: &mut Ui, number: usize, listed: &NetLevel, view: &mut View, commands: &mut Vec<Command>) {
     let (mut net, mut mass) = (listed.net.clone(), listed.mass);
     let springs = net.kind_mut().parameters();

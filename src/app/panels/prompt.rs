@@ -4,18 +4,18 @@ use super::View;
 use crate::app::dialogs::Purpose;
 use eframe::egui::{self, Context, Id, Key, Modal, RichText, TextEdit, vec2};
 
-/// A question that waits for text.
+/// State of a text input.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Prompt {
-    /// What it is about.
+    /// Purpose of the file.
     pub purpose: Purpose,
-    /// What was typed.
+    /// Typed text.
     pub text: String,
-    /// Whether the answer was given.
+    /// Whether the answer was confirmed.
     pub answered: bool,
 }
 
-/// Whether files are named by a path; in a browser the text of the level itself is pasted.
+/// Whether files are named by a path. In a browser the text of the level itself is pasted.
 const PATHS: bool = cfg!(not(target_arch = "wasm32"));
 
 pub fn show(ctx: &Context, view: &mut View) {

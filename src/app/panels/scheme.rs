@@ -53,7 +53,7 @@ fn parameters(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands
     apply_response(sum, Some(Command::SetIntegrator(changed)), view, commands);
 }
 
-/// The step over the longest stable one, as a bar and in a sentence.
+/// Draws the ratio of the step to the longest stable step, as a bar and in a sentence.
 fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
     let integrator = context.now.level.integrator.kind();
     let scene = context.now.level.substeps.step();
@@ -61,7 +61,7 @@ fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
     let theme = Theme::of(ui.ctx());
     let (words, share) = match (integrator.class(), context.jobs.limit()) {
         (Class::Implicit, _) => {
-            // A vibration of h w = 0.5 loses a tenth of its swing in every step of implicit Euler.
+            // Implicit Euler reduces the amplitude of a vibration with h w = 0.5 by a tenth in every step.
             let unresolved = numbers::si(0.5 / (std::f64::consts::TAU * step), "Hz");
             (format!("Stable for every step length; vibrations faster than {unresolved} are not resolved."), None)
         }
@@ -92,10 +92,10 @@ fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
     ui.label(RichText::new(words).small()).on_hover_text(help);
 }
 
-/// Whether the guard may take shorter steps, and how many it takes now.
+/// Draws the switch of the guard and its present division of steps.
 fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let now = context.now;
-    // A toy has no energy to lose, and what controls its error has its own guard.
+    // A toy has no energy to lose, and an error-controlled scheme has its own guard.
     if now.toy.is_some() || now.level.integrator.kind().class() == Class::ErrorControlled {
         return;
     }
@@ -117,7 +117,7 @@ fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     });
 }
 
-/// Whether what has come to rest may sleep, and how much of the scene does.
+/// Draws the switch of sleep and the share of the scene that sleeps.
 fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let now = context.now;
     if now.toy.is_some() {
@@ -139,7 +139,7 @@ fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     });
 }
 
-/// `own` says whether the step is that of the stiffest body alone.
+/// Sentence about the step and its limit; `own` is true if the step is that of the stiffest body alone.
 fn verdict(step: f64, limit: f64, own: bool, guard: Toggle) -> String {
     if limit <= 0.0 {
         "Unstable for every step length: undamped vibrations grow. Damping or a short run can hide it.".to_owned()
@@ -162,14 +162,14 @@ fn bar(ui: &mut Ui, share: f64, color: Color32) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 10.0), Sense::hover());
     response.on_hover_text(format!("{:.0} % of the longest stable step", 100.0 * share));
     ui.painter().rect_filled(rect, 5.0, ui.visuals().extreme_bg_color);
-    // The limit stands at two thirds, so that one sees how far beyond it the step is.
+    // The limit lies at two thirds of the bar, so that steps beyond the limit can be compared with it.
     let filled = rect.width() * (share / 1.5).clamp(0.02, 1.0) as f32;
     ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(filled, rect.height())), 5.0, color);
     let mark = rect.left() + rect.width() / 1.5;
     ui.painter().vline(mark, rect.y_range(), (1.5, ui.visuals().strong_text_color()));
 }
 
-/// A twin with a fine step, and how far the scene is from it.
+/// Draws the switch of the twin, a copy with short steps, and the present error of the scene.
 fn error_now(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let mut on = context.jobs.twin().is_some();
     let help = "Compares positions with the exact solution where one is known; otherwise with a reference: a second run of the same \
@@ -196,7 +196,7 @@ fn error_now(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     row(ui, "Cost of the reference", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
 }
 
-/// A share in per cent, three digits.
+/// Formats a share in per cent with three digits.
 pub fn percent(share: f64) -> String {
     if share == 0.0 || share >= 1e-5 {
         format!("{} %", three(100.0 * share))

@@ -7,20 +7,20 @@ use eframe::egui::{
 
 /// One part of a segmented control.
 pub struct Segment<'a> {
-    /// What is written on it.
+    /// Visible text.
     pub text: &'a str,
-    /// Its accessible name, and the first line of its tooltip.
+    /// Accessible name and first line of the tooltip.
     pub name: &'a str,
-    /// What it does, with key and formula.
+    /// Explanation in the tooltip, with key and formula.
     pub about: &'a str,
-    /// Whether it is the current choice.
+    /// Whether the segment is selected.
     pub on: bool,
 }
 
-/// Height of everything in the top strip.
+/// Height of the widgets in the toolbar [points].
 pub const HEIGHT: f32 = 28.0;
 
-/// Draws the parts as one pill and returns the one that was clicked. `fill` stretches it over the available width.
+/// Draws a segmented control and returns the clicked segment. `fill` stretches it over the available width.
 pub fn segmented(ui: &mut Ui, salt: &str, segments: &[Segment<'_>], fill: bool) -> Option<usize> {
     let font = TextStyle::Button.resolve(ui.style());
     let color = ui.visuals().text_color();
@@ -52,14 +52,14 @@ pub fn segmented(ui: &mut Ui, salt: &str, segments: &[Segment<'_>], fill: bool) 
     clicked
 }
 
-/// How a button with a picture looks.
+/// State of an icon button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lit {
-    /// Ready to be pressed.
+    /// Enabled and not selected.
     Off,
-    /// What it stands for is there.
+    /// Enabled and selected.
     On,
-    /// There is nothing to do.
+    /// Disabled.
     Disabled,
 }
 
@@ -69,7 +69,7 @@ impl From<bool> for Lit {
     }
 }
 
-/// A button with a picture.
+/// Draws an icon button.
 pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, about: &str, lit: impl Into<Lit>) -> Response {
     let lit = lit.into();
     let sense = if lit == Lit::Disabled { Sense::hover() } else { Sense::click() };
@@ -83,7 +83,7 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, about: &str, lit: impl I
     tip(response, name, about)
 }
 
-/// Paints the back of a part and returns the colour to write on it.
+/// Draws the background of a segment and returns its text colour.
 fn back(ui: &Ui, response: &Response, rect: Rect, on: bool) -> Color32 {
     let lit = ui.ctx().animate_bool_with_time(response.id, on, 0.12);
     let radius = CornerRadius::same(6);

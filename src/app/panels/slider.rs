@@ -4,7 +4,7 @@ use crate::{app::numbers, quantity::Quantity};
 use eframe::egui::{self, DragValue, Slider, SliderClamping, Ui, vec2};
 use std::cell::RefCell;
 
-/// What a number slider needs to know.
+/// Options of a slider.
 pub struct SliderOptions<'a> {
     /// Name in words.
     pub name: &'a str,
@@ -18,19 +18,19 @@ pub struct SliderOptions<'a> {
     pub help: &'a str,
 }
 
-/// What a person did to a number.
+/// Response of a slider.
 #[derive(Debug, Default)]
 pub struct SliderResponse {
-    /// The value has changed.
+    /// Whether the value has changed.
     pub changed: bool,
-    /// The drag or the typing is over: the next change is another gesture.
+    /// Whether a drag or typing has ended: the next change is another gesture.
     pub ended: bool,
-    /// Why a value was not taken; the old one is kept.
+    /// Reason why a value was refused; the old value stays.
     pub refused: Option<String>,
 }
 
 impl SliderResponse {
-    /// Takes in what was done to another number.
+    /// Merges the response of another slider.
     pub fn add(&mut self, other: Self) {
         self.changed |= other.changed;
         self.ended |= other.ended;
@@ -38,7 +38,7 @@ impl SliderResponse {
     }
 }
 
-/// A slider for any quantity; a value outside its range is refused.
+/// Draws a slider for any quantity; a value outside its range is refused.
 pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
     let spec = quantity.spec();
     let help = format!("{}\nAllowed: {}.", spec.help.trim(), spec.range());
@@ -53,7 +53,7 @@ pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
     number(ui, &options, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
 }
 
-/// A slider for a number; `set` may refuse a value.
+/// Draws a slider for a number; `set` may refuse a value.
 pub fn number(
     ui: &mut Ui,
     options: &SliderOptions<'_>,
@@ -83,7 +83,7 @@ pub fn number(
     outcome
 }
 
-/// The row with the name and the number.
+/// Draws the row with the name and the number field, and returns a new value.
 fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
     let mut chosen = None;
     let not_a_number = RefCell::new(None);
@@ -92,7 +92,7 @@ fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut Sli
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let shown = numbers::si(value, options.unit);
             let widget = DragValue::from_get_set(|new| {
-                // Leaving the field without a change must not round the value to what is shown.
+                // A field that loses focus without a change must not round the value to the shown digits.
                 if let Some(new) = new.filter(|new| Some(*new) != parse(&shown, options.unit)) {
                     chosen = Some(new);
                 }
@@ -120,7 +120,7 @@ fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut Sli
     chosen
 }
 
-/// The slider under it, as wide as the panel.
+/// Draws the slider below the number field, as wide as the panel, and returns a dragged value.
 fn dragged(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
     let mut chosen = None;
     ui.spacing_mut().interact_size.y = 16.0;
@@ -136,22 +136,22 @@ fn dragged(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut S
     .show_value(false)
     .trailing_fill(true);
     let response = ui.add(slider).accessible_name(capitalised(options.name));
-    // A key or an assistive tool changes it without a drag: each change is one gesture.
+    // A key or an assistive tool changes the value without a drag: each change is one gesture.
     outcome.ended |= response.drag_stopped() || (response.changed() && !response.dragged());
     response.on_hover_text(options.help);
     chosen
 }
 
-/// `young's modulus` as a label begins with a capital.
+/// Makes the first letter a capital: `young's modulus` becomes `Young's modulus`.
 pub fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
-/// Reads a number as a person writes it: `30k`, `30 kPa`, `2.5e4`, with or without unit.
+/// Parses a number with or without SI prefix and unit: `30k`, `30 kPa`, `2.5e4`.
 fn parse(text: &str, unit: &str) -> Option<f64> {
     let plain = |text: &str| text.replace('³', "3").replace('²', "2").replace('−', "-").replace(' ', "");
-    // `5 1/s` and `5 /s` are the same; without a space `51/s` is 51 of them.
+    // `5 1/s` and `5 /s` are the same; without a space `51/s` is 51 per second.
     let text = text.trim();
     let text = if unit.starts_with("1/") { text.strip_suffix(&format!(" {unit}")).unwrap_or(text) } else { text };
     let (text, unit) =
@@ -159,12 +159,12 @@ fn parse(text: &str, unit: &str) -> Option<f64> {
     if let Some(number) = text.strip_suffix(&unit).and_then(scaled) {
         return Some(number);
     }
-    // The unit kg brings a prefix of its own: `2 Mg` is 2000 kg.
+    // The unit kg contains a prefix itself: `2 Mg` is 2000 kg.
     let gram = unit.strip_prefix('k').filter(|unit| unit.starts_with('g'));
     gram.and_then(|gram| text.strip_suffix(gram)).and_then(scaled).map_or_else(|| scaled(&text), |g| Some(g / 1e3))
 }
 
-/// `nan` and `inf` are words, not numbers.
+/// Parses a number with an SI prefix. `nan` and `inf` are refused.
 fn scaled(text: &str) -> Option<f64> {
     if let Ok(number) = text.parse::<f64>() {
         return Some(number).filter(|number| number.is_finite());

@@ -15,22 +15,22 @@ use crate::{
 };
 use eframe::egui::{self, Align, Button, Frame, Layout, Margin, Panel, RichText, TextStyle, Ui, vec2};
 
-/// Something worth knowing, and what to do about it.
+/// A warning and its remedies.
 struct Warning {
-    /// Warnings of one kind are put away together: their numbers change.
+    /// Warnings of one kind are hidden together, because their numbers change.
     kind: &'static str,
     text: String,
     details: String,
     advice: Option<Advice>,
 }
 
-/// Most buttons beside a warning.
+/// Maximum number of buttons beside a warning.
 const MOST_REMEDIES: usize = 3;
 
-/// Time slower than this is worth a warning; faster than the other it is forgotten.
+/// Rates of simulated time: below the first one a warning appears, above the second one it disappears.
 const SLOW: (f64, f64) = (0.85, 0.95);
 
-/// Room that the keys keep beside a warning [points].
+/// Width that the keys keep beside a warning [points].
 const KEYS: f32 = 440.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
@@ -53,13 +53,13 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
     });
 }
 
-/// Keys that matter in this mode, as far as there is room; each can be clicked instead.
+/// Draws the keys of the present mode as far as there is room. A click on a key acts like pressing it.
 fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
     let places = [When::Edit, When::Moving, When::Test];
     let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.applies(now));
     let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "?"].contains(&binding.label));
-    // A toy has no vertices to pin or pull, and nothing that could be damped.
+    // A toy has no vertices to pin or pull, and no damping.
     let special = special.filter(|binding| now.toy.is_none() || !["Click", "Drag"].contains(&binding.label));
     let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
     for binding in special.chain(general) {
@@ -80,7 +80,7 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     }
 }
 
-/// The words of the table, shorter.
+/// Short text of a key binding.
 fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
     match (binding.label, binding.when) {
         ("Click", _) => "pin / free",
@@ -104,7 +104,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
     }
 }
 
-/// Writes the warning; what does not fit can be read in its tooltip.
+/// Draws the warning. Text that does not fit is shown in its tooltip.
 fn complain(ui: &mut Ui, warning: &Warning, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if ui.button("Hide").on_hover_text("Hides this warning.").clicked() {
         view.dismissed.push(warning.kind);
@@ -117,7 +117,7 @@ fn complain(ui: &mut Ui, warning: &Warning, now: &Snapshot, view: &mut View, com
         }
     }
     let text = RichText::new(&warning.text).color(ui.visuals().warn_fg_color);
-    // In a wide window the keys keep some room of their own; in a narrow one the warning has it all.
+    // In a wide window the keys keep their width; in a narrow one the warning takes all of it.
     let width = ui.available_width();
     let room = if width > 1.4 * KEYS { width - KEYS } else { width };
     ui.scope(|ui| {
@@ -133,7 +133,7 @@ pub const AT_REST: &str = "at rest: clock paused";
 pub const AT_REST_HELP: &str = "All bodies and nets are at rest, so nothing would change. Time goes on with the next pull or change. \
                                 Switch Sleep off to let it run.";
 
-/// The one that matters most and was not put away. What is over can be warned of again.
+/// The most important warning that is not hidden. A kind whose cause has ended becomes visible again.
 fn warning(context: &PanelContext<'_>, view: &mut View) -> Option<Warning> {
     let now = context.now;
     if now.fault.is_some() {
@@ -156,7 +156,7 @@ fn warning(context: &PanelContext<'_>, view: &mut View) -> Option<Warning> {
     all.into_iter().find(|warning| !view.dismissed.contains(&warning.kind))
 }
 
-/// A sentence with its cause, where that is known.
+/// Sentence with its cause, if the cause is known.
 fn because(text: &str, advice: &Advice) -> String {
     advice.cause.words().map_or_else(|| text.to_owned(), |cause| format!("{text}: {cause}"))
 }
@@ -188,7 +188,7 @@ fn inside_out(now: &Snapshot, facts: &Facts) -> Option<Warning> {
     Some(Warning { kind: "inside out", text, details, advice: Some(advice) })
 }
 
-/// All triangles are the right way up again, but not at home.
+/// Warning about folds: no triangle is inverted, but vertices are folded over.
 fn folded(now: &Snapshot) -> Option<Warning> {
     let text = match now.wound {
         0 => return None,
@@ -202,7 +202,7 @@ fn folded(now: &Snapshot) -> Option<Warning> {
     Some(Warning { kind: "folded", text, details, advice: Some(Advice::just(Cause::Forces, Remedy::Untangle)) })
 }
 
-/// Something began inside a wall.
+/// Warning about bodies that start inside a wall.
 fn inside(inside: Inside) -> Option<Warning> {
     let (text, details) = match inside {
         Inside::Nothing => return None,
@@ -219,7 +219,7 @@ fn inside(inside: Inside) -> Option<Warning> {
     Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), advice: None })
 }
 
-/// A model that has no honest answer at this stretch; the stage writes it out.
+/// Warning about a model without a valid result at this stretch. The stage shows the full text.
 fn strip_warning(now: &Snapshot) -> Option<Warning> {
     let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.strip_warning.clone()?)))?;
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
@@ -229,7 +229,7 @@ fn strip_warning(now: &Snapshot) -> Option<Warning> {
     Some(Warning { kind: "caution", text, details, advice })
 }
 
-/// Simulated time runs slower than real time: because of the guard, the number of steps, or painting.
+/// Warning about simulated time that runs slower than real time, because of the guard, the number of steps, or painting.
 fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
     let advice = facts.advise(Trouble::Slow(Load { physics: rates.physics, effort: rates.effort }));
     let text = match advice.cause {

@@ -15,7 +15,7 @@ use eframe::egui::{
     Shape, Stroke, Ui, Vec2, vec2,
 };
 
-/// Width of the four buttons on the right.
+/// Width of the four buttons on the right [points].
 const LOOKS: f32 = 4.0 * HEIGHT + 3.0 * 2.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
             looks(ui, view, narrow);
         });
     });
-    // A strip that has wrapped anew is drawn whole in the next frame only.
+    // A toolbar that wraps in another way is drawn whole only in the next frame.
     let height = height.response.rect.height();
     if view.strip_height != height {
         view.strip_height = height;
@@ -56,12 +56,12 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
     }
 }
 
-/// A gap between groups; on a page as narrow as a phone there is no room for much.
+/// Draws a gap between groups; a narrow page, as on a phone, has a smaller one.
 fn apart(ui: &mut Ui) {
     ui.add_space(if ui.ctx().content_rect().width() < 440.0 { 2.0 } else { 8.0 });
 }
 
-/// The level picker with its files.
+/// Draws the level picker with the file commands.
 fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let name = if context.now.level.name.is_empty() { "Level" } else { &context.now.level.name };
     let room_for_arrow = Atom::custom(IdSalt::new("arrow"), Vec2::splat(10.0));
@@ -120,7 +120,7 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
     [Mode::Edit, Mode::Simulate, Mode::Collide].get(clicked).copied()
 }
 
-/// Turn back, play, step and start over.
+/// Draws the buttons of time: back, play, step and start over.
 fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(now.rewind_length > 0.0, |ui| {
         let about = "Goes back 0.5 s in time, and pauses. [Backspace; hold it to go back further]";
@@ -173,7 +173,7 @@ fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     apart(ui);
 }
 
-/// Panels, theme and help.
+/// Draws the buttons of panels, theme and help.
 fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
     let sides = [
         (Side::Left, Icon::Left, "Body panel", "What the body is made of and what acts on it."),

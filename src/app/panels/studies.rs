@@ -1,5 +1,5 @@
-//! Window of the studies: accuracy, meshes and drift. Each is worked on in the background while the scene goes on, and shows what it has so
-//! far.
+//! Window of the studies: accuracy, meshes and drift. A study runs in the background while the scene goes on, and shows its results
+//! so far.
 
 use super::{
     PanelContext, View, diagram, drift_plot,
@@ -16,22 +16,22 @@ use crate::{
 };
 use eframe::egui::{Align, Context, Id, Layout, ProgressBar, RichText, Ui, Vec2, Window};
 
-/// How the studies are looked at.
+/// Display settings of the studies.
 #[derive(Default)]
 pub struct StudiesSettings {
     /// Whether the window is shown.
     pub open: bool,
-    /// Which of them.
+    /// Chosen topic.
     pub topic: Topic,
-    /// How the diagram of accuracy is looked at.
+    /// Display settings of the accuracy diagram.
     pub diagram: diagram::DiagramSettings,
-    /// What is compared between meshes.
+    /// Display settings of the mesh plot.
     pub meshes: mesh_plot::MeshPlotSettings,
-    /// What is followed over time.
+    /// Display settings of the drift plot.
     pub drift: drift_plot::DriftSettings,
 }
 
-/// A topic, in short, in full, and what it does.
+/// Topics with short text, name and tooltip.
 const TOPICS: [(Topic, &str, &str, &str); 3] = [
     (
         Topic::Accuracy,
@@ -53,7 +53,7 @@ const TOPICS: [(Topic, &str, &str, &str); 3] = [
     ),
 ];
 
-/// The buttons that open it.
+/// Draws the buttons that open the window.
 pub fn buttons(ui: &mut Ui, view: &mut View) {
     heading(ui, "What accuracy costs");
     let settings = &mut view.studies;
@@ -66,13 +66,13 @@ pub fn buttons(ui: &mut Ui, view: &mut View) {
     if let Some((topic, ..)) = segmented(ui, "studies", &parts, true).and_then(|clicked| TOPICS.get(clicked)) {
         settings.open = !settings.open || settings.topic != *topic;
         settings.topic = *topic;
-        // Where the sides lie over the stage, one would hide the other.
+        // A panel that covers the stage would overlap the window.
         view.drawer = None;
     }
 }
 
 pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    // A plot beside it is having its picture taken.
+    // The picture of a plot beside the window is being taken.
     if view.poses(Figure::Energies) {
         return;
     }
@@ -96,7 +96,7 @@ pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View, commands
     view.studies.open = open;
 }
 
-/// Which study, and the button that begins or ends it.
+/// Draws the choice of the study and the button that starts or stops it.
 fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     ui.horizontal_wrapped(|ui| {
         let now = view.studies.topic;
@@ -128,7 +128,7 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     });
 }
 
-/// What a study came to, or in words why there is nothing.
+/// Results of a study; without results it draws the reason.
 pub fn results<'a, R>(ui: &mut Ui, findings: Option<&'a Findings<R>>, invitation: &str) -> Option<&'a R> {
     let Some(findings) = findings else {
         ui.label(invitation);
@@ -136,7 +136,7 @@ pub fn results<'a, R>(ui: &mut Ui, findings: Option<&'a Findings<R>>, invitation
     };
     if let Some(trouble) = &findings.trouble {
         let mut text = trouble.clone();
-        // Messages of the library begin small, as they stand after a file's name in a terminal.
+        // Messages of the library begin with a small letter, because in a terminal they follow a file name.
         text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
         ui.label(RichText::new(text + ".").color(Theme::of(ui.ctx()).warning));
         return None;
@@ -144,7 +144,7 @@ pub fn results<'a, R>(ui: &mut Ui, findings: Option<&'a Findings<R>>, invitation
     Some(&findings.results)
 }
 
-/// A line above a plot: what it shows, and on the right the buttons to take it away.
+/// Draws the caption above a plot, and the export buttons on the right.
 pub fn caption(ui: &mut Ui, view: &mut View, figure: Figure, text: &str, level: &str, table: &str) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

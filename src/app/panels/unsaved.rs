@@ -3,23 +3,23 @@
 use super::{FileRequest, View};
 use eframe::egui::{Button, Context, Id, Modal, RichText, vec2};
 
-/// Unsaved changes that a request would lose.
+/// Dialog about unsaved changes that a request would lose.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsaved {
-    /// What waits for the decision.
+    /// Request that waits for the choice.
     pub request: FileRequest,
-    /// The decision, once it is made.
+    /// Choice, once it is made.
     pub choice: Option<Choice>,
 }
 
-/// What is to become of unsaved changes.
+/// Choices for unsaved changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// They are saved; then the request goes on.
+    /// The changes are saved, then the request is carried out.
     Save,
-    /// They are lost, and the request goes on.
+    /// The changes are lost and the request is carried out.
     Discard,
-    /// Everything stays as it is.
+    /// Nothing changes.
     Cancel,
 }
 

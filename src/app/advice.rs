@@ -1,8 +1,8 @@
-//! Finds the cause of a problem and the remedies that remove it. Plain data in, plain data out.
+//! Finds the cause of a problem and the remedies that remove it. It uses plain data only.
 //!
-//! A step above the stability limit asks for shorter steps. Steps that cost too much ask for longer ones, as long as those stay
-//! below the limit, or for a coarser mesh; what the guard adds by dividing steps does not count as the cost of the steps. A model
-//! that does not resist inversion asks for another model, or for the compression effect.
+//! A step above the stability limit needs shorter steps. Steps that cost too much need to be longer, if these are still below the
+//! limit, or a coarser mesh. The steps that the guard adds do not count as this cost. A model that does not resist inversion needs
+//! another model, or the compression effect.
 
 use super::panels::View;
 use crate::{
@@ -17,7 +17,7 @@ use crate::{
     snapshot::{Field, Snapshot},
 };
 
-/// Stepping that takes this long in a frame slows simulated time down [s].
+/// Time of stepping in a frame above which simulated time becomes slow [s].
 const MUCH: f64 = 0.009;
 
 /// Ratio of the steps computed to undivided steps above which the guard is the cause of slowness.
@@ -26,14 +26,14 @@ const DIVIDED: f64 = 1.2;
 /// Safety factor between recommended steps and the stability limit.
 const MARGIN: f64 = 1.2;
 
-/// Kinds of problem that a remedy is looked for.
+/// Kinds of problems that have remedies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trouble {
-    /// Triangles are inside out.
+    /// Triangles are inverted.
     Inverted,
     /// A body is many times as large as at rest.
     Exploded,
-    /// Time stopped.
+    /// Stepping stopped with a fault.
     Fault(fault::Cause),
     /// Simulated time runs slower than real time.
     Slow(Load),
@@ -53,32 +53,32 @@ pub struct Load {
 pub enum Limit {
     /// Not measured yet.
     Unknown,
-    /// There is none.
+    /// The scheme has no limit.
     Nothing,
     /// The limit [s]; 0 if no step is stable.
     Step(f64),
 }
 
-/// Facts about a scene that a cause is found from.
+/// Facts about a scene that determine a cause.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// Steps of the level in 1/60 s.
+    /// Number of steps in 1/60 s.
     pub substeps: Substeps,
     /// The longest stable step at rest.
     pub limit: Limit,
-    /// What limits the scheme's step.
+    /// Class of the scheme, which determines what limits its step.
     pub class: Class,
-    /// Whether each body takes as many steps as it needs.
+    /// Whether multirate stepping is on: each body takes as many substeps as it needs.
     pub multirate: bool,
     /// Whether the guard is on.
     pub guard: bool,
-    /// Whether a body follows a model that does not resist inversion, and no effect makes up for it.
+    /// Whether a body has a model that does not resist inversion, without an active compression effect.
     pub weak: bool,
     /// Whether all models are shown side by side, so that none can be chosen.
     pub side_by_side: bool,
-    /// Whether fewer triangles are inside out at the start.
+    /// Whether fewer triangles are inverted at the start.
     pub better_start: bool,
-    /// A coarser mesh for the largest body: its number, the recipe, and about how many triangles it has.
+    /// A coarser mesh for the largest body: its number, the mesh, and the approximate number of triangles.
     pub coarser: Option<(usize, MeshKind, usize)>,
     /// Whether colours, edges or vertices are drawn.
     pub decorated: bool,
@@ -104,7 +104,7 @@ pub enum Cause {
     Unsolved,
     /// The guard divides steps that are below the stability limit.
     Guard,
-    /// The steps cost more time than a frame has.
+    /// The steps take more time than a frame has.
     Cost,
     /// Painting takes most of a frame.
     Painting,
@@ -127,13 +127,13 @@ pub enum Remedy {
     Guard,
     /// Another time-stepping scheme.
     Scheme(IntegratorKind),
-    /// A coarser mesh for a body, with about so many triangles.
+    /// A coarser mesh for a body: its number, the mesh, and the approximate number of triangles.
     CoarserMesh(usize, MeshKind, usize),
-    /// Bodies without inverted triangles and folds.
+    /// Resets bodies to a shape without inverted triangles and folds.
     Untangle,
-    /// Back to the start.
+    /// Resets the scene to the start.
     StartOver,
-    /// No colours, edges and vertices.
+    /// Switches colours, edges and vertices off.
     PlainDrawing,
 }
 
@@ -142,14 +142,14 @@ pub enum Remedy {
 pub struct Advice {
     /// The cause.
     pub cause: Cause,
-    /// Its remedies.
+    /// Remedies for the cause.
     pub remedies: Vec<Remedy>,
-    /// Whether the scene has to start over as well.
+    /// Whether the scene must also start over.
     restart: bool,
 }
 
 impl Facts {
-    /// What a snapshot shows; `limit` is the longest stable step at rest, and `view` what is drawn.
+    /// Collects the facts of a snapshot; `limit` is the longest stable step at rest, and `view` has the display options.
     pub fn of(now: &Snapshot, limit: Limit, view: &View) -> Self {
         let level = &now.level;
         let acts = |listed: &EffectLevel| {
@@ -190,14 +190,14 @@ impl Facts {
         }
     }
 
-    /// Steps so much shorter that they are below a limit [s].
+    /// Remedy with steps so short that they are below a limit [s].
     fn shorter(&self, limit: f64) -> Option<Remedy> {
         let factor = (MARGIN * self.substeps.step() / limit).ceil().max(2.0);
         let fits = f64::from(self.substeps.get()) * factor <= f64::from(Substeps::MAX);
         (limit > 0.0 && fits).then_some(Remedy::ShorterSteps(self.substeps, factor as u32))
     }
 
-    /// Steps twice as long, if they are stable and cost less.
+    /// Remedy with steps twice as long, if they are stable and cost less.
     fn longer(&self) -> Option<Remedy> {
         let half = Substeps::new(self.substeps.get() / 2).ok()?;
         let stable = match (self.class, self.limit) {
@@ -208,17 +208,17 @@ impl Facts {
         (stable && !self.multirate).then_some(Remedy::LongerSteps(self.substeps))
     }
 
-    /// The remedies against inversion: a model that resists it, and the compression effect.
+    /// Remedies against inversion: a model that resists it, and the compression effect.
     fn resistance(&self) -> impl Iterator<Item = Remedy> {
         self.other_model().into_iter().chain([Remedy::Compression])
     }
 
-    /// A model with a finite energy for every shape that grows with compression, where models can be chosen.
+    /// Remedy with a model whose energy is finite for every shape and grows with compression, where models can be chosen.
     fn other_model(&self) -> Option<Remedy> {
         (!self.side_by_side).then_some(Remedy::Model(Model::StableNeoHookean))
     }
 
-    /// Finds the cause of a trouble.
+    /// Finds the cause of a problem.
     pub fn cause(&self, trouble: Trouble) -> Cause {
         let unstable = self
             .excess()
@@ -242,7 +242,7 @@ impl Facts {
         }
     }
 
-    /// Finds the cause of a trouble and what removes it.
+    /// Finds the cause of a problem and its remedies.
     pub fn advise(&self, trouble: Trouble) -> Advice {
         let cause = self.cause(trouble);
         let slow = matches!(trouble, Trouble::Slow(_));
@@ -278,7 +278,7 @@ impl Facts {
     }
 }
 
-/// A recipe for the body with most triangles that gives about half as many.
+/// Mesh parameters for the body with most triangles that give about half as many.
 fn coarser(now: &Snapshot) -> Option<(usize, MeshKind, usize)> {
     let largest = now.bodies.iter().enumerate().max_by_key(|(_, body)| body.triangles.len())?;
     let (number, triangles) = (largest.0, largest.1.triangles.len());
@@ -299,7 +299,7 @@ fn coarser(now: &Snapshot) -> Option<(usize, MeshKind, usize)> {
 }
 
 impl Cause {
-    /// The cause as the end of a sentence, after a colon; nothing where none is known.
+    /// Cause as the end of a sentence, after a colon; `None` if no cause is known.
     pub fn words(self) -> Option<String> {
         let length = |seconds: f64| super::numbers::si(seconds, "s");
         match self {
@@ -314,12 +314,12 @@ impl Cause {
 }
 
 impl Advice {
-    /// A single remedy.
+    /// Advice with a single remedy.
     pub fn just(cause: Cause, remedy: Remedy) -> Self {
         Self { cause, remedies: vec![remedy], restart: false }
     }
 
-    /// What the remedy at a place of the list does, as commands; what concerns the drawing is done to `view` at once.
+    /// Commands of a remedy of the list. Changes of the display options are applied to `view` directly.
     pub fn apply(&self, number: usize, now: &Snapshot, view: &mut View) -> Vec<Command> {
         let Some(remedy) = self.remedies.get(number) else { return Vec::new() };
         let mut commands = remedy.commands(now, view);
@@ -331,7 +331,7 @@ impl Advice {
 }
 
 impl Remedy {
-    /// Words on its button.
+    /// Label of its button.
     pub fn label(&self) -> String {
         match self {
             Self::ShorterSteps(now, factor) => {
@@ -349,7 +349,7 @@ impl Remedy {
         }
     }
 
-    /// What it does, for a tooltip.
+    /// Tooltip of its button.
     pub const fn help(&self) -> &'static str {
         match self {
             Self::ShorterSteps(..) => {
@@ -371,7 +371,7 @@ impl Remedy {
         }
     }
 
-    /// Whether it changes a setting that does not start the scene over by itself.
+    /// Whether the remedy changes a setting without starting the scene over.
     const fn is_setting(&self) -> bool {
         matches!(
             self,
@@ -400,7 +400,7 @@ impl Remedy {
     }
 }
 
-/// Switches the compression effect on, or adds it.
+/// Command that switches the compression effect on, or adds it.
 fn compression(now: &Snapshot) -> Command {
     let listed = &now.level.effects;
     let known = listed.iter().position(|listed| matches!(listed.effect, EffectKind::Compression(_)));
@@ -413,7 +413,7 @@ fn compression(now: &Snapshot) -> Command {
     }
 }
 
-/// A title within a sentence: small, but for names of people.
+/// Title within a sentence: with a small first letter, except for names of people.
 fn lower(title: &str) -> String {
     let mut letters = title.chars();
     let first = letters.next().map(|first| first.to_lowercase().collect::<String>()).unwrap_or_default();
@@ -444,7 +444,7 @@ mod tests {
         [Trouble::Inverted, Trouble::Exploded].into_iter().chain(faults.map(Trouble::Fault)).chain(slow).collect()
     }
 
-    /// All combinations of what can be known of a scene.
+    /// All combinations of facts about a scene.
     fn all_facts() -> Vec<Facts> {
         let mut all = Vec::new();
         let flags = |bits: u32| move |bit: u32| bits >> bit & 1 == 1;

@@ -2,26 +2,26 @@
 
 use eframe::egui::{Pos2, Rect, pos2};
 
-/// Room beside, above and below the world square, as shares of its side: the eaves, the roof and the ground need it.
+/// Margins beside, above and below the world square, relative to its side: room for the eaves, the roof and the ground.
 const MARGINS: [f32; 3] = [0.085, 0.105, 0.065];
 
-/// Screen coordinates beyond this [points] are cut off, so that a body that explodes cannot upset the drawing.
+/// Largest screen coordinate [points]. Larger ones are limited to it, so that an exploding body does not break the drawing.
 const FARTHEST: f32 = 1e5;
 
 /// Maps the world, y up [m], to the screen, y down [points].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// World (0, 0) on the screen.
+    /// World origin on the screen.
     origin: Pos2,
-    /// Points a metre.
+    /// Scale [points/m].
     scale: f32,
-    /// How wide the world is [m].
+    /// Width of the world [m].
     width: f32,
 }
 
 impl Camera {
-    /// Shows the world, `width` [m] about x = 1/2 and 0..1 high, as large as fits in the middle of a canvas, above `below`
-    /// points kept free.
+    /// Creates a camera that shows the world as large as possible in the middle of a canvas. The world is `width` [m] wide about
+    /// x = 1/2 and 1 m high. The lowest `below` points of the canvas stay free.
     pub fn new(canvas: Rect, width: f32, below: f32) -> Self {
         let [beside, above, under] = MARGINS;
         let height = canvas.height() - below;
@@ -34,19 +34,19 @@ impl Camera {
         }
     }
 
-    /// A point of the world [m] on the screen.
+    /// Maps a point of the world [m] to the screen.
     pub fn screen_from_world(&self, [x, y]: [f64; 2]) -> Pos2 {
         let place = |from: f32, metres: f64| (from + self.scale * metres as f32).clamp(-FARTHEST, FARTHEST);
         pos2(place(self.origin.x, x), place(self.origin.y, -y))
     }
 
-    /// A point of the screen in the world [m].
+    /// Maps a point of the screen to the world [m].
     pub fn world_from_screen(&self, point: Pos2) -> [f64; 2] {
         let scale = f64::from(self.scale);
         [f64::from(point.x - self.origin.x) / scale, f64::from(self.origin.y - point.y) / scale]
     }
 
-    /// A length of the world [m] on the screen.
+    /// Maps a length of the world [m] to the screen.
     pub fn length(&self, metres: f32) -> f32 {
         self.scale * metres
     }

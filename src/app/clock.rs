@@ -1,14 +1,14 @@
-//! Converts real time to steps; simulated time slows down when the computer is too slow. Steps are never skipped and never lengthened.
-//! There is no clock in here, so all of it can be tested with plain numbers.
+//! Converts real time to steps. Simulated time slows down when the computer is too slow; steps are never skipped or lengthened.
+//! The module reads no system clock, so it can be tested with plain numbers.
 
-/// Time a window may be behind: two frames, as long as they were of late, between these bounds [s]. More is dropped, so a
-/// stalled or hidden window does not catch up in a burst.
+/// Bounds of the time that may be owed [s]. The limit is two frames of recent length. More is dropped, so that a stalled or hidden
+/// window does not catch up in a burst.
 const MOST_DEBT: (f64, f64) = (2.0 / 60.0, 0.1);
 
-/// How fast the shown rates follow the real ones [s].
+/// Time constant of the shown rates [s].
 const MEMORY: f64 = 0.4;
 
-/// How often the shown rates change: often enough to be live, seldom enough to be read [s].
+/// Update interval of the shown rates, long enough to read them [s].
 const REFRESH: f64 = 0.25;
 
 /// The accumulator between real and simulated time.
@@ -19,7 +19,7 @@ pub struct Clock {
     real: f64,
     physics: f64,
     frame: f64,
-    /// Frames presented and the steps of the work in them, each fading like `real`.
+    /// Presented frames, and steps computed in them; both fade like `real`.
     frames: f64,
     work: f64,
     undivided: f64,
@@ -28,25 +28,25 @@ pub struct Clock {
     shown: Option<Rates>,
 }
 
-/// What the panels show.
+/// Rates that the panels show.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rates {
-    /// Simulated time over real time.
+    /// Simulated time divided by real time.
     pub factor: f64,
-    /// Time spent on stepping in a frame [s].
+    /// Time of stepping in a frame [s].
     pub physics: f64,
-    /// Time the program spent on a whole frame [s], without what the graphics card spends on painting it.
+    /// Time that the program needs for a whole frame [s], without the time of the graphics card.
     pub frame: f64,
-    /// Frames presented in a second, from the time between them: painting is included [1/s].
+    /// Frame rate from the time between frames, so that painting is included [1/s].
     pub frames: f64,
-    /// Work over that of undivided steps: above 1 the guard divides steps or takes them again.
+    /// Ratio of computed steps to undivided steps: above 1 the guard divides or repeats steps.
     pub effort: f64,
 }
 
-/// What happened in a frame in which time ran.
+/// Data of a frame in which simulated time ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spent {
-    /// Real time since the frame before [s].
+    /// Real time since the last frame [s].
     pub elapsed: f64,
     /// Length of a step [s].
     pub step: f64,
@@ -54,16 +54,16 @@ pub struct Spent {
     pub owed: u64,
     /// Steps taken.
     pub taken: u64,
-    /// Time spent on taking them [s].
+    /// Time of stepping [s].
     pub physics: f64,
-    /// Time spent on the whole frame before [s].
+    /// Time of the whole last frame [s].
     pub frame: f64,
-    /// Steps that the integrator took, and how many these would be if the guard divided none.
+    /// Number of computed steps, and their number if the guard divided none.
     pub work: [u64; 2],
 }
 
 impl Clock {
-    /// Adds real time and returns the whole steps now owed.
+    /// Adds real time [s] and returns the number of whole steps that are owed.
     pub fn owe(&mut self, elapsed: f64, step: f64) -> u64 {
         if !elapsed.is_finite() || !step.is_finite() || step <= 0.0 {
             return 0;
@@ -71,11 +71,11 @@ impl Clock {
         let most = (2.0 * self.interval).clamp(MOST_DEBT.0, MOST_DEBT.1).max(step);
         self.interval += 0.2 * (elapsed.clamp(0.0, MOST_DEBT.1) - self.interval);
         self.debt = (self.debt + elapsed.max(0.0)).min(most);
-        // A frame of exactly n steps must not be n - 1 because of the last bit.
+        // A frame of exactly n steps must not give n - 1 because of round-off.
         (self.debt / step + 1e-9).floor() as u64
     }
 
-    /// Notes what was paid. What could not be paid is dropped, all but the part of a step.
+    /// Records the steps taken. Owed steps that were not taken are dropped, except the fraction of a step.
     pub fn pay(&mut self, spent: Spent) {
         let whole = spent.owed as f64 * spent.step;
         self.debt = (self.debt - whole).clamp(0.0, spent.step);
@@ -97,19 +97,19 @@ impl Clock {
         }
     }
 
-    /// Forgets debt and rates: time stands still.
+    /// Clears the owed time and the rates, because simulated time stopped.
     pub fn stop(&mut self) {
         *self = Self { shown: None, ..Self::default() };
     }
 
-    /// The rates to show; `None` while time stands still.
+    /// Rates to show; `None` while simulated time is stopped.
     pub const fn rates(&self) -> Option<Rates> {
         self.shown
     }
 }
 
-/// The time of a frame [s], steadied for steps about as long as frames: a frame that is a whole number of them but for the
-/// shaking of the display takes just that many, so that movement does not stutter.
+/// Time of a frame [s], smoothed for steps about as long as frames. A frame of almost a whole number of steps takes exactly that
+/// number, so that jitter of the display does not make the motion stutter.
 pub fn steadied(elapsed: f64, step: f64) -> f64 {
     let steps = (elapsed / step).round();
     if step > 0.004 && steps >= 1.0 && (elapsed / step - steps).abs() < 0.1 { steps * step } else { elapsed }

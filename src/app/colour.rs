@@ -1,4 +1,4 @@
-//! Colour maps for fields and their ranges.
+//! Colour maps of fields and their ranges.
 
 use crate::{
     app::numbers::or_zero,
@@ -10,18 +10,18 @@ use std::sync::LazyLock;
 /// Number of colours in a map.
 const COLORS: usize = 256;
 
-/// How long [s] values must be small before the range follows them down.
+/// Time for which values must be small before the range shrinks [s].
 const SHRINK_DELAY: f32 = 1.5;
 
-/// Time constant [s] with which the shown range goes to a new one.
+/// Time constant of the change of the shown range [s].
 const EASE: f32 = 0.12;
 
-/// Share of the triangles that the range leaves out at its upper end, so that a few spikes do not set it.
+/// Share of the triangles above the upper end of the range, so that a few outliers do not determine it.
 const OUTLIERS: f64 = 0.03;
 
 static VIRIDIS: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::VIRIDIS, false));
 
-/// Red is compressed, blue is stretched, and rest is pale.
+/// Red for compression, blue for extension, pale at rest.
 static RED_BLUE: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::RED_BLUE, false));
 
 fn sampled(gradient: colorous::Gradient, reversed: bool) -> [Color32; COLORS] {
@@ -31,26 +31,26 @@ fn sampled(gradient: colorous::Gradient, reversed: bool) -> [Color32; COLORS] {
     })
 }
 
-/// What a field's values look like: a map and the range it covers.
+/// Colour scale of a field: a map and its range.
 #[derive(Debug, Default)]
 pub struct Scale {
     field: Field,
     generation: Option<u64>,
-    /// Where the range is going: a round number.
+    /// Target of the range: a round number.
     goal: f64,
-    /// Where it is.
+    /// Present range.
     high: f64,
-    /// How long it could have been smaller [s], and the largest value since.
+    /// Time for which a smaller range would have sufficed [s], and the largest value in this time.
     below_time: f32,
     below_high: f64,
     sorted: Vec<f64>,
-    /// The largest typical value of its own, and of another scale that it shares its range with.
+    /// Typical largest value of this scale, and of another scale that shares the range.
     typical: f64,
     heeded: f64,
 }
 
 impl Scale {
-    /// Looks at the values of a frame that lasted `dt` seconds. Growing is quick; shrinking waits for calm.
+    /// Updates the range from the values of a frame of `dt` seconds. The range grows at once and shrinks after a delay.
     pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
         self.typical = self.typical_high(snapshot);
         let wanted = round_up(self.typical.max(self.heeded).max(floor(snapshot)));
@@ -78,17 +78,17 @@ impl Scale {
         }
     }
 
-    /// Has room for what another scale has seen, or no longer.
+    /// Includes the values of another scale in the range, or no longer.
     pub fn heed(&mut self, other: Option<&Self>) {
         self.heeded = other.map_or(0.0, |other| other.typical);
     }
 
-    /// Whether the range is on its way to another one.
+    /// Whether the range is changing.
     pub fn is_moving(&self) -> bool {
         self.field != Field::None && (self.high != self.goal || self.below_time > 0.0)
     }
 
-    /// The values at the two ends of the map.
+    /// Values at the two ends of the map.
     pub fn range(&self) -> [f64; 2] {
         match self.field {
             Field::Volume => [1.0 - self.high, 1.0 + self.high],
@@ -96,19 +96,19 @@ impl Scale {
         }
     }
 
-    /// The colours of values.
+    /// Colours of values.
     pub fn colors(&self, values: &[f64]) -> impl Iterator<Item = Color32> {
         let ([low, high], map, rooted) = (self.range(), self.map(), self.field == Field::EnergyDensity);
         values.iter().map(move |value| picked(map, share_of(*value, [low, high], rooted)))
     }
 
-    /// Where a value lies on the map, from 0 to 1 within the range. Energy grows with the square of strain, so its root
-    /// spreads the colours evenly over what one sees.
+    /// Position of a value on the map, from 0 to 1 within the range. Energy grows with the square of strain, so the map uses its square
+    /// root, which distributes the colours evenly.
     pub fn share(&self, value: f64) -> f32 {
         share_of(value, self.range(), self.field == Field::EnergyDensity)
     }
 
-    /// The colour at a share of the map from 0 to 1.
+    /// Colour at a position of the map from 0 to 1.
     pub fn at(&self, share: f32) -> Color32 {
         picked(self.map(), share)
     }
@@ -117,7 +117,7 @@ impl Scale {
         if self.field == Field::Volume { &RED_BLUE } else { &VIRIDIS }
     }
 
-    /// The value, or its distance from rest, below which all but the outliers lie.
+    /// Value, or distance from rest, that all triangles but the outliers stay below.
     fn typical_high(&mut self, snapshot: &Snapshot) -> f64 {
         let rest = if snapshot.field == Field::Volume { 1.0 } else { 0.0 };
         self.sorted.clear();
@@ -125,23 +125,23 @@ impl Scale {
         let Some(last) = self.sorted.len().checked_sub(1) else { return 0.0 };
         let place = last - (last as f64 * OUTLIERS) as usize;
         let (_, high, _) = self.sorted.select_nth_unstable_by(place, f64::total_cmp);
-        // Beyond J = 0 and J = 2 the ends of the map say enough.
+        // The range ends at J = 0 and J = 2; values beyond have the colours of the ends.
         if snapshot.field == Field::Volume { high.min(1.0) } else { *high }
     }
 }
 
-/// Where a value lies between two ends, or the root of that.
+/// Relative position of a value between two ends, or its square root.
 fn share_of(value: f64, [low, high]: [f64; 2], rooted: bool) -> f32 {
     let share = (value - low) / (high - low);
     (if rooted { share.max(0.0).sqrt() } else { share }) as f32
 }
 
-/// The colour at a share of a map.
+/// Colour at a position of a map.
 fn picked(map: &[Color32; COLORS], share: f32) -> Color32 {
     map[((share * COLORS as f32) as usize).min(COLORS - 1)]
 }
 
-/// The smallest range worth showing: about a thousandth of strain, so that rounding at rest is not painted.
+/// Smallest range: about a thousandth of strain, so that round-off at rest is not visible.
 fn floor(snapshot: &Snapshot) -> f64 {
     let young = snapshot.level.bodies.iter().map(|body| body.material.young().get()).fold(0.0, f64::max).max(1e-9);
     match snapshot.field {
@@ -151,7 +151,7 @@ fn floor(snapshot: &Snapshot) -> f64 {
     }
 }
 
-/// A value of the field for a label: zero if it is no more than round-off of stresses at a strain of one.
+/// Value of the field for a label: zero if it is at most round-off of stresses at a strain of one.
 pub fn reading(snapshot: &Snapshot, value: f64) -> f64 {
     let young = snapshot.level.bodies.iter().map(|body| body.material.young().get()).fold(0.0, f64::max);
     match snapshot.field {
@@ -160,14 +160,14 @@ pub fn reading(snapshot: &Snapshot, value: f64) -> f64 {
     }
 }
 
-/// The next of 1, 2, 5, 10, 20, 50, ...
+/// Rounds up to 1, 2, 5, 10, 20, 50, ...
 fn round_up(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| value <= factor * decade * 1.000_001).unwrap_or(10.0);
     factor * decade
 }
 
-/// Round values from `low` to `high`, both included if they are round: at most six steps.
+/// Round values from `low` to `high`, both included if they are round: at most six intervals.
 pub fn ticks([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
     let step = round_up((high - low) / 6.0).max(f64::MIN_POSITIVE);
     let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);

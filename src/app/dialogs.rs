@@ -1,23 +1,23 @@
-//! Native dialogs for opening and saving, polled so that nothing waits for them. Where there are none (a browser, a bare
-//! system) the answer is [`DialogResult::Unavailable`], and the window asks for text instead.
+//! Native dialogs for opening and saving, polled so that the window never blocks. Where there are none (in a browser or on a minimal
+//! system), the result is [`DialogResult::Unavailable`], and the window shows a text input instead.
 
 use super::panels::Export;
 use std::path::PathBuf;
 
-/// What a file is asked for.
+/// Purpose of a file dialog.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
-    /// To open a level.
+    /// Open a level.
     #[default]
     Open,
-    /// To save the level under a name like this.
+    /// Save the level. The field is the suggested name.
     Save(String),
-    /// To save what a plot shows.
+    /// Save the data of a plot.
     Export(Export),
 }
 
 impl Purpose {
-    /// What the question is called.
+    /// Title of the dialog.
     pub const fn title(&self) -> &'static str {
         match self {
             Self::Open => "Open a level",
@@ -26,7 +26,7 @@ impl Purpose {
         }
     }
 
-    /// The name that is suggested.
+    /// Suggested file name.
     pub fn name(&self) -> &str {
         match self {
             Self::Open => "",
@@ -36,12 +36,12 @@ impl Purpose {
     }
 }
 
-/// What came out of a dialog.
+/// Result of a dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DialogResult {
-    /// This file.
+    /// This file was chosen.
     Chosen(Purpose, PathBuf),
-    /// There is no native dialog here.
+    /// No native dialog is available.
     Unavailable(Purpose),
 }
 
@@ -62,15 +62,15 @@ mod native {
     };
     use web_time::{Duration, Instant};
 
-    /// Nobody closes a dialog that fast: there was none.
+    /// Minimum time in which a user can close a dialog. A dialog that closed sooner was never shown.
     const TOO_FAST: Duration = Duration::from_millis(250);
 
-    /// The dialog that is open, if one is.
+    /// State of the native dialogs.
     #[derive(Default)]
     pub struct Dialogs {
         open: Option<Pending>,
         folder: Option<PathBuf>,
-        /// Whether there are none, whatever the system has.
+        /// Whether native dialogs are disabled.
         silent: bool,
         refused: Option<Purpose>,
     }
@@ -81,7 +81,7 @@ mod native {
         since: Instant,
     }
 
-    /// Wakes the window when the dialog closes.
+    /// Requests a frame when the dialog closes.
     struct Repaint(Context);
 
     impl Wake for Repaint {
@@ -91,18 +91,18 @@ mod native {
     }
 
     impl Dialogs {
-        /// Never opens one: every question is to be answered in the window.
+        /// Disables native dialogs: every request is answered in the window.
         pub fn silent() -> Self {
             Self { silent: true, ..Self::default() }
         }
 
-        /// Asks for a file.
+        /// Opens a dialog.
         pub fn ask(&mut self, purpose: Purpose) {
             if self.silent {
                 self.refused = Some(purpose);
                 return;
             }
-            // A second dialog while one is open would only be lost behind it.
+            // A second dialog would be hidden behind the open one.
             if self.open.is_some() {
                 return;
             }
@@ -119,12 +119,12 @@ mod native {
             self.open = Some(Pending { choice, purpose, since: Instant::now() });
         }
 
-        /// Whether an answer is still to come.
+        /// Whether a result is expected.
         pub const fn is_waiting(&self) -> bool {
             self.open.is_some() || self.refused.is_some()
         }
 
-        /// Looks whether a dialog was answered. Never waits.
+        /// Returns the result of a closed dialog. It never blocks.
         pub fn poll(&mut self, ctx: &Context) -> Option<DialogResult> {
             let waker = Waker::from(Arc::new(Repaint(ctx.clone())));
             if let Some(purpose) = self.refused.take() {
@@ -148,7 +148,7 @@ mod native {
         dialog.add_filter("Gingerbread level", &["ron"]).add_filter("All files", &["*"])
     }
 
-    /// A file that is saved without an extension gets that of the suggested name.
+    /// Adds the extension of the suggested name to a file name without one.
     pub(super) fn with_extension(path: PathBuf, suggested: &str) -> PathBuf {
         let extension = std::path::Path::new(suggested).extension();
         match (path.extension(), extension) {
@@ -162,36 +162,36 @@ mod native {
 mod nowhere {
     use super::{DialogResult, Purpose};
 
-    /// A browser has no file dialogs that can be waited for.
+    /// Replacement in a browser, which has no file dialogs that can be awaited.
     #[derive(Default)]
     pub struct Dialogs {
         asked: Option<Purpose>,
     }
 
     impl Dialogs {
-        /// Never opens one, as ever.
+        /// The same as the default: there are no native dialogs.
         pub fn silent() -> Self {
             Self::default()
         }
 
-        /// Asks for a file.
+        /// Requests a file.
         pub fn ask(&mut self, purpose: Purpose) {
             self.asked = Some(purpose);
         }
 
-        /// Whether an answer is still to come.
+        /// Whether a result is expected.
         pub const fn is_waiting(&self) -> bool {
             self.asked.is_some()
         }
 
-        /// Looks whether there is an answer.
+        /// Returns the result of a request.
         pub fn poll(&mut self, _ctx: &eframe::egui::Context) -> Option<DialogResult> {
             self.asked.take().map(DialogResult::Unavailable)
         }
     }
 }
 
-/// The beginning of a file name from the name of a level: `A soft house` gives `a-soft-house`.
+/// Stem of a file name for the name of a level: `A soft house` gives `a-soft-house`.
 pub fn stem(level: &str) -> String {
     let words = level.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
     let name = words.map(str::to_lowercase).collect::<Vec<_>>().join("-");

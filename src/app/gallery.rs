@@ -9,24 +9,24 @@ use crate::{
 };
 use std::path::Path;
 
-/// One level of the picker.
+/// Level of the picker.
 pub struct Entry {
     /// Name in the picker.
     pub name: String,
-    /// What there is to see.
+    /// Description.
     pub about: String,
     file: &'static str,
     text: &'static str,
 }
 
 impl Entry {
-    /// Whether the program starts with it.
+    /// Whether the program starts with this level.
     fn is_first(&self) -> bool {
         self.file.strip_suffix(".ron") == Some(levels::FIRST)
     }
 }
 
-/// All of them.
+/// Built-in levels and hard cases.
 pub struct Gallery {
     entries: Vec<Entry>,
     hard: Vec<(&'static str, Case)>,
@@ -47,20 +47,20 @@ impl Default for Gallery {
 }
 
 impl Gallery {
-    /// The levels, in the order of the picker: the one that the program starts with, then by name.
+    /// Levels in the order of the picker: the first level of the program, then the others by name.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// The hard cases with their names, in the order of their gallery.
+    /// Hard cases with their names, in the order of their gallery.
     pub fn hard(&self) -> &[(&'static str, Case)] {
         &self.hard
     }
 
-    /// The level of a hard case, ready to be watched with a model and a method.
+    /// Level of a hard case with a model and a method.
     ///
     /// # Errors
-    /// In words, if it is not there.
+    /// A message if there is no such case or it cannot be prepared.
     pub fn hard_level(&self, name: &str, model: Model, method: Method) -> Result<Level, String> {
         let (_, case) = self.hard.iter().find(|(known, _)| *known == name).ok_or("there is no such hard case")?;
         case.watched(model, method).map_err(|error| error.to_string())
@@ -69,7 +69,7 @@ impl Gallery {
     /// Reads the level that the program starts with.
     ///
     /// # Errors
-    /// What is wrong with its text, with file, line and column.
+    /// A message about its text with file, line and column.
     pub fn first(&self) -> Result<Level, String> {
         self.level(self.entries.iter().position(Entry::is_first).unwrap_or(0))
     }
@@ -77,7 +77,7 @@ impl Gallery {
     /// Reads a level of the picker.
     ///
     /// # Errors
-    /// What is wrong with its text, with file, line and column.
+    /// A message about its text with file, line and column, or that there is no such level.
     pub fn level(&self, index: usize) -> Result<Level, String> {
         let entry = self.entries.get(index).ok_or("there is no such level")?;
         files::parse(entry.text, entry.file).map_err(|error| error.to_string())

@@ -14,7 +14,7 @@ use eframe::egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Handles requests, dialogs and prompts.
+    /// Handles file requests, dialogs and text inputs.
     pub(super) fn handle_files(&mut self, ctx: &Context) {
         self.view.develop(ctx);
         self.take_close_request(ctx);
@@ -36,7 +36,7 @@ impl App {
             }
         }
         if self.view.prompt.is_none() && !self.dialogs.is_waiting() {
-            // Who does not say where to save does not want what should come after it.
+            // If no file name was given, the request that waits for saving is dropped.
             self.after_saving = None;
         }
         if self.leaves {
@@ -44,7 +44,7 @@ impl App {
         }
     }
 
-    /// Carries out a request to the file system, after unsaved changes were decided about.
+    /// Carries out a file request, after the decision about unsaved changes.
     fn grant(&mut self, request: FileRequest) {
         match request {
             FileRequest::BuiltIn(index) => match self.gallery.level(index) {
@@ -53,7 +53,7 @@ impl App {
             },
             FileRequest::Hard(name, model, method) => match self.gallery.hard_level(name, model, method) {
                 Ok(level) => {
-                    // It would lie over what is to be watched.
+                    // The window would cover the scene.
                     self.view.hard.open = false;
                     if self.start(level) {
                         self.apply(None, Command::SetRunning(true));
@@ -74,7 +74,7 @@ impl App {
         }
     }
 
-    /// Starts a level that could be read; what was wrong with another one is forgotten. Returns whether it could be built.
+    /// Starts a level that was read, and clears the notice. Returns whether it could be built.
     fn start(&mut self, level: Level) -> bool {
         self.view.notice = None;
         let done = self.apply(None, Command::Open(Box::new(level)));
@@ -84,8 +84,8 @@ impl App {
         done
     }
 
-    /// Opens a level file, with whatever becomes of the level before it. If it cannot be read or built, its message is shown and the
-    /// old scene goes on.
+    /// Opens a level file without asking about unsaved changes. If it cannot be read or built, a notice is shown and the present scene
+    /// stays.
     pub fn open(&mut self, path: &Path) {
         let path = files::whole_path(path);
         match files::read(&path) {
@@ -98,7 +98,7 @@ impl App {
         }
     }
 
-    /// Says which files were not opened, below what came of the one that was.
+    /// Adds the names of ignored files to the notice about the opened file.
     fn tell_ignored(&mut self, ignored: &[PathBuf]) {
         let names: Vec<_> = ignored.iter().map(|path| files::whole_path(path).display().to_string()).collect();
         let text = format!("Not opened: {}. Only one level is open at a time: drop one file.", names.join(", "));
@@ -117,7 +117,7 @@ impl App {
         }
     }
 
-    /// Saves the level with everything as it is now. If it fails, a file that was there stays.
+    /// Saves the level with its present state. If it fails, an existing file stays.
     pub fn save(&mut self, path: &Path) {
         let saved = files::save(path, &self.settled().saved());
         let done = saved.is_ok();
@@ -125,7 +125,7 @@ impl App {
         self.saved(done);
     }
 
-    /// After saving: the changes are kept now, and what waited for that goes on.
+    /// After saving: marks the changes as saved and carries out the request that waited for it.
     fn saved(&mut self, done: bool) {
         let request = self.after_saving.take();
         if done {
@@ -136,7 +136,7 @@ impl App {
         }
     }
 
-    /// Says what came of saving.
+    /// Shows the result of saving as a notice.
     fn tell(&mut self, path: &Path, saved: Result<(), FileError>) {
         self.view.notice = Some(match saved {
             Ok(()) => Notice::Done(format!("Saved as {}", files::whole_path(path).display())),
@@ -144,7 +144,7 @@ impl App {
         });
     }
 
-    /// Requests to open a dropped file: of several the first level, or else the first.
+    /// Requests the opening of a dropped file: of several files the first level, or else the first file.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
         let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
@@ -157,7 +157,7 @@ impl App {
         self.view.file = Some(FileRequest::File(first, paths));
     }
 
-    /// Without dialogs: a path to type, or in a browser the text of a level itself.
+    /// Shows a text input: for a path, or in a browser for the text of a level.
     fn ask_for_text(&mut self, ctx: &Context, purpose: Purpose) {
         if cfg!(target_arch = "wasm32") && purpose != Purpose::Open {
             let text = if let Purpose::Export(Export { bytes, .. }) = purpose {
@@ -190,7 +190,7 @@ impl App {
 }
 
 impl View {
-    /// Whether the next frame has something to do with files.
+    /// Whether the next frame has file requests to handle.
     pub(super) fn wants_files(&self) -> bool {
         self.file.is_some()
             || self.is_posing()

@@ -1,4 +1,4 @@
-//! The table of keys and mouse actions, read by the dispatcher, the help overlay and the status line.
+//! Table of keys and mouse actions. The dispatcher, the help overlay and the status line read it.
 
 use crate::{
     command::{Command, Mode, Pose},
@@ -7,24 +7,24 @@ use crate::{
 };
 use eframe::egui::{self, Event, InputState, Key, KeyboardShortcut, Modifiers};
 
-/// One line of the table.
+/// One row of the table.
 #[derive(Debug)]
 pub struct Binding {
-    /// What to press, as it is written.
+    /// Key or mouse action as it is shown.
     pub label: &'static str,
-    /// What it does, in a few words.
+    /// Short description of the action.
     pub words: &'static str,
-    /// When it does that.
+    /// Condition of the action.
     pub when: When,
-    /// The keys that trigger it; none for the mouse.
+    /// Keys that trigger the action; empty for the mouse.
     pub shortcuts: &'static [KeyboardShortcut],
-    /// Whether holding the key does it again and again.
+    /// Whether the action repeats while the key is held.
     pub repeats: bool,
-    /// What it does.
+    /// Function that returns the action.
     pub action: fn(&Snapshot) -> KeyAction,
 }
 
-/// When a line of the table applies.
+/// Condition of a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
     /// At any time.
@@ -39,7 +39,7 @@ pub enum When {
     Test,
 }
 
-/// What a key asks for.
+/// Action of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum KeyAction {
     /// A change of the sandbox.
@@ -48,12 +48,12 @@ pub enum KeyAction {
     ToggleHelp,
     /// Splits the stage into two panes, or joins them.
     ToggleComparison,
-    /// Nothing: the stage answers the mouse by itself.
+    /// No action: the stage handles the mouse itself.
     Mouse,
 }
 
 impl When {
-    /// Whether the line applies now.
+    /// Whether the row applies now.
     pub fn applies(self, now: &Snapshot) -> bool {
         match self {
             Self::Always => true,
@@ -64,7 +64,7 @@ impl When {
         }
     }
 
-    /// Heading of the group in the overlay.
+    /// Heading of the group in the help overlay.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Always => "Always",
@@ -97,10 +97,10 @@ const fn binding(
     Binding { label, words, when, shortcuts, repeats: false, action }
 }
 
-/// How far a press turns time back [s]. A held key repeats about 30 times a second.
+/// Time that one press rewinds [s]. A held key repeats about 30 times a second.
 const BACK: f64 = 0.05;
 
-/// Everything keys and mouse do.
+/// All actions of keys and mouse.
 pub static TABLE: &[Binding] = &[
     binding("Click", "pin or free the vertex nearest to the cursor", When::Edit, &[], |_| KeyAction::Mouse),
     binding("R", "remove all pins", When::Edit, &[key(Key::R)], |_| KeyAction::Do(Command::ClearPins)),
@@ -175,19 +175,19 @@ fn toggle(now: &Snapshot, mode: Mode) -> KeyAction {
 
 impl Binding {
     fn is_pressed_by(&self, key: Key, modifiers: Modifiers) -> bool {
-        // Shift may be needed to write a `?`, but Ctrl+Shift+Z is no Ctrl+Z.
+        // On some keyboards `?` needs Shift, but Ctrl+Shift+Z must not count as Ctrl+Z.
         let shift = |s: &KeyboardShortcut| !s.modifiers.command || s.modifiers.shift == modifiers.shift;
         self.shortcuts.iter().any(|s| s.logical_key == key && modifiers.matches_logically(s.modifiers) && shift(s))
     }
 }
 
-/// The line that the key of `binding` stands for now: an earlier key of the same frame may have changed the mode.
+/// Row that applies now for the key of `binding`: an earlier key of the same frame may have changed the mode.
 pub fn now(binding: &Binding, now: &Snapshot) -> Option<&'static Binding> {
     TABLE.iter().find(|b| b.label == binding.label && b.when.applies(now))
 }
 
-/// Takes the keys of the table out of this frame's input, so that Space presses no button and arrows move no focus.
-/// Nothing is taken while a person types.
+/// Removes the keys of the table from the input of this frame, so that Space presses no button and arrows move no focus.
+/// While a text field has the focus, it removes nothing.
 pub fn pressed(ctx: &egui::Context, now: &Snapshot) -> Vec<&'static Binding> {
     ctx.input_mut(forget_question_mark);
     if ctx.text_edit_focused() {
@@ -196,21 +196,23 @@ pub fn pressed(ctx: &egui::Context, now: &Snapshot) -> Vec<&'static Binding> {
     let mut found = Vec::new();
     ctx.input_mut(|input| input.events.retain(|event| !take(event, now, &mut found)));
     if found.iter().any(|binding| binding.when == When::Test) {
-        // The focus has seen the arrow before us.
+        // The focus has already reacted to the arrow key.
         ctx.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
     }
     found
 }
 
-/// Whoever lets go of Shift before the key has pressed `?` and releases another key. Egui would take `?` to be held down for
-/// good, and each later press for a repetition.
+/// Removes `?` from the held keys when any key is released.
+///
+/// If Shift is released before the key, egui sees a press of `?` and the release of another key. It would then regard `?` as held
+/// down forever, and each later press as a repetition.
 fn forget_question_mark(input: &mut InputState) {
     if input.events.iter().any(|event| matches!(event, Event::Key { pressed: false, .. })) {
         input.keys_down.remove(&Key::Questionmark);
     }
 }
 
-/// Whether the event belongs to the table.
+/// Whether the event belongs to a row of the table.
 fn take(event: &Event, now: &Snapshot, found: &mut Vec<&'static Binding>) -> bool {
     let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return false };
     let Some(binding) = TABLE.iter().find(|b| b.is_pressed_by(*key, *modifiers) && b.when.applies(now)) else {

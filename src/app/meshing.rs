@@ -10,52 +10,52 @@ use crate::{
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use web_time::Instant;
 
-/// Meshes with more triangles than these are made in the background: so many take about a tenth of a second.
+/// Number of triangles above which a mesh is generated in the background. This many take about a tenth of a second.
 const LARGE: f64 = 5000.0;
 
-/// A mesh that is wanted for a body.
+/// Request of a mesh for a body.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// The pane whose body it is for.
+    /// Pane of the body.
     pub pane: Pane,
-    /// The body.
+    /// Number of the body.
     pub body: usize,
-    /// The recipe.
+    /// Parameters of the mesh.
     pub mesh: MeshKind,
-    /// What the body is now; another mesh or level there makes the request void.
+    /// The body at the time of the request. If it changes, the request is void.
     before: BodyLevel,
-    /// When it was first asked for.
+    /// Time of the first request.
     since: Instant,
 }
 
 /// Progress of a mesh that is being made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
-    /// The body.
+    /// Number of the body.
     pub body: usize,
-    /// The recipe.
+    /// Parameters of the mesh.
     pub mesh: MeshKind,
-    /// About how many triangles it will have.
+    /// Approximate number of triangles.
     pub triangles: usize,
-    /// For how long it has been on its way [s].
+    /// Time since the request [s].
     pub seconds: f64,
 }
 
-/// At most one mesh is made at a time, and at most one more is wanted.
+/// State of meshing: at most one mesh is generated at a time, and at most one more is requested.
 #[derive(Default)]
 pub struct Meshing {
     wanted: Option<Wanted>,
     job: Option<Job>,
 }
 
-/// A thread that makes a mesh. It cannot be stopped; a cancelled mesh is dropped when it is done.
+/// A thread that generates a mesh. It cannot be stopped; a cancelled mesh is dropped when it is finished.
 struct Job {
     mesh: MeshKind,
     result: Receiver<Result<Body, String>>,
 }
 
 impl Meshing {
-    /// Takes a request for another mesh of a body, if making it takes long. A small one cancels an earlier request.
+    /// Takes a request for another mesh of a body if its generation takes long. A small mesh cancels an earlier request.
     pub fn takes(&mut self, pane: Pane, body: usize, mesh: &MeshKind, before: &BodyLevel) -> bool {
         let large = cfg!(not(target_arch = "wasm32"))
             && triangles(mesh) > LARGE
@@ -69,20 +69,20 @@ impl Meshing {
         true
     }
 
-    /// Gives up.
+    /// Cancels the request.
     pub fn cancel(&mut self) {
         self.wanted = None;
     }
 
-    /// What is on its way.
+    /// Progress of the request.
     pub fn progress(&self) -> Option<Progress> {
         let Wanted { body, mesh, since, .. } = self.wanted.as_ref()?;
         let (triangles, seconds) = (triangles(mesh) as usize, since.elapsed().as_secs_f64());
         Some(Progress { body: *body, mesh: mesh.clone(), triangles, seconds })
     }
 
-    /// Looks whether the wanted mesh is ready, and begins to make it once the slider is `released`. `now` finds the body that a
-    /// request is for; another one there makes the request void.
+    /// Returns the requested mesh when it is finished, and starts its generation once the slider is `released`. `now` returns the
+    /// present body of a request; if it differs from the body at the request, the request is void.
     pub fn poll<'a>(
         &mut self,
         released: bool,
@@ -116,7 +116,7 @@ impl Job {
             let level = Level { bodies: vec![body], ..Level::default() };
             let scene = Scene::build(&level, level.mode, &NoFiles, None).map_err(|error| error.to_string());
             let body = scene.and_then(|mut scene| scene.bodies.pop().ok_or_else(String::new));
-            // Whoever asked may be gone.
+            // The receiver may have been dropped.
             let _ = sender.send(body);
         };
         #[cfg(not(target_arch = "wasm32"))]
@@ -127,7 +127,7 @@ impl Job {
     }
 }
 
-/// About how many triangles a recipe gives, as far as its numbers tell.
+/// Approximate number of triangles from the parameters of a mesh.
 pub fn triangles(mesh: &MeshKind) -> f64 {
     let mut mesh = mesh.clone();
     let (mut cells, mut count) = (1.0, 0.0_f64);

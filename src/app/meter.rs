@@ -5,33 +5,33 @@ use crate::{report::EffectCost, snapshot::Snapshot};
 /// Simulated time between two readings [s].
 const REFRESH: f64 = 0.25;
 
-/// What one effect takes in a frame of 1/60 s of simulated time in which it is computed; zero if it slept all the time.
+/// Cost of an effect in a frame of 1/60 s of simulated time in which it is computed; zero if it always slept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Use {
     /// Name of the effect.
     pub name: &'static str,
     /// Time [s].
     pub time: f64,
-    /// Share of the steps in which what it acts on slept: they do not count for the other numbers.
+    /// Share of steps in which its bodies and nets slept. These steps do not count for time, calls and elements.
     pub slept: f64,
-    /// Calls.
+    /// Number of calls.
     pub calls: f64,
-    /// Elements touched by all calls together.
+    /// Number of elements touched, summed over the calls.
     pub elements: f64,
-    /// How often it was passed over.
+    /// Number of skipped calls; here the slept steps count.
     pub skipped: f64,
 }
 
-/// Follows the books of a running scene.
+/// Measures the cost of effects in a running scene.
 #[derive(Default)]
 pub struct Meter {
-    /// What was booked when the present reading began, at this time [s] and step.
+    /// Simulated time [s], step and costs at the start of the present reading.
     since: (f64, u64, Vec<EffectCost>),
     shown: Vec<Use>,
 }
 
 impl Meter {
-    /// Takes note of a frame. Another scene, or another time, begins anew.
+    /// Reads the costs of a frame. It starts again if the scene or the direction of time has changed.
     pub fn read(&mut self, now: &Snapshot) {
         let (began, steps, before) = &self.since;
         let same = before.len() == now.costs.len()
@@ -67,12 +67,12 @@ impl Meter {
         self.since.2.clone_from(&now.costs);
     }
 
-    /// Forgets everything: nobody reads.
+    /// Clears the measurement, because the ledger is closed.
     pub fn stop(&mut self) {
         *self = Self::default();
     }
 
-    /// What was read last; nothing before the first quarter of a second.
+    /// The last reading; empty before the first quarter of a second.
     pub fn shown(&self) -> &[Use] {
         &self.shown
     }

@@ -2,17 +2,17 @@
 
 use crate::quantity::with_unit;
 
-/// Prefixes from the smallest power of a thousand to the largest.
+/// SI prefixes, smallest first, with their powers of ten.
 const PREFIXES: [(i32, &str); 9] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 
-/// A value with its unit for sentences and labels: `0.21 ms`, `30 kPa`, `1.25 J`. Zeros at the end are left out.
+/// Formats a value with its unit for sentences and labels: `0.21 ms`, `30 kPa`, `1.25 J`. Trailing zeros are omitted.
 pub fn si(value: f64, unit: &str) -> String {
     write(value, unit, true)
 }
 
-/// A value with its unit for numbers that run: always three digits and the same width in a monospace font, whatever
-/// the prefix and the sign.
+/// Formats a value with its unit for numbers that change: always three digits, and the same width in a monospace font for all
+/// prefixes and signs.
 pub fn si_fixed(value: f64, unit: &str) -> String {
     let text = write(value, unit, false);
     let (number, unit_now) = text.split_once(' ').unwrap_or((&text, ""));
@@ -21,7 +21,7 @@ pub fn si_fixed(value: f64, unit: &str) -> String {
     format!("{number:>6}{gap}{unit_now:<slot$}")
 }
 
-/// The unit with the prefix that suits a value, and what to divide by to count in it: for rows of numbers that share one.
+/// Divisor and unit with the prefix that suits a value, for rows of numbers that share one unit.
 pub fn unit_for(value: f64, unit: &str) -> (f64, String) {
     let (power, prefix) = prefix(three_digits(value.abs()).1, unit);
     (10_f64.powi(power), format!("{prefix}{unit}"))
@@ -46,12 +46,12 @@ fn write(value: f64, unit: &str, trim: bool) -> String {
     with_unit(&format!("{sign}{number}"), prefix, unit)
 }
 
-/// Zero for a value that is no more than round-off of what it is a sum or difference of.
+/// Zero for a value that is at most its round-off, else the value.
 pub fn or_zero(value: f64, round_off: f64) -> f64 {
     if value.abs() <= round_off { 0.0 } else { value }
 }
 
-/// The value as `d.dd * 10^exponent`, rounded once; the digits as a number from 100 to 999, or 0.
+/// Three digits and exponent of a value `d.dd * 10^exponent`, rounded once; the digits form a number from 100 to 999, or 0.
 fn three_digits(value: f64) -> (u32, i32) {
     let text = format!("{value:.2e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or(("0", "0"));
@@ -59,21 +59,21 @@ fn three_digits(value: f64) -> (u32, i32) {
     (digits.fold(0, |sum, digit| 10 * sum + digit), exponent.parse().unwrap_or(0))
 }
 
-/// `digits` (three of them) times 10^(place - 2), written out.
+/// Formats `digits` (three digits) times 10^(place - 2).
 fn decimal(digits: u32, place: i32, trim: bool) -> String {
     let decimals = (2 - place).max(0) as usize;
     let text = format!("{:.decimals$}", f64::from(digits) * 10_f64.powi(place - 2));
     if trim && text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Whether a prefix in front of the unit means what it says: not for squares, angles, counts and kilograms.
+/// Whether a prefix of the unit is valid: not for squares, angles, counts and kilograms.
 fn takes_prefix(unit: &str) -> bool {
     let first = unit.split('/').next().unwrap_or(unit);
     matches!(first, "s" | "m" | "N" | "J" | "Pa" | "W" | "Hz")
 }
 
-/// The power of ten and the prefix whose number is from 1 to 999; times and lengths begin at 0.1, as in `0.21 ms`, and
-/// spring stiffness has no prefix from 0.1 to 999. Velocities and accelerations have none from 0.001 to 999 999.
+/// Power of ten and prefix that give a number from 1 to 999. Times and lengths begin at 0.1, as in `0.21 ms`, and spring stiffness
+/// has no prefix from 0.1 to 999. Velocities and accelerations have none from 0.001 to 999 999.
 fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
     if !takes_prefix(unit) {
         return (0, "");

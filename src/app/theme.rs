@@ -4,72 +4,72 @@ use eframe::egui::{
     self, Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Visuals, style, vec2,
 };
 
-/// Every colour the window uses, for one mode.
+/// All colours of the window for one mode.
 #[derive(Debug, PartialEq)]
 pub struct Theme {
-    /// The canvas outside the world, from top to bottom.
+    /// Background outside the world, top and bottom.
     pub sky: [Color32; 2],
     /// Falling snow.
     pub snow: Color32,
-    /// Snow that lies around the house.
+    /// Snow on the ground.
     pub ground: [Color32; 2],
     /// The world square.
     pub world: Color32,
-    /// Its edge.
+    /// Edge of the world square.
     pub world_edge: Color32,
-    /// The inside of the house, from top to bottom.
+    /// Inside of the house, top and bottom.
     pub inside: [Color32; 2],
-    /// What is seen through its windows, and their frames.
+    /// Glass and frames of the windows.
     pub window: [Color32; 2],
     /// Gingerbread walls.
     pub wall: Color32,
-    /// Their shaded parts.
+    /// Shaded parts of the walls.
     pub wall_shade: Color32,
     /// Dough of bodies.
     pub dough: Color32,
-    /// Its baked rim.
+    /// Baked rim of bodies.
     pub crust: Color32,
     /// Royal icing.
     pub icing: Color32,
-    /// Its shaded rim.
+    /// Shaded rim of icing.
     pub icing_shade: Color32,
-    /// The two candies: red, green.
+    /// Colours of candy: red, green.
     pub candy: [Color32; 2],
-    /// The drag arrow.
+    /// Arrow of the mouse spring.
     pub pull: Color32,
-    /// The vertex that would be picked.
+    /// Vertex that a click would pick.
     pub glow: Color32,
     /// Lines and numbers on the stage.
     pub annotation: Color32,
     /// Less important lines and numbers on the stage.
     pub faint_annotation: Color32,
-    /// Behind numbers on the stage.
+    /// Cards behind numbers on the stage.
     pub card: Color32,
-    /// Panels.
+    /// Background of panels.
     pub panel: Color32,
-    /// Wells: text fields, plots.
+    /// Background of text fields and plots.
     pub well: Color32,
     /// Buttons: at rest, hovered, pressed.
     pub button: [Color32; 3],
-    /// Thin lines between things.
+    /// Thin separator lines.
     pub line: Color32,
     /// Text.
     pub text: Color32,
-    /// Text that explains.
+    /// Secondary text.
     pub faint_text: Color32,
-    /// What is chosen: background of a segment, filled part of a slider.
+    /// Selection: background of a segment, filled part of a slider.
     pub accent: Color32,
-    /// Text on the accent.
+    /// Text on a selection.
     pub on_accent: Color32,
-    /// The accent as a line or as text.
+    /// Accent colour of lines and text.
     pub accent_line: Color32,
-    /// It works: stable, honest.
+    /// Success: stable, valid.
     pub good: Color32,
-    /// Be careful.
+    /// Warning.
     pub warning: Color32,
-    /// It went wrong.
+    /// Error.
     pub bad: Color32,
-    /// Lines of plots, in this order; told apart by colour-blind eyes.
+    /// Line colours of plots, in this order. They can be told apart with colour blindness.
     pub series: [Color32; 6],
 }
 
@@ -81,7 +81,7 @@ const fn rgba(hex: u32, alpha: u8) -> Color32 {
     Color32::from_rgba_unmultiplied_const((hex >> 16) as u8, (hex >> 8) as u8, hex as u8, alpha)
 }
 
-/// A clear winter night.
+/// Dark theme: a winter night.
 static NIGHT: Theme = Theme {
     sky: [rgb(0x0F_1A2E), rgb(0x1E_2F4D)],
     snow: rgb(0xDC_E8FA),
@@ -117,7 +117,7 @@ static NIGHT: Theme = Theme {
     series: [rgb(0xE0_A067), rgb(0x6C_B6F2), rgb(0x6F_CF97), rgb(0xF0_82B4), rgb(0xF2_E06B), rgb(0xB9_A5F5)],
 };
 
-/// A kitchen table in the morning.
+/// Light theme: a kitchen table in the morning.
 static DAY: Theme = Theme {
     sky: [rgb(0xFB_F6EC), rgb(0xF6_EDDC)],
     snow: rgb(0xD9_C9AC),
@@ -154,12 +154,12 @@ static DAY: Theme = Theme {
 };
 
 impl Theme {
-    /// The theme that the window is in now.
+    /// Theme of the window.
     pub fn of(ctx: &egui::Context) -> &'static Self {
         Self::for_mode(ctx.theme())
     }
 
-    /// The theme for a mode.
+    /// Theme of a mode.
     pub const fn for_mode(mode: egui::Theme) -> &'static Self {
         match mode {
             egui::Theme::Dark => &NIGHT,
@@ -167,7 +167,7 @@ impl Theme {
         }
     }
 
-    /// A colour of the stage that is only partly there: 0 is the sky, 1 the colour itself. It stays opaque.
+    /// Blends a colour of the stage with the sky by its presence, from 0 (sky) to 1 (colour). The result is opaque.
     pub fn present(&self, color: Color32, presence: f32) -> Color32 {
         if presence >= 1.0 { color } else { self.sky[0].lerp_to_gamma(self.sky[1], 0.5).lerp_to_gamma(color, presence) }
     }
@@ -213,7 +213,7 @@ impl Theme {
     }
 }
 
-/// A widget in one of its states.
+/// Visuals of a widget in one state.
 fn widget(fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
     style::WidgetVisuals {
         bg_fill: fill,
@@ -225,7 +225,7 @@ fn widget(fill: Color32, text: Color32, edge: Stroke) -> style::WidgetVisuals {
     }
 }
 
-/// Gives egui this look in both modes.
+/// Installs both themes in egui.
 pub fn install(ctx: &egui::Context) {
     for (mode, visuals) in [(egui::Theme::Dark, Visuals::dark()), (egui::Theme::Light, Visuals::light())] {
         let visuals = Theme::for_mode(mode).visuals(visuals);
@@ -236,7 +236,7 @@ pub fn install(ctx: &egui::Context) {
     }
 }
 
-/// Sizes: text that reads from a step back, targets that a finger hits.
+/// Sets sizes: text readable from a distance, and targets large enough for touch.
 fn measure(style: &mut Style) {
     let text = |size| FontId::new(size, FontFamily::Proportional);
     style.text_styles = [
@@ -249,7 +249,7 @@ fn measure(style: &mut Style) {
     .into();
     style.drag_value_text_style = TextStyle::Monospace;
     style.animation_time = 0.12;
-    // A drag over a panel selects no labels; messages that are worth copying allow it themselves.
+    // Labels cannot be selected, so that a drag over a panel selects none. Messages allow it themselves.
     style.interaction.selectable_labels = false;
     let spacing = &mut style.spacing;
     spacing.item_spacing = vec2(8.0, 6.0);
@@ -264,7 +264,7 @@ fn measure(style: &mut Style) {
     spacing.icon_spacing = 6.0;
     spacing.combo_width = 120.0;
     spacing.tooltip_width = 320.0;
-    // What goes on below or above says so, before a mouse is on it.
+    // A visible scroll bar shows that content continues, even without the mouse on it.
     spacing.scroll.floating_width = 4.0;
     spacing.scroll.dormant_handle_opacity = 0.4;
 }

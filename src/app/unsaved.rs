@@ -8,22 +8,22 @@ use super::{
 use eframe::egui::{Context, ViewportCommand};
 
 impl App {
-    /// Whether the level differs from what was opened or saved last, in either pane. Stepping is no change: it can be repeated.
+    /// Whether the level of either pane differs from the opened or saved one. Stepping is no change: it can be repeated.
     pub fn is_unsaved(&self) -> bool {
         let b = self.comparison.as_ref().map(|panes| panes.sandbox());
         std::iter::once(&self.sandbox).chain(b).any(|sandbox| *sandbox.document() != self.kept)
     }
 
-    /// What is shown now is what a file, or the gallery, has.
+    /// Marks the present document as saved.
     pub(super) fn mark_kept(&mut self) {
         self.kept = self.settled().document().clone();
     }
 
-    /// Keeps the window open while there are unsaved changes, and asks about them.
+    /// Cancels a request to close the window while there are unsaved changes, and asks about them.
     pub(super) fn take_close_request(&mut self, ctx: &Context) {
         let requested = ctx.input(|input| input.viewport().close_requested());
         if requested && !self.leaves && self.is_unsaved() {
-            // A window that is minimized could not ask.
+            // A minimized window could not show the dialog.
             for command in [ViewportCommand::CancelClose, ViewportCommand::Minimized(false), ViewportCommand::Focus] {
                 ctx.send_viewport_cmd(command);
             }
@@ -31,7 +31,7 @@ impl App {
         }
     }
 
-    /// Returns the request, or asks first about the changes that it would lose.
+    /// Returns the request, or shows the dialog first if the request would lose changes.
     pub(super) fn request_or_ask(&mut self, request: FileRequest) -> Option<FileRequest> {
         if request.replaces_level() && self.is_unsaved() {
             self.view.unsaved = Some(Unsaved { request, choice: None });
@@ -40,7 +40,7 @@ impl App {
         Some(request)
     }
 
-    /// Does what was decided about unsaved changes; returns the request that was waiting for it, if it may go on now.
+    /// Carries out the choice about unsaved changes. Returns the waiting request if it can continue now.
     pub(super) fn decide(&mut self) -> Option<FileRequest> {
         let Unsaved { request, choice } = self.view.unsaved.take_if(|unsaved| unsaved.choice.is_some())?;
         match choice? {

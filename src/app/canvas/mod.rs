@@ -1,4 +1,4 @@
-//! The stage: draws a snapshot and turns pointer input into commands. It knows nothing of the simulation.
+//! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
 mod pointer_state;
 mod scenery;
@@ -35,32 +35,32 @@ use pointer_state::PointerState;
 use scenery::Scenery;
 use std::time::Duration;
 
-/// Longest frame that animations believe in [s].
+/// Maximum frame length for animations [s].
 const LONGEST_FRAME: f32 = 0.1;
 
 /// Duration of the hint after a drag in edit mode [s].
 const TOLD: f64 = 5.0;
 
-/// The hint.
+/// Text of the hint after a drag in edit mode.
 const NOTHING_MOVES: &str =
     "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag.";
 
-/// What to show beside the bodies.
+/// Display options of the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// What triangles are coloured by, once the snapshot has its values.
+    /// Field that colours the triangles, once the snapshot has its values.
     pub field: Field,
     /// Whether the edges of triangles are drawn.
     pub wireframe: bool,
     /// Whether the vertices are drawn.
     pub vertices: bool,
-    /// A solid that is pointed at elsewhere: of which effect, and which of that effect's.
+    /// Solid whose sliders are under the pointer: number of its effect, and number of the solid in it.
     pub pointed: Option<[usize; 2]>,
-    /// What the stage is called where there are two.
+    /// Accessible name of the stage, where there are two.
     pub name: &'static str,
 }
 
-/// The stage with everything it remembers from frame to frame; none of it is physics.
+/// The stage with its state between frames; none of it is physics.
 #[derive(Default)]
 pub struct Canvas {
     pointer_state: PointerState,
@@ -73,26 +73,26 @@ pub struct Canvas {
     snow: Snow,
     /// Time until which the hint is shown [s].
     told_until: f64,
-    /// Layers of the drawing: behind the scenery, the bodies, and what lies on top.
+    /// Layers of the drawing: background and scenery, bodies, and annotations.
     behind: ShapeBuffer,
     middle: ShapeBuffer,
     front: ShapeBuffer,
 }
 
-/// What this frame is drawn with.
+/// Data for drawing a frame.
 #[derive(Clone, Copy)]
 struct Frame<'a> {
     snapshot: &'a Snapshot,
     options: &'a Options,
     canvas: Rect,
     view: View,
-    /// Now, and the length of the frame [s].
+    /// Present time and length of the frame [s].
     now: f64,
     dt: f32,
 }
 
 impl Canvas {
-    /// Fills what is left of `ui` with the stage and appends what the pointer asked for to `commands`.
+    /// Fills the rest of `ui` with the stage and appends the commands of the pointer to `commands`.
     pub fn show(&mut self, ui: &mut Ui, snapshot: &Snapshot, options: &Options, commands: &mut Vec<Command>) {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot, options.name);
@@ -115,7 +115,7 @@ impl Canvas {
         }
     }
 
-    /// Shows a hint after a drag in edit mode, which moves nothing.
+    /// Shows a hint after a drag in edit mode, where nothing moves.
     fn tell(&mut self, response: &Response, snapshot: &Snapshot, now: f64) {
         if snapshot.mode != Mode::Edit {
             self.told_until = 0.0;
@@ -182,8 +182,8 @@ impl Canvas {
         net::nets((&mut self.middle, &mut fill), view, snapshot, options, self.bodies.points());
         self.trail.draw(&mut self.middle, view, snapshot);
         painter.add(self.middle.finish());
-        // A clip of its own, which hides nothing more or less, lets the tessellator begin a new mesh for what follows: it
-        // would move the large one to a larger place otherwise, every frame.
+        // A slightly larger clip rectangle, which changes nothing visible, makes the tessellator begin a new mesh here. Otherwise it
+        // would move the large mesh to a larger buffer in every frame.
         let mut painter = painter.clone();
         painter.set_clip_rect(painter.clip_rect().expand(0.01));
         strip_numbers::strip_numbers(&painter, view, canvas, snapshot);
@@ -216,7 +216,7 @@ impl Canvas {
     }
 }
 
-/// What a screen reader, or a test, is told about the stage.
+/// Describes the stage for screen readers and tests.
 fn describe(response: &Response, snapshot: &Snapshot, name: &str) {
     let name = if name.is_empty() { "Stage" } else { name };
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, name));
@@ -229,19 +229,19 @@ fn describe(response: &Response, snapshot: &Snapshot, name: &str) {
     });
 }
 
-/// How a stage that fills `canvas` shows the world, for whoever wants to point at it from outside, such as a test.
+/// Camera of a stage that fills `canvas`; tests use it to point at vertices from outside.
 pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
     Camera::new(canvas, snapshot.width.max(1.0) as f32, strip_numbers::height(snapshot, canvas))
 }
 
-/// Lets two canvases colour equal values equally.
+/// Makes two canvases show equal values in equal colours.
 pub fn share_scale(a: &mut Canvas, b: &mut Canvas) {
     a.scale.heed(Some(&b.scale));
     b.scale.heed(Some(&a.scale));
 }
 
 impl Canvas {
-    /// Colours by its own values alone.
+    /// Scales the colours by the canvas's own values alone.
     pub fn unshare_scale(&mut self) {
         self.scale.heed(None);
     }

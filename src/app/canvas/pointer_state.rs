@@ -1,4 +1,4 @@
-//! Pointer state: a press pins in edit mode and pulls otherwise.
+//! State of the pointer: a press pins in edit mode and pulls in the other modes.
 
 use crate::{
     app::camera::Camera,
@@ -7,32 +7,32 @@ use crate::{
 };
 use eframe::egui::{Event, PointerButton, Pos2, Response};
 
-/// How far a press may wander [points] and still pin the vertex that it began at.
+/// Distance that a press may move and still pin its vertex [points].
 const STILL: f32 = 14.0;
 
-/// A press from its beginning to its end.
+/// State of a press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PointerState {
     /// Nothing is pressed.
     #[default]
     Nothing,
-    /// A vertex will be pinned or freed when the press ends.
+    /// The vertex is pinned or freed when the press ends.
     Pin { vertex: usize, origin: Pos2, generation: u64 },
-    /// A vertex, one of so many, is pulled to a point [m].
+    /// The vertex, one of `of`, is pulled to a point [m].
     Pull { vertex: usize, of: usize, target: [f64; 2], generation: u64 },
-    /// The press has been cut short; it means nothing until it ends.
+    /// The press was interrupted and has no effect until it ends.
     Spent,
 }
 
-/// The pointer in this frame.
+/// Pointer in this frame.
 struct Pointer {
     /// Whether the stage is pressed.
     down: bool,
-    /// Whether the window or the button was lost.
+    /// Whether the window lost the focus in this frame.
     lost: bool,
-    /// Where the press began, if there is one.
+    /// Position of the press, if there is one.
     origin: Option<Pos2>,
-    /// Where it is.
+    /// Present position.
     at: Option<Pos2>,
 }
 
@@ -49,7 +49,7 @@ impl Pointer {
 }
 
 impl PointerState {
-    /// The vertex in question.
+    /// Vertex of the press.
     pub const fn vertex(&self) -> Option<usize> {
         match *self {
             Self::Pin { vertex, .. } | Self::Pull { vertex, .. } => Some(vertex),
@@ -57,7 +57,7 @@ impl PointerState {
         }
     }
 
-    /// Whether a press would begin something.
+    /// Whether nothing is pressed, so that a press starts an action.
     pub const fn is_free(&self) -> bool {
         matches!(self, Self::Nothing)
     }
@@ -67,12 +67,12 @@ impl PointerState {
         matches!(self, Self::Pull { .. })
     }
 
-    /// Whether a press that would pin has been dragged away to a point.
+    /// Whether a press that would pin was dragged away to a point.
     pub fn is_dragged(&self, at: Option<Pos2>) -> bool {
         matches!(*self, Self::Pin { origin, .. } if at.is_some_and(|at| at.distance(origin) >= STILL))
     }
 
-    /// Follows the pointer for a frame. `points` are the vertices on the screen.
+    /// Updates the state for a frame. `points` are the vertices on the screen.
     pub fn follow(
         &mut self,
         response: &Response,
@@ -85,7 +85,7 @@ impl PointerState {
         *self = match *self {
             Self::Nothing if pointer.down => begin(&pointer, snapshot, camera, points, commands),
             Self::Nothing => {
-                // A press that ended within one frame is only known as a click.
+                // A press that ends within one frame is reported only as a click.
                 if response.clicked_by(PointerButton::Primary) && snapshot.mode == Mode::Edit {
                     let vertex = pointer.at.and_then(|at| nearest(points, at));
                     commands.extend(vertex.map(Command::TogglePin));
@@ -109,7 +109,7 @@ impl PointerState {
                     commands.push(Command::Release);
                     spent(&pointer)
                 } else if generation != snapshot.generation {
-                    // The same vertices have started over, say as another material.
+                    // The scene was built again with the same vertices, for example with another material.
                     commands.push(Command::Grab(vertex, target));
                     Self::Pull { vertex, of, target, generation: snapshot.generation }
                 } else {
@@ -120,7 +120,7 @@ impl PointerState {
         };
     }
 
-    /// Goes on pulling, to where the pointer is now.
+    /// Continues the pull to the present position of the pointer.
     fn pulled(self, pointer: &Pointer, camera: Camera, commands: &mut Vec<Command>) -> Self {
         match (self, pointer.at.map(|at| camera.world_from_screen(at))) {
             (Self::Pull { vertex, of, target: old, generation }, Some(target)) if target != old => {
@@ -132,7 +132,7 @@ impl PointerState {
     }
 }
 
-/// What a press means: the vertex nearest to where it began counts, however far it has moved since.
+/// Starts a press. Its vertex is the one nearest to the position of the press, however far the pointer has moved since.
 fn begin(
     pointer: &Pointer,
     snapshot: &Snapshot,
@@ -157,7 +157,7 @@ const fn spent(pointer: &Pointer) -> PointerState {
     if pointer.down { PointerState::Spent } else { PointerState::Nothing }
 }
 
-/// The vertex nearest to a point of the screen, however far away; the first of several.
+/// Vertex nearest to a point of the screen, at any distance; the first of several.
 pub fn nearest(points: &[Pos2], at: Pos2) -> Option<usize> {
     let distance = |i: &usize| points[*i].distance_sq(at);
     (0..points.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))

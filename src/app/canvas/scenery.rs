@@ -1,4 +1,4 @@
-//! Scenery: the shapes of the active effects, drawn behind the bodies. It changes rarely, so its drawing is kept.
+//! Scenery: the shapes of the active effects, drawn behind the bodies. It rarely changes, so its drawing is cached.
 
 use crate::{
     app::draw::{View, candy, house, shape_buffer::ShapeBuffer},
@@ -9,13 +9,13 @@ use crate::{
 };
 use eframe::egui::{self, Rect};
 
-/// How long a cross-fade takes [s].
+/// Duration of a cross-fade [s].
 const FADE: f32 = 0.2;
 
-/// How much is seen in edit mode of what only acts in collide mode.
+/// Presence in edit mode of effects that act only in collide mode.
 const PALE: f32 = 0.72;
 
-/// The scenery and how much of it is there.
+/// State of the scenery.
 #[derive(Default)]
 pub struct Scenery {
     generation: Option<u64>,
@@ -23,13 +23,13 @@ pub struct Scenery {
     effects: Vec<(Vec<Shape>, f32)>,
     moving: bool,
     buffer: ShapeBuffer,
-    /// What the buffer shows; redrawn when it differs.
+    /// Content of the buffer; it is drawn again when this differs.
     drawn: Option<(View, Rect, u32, Option<[usize; 2]>)>,
     changed: bool,
 }
 
 impl Scenery {
-    /// Fades effects in and out.
+    /// Updates the presence of each effect, which fades in and out.
     pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
         let known = self.generation == Some(snapshot.generation);
         self.generation = Some(snapshot.generation);
@@ -49,19 +49,19 @@ impl Scenery {
         }
     }
 
-    /// Whether something still fades.
+    /// Whether an effect is fading.
     pub fn is_moving(&self) -> bool {
         self.moving
     }
 
-    /// How much of a room there is: it takes the place of the plain world square.
+    /// Presence of a room, which replaces the plain world square.
     pub fn room_presence(&self) -> f32 {
         let rooms =
             self.effects.iter().filter(|(shapes, _)| shapes.iter().any(|shape| matches!(shape, Shape::Room(_))));
         rooms.map(|effect| effect.1).fold(0.0, f32::max)
     }
 
-    /// The drawing, made again only if something has changed. What is `pointed` at stands out.
+    /// Returns the drawing, made again only if something has changed. The solid `pointed` is highlighted.
     pub fn draw(
         &mut self,
         pixels_per_point: f32,
@@ -103,7 +103,7 @@ impl Scenery {
     }
 }
 
-/// How much of an effect should be seen in a mode.
+/// Target presence of an effect in a mode.
 fn wanted(effect: &EffectLevel, mode: Mode) -> f32 {
     match (effect.switch, effect.when, mode) {
         (Switch::Off, ..) | (_, When::Collide, Mode::Simulate) => 0.0,

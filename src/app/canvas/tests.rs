@@ -12,7 +12,7 @@ use crate::{
 use eframe::egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::{Harness, kittest::Queryable as _};
 
-/// A stage, what it shows, and what it has asked for.
+/// A stage with its snapshot, options and commands.
 struct Bench {
     canvas: Canvas,
     snapshot: Snapshot,
@@ -47,7 +47,7 @@ fn rect(harness: &Harness<'_, Bench>) -> Rect {
     harness.get_by_label("Stage").rect()
 }
 
-/// A little beside a vertex.
+/// Point near a vertex.
 fn beside(harness: &Harness<'_, Bench>, vertex: usize) -> Pos2 {
     let snapshot = &harness.state().snapshot;
     let point = [snapshot.positions[2 * vertex], snapshot.positions[2 * vertex + 1]];
@@ -62,7 +62,7 @@ fn button(pos: Pos2, pressed: bool) -> Event {
     Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
 }
 
-/// Plays events, each in a frame of its own, and takes what was asked for.
+/// Plays events, each in a frame of its own, and takes the commands.
 fn play(harness: &mut Harness<'_, Bench>, events: impl IntoIterator<Item = Event>) -> Vec<Command> {
     for event in events {
         harness.event(event);

@@ -4,7 +4,7 @@ use super::{View, card, shape_buffer::ShapeBuffer};
 use crate::{app::numbers::si_fixed, snapshot::Pull};
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, vec2};
 
-/// Shaft and head of an arrow [points].
+/// Shaft width and head length of an arrow [points].
 struct Size {
     width: f32,
     head: f32,
@@ -27,7 +27,7 @@ fn stroke(buffer: &mut ShapeBuffer, from: Pos2, to: Pos2, size: &Size, color: Co
         return buffer.line(&[from, to], false, size.width, color);
     }
     let along = (to - from).normalized();
-    // The outline's head is longer by what sticks out behind; its tip sticks out in front.
+    // The tip lies half a width beyond `to`, so that the outline is visible in front of the head and behind it.
     let tip = to + along * (0.5 * size.width);
     let neck = tip - along * size.head;
     buffer.line(&[from, neck], false, size.width, color);
@@ -43,7 +43,7 @@ pub fn force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pul
     let right = to.x >= from.x;
     let gap = view.size(0.035, 18.0, 90.0);
     let font = FontId::monospace(view.size(0.024, 14.0, 40.0));
-    // Where there is no room beside the head it stands beyond it, up or down.
+    // Without room beside the head the text lies above or below it.
     let room = if right { canvas.right() - to.x } else { to.x - canvas.left() };
     let (aside, anchor) = if room < gap + 6.5 * font.size {
         if to.y > from.y { (vec2(0.0, gap), Align2::CENTER_TOP) } else { (vec2(0.0, -gap), Align2::CENTER_BOTTOM) }

@@ -16,36 +16,36 @@ use eframe::egui::{Color32, Pos2};
 /// Width of the baked rim [m].
 const RIM: f32 = 0.016;
 
-/// Width of the outline of a body that would fill too much [points].
+/// Width of the outline of a body whose full drawing would fill too much [points].
 const OUTLINE: f32 = 1.5;
 
-/// A body with one of so many triangles inside out has come apart.
+/// If one of this many triangles is inverted, the body has come apart.
 const CRUMBLED: usize = 10;
 
-/// What does not change while a body moves.
+/// Data that do not change while a body moves.
 struct ConstantPart {
-    /// Its boundary, the body on the left.
+    /// Boundary loops, with the body on the left.
     loops: Vec<Vec<u32>>,
-    /// Its edges, each once.
+    /// Edges, each once.
     edges: Vec<[u32; 2]>,
-    /// Sugar and spice.
+    /// Positions of sugar and spice.
     specks: Vec<Embedded>,
-    /// Its size in the world over its size in the mesh.
+    /// Scale from the mesh to the world.
     scale: f32,
 }
 
-/// All bodies of a scene.
+/// Drawing data of all bodies of a scene.
 #[derive(Default)]
 pub struct Bodies {
     generation: Option<u64>,
     constant: Vec<ConstantPart>,
-    /// The vertices on the screen.
+    /// Vertices on the screen.
     points: Vec<Pos2>,
     line: Vec<Pos2>,
 }
 
 impl Bodies {
-    /// Places the vertices on the screen.
+    /// Maps the vertices to the screen.
     pub fn place(&mut self, snapshot: &Snapshot, view: View) {
         if self.generation != Some(snapshot.generation) || self.constant.len() != snapshot.bodies.len() {
             self.generation = Some(snapshot.generation);
@@ -58,12 +58,12 @@ impl Bodies {
         self.points.extend(positions.map(|point| view.camera.screen_from_world([point[0], point[1]])));
     }
 
-    /// The vertices on the screen, as placed last.
+    /// Vertices on the screen, from the last [`Self::place`].
     pub fn points(&self) -> &[Pos2] {
         &self.points
     }
 
-    /// The value of the triangle under a point of the screen; of the last one drawn, if there are several.
+    /// Value of the triangle under a point of the screen; of several, the one drawn last.
     pub fn value_at(&self, snapshot: &Snapshot, at: Pos2) -> Option<f64> {
         let turn = |a: Pos2, b: Pos2| (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
         let is_inside = |triangle: &[u32; 3]| {
@@ -76,7 +76,7 @@ impl Bodies {
         snapshot.values.get(snapshot.triangles.iter().rposition(is_inside)?).copied()
     }
 
-    /// Draws all bodies, in the order of the level, as far as the area that they fill allows.
+    /// Draws all bodies in the order of the level, with less detail when the filled area is too large.
     pub fn draw(
         &mut self,
         (buffer, fill): (&mut ShapeBuffer, &mut Fill),
@@ -116,7 +116,7 @@ impl Bodies {
             let opacity = if values.is_some() || options.wireframe { 0.55 } else { 1.0 };
             let style = IcingStyle { opacity, scale: constant_part.scale };
             if inverted * CRUMBLED > body.triangles.len() {
-                // Icing would only hide what is left of the body.
+                // Icing would hide the rest of the body.
             } else if body.mesh.icing().is_empty() {
                 icing::edge(buffer, view, &constant_part.loops, points, &mut self.line, style);
             } else {
@@ -141,7 +141,7 @@ impl ConstantPart {
         Self { loops: body.mesh.boundary_loops(), edges, specks: specks(body), scale }
     }
 
-    /// Area that the body fills on the stage, at most, drawn in full and as an outline [square points].
+    /// Upper bounds of the area that the body fills on the stage, in full and as an outline [square points].
     fn areas(
         &self,
         fill: &Fill,
@@ -155,7 +155,7 @@ impl ConstantPart {
             vertices.iter().zip(next).map(|(a, b)| [*a, *b]).collect::<Vec<_>>()
         };
         let boundary = fill.lines(points, self.loops.iter().flat_map(turns), 1.0);
-        // Dough, and once more what is inside out; the rim and, about as wide, the icing.
+        // The dough counts twice with inverted triangles. The icing is about as wide as the rim.
         let dough = fill.triangles(points, body.mesh.triangles()) * if inverted { 2.0 } else { 1.0 };
         let edges = if wireframe { fill.lines(points, self.edges.iter().copied(), 2.0) } else { 0.0 };
         [dough + 2.0 * self.rim_width(view) * boundary + edges, OUTLINE * boundary]
@@ -199,7 +199,7 @@ impl ConstantPart {
     }
 }
 
-/// A few points of a body, always the same.
+/// Fixed pseudo-random points of a body.
 fn specks(body: &BodySnapshot) -> Vec<Embedded> {
     let triangles = body.mesh.triangles().len();
     let count = ((body.mesh.area() * 500.0) as usize).clamp(12, 150);
@@ -215,19 +215,19 @@ fn specks(body: &BodySnapshot) -> Vec<Embedded> {
     (0..if triangles == 0 { 0 } else { count }).map(speck).collect()
 }
 
-/// The points of a loop.
+/// Copies the points of a loop to `line`.
 pub(super) fn gather(line: &mut Vec<Pos2>, points: &[Pos2], vertices: &[u32]) {
     line.clear();
     line.extend(vertices.iter().filter_map(|&vertex| points.get(vertex as usize)));
 }
 
-/// Triangles that are inside out, which run the other way round on the screen too. Returns how many there are.
+/// Draws the inverted triangles, which have the opposite orientation on the screen, and returns their number.
 fn inside_out(buffer: &mut ShapeBuffer, view: View, body: &BodySnapshot, points: &[Pos2]) -> usize {
     let mut count = 0;
     for triangle in body.mesh.triangles() {
         let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
         let (u, v) = (b - a, c - a);
-        // The screen's y points down: what runs counter-clockwise has a negative cross product here.
+        // The screen's y axis points down: a counter-clockwise triangle has a negative cross product.
         if u.x * v.y - u.y * v.x >= 0.0 {
             let [a, b, c] = [a, b, c].map(|corner| buffer.vertex(corner, view.theme.pull));
             buffer.triangle(a, b, c);
@@ -237,7 +237,7 @@ fn inside_out(buffer: &mut ShapeBuffer, view: View, body: &BodySnapshot, points:
     count
 }
 
-/// Small points for vertices of what would fill too much.
+/// Draws small points for the vertices of a body or net that would fill too much.
 pub(super) fn dots(buffer: &mut ShapeBuffer, points: &[Pos2], color: Color32) {
     for &point in points {
         buffer.dot(point, 1.2, color);

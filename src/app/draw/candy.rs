@@ -3,7 +3,7 @@
 use super::{View, scatter, shape_buffer::ShapeBuffer};
 use eframe::egui::{Color32, Pos2, Rect, vec2};
 
-/// A solid as a gumdrop: lighter on top, sugared, with a dark foot. `number` chooses its colour.
+/// Draws a solid as a gumdrop: lighter on top, with sugar and a dark foot. `number` selects its colour.
 pub fn gumdrop(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], number: usize, presence: f32) {
     let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
     if points.len() < 3 {
@@ -18,13 +18,13 @@ pub fn gumdrop(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], numbe
     sugar(buffer, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
 }
 
-/// A line around a solid that is meant just now.
+/// Draws a line around a highlighted solid.
 pub fn ring(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], presence: f32) {
     let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
     buffer.line(&points, true, view.size(0.009, 3.0, 20.0), view.theme.accent_line.gamma_multiply(presence));
 }
 
-/// Sugar grains inside an outline.
+/// Draws sugar grains inside an outline.
 fn sugar(buffer: &mut ShapeBuffer, view: View, outline: &[Pos2], bounds: Rect, color: Color32) {
     let size = view.size(0.0028, 0.8, 8.0);
     let world = view.camera.length(1.0);
@@ -37,7 +37,7 @@ fn sugar(buffer: &mut ShapeBuffer, view: View, outline: &[Pos2], bounds: Rect, c
     }
 }
 
-/// Whether a point lies inside an outline, by the edges to its right.
+/// Whether a point lies inside an outline, by the number of edges to its right.
 fn is_inside(outline: &[Pos2], at: Pos2) -> bool {
     let mut inside = false;
     for (i, a) in outline.iter().enumerate() {
@@ -49,7 +49,7 @@ fn is_inside(outline: &[Pos2], at: Pos2) -> bool {
     inside
 }
 
-/// The rectangle that nothing leaves: a thread of icing.
+/// Draws the boundary of the domain as a thread of icing.
 pub fn edges(buffer: &mut ShapeBuffer, view: View, [least, greatest]: [[f64; 2]; 2], presence: f32) {
     let corners = [least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
     let points = corners.map(|corner| view.camera.screen_from_world(corner));

@@ -10,7 +10,7 @@ use crate::{
 };
 use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, pos2, vec2};
 
-/// Where its parts are.
+/// Positions of the parts of the bar.
 struct Layout {
     card: Rect,
     bar: Rect,
@@ -21,10 +21,10 @@ impl Layout {
     fn new(canvas: Rect, square: Rect) -> Self {
         let size = (canvas.height() / 55.0).clamp(12.0, 32.0);
         let (width, ends) = (5.6 * size, 5.2 * size);
-        // At the edge of the stage, but not far from the house in a wide window.
+        // The bar lies at the edge of the stage, but not far from the house in a wide window.
         let left = (canvas.right() - 8.0 - width).min(square.right() + 0.14 * square.width());
         let height = (0.5 * canvas.height()).clamp(80.0, 40.0 * size);
-        // On a tall stage there is room above the world, where it covers nobody.
+        // On a tall stage there is room above the world, where the bar covers no body.
         let above = square.top() - canvas.top() - 16.0 - ends;
         let over = left < square.right() && above > 80.0;
         let height = if over { height.min(above) } else { height };
@@ -55,7 +55,7 @@ pub fn colour_bar(painter: &Painter, buffer: &mut ShapeBuffer, view: View, canva
     }
 }
 
-/// The field's name, as short as the card is wide.
+/// Title of the field that fits the width of the card.
 const fn short_title(field: Field) -> &'static str {
     match field {
         Field::None => "",
@@ -65,7 +65,7 @@ const fn short_title(field: Field) -> &'static str {
     }
 }
 
-/// The colours, and beyond an end a tip for values that lie further out.
+/// Draws the gradient, with a tip at an end beyond which values are cut off.
 fn gradient(buffer: &mut ShapeBuffer, bar: Rect, scale: &Scale, both_ways: bool) {
     let steps = 64;
     for i in 0..steps {
@@ -82,7 +82,7 @@ fn gradient(buffer: &mut ShapeBuffer, bar: Rect, scale: &Scale, both_ways: bool)
     }
 }
 
-/// A tick with its number; the one for rest goes all the way across.
+/// Draws a tick with its number; the tick of the rest value crosses the bar.
 fn tick(painter: &Painter, view: View, layout: &Layout, y: f32, text: &str, rest: bool) {
     let reach = if rest { layout.bar.width() } else { 0.0 };
     let right = layout.bar.right();
@@ -91,7 +91,7 @@ fn tick(painter: &Painter, view: View, layout: &Layout, y: f32, text: &str, rest
     painter.text(pos2(right + 8.0, y), Align2::LEFT_CENTER, text, layout.font.clone(), view.theme.annotation);
 }
 
-/// Writes the value under the pointer beside it.
+/// Draws the value under the pointer beside the pointer.
 pub fn reading(painter: &Painter, view: View, canvas: Rect, at: Pos2, field: Field, value: f64) {
     let text = si(value, field.unit());
     let font = FontId::monospace((canvas.height() / 55.0).clamp(13.0, 32.0));

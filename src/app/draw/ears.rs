@@ -2,8 +2,8 @@
 
 use eframe::egui::Pos2;
 
-/// Hands out triangles, as numbers of points, that fill an outline of either direction. An outline that crosses itself
-/// is still filled somehow.
+/// Calls `triangle` with point numbers of triangles that fill an outline of either direction. An outline that crosses itself
+/// is also filled, but not in a defined way.
 pub fn cut(outline: &[Pos2], mut triangle: impl FnMut([u32; 3])) {
     let mut left: Vec<u32> = (0..outline.len() as u32).collect();
     let at = |i: u32| outline[i as usize];
@@ -21,7 +21,7 @@ pub fn cut(outline: &[Pos2], mut triangle: impl FnMut([u32; 3])) {
         let ear = (start..start + count).find(|&i| is_ear(i)).unwrap_or(start);
         triangle(corner(ear));
         left.remove(ear % count);
-        // Going on behind the ear keeps triangles from all sharing one corner.
+        // Continuing behind the ear avoids that all triangles share one corner.
         start = ear % count;
     }
     if let [a, b, c] = left[..] {

@@ -2,10 +2,10 @@
 
 use eframe::egui::{Pos2, Rect};
 
-/// Area that bodies and nets may fill in a frame, over that of the stage.
+/// Maximum area that bodies and nets fill in a frame, relative to the area of the stage.
 const MOST: f32 = 4.0;
 
-/// How much of a body or net is drawn.
+/// Level of detail of a body or net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// Everything.
@@ -16,7 +16,7 @@ pub enum Detail {
     Points,
 }
 
-/// Area that may still be filled in a frame.
+/// Remaining area that can be filled in a frame.
 pub struct Fill {
     stage: Rect,
     left: f32,
@@ -28,7 +28,7 @@ impl Fill {
         Self { stage, left: MOST * stage.area() }
     }
 
-    /// The first of the details whose area fits into what is left, which is taken from it; points fit always.
+    /// Returns the first detail whose area fits into the remaining area, and subtracts it. Points always fit.
     pub fn choose(&mut self, areas: [f32; 2]) -> Detail {
         for (detail, area) in [Detail::Full, Detail::Outline].into_iter().zip(areas) {
             if area <= self.left {
@@ -39,7 +39,7 @@ impl Fill {
         Detail::Points
     }
 
-    /// Area of triangles on the stage, at most [square points].
+    /// Upper bound of the area of triangles on the stage [square points].
     pub fn triangles(&self, points: &[Pos2], triangles: &[[u32; 3]]) -> f32 {
         let area = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|corner| points[corner as usize]);
@@ -50,7 +50,7 @@ impl Fill {
         triangles.iter().map(area).sum()
     }
 
-    /// Area of lines of a width on the stage, at most [square points].
+    /// Upper bound of the area of lines of a width on the stage [square points].
     pub fn lines(&self, points: &[Pos2], lines: impl IntoIterator<Item = [u32; 2]>, width: f32) -> f32 {
         let length = |ends: [u32; 2]| {
             let [a, b] = ends.map(|end| points[end as usize]);

@@ -6,36 +6,36 @@ use eframe::egui::{Color32, Pos2, Rect, lerp, pos2};
 /// Thickness of walls, floor and roof [m].
 pub const THICKNESS: f64 = 0.05;
 
-/// How far the snow behind and in front of the house lies below the floor [m].
+/// Depths below the floor of the snow behind and in front of the house [m].
 const HILLS: [f64; 2] = [0.03, 0.055];
 
-/// What an edge of the room is.
+/// Kind of an edge of the room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Below.
+    /// Lower edge.
     Floor,
-    /// At the side.
+    /// Side edge.
     Wall,
-    /// Above.
+    /// Upper edge.
     Roof,
-    /// The room only ends there because the world does.
+    /// Edge of the world, without a wall.
     Open,
 }
 
 /// One edge of the room, counter-clockwise.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
-    /// What it is.
+    /// Kind of the edge.
     pub kind: Kind,
-    /// Its ends [m].
+    /// Ends on the inner face [m].
     pub ends: [[f64; 2]; 2],
-    /// The same ends on the outer face [m].
+    /// Ends on the outer face [m].
     pub outer: [[f64; 2]; 2],
-    /// Unit vector outwards.
+    /// Outward unit normal.
     pub out: [f64; 2],
 }
 
-/// A pen in world coordinates, with the colours of the theme.
+/// Draws in world coordinates with the colours of the theme.
 pub struct Baker<'a> {
     pub(super) buffer: &'a mut ShapeBuffer,
     pub(super) view: View,
@@ -66,7 +66,7 @@ impl Baker<'_> {
         self.buffer.disc(at, self.view.camera.length(radius), color);
     }
 
-    /// A candy button with a light.
+    /// Draws a candy button with a highlight.
     pub(super) fn button(&mut self, at: [f64; 2], radius: f32, color: Color32) {
         self.disc([at[0], at[1] - 0.1 * f64::from(radius)], 1.18 * radius, self.view.theme.wall_shade);
         self.disc(at, radius, color);
@@ -75,17 +75,17 @@ impl Baker<'_> {
     }
 }
 
-/// A point between two others, or beyond them.
+/// Point between two others, or beyond them.
 pub(super) fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
 
-/// A point moved along a direction.
+/// Point moved along a direction.
 pub(super) fn moved(point: [f64; 2], direction: [f64; 2], by: f64) -> [f64; 2] {
     [point[0] + by * direction[0], point[1] + by * direction[1]]
 }
 
-/// Draws the house around a convex room, standing in snow that reaches across the canvas.
+/// Draws the house around a convex room, with snow across the canvas.
 pub fn house(buffer: &mut ShapeBuffer, view: View, canvas: Rect, room: &[[f64; 2]], presence: f32) {
     let sides = sides(room);
     let mut baker = Baker { buffer, view, presence };
@@ -106,13 +106,13 @@ pub fn house(buffer: &mut ShapeBuffer, view: View, canvas: Rect, room: &[[f64; 2
     }
 }
 
-/// Icing along the inner faces; its inner rim is where bodies touch.
+/// Draws icing along the inner faces; bodies touch its inner rim.
 fn seam(baker: &mut Baker<'_>, sides: &[Side]) {
     let icing = baker.view.theme.icing;
     let (half, width) = (0.006 / THICKNESS, 0.012);
     let end = |side: &Side, i: usize| between(side.ends[i], side.outer[i], half);
     for side in sides.iter().filter(|side| side.kind != Kind::Open) {
-        // Round ends make the corners.
+        // The round ends of the lines form the corners.
         baker.line(&[end(side, 0), end(side, 1)], width, icing);
     }
 }
@@ -124,7 +124,7 @@ fn sides(room: &[[f64; 2]]) -> Vec<Side> {
         let length = (bx - ax).hypot(by - ay).max(1e-12);
         [(by - ay) / length, (ax - bx) / length]
     };
-    // The outer face's corner lies as far out of both neighbouring faces.
+    // A corner of the outer face has the same distance from both neighbouring inner faces.
     let corner = |i: usize| {
         let (a, b) = (out(i + count - 1), out(i));
         let cosine = (1.0 + a[0] * b[0] + a[1] * b[1]).max(0.5);
@@ -149,7 +149,7 @@ fn kind(ends: [[f64; 2]; 2], out: [f64; 2]) -> Kind {
     }
 }
 
-/// Snow on the ground, in soft hills.
+/// Draws snow hills on the ground.
 fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64, shift: f32) {
     let [near, far] = baker.view.theme.ground.map(|color| baker.color(color));
     let base = baker.view.camera.screen_from_world([0.0, level]).y;
@@ -168,7 +168,7 @@ fn ground(baker: &mut Baker<'_>, canvas: Rect, level: f64, shift: f32) {
     }
 }
 
-/// The wall behind the bodies.
+/// Draws the wall behind the bodies.
 fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     let points = baker.points(room);
     let [top, bottom] = baker.view.theme.inside.map(|color| baker.color(color));
@@ -176,7 +176,7 @@ fn inside(baker: &mut Baker<'_>, room: &[[f64; 2]]) {
     baker.buffer.shaded(&points, |at| top.lerp_to_gamma(bottom, (at.y - bounds.top()) / bounds.height().max(1.0)));
 }
 
-/// Two windows in the wall behind, quiet enough not to compete with a body in front of them.
+/// Draws two windows in the back wall, in weak colours so that bodies in front stand out.
 fn windows(baker: &mut Baker<'_>, room: &[[f64; 2]], sides: &[Side]) {
     let theme = baker.view.theme;
     let extent = |axis: usize| {
@@ -207,7 +207,7 @@ fn windows(baker: &mut Baker<'_>, room: &[[f64; 2]], sides: &[Side]) {
     }
 }
 
-/// A wall or the floor: dough with candy on it.
+/// Draws a wall or the floor: dough with candy.
 fn wall(baker: &mut Baker<'_>, side: &Side) {
     let theme = baker.view.theme;
     let ([a, b], [c, d]) = (side.ends, side.outer);

@@ -4,7 +4,7 @@ use super::{View, body::gather, shape_buffer::ShapeBuffer};
 use crate::meshes::{Embedded, IcingColor, Mesh};
 use eframe::egui::{Pos2, vec2};
 
-/// Where a point of the body is on the screen, for its vertices on the screen.
+/// Point of a body on the screen, from its vertices on the screen.
 pub fn place(point: &Embedded, triangles: &[[u32; 3]], points: &[Pos2]) -> Pos2 {
     let mut sum = vec2(0.0, 0.0);
     for (&vertex, &weight) in triangles[point.triangle as usize].iter().zip(&point.weights) {
@@ -13,16 +13,16 @@ pub fn place(point: &Embedded, triangles: &[[u32; 3]], points: &[Pos2]) -> Pos2 
     sum.to_pos2()
 }
 
-/// How a body's icing is drawn.
+/// Style of a body's icing.
 #[derive(Clone, Copy, Debug)]
 pub struct IcingStyle {
-    /// 1 hides what is below, 0 hides the icing.
+    /// Opacity: 1 hides what is below, 0 hides the icing.
     pub opacity: f32,
-    /// The body's size in the world over its size in the mesh.
+    /// Scale from the mesh to the world.
     pub scale: f32,
 }
 
-/// The strokes that came with the mesh, each with a little shade below that lifts it off the dough.
+/// Draws the icing strokes of the mesh, each with a small shadow below.
 pub fn strokes(
     buffer: &mut ShapeBuffer,
     view: View,
@@ -56,7 +56,7 @@ pub fn strokes(
     }
 }
 
-/// A plain line of icing along the boundary, for bodies that nobody has decorated.
+/// Draws a plain line of icing along the boundary of a body without icing strokes.
 pub fn edge(
     buffer: &mut ShapeBuffer,
     view: View,

@@ -21,23 +21,23 @@ pub mod toy;
 use super::{camera::Camera, theme::Theme};
 use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
 
-/// How the world is looked at.
+/// Camera and theme of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Where it lies on the screen.
+    /// Camera of the stage.
     pub camera: Camera,
-    /// Its colours.
+    /// Colours of the theme.
     pub theme: &'static Theme,
 }
 
 impl View {
-    /// A size that goes with the world [m], but stays readable [points].
+    /// Length on the screen of a length of the world [m], limited to stay readable [points].
     fn size(&self, metres: f32, least: f32, most: f32) -> f32 {
         self.camera.length(metres).clamp(least, most)
     }
 }
 
-/// Text on a card that keeps it readable whatever is behind, kept inside `within`. Returns the card.
+/// Draws text on a card, which keeps it readable on any background, inside `within`. Returns the card.
 fn card(painter: &Painter, view: View, within: Rect, at: (Pos2, Align2), text: (&str, FontId, Color32)) -> Rect {
     let (text, font, color) = text;
     let galley = painter.layout_no_wrap(text.to_owned(), font, color);
@@ -51,7 +51,7 @@ fn card(painter: &Painter, view: View, within: Rect, at: (Pos2, Align2), text: (
     rect
 }
 
-/// A number from 0 to 1 that looks random and is always the same for the same two seeds.
+/// Pseudo-random number from 0 to 1, fixed by its two seeds.
 fn scatter(seed: usize, salt: u32) -> f32 {
     let mut hash = (seed as u32).wrapping_mul(0x9E37_79B9) ^ salt.wrapping_mul(0x85EB_CA6B);
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x2C1B_3C6D);

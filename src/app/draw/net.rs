@@ -15,13 +15,13 @@ use crate::{
 use eframe::egui::{Color32, Pos2, Vec2, vec2};
 use std::f32::consts::TAU;
 
-/// Up to this many springs are drawn as coils.
+/// Maximum number of springs that are drawn as coils.
 const FEW: usize = 24;
 
-/// Relative change of length at which a spring's colour has changed fully.
+/// Relative change of length at which the colour of a spring is saturated.
 const STRAIN: f64 = 0.25;
 
-/// Draws all nets on the vertices' places.
+/// Draws all nets at their vertices.
 pub fn nets(
     (buffer, fill): (&mut ShapeBuffer, &mut Fill),
     view: View,
@@ -49,7 +49,7 @@ pub fn nets(
             }
         }
         let coiled = net.springs.links().len() <= FEW;
-        // Flexion springs lie over the structural ones and would only thicken them.
+        // Flexion springs lie over the structural ones, which they would only thicken.
         for role in [Role::Flexion, Role::Shear, Role::Structural] {
             let seen = role != Role::Flexion || options.wireframe;
             for link in net.springs.links().iter().filter(|link| seen && link.role == role) {
@@ -67,7 +67,7 @@ pub fn nets(
     }
 }
 
-/// Icing at rest, redder the more a spring is stretched, bluer the more it is squeezed.
+/// Colour of a spring: that of icing at rest, redder when stretched, bluer when compressed.
 fn color(view: View, link: &Link, positions: &[f64]) -> Color32 {
     let length = link.length(positions);
     let strain = if link.rest > 0.0 { (length - link.rest) / link.rest } else { 0.0 };
@@ -76,14 +76,14 @@ fn color(view: View, link: &Link, positions: &[f64]) -> Color32 {
     view.theme.icing.lerp_to_gamma(towards, 0.85 * share.abs())
 }
 
-/// A straight string.
+/// Draws a straight string.
 fn string(buffer: &mut ShapeBuffer, ends: [Pos2; 2], width: f32, color: Color32) {
     let (half, soft) = (0.5 * width, 0.5 * buffer.pixel());
     let distances = [half + soft, (half - soft).max(0.0), -(half - soft).max(0.0), -half - soft];
     buffer.bands(&ends, false, &distances, &[0.0, 1.0, 1.0, 0.0], color);
 }
 
-/// A coil that opens as the spring gets longer, with straight ends.
+/// Draws a coil with straight ends, which opens as the spring gets longer.
 fn coil(buffer: &mut ShapeBuffer, view: View, [from, to]: [Pos2; 2], link: &Link, color: Color32) {
     const SMOOTH: u16 = 10;
     let (along, aside) = (to - from, (to - from).normalized().rot90());
@@ -101,7 +101,7 @@ fn coil(buffer: &mut ShapeBuffer, view: View, [from, to]: [Pos2; 2], link: &Link
     buffer.line(&line, false, width, color);
 }
 
-/// A candy for each particle, as large as the springs leave room for.
+/// Draws a candy for each particle, as large as the springs leave room for.
 fn candies(buffer: &mut ShapeBuffer, view: View, net: &NetSnapshot, points: &[Pos2]) {
     let lengths = net.springs.links().iter().map(|link| link.rest).filter(|rest| *rest > 0.0);
     let room = lengths.fold(f64::INFINITY, f64::min).min(0.1) as f32;
@@ -112,7 +112,7 @@ fn candies(buffer: &mut ShapeBuffer, view: View, net: &NetSnapshot, points: &[Po
     }
 }
 
-/// A round sweet, lit from above.
+/// Draws a round candy, lit from above.
 pub(super) fn candy(buffer: &mut ShapeBuffer, at: Pos2, radius: f32, color: Color32) {
     buffer.disc(at + vec2(0.0, 0.14 * radius), 1.12 * radius, Color32::from_black_alpha(100));
     buffer.disc(at, radius, color.lerp_to_gamma(Color32::BLACK, 0.25));

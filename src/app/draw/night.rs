@@ -3,15 +3,15 @@
 use super::{View, scatter, shape_buffer::ShapeBuffer};
 use eframe::egui::{CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2};
 
-/// Slow sparse snow. It only falls while time runs.
+/// Slow sparse snow, which falls only while simulated time runs.
 #[derive(Debug, Default)]
 pub struct Snow {
-    /// How long it has fallen [s].
+    /// Time that the snow has fallen [s].
     time: f32,
 }
 
 impl Snow {
-    /// Lets it fall.
+    /// Advances the snow by a time [s].
     pub fn fall(&mut self, dt: f32) {
         self.time += dt;
     }
@@ -30,12 +30,12 @@ impl Snow {
     }
 }
 
-/// The sky.
+/// Draws the sky.
 pub fn sky(buffer: &mut ShapeBuffer, canvas: Rect, view: View) {
     buffer.gradient(canvas, view.theme.sky);
 }
 
-/// The world, where no house stands in it.
+/// Draws the world square, where there is no house.
 pub fn square(painter: &Painter, view: View, presence: f32) {
     let (theme, corner) = (view.theme, CornerRadius::same(2));
     let world = view.camera.world();

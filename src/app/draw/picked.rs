@@ -3,10 +3,10 @@
 use super::{View, shape_buffer::ShapeBuffer};
 use eframe::egui::Pos2;
 
-/// How long a glow takes to come up or go out [s].
+/// Duration of the fade of the glow [s].
 const FADE: f32 = 0.1;
 
-/// What glows, and how much.
+/// Glow of the picked vertex.
 #[derive(Debug, Default)]
 pub struct Picked {
     vertex: Option<usize>,
@@ -14,10 +14,10 @@ pub struct Picked {
 }
 
 impl Picked {
-    /// Lets the glow go to another vertex, or out.
+    /// Moves the glow to another vertex, or fades it out.
     pub fn follow(&mut self, wanted: Option<usize>, dt: f32) {
         if wanted.is_some() && wanted != self.vertex {
-            // The next vertex takes over half of the glow: nothing flashes when the pointer runs along a body.
+            // The new vertex starts with at least half of the glow, so that nothing flashes when the pointer moves along a body.
             self.strength = if self.vertex.is_some() { self.strength.max(0.5) } else { 0.0 };
             self.vertex = wanted;
         }
@@ -33,7 +33,7 @@ impl Picked {
         self.vertex.is_some() && self.strength < 1.0
     }
 
-    /// Draws the glow, and a hair from a pointer that is far away.
+    /// Draws the glow, and a thin line from a distant pointer.
     pub fn draw(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], pointer: Option<Pos2>) {
         let Some(&at) = self.vertex.and_then(|vertex| points.get(vertex)) else { return };
         let (radius, color) = (view.size(0.011, 5.5, 20.0), view.theme.glow.gamma_multiply(self.strength));

@@ -5,13 +5,13 @@ use crate::snapshot::Snapshot;
 use eframe::egui::{Color32, Pos2, Vec2, vec2};
 use std::f32::consts::TAU;
 
-/// How long a pin takes to pop in [s].
+/// Duration of the animation of a new pin [s].
 const POP: f64 = 0.12;
 
-/// Beyond this number pins are drawn small without looking at each other.
+/// Number of pins above which they are drawn small, without computing their distances.
 const MANY: usize = 300;
 
-/// The pins of a scene and when each was put in.
+/// The pins of a scene and the time at which each was placed.
 #[derive(Debug, Default)]
 pub struct Pins {
     generation: Option<u64>,
@@ -19,7 +19,7 @@ pub struct Pins {
 }
 
 impl Pins {
-    /// Notices new pins at a time [s]. Those of a new scene have always been there.
+    /// Adds new pins at a time [s]. Pins of a new scene have no animation.
     pub fn follow(&mut self, snapshot: &Snapshot, now: f64) {
         let known = self.generation == Some(snapshot.generation);
         self.generation = Some(snapshot.generation);
@@ -33,12 +33,12 @@ impl Pins {
         self.since = snapshot.pins.iter().map(since).collect();
     }
 
-    /// Whether a pin is still popping in.
+    /// Whether the animation of a pin is running.
     pub fn is_moving(&self, now: f64) -> bool {
         self.since.iter().any(|pin| now - pin.1 < POP)
     }
 
-    /// Draws them on the vertices' places.
+    /// Draws the pins at their vertices.
     pub fn draw(&self, buffer: &mut ShapeBuffer, view: View, points: &[Pos2], now: f64) {
         let full = view.size(0.0115, 5.5, 22.0);
         for (place, &(vertex, since)) in self.since.iter().enumerate() {
@@ -53,7 +53,7 @@ impl Pins {
         }
     }
 
-    /// The distance to the nearest other pin, so that a row of pins stays a row; not worth finding among very many.
+    /// Distance to the nearest other pin, so that pins in a row do not overlap; 0 above [`MANY`], where it takes too long.
     fn spacing(&self, place: usize, points: &[Pos2]) -> f32 {
         if self.since.len() > MANY {
             return 0.0;
@@ -64,7 +64,7 @@ impl Pins {
     }
 }
 
-/// From 0 to 1, a little too far on the way.
+/// Easing curve from 0 to 1 that overshoots slightly.
 fn pop(share: f32) -> f32 {
     let back = share - 1.0;
     1.0 + back * back * (2.7 * back + 1.7)
@@ -75,7 +75,7 @@ fn peppermint(buffer: &mut ShapeBuffer, view: View, at: Pos2, radius: f32) {
     buffer.disc(at + vec2(0.0, 0.12 * radius), 1.14 * radius, Color32::from_black_alpha(110));
     buffer.disc(at, radius, Color32::WHITE);
     buffer.disc(at, 0.74 * radius, red);
-    // Below this size a swirl is only noise.
+    // A swirl of this size would be noise.
     if radius < 8.0 {
         buffer.disc(at - Vec2::splat(0.2 * radius), 0.17 * radius, Color32::WHITE);
         return;

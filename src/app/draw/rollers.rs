@@ -4,7 +4,7 @@ use super::{View, shape_buffer::ShapeBuffer};
 use crate::snapshot::Snapshot;
 use eframe::egui::{Color32, Pos2, Rect, vec2};
 
-/// Draws a wheel at every vertex that slides, and a rail for every side.
+/// Draws a wheel at every vertex on rollers, and a rail for every side.
 pub fn rollers(buffer: &mut ShapeBuffer, view: View, snapshot: &Snapshot, points: &[Pos2]) {
     let radius = view.size(0.007, 3.0, 12.0);
     let held = |slide: &(u32, usize)| {

@@ -3,13 +3,13 @@
 use super::house::{Baker, Kind, Side, THICKNESS, between, moved};
 use eframe::egui::Color32;
 
-/// How far the roof reaches beyond the walls [m].
+/// Overhang of the roof beyond the walls [m].
 const EAVES: f64 = 0.055;
 
 /// Distance of scallops [m].
 const SCALLOP: f64 = 0.052;
 
-/// A slope from its lower to its upper end, on the inner face, with its direction outwards.
+/// Slope of the roof on the inner face, from its lower to its upper end, with its outward direction.
 struct Slope {
     low: [f64; 2],
     high: [f64; 2],
@@ -22,7 +22,7 @@ fn slopes(sides: &[Side]) -> impl Iterator<Item = Slope> {
     let count = sides.len();
     (0..count).filter(|&i| sides[i].kind == Kind::Roof).map(move |i| {
         let (before, here, after) = (&sides[(i + count - 1) % count], &sides[i], &sides[(i + 1) % count]);
-        // Counter-clockwise, the right slope climbs and the left one descends.
+        // In counter-clockwise order the right slope ascends and the left one descends.
         let climbs = here.ends[0][1] <= here.ends[1][1];
         let (low, high) = if climbs { (here.ends[0], here.ends[1]) } else { (here.ends[1], here.ends[0]) };
         let next = if climbs { after } else { before };
@@ -30,7 +30,7 @@ fn slopes(sides: &[Side]) -> impl Iterator<Item = Slope> {
     })
 }
 
-/// All slopes, and what stands on the ridge.
+/// Draws all slopes and the decoration on the ridge.
 pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
     let ends: Vec<Slope> = slopes(sides).collect();
@@ -53,7 +53,7 @@ pub fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
 }
 
 impl Slope {
-    /// A point along the slope (0 above the wall, 1 at the top) and out of the inner face by a share of the thickness.
+    /// Point along the slope (0 at the wall, 1 at the top), moved outwards by a share of the thickness.
     fn at(&self, along: f64, out: f64) -> [f64; 2] {
         moved(between(self.low, self.high, along), self.out, out * THICKNESS)
     }
@@ -62,12 +62,12 @@ impl Slope {
         (self.high[0] - self.low[0]).hypot(self.high[1] - self.low[1]).max(1e-9)
     }
 
-    /// Where the roof ends below.
+    /// Lower end of the roof, as a position along the slope.
     fn eaves(&self) -> f64 {
         -(EAVES + THICKNESS) / self.length()
     }
 
-    /// The upper end at a share of the thickness: slopes meet above the ridge.
+    /// Upper end at a share of the thickness: the slopes meet above the ridge.
     fn top(&self, out: f64) -> [f64; 2] {
         if self.ridge {
             [self.high[0], self.high[1] + out * THICKNESS / self.out[1].max(0.3)]
@@ -77,7 +77,7 @@ impl Slope {
     }
 }
 
-/// The dough.
+/// Draws the dough.
 fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     let theme = baker.view.theme;
     baker.area(
@@ -87,7 +87,7 @@ fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
 }
 
-/// Icing on top, hanging down in scallops of uneven length; `wider` all around for its rim [m].
+/// Draws the icing on top, with scallops of uneven length; `wider` extends it on all sides for its rim [m].
 fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
     let low = slope.eaves() - 0.004;
     baker.line(&[slope.at(low, 1.05), slope.top(1.05)], 0.03 + wider, icing);
@@ -101,7 +101,7 @@ fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
     }
 }
 
-/// Candy stuck into the icing.
+/// Draws candy in the icing.
 fn gumdrops(baker: &mut Baker<'_>, slope: &Slope) {
     let candy = baker.view.theme.candy;
     let low = slope.eaves();
@@ -112,7 +112,7 @@ fn gumdrops(baker: &mut Baker<'_>, slope: &Slope) {
     }
 }
 
-/// A chimney on the right slope, behind the roof.
+/// Draws a chimney on the right slope, behind the roof.
 pub fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
     let theme = baker.view.theme;
     let Some(slope) = slopes(sides).find(|slope| slope.ridge && slope.out[0] > 0.2) else { return };

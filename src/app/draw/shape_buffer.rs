@@ -1,4 +1,4 @@
-//! Shape buffer: collects smooth shapes in one triangle mesh, which egui copies as it is.
+//! Shape buffer: collects smooth shapes in one triangle mesh, which egui copies unchanged.
 
 use super::ears;
 use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, epaint::Vertex, vec2};
@@ -9,7 +9,7 @@ pub struct ShapeBuffer {
     mesh: Mesh,
     shown: Arc<Mesh>,
     pixel: f32,
-    /// Directions across a line, reused.
+    /// Directions across a line; the buffer is reused.
     across: Vec<Vec2>,
 }
 
@@ -20,14 +20,14 @@ impl Default for ShapeBuffer {
 }
 
 impl ShapeBuffer {
-    /// Begins again with nothing, keeping the memory.
+    /// Removes all shapes and keeps the memory.
     pub fn clear(&mut self, pixels_per_point: f32) {
         self.mesh.indices.clear();
         self.mesh.vertices.clear();
         self.pixel = 1.0 / pixels_per_point.max(0.1);
     }
 
-    /// What was drawn since `clear`. egui lets go of the mesh before the next frame, so two buffers suffice.
+    /// Returns the shapes drawn since `clear`. egui releases the mesh before the next frame, so two buffers suffice.
     pub fn finish(&mut self) -> Shape {
         match Arc::get_mut(&mut self.shown) {
             Some(shown) => std::mem::swap(shown, &mut self.mesh),
@@ -36,28 +36,28 @@ impl ShapeBuffer {
         self.again()
     }
 
-    /// What `finish` returned last.
+    /// Returns the last result of `finish` again.
     pub fn again(&self) -> Shape {
         Shape::Mesh(Arc::clone(&self.shown))
     }
 
-    /// The width of a pixel [points].
+    /// Width of a pixel [points].
     pub fn pixel(&self) -> f32 {
         self.pixel
     }
 
-    /// A corner for [`Self::triangle`].
+    /// Adds a corner for [`Self::triangle`].
     pub fn vertex(&mut self, at: Pos2, color: Color32) -> u32 {
         self.mesh.colored_vertex(at, color);
         self.mesh.vertices.len() as u32 - 1
     }
 
-    /// A triangle of corners, blending their colours.
+    /// Adds a triangle and blends the colours of its corners.
     pub fn triangle(&mut self, a: u32, b: u32, c: u32) {
         self.mesh.add_triangle(a, b, c);
     }
 
-    /// Triangles that share their corners, all in one colour.
+    /// Adds triangles with shared corners in one colour.
     pub fn sheet(&mut self, points: &[Pos2], triangles: &[[u32; 3]], color: Color32) {
         let first = self.mesh.vertices.len() as u32;
         self.mesh.vertices.extend(points.iter().map(|&point| Vertex::untextured(point, color)));
@@ -67,7 +67,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// Triangles, each in a colour of its own.
+    /// Adds triangles, each in its own colour.
     pub fn facets(&mut self, points: &[Pos2], triangles: &[[u32; 3]], colors: impl Iterator<Item = Color32>) {
         let first = self.mesh.vertices.len() as u32;
         self.mesh.vertices.reserve(3 * triangles.len());
@@ -78,8 +78,8 @@ impl ShapeBuffer {
         self.mesh.indices.extend(first..self.mesh.vertices.len() as u32);
     }
 
-    /// Thin straight lines between points, which fade out to both sides over a `reach`. Their middles share the points: of what
-    /// comes in thousands every corner less counts.
+    /// Adds thin straight lines between points, which fade out to both sides over a `reach`. The lines share the vertices at the
+    /// points, because fewer vertices matter for thousands of lines.
     pub fn threads(&mut self, points: &[Pos2], lines: &[[u32; 2]], reach: f32, color: Color32) {
         let Mesh { vertices, indices, .. } = &mut self.mesh;
         let first = vertices.len() as u32;
@@ -101,7 +101,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// A rectangle that goes from one colour at its top to another at its bottom.
+    /// Adds a rectangle with a gradient from its top to its bottom.
     pub fn gradient(&mut self, rect: Rect, [top, bottom]: [Color32; 2]) {
         let a = self.vertex(rect.left_top(), top);
         let b = self.vertex(rect.right_top(), top);
@@ -111,12 +111,12 @@ impl ShapeBuffer {
         self.triangle(a, c, d);
     }
 
-    /// The inside of an outline.
+    /// Fills an outline.
     pub fn area(&mut self, outline: &[Pos2], color: Color32) {
         self.shaded(outline, |_| color);
     }
 
-    /// The inside of an outline, each corner in its own colour.
+    /// Fills an outline, each corner in its own colour.
     pub fn shaded(&mut self, outline: &[Pos2], color: impl Fn(Pos2) -> Color32) {
         let first = self.mesh.vertices.len() as u32;
         for &point in outline {
@@ -128,7 +128,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// A disc.
+    /// Adds a disc.
     pub fn disc(&mut self, center: Pos2, radius: f32, color: Color32) {
         let pixel = self.pixel;
         let count = ((radius / pixel).sqrt() * 5.0).clamp(6.0, 64.0) as u32;
@@ -145,7 +145,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// A small disc with a rough edge, for things that come in thousands.
+    /// Adds a small disc with a rough edge, for shapes that are drawn by the thousand.
     pub fn dot(&mut self, center: Pos2, radius: f32, color: Color32) {
         let first = self.mesh.vertices.len() as u32;
         for (x, y) in [(1.0, 0.0), (0.5, 0.87), (-0.5, 0.87), (-1.0, 0.0), (-0.5, -0.87), (0.5, -0.87)] {
@@ -156,7 +156,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// A disc that fades from its middle to its edge.
+    /// Adds a disc that fades from its centre to its edge.
     pub fn halo(&mut self, center: Pos2, radius: f32, color: Color32) {
         let count = 32;
         let middle = self.vertex(center, color);
@@ -166,7 +166,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// A line through points, with round ends if it is open.
+    /// Adds a line through points, with round ends if it is open.
     pub fn line(&mut self, points: &[Pos2], closed: bool, width: f32, color: Color32) {
         if points.len() < 2 || width <= 0.0 {
             return;
@@ -186,7 +186,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// Bands along a line: at each distance to its left (on screen, going forward) its share of the colour.
+    /// Adds bands along a line: for each distance to its left (on screen, going forward), the share of the colour.
     pub fn bands(&mut self, points: &[Pos2], closed: bool, distances: &[f32], shares: &[f32], color: Color32) {
         self.find_across(points, closed);
         let across = std::mem::take(&mut self.across);
@@ -208,7 +208,7 @@ impl ShapeBuffer {
         }
     }
 
-    /// At each point the direction across the line, longer at corners so that the line keeps its width there.
+    /// Computes the direction across the line at each point, longer at corners so that the line keeps its width there.
     fn find_across(&mut self, points: &[Pos2], closed: bool) {
         let count = points.len();
         self.across.clear();

@@ -7,7 +7,7 @@ use crate::{
 };
 use eframe::egui::{Align, Color32, FontId, Painter, Pos2, Rect, epaint::text::LayoutJob, pos2};
 
-/// Lines below the strips: a name, four numbers, and two lines for a caution.
+/// Number of lines below the strips: a name, four numbers, and two lines for a warning.
 const LINES: f32 = 7.2;
 
 /// Text size in a canvas [points].
@@ -15,12 +15,12 @@ fn size(canvas: Rect) -> f32 {
     (canvas.height() / 42.0).min(canvas.width() / 34.0).clamp(11.0, 44.0)
 }
 
-/// How much room the numbers need below the world [points].
+/// Height of the numbers below the world [points].
 pub fn height(snapshot: &Snapshot, canvas: Rect) -> f32 {
     if snapshot.level.test.is_some() { LINES * 1.3 * size(canvas) } else { 0.0 }
 }
 
-/// Writes the numbers of all strips, and below them the cautions.
+/// Draws the numbers of all strips, and below them the warnings.
 pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Snapshot) {
     if snapshot.level.test.is_none() {
         return;
@@ -48,7 +48,7 @@ pub fn strip_numbers(painter: &Painter, view: View, canvas: Rect, snapshot: &Sna
     }
 }
 
-/// The middle of a body's start on the screen: text that does not move with it.
+/// Horizontal centre of a body's start shape on the screen, so that the text does not move with the body.
 fn middle(view: View, snapshot: &Snapshot, body: &BodySnapshot) -> Option<f32> {
     let start = snapshot.start.get(2 * body.vertices.start..2 * body.vertices.end)?;
     let across = || start.iter().step_by(2).copied();
@@ -56,29 +56,29 @@ fn middle(view: View, snapshot: &Snapshot, body: &BodySnapshot) -> Option<f32> {
     Some(view.camera.screen_from_world([0.5 * (least + most), 0.0]).x)
 }
 
-/// What stands above a body's numbers.
+/// Title above a body's numbers.
 fn name(body: &BodySnapshot, models: bool) -> String {
     let model = body.model.title();
     if models { model.to_owned() } else { format!("{}: {model}", body.name) }
 }
 
-/// The size, at most `size`, at which a name is as wide as `width`.
+/// Text size, at most `size`, at which a name fits into `width`.
 fn fitting(painter: &Painter, name: &str, size: f32, width: f32) -> f32 {
     let natural = painter.layout_no_wrap(name.to_owned(), FontId::proportional(size), Color32::PLACEHOLDER).size().x;
     size * (width / natural.max(1.0)).min(1.0)
 }
 
-/// The place for one strip's numbers.
+/// Place for the numbers of one strip.
 struct Column {
     top: Pos2,
     width: f32,
-    /// Size of the text, and of the names: one for all strips.
+    /// Text sizes of the numbers and of the names, the same for all strips.
     size: f32,
     head: f32,
 }
 
 impl Column {
-    /// Writes name and numbers; returns where they end.
+    /// Draws name and numbers, and returns their lower end.
     fn write(&self, painter: &Painter, view: View, name: &str, (body, negligible): (&BodySnapshot, f64)) -> f32 {
         let color = view.theme.annotation;
         let force = or_zero(body.top_force, negligible / body.mesh.area().sqrt());
@@ -93,7 +93,7 @@ impl Column {
         self.fitted(painter, below, &numbers.join("\n"), FontId::monospace(self.size), color)
     }
 
-    /// Writes lines, smaller if they are too wide, as a block about the column's middle; returns where they end.
+    /// Draws lines as a centred block, smaller if they are too wide, and returns their lower end.
     fn fitted(&self, painter: &Painter, top: Pos2, text: &str, font: FontId, color: Color32) -> f32 {
         let layout = |font| painter.layout(text.to_owned(), font, color, f32::INFINITY);
         let mut galley = layout(font.clone());
@@ -106,7 +106,7 @@ impl Column {
     }
 }
 
-/// Writes a sentence about a middle, in several lines if it must; returns where it ends.
+/// Draws a centred sentence, in several lines if necessary, and returns its lower end.
 fn sentence(painter: &Painter, top: Pos2, width: f32, text: &str, (font, color): (FontId, Color32)) -> f32 {
     let mut job = LayoutJob::simple(text.to_owned(), font, color, width);
     job.halign = Align::Center;

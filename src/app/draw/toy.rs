@@ -5,26 +5,26 @@ use crate::snapshot::{Snapshot, ToySnapshot};
 use eframe::egui::{Color32, Pos2, Vec2};
 use std::{collections::VecDeque, f32::consts::TAU};
 
-/// Points of a trail are at least this far apart [m].
+/// Minimum distance of points of a trail [m].
 const APART: f64 = 0.003;
 
-/// Most points of a trail.
+/// Maximum number of points of a trail.
 const LONGEST: usize = 2500;
 
-/// Parts of a trail that fade as one.
+/// Number of parts of a trail, each with one opacity.
 const PARTS: usize = 40;
 
-/// Where a toy has been of late.
+/// Recent path of a toy.
 #[derive(Debug, Default)]
 pub struct Trail {
     generation: u64,
     time: f64,
-    /// In the world [m], the newest last.
+    /// Points in the world [m], the newest last.
     points: VecDeque<[f64; 2]>,
 }
 
 impl Trail {
-    /// Notes where the toy is; time that went backwards or another scene begins anew.
+    /// Records the position of the toy. It clears the trail if time went backwards or the scene has changed.
     pub fn follow(&mut self, snapshot: &Snapshot) {
         if self.generation != snapshot.generation || snapshot.time < self.time {
             self.points.clear();
@@ -72,7 +72,7 @@ impl Trail {
     }
 }
 
-/// A stick of candy from what the toy hangs on.
+/// Draws a candy stick from the pivot to the toy.
 fn rod(buffer: &mut ShapeBuffer, view: View, pivot: Pos2, at: Pos2) {
     let (width, along) = (view.size(0.009, 3.0, 20.0), at - pivot);
     buffer.line(&[pivot, at], false, width + 2.0, Color32::from_black_alpha(110));

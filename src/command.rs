@@ -64,7 +64,7 @@ pub enum Command {
     /// Ends the pull.
     Release,
 
-    /// Replaces the whole document and starts it, in edit mode. The old one can be had back with undo.
+    /// Replaces the whole document and starts it, in edit mode. Undo restores the old one.
     Open(Box<Level>),
     /// Sets the constitutive model of every body; positions and velocities are reset to the start.
     SetModel(Model),
@@ -106,11 +106,11 @@ pub enum Command {
     EndGesture,
     /// Undoes the last change of the document.
     Undo,
-    /// Redoes it.
+    /// Redoes the last undone change.
     Redo,
 }
 
-/// Subject of a command: two runs of one experiment may differ in numerics.
+/// Subject of a command: two runs of the same experiment may differ in numerics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
     /// The experiment: scene, effects and time.
@@ -120,7 +120,7 @@ pub enum About {
 }
 
 impl Command {
-    /// Whether it is a pull, which the pointer sends in every frame.
+    /// Whether the command belongs to a pull: the pointer sends pulls in every frame.
     pub const fn is_of_the_hand(&self) -> bool {
         matches!(self, Self::Grab(..) | Self::Pull(_) | Self::Release)
     }

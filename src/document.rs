@@ -15,11 +15,11 @@ use crate::{
 /// The document of a sandbox.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
-    /// The level, with a single body where a test shows several.
+    /// The level, with a single body if a test shows several.
     pub level: Level,
-    /// The pose a test level was last put into.
+    /// Last pose of a test level.
     pub pose: Option<Pose>,
-    /// Where a test level shows one body for each model: the least and the greatest x of the first body at rest [m].
+    /// Least and greatest x of the first body at rest [m], while a test level shows one body for each model.
     pub side_by_side: Option<[f64; 2]>,
 }
 
@@ -30,7 +30,7 @@ pub struct History {
     future: Vec<(Document, Option<Restart>)>,
     /// Subject of the last change, while its gesture lasts.
     gesture: Option<Gesture>,
-    /// Number of changes ever recorded.
+    /// Number of all recorded changes.
     count: u64,
 }
 
@@ -45,23 +45,23 @@ pub enum Gesture {
     Mass(usize),
     /// Mass and springs of a net.
     Net(usize),
-    /// The numbers of the toy.
+    /// The parameters of the toy.
     Toy,
     /// An effect of the list.
     Effect(usize),
     /// The number of steps per frame.
     Substeps,
-    /// The parameters of the time-stepping scheme; choosing another scheme is a change of its own.
+    /// The parameters of the time-stepping scheme; a change to another scheme is a change of its own.
     Integrator(&'static str),
 }
 
-/// Most changes in the history.
+/// Maximum number of changes in the history.
 const DEPTH: usize = 200;
 
-/// Least distance of strips side by side, between their centres, in widths: a compressed one bulges.
+/// Minimum distance between the centres of strips side by side, in widths: a compressed strip bulges.
 const APART: f64 = 1.4;
 
-/// Most numbers in the states of the history: 128 MB.
+/// Maximum number of values in the states of the history: 128 MB.
 const STATES: usize = 1 << 24;
 
 impl History {
@@ -92,7 +92,7 @@ impl History {
         if forth { self.future.last() } else { self.past.last() }
     }
 
-    /// Completes an undo or redo; the document before is kept for the opposite.
+    /// Completes an undo or redo; the document from before is kept for the opposite.
     pub fn went(&mut self, forth: bool, before: Document, replaced: Option<Restart>) {
         let (from, to) = if forth { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
         from.pop();
@@ -100,7 +100,7 @@ impl History {
         self.gesture = None;
     }
 
-    /// Number of changes ever recorded: it grows with each change that is no part of a gesture.
+    /// Number of all recorded changes: it grows with each change that does not continue a gesture.
     pub const fn count(&self) -> u64 {
         self.count
     }
@@ -117,7 +117,7 @@ impl History {
 }
 
 impl Document {
-    /// A document that shows a level as it is.
+    /// Creates a document that shows a level unchanged.
     pub const fn new(level: Level) -> Self {
         Self { level, pose: None, side_by_side: None }
     }
@@ -135,8 +135,8 @@ impl Document {
         self.pose = Some(pose);
     }
 
-    /// The level as it is simulated: for a test shown side by side, the first body once for every model, spread evenly over the
-    /// unit square or, where that is too narrow, beyond it.
+    /// The level as it is simulated. For a test shown side by side it has the first body once for every model, spread evenly over the
+    /// unit square or, if that is too narrow, beyond it.
     pub fn shown(&self) -> Level {
         let mut level = self.level.clone();
         if let (Some([left, right]), Some(body)) = (self.side_by_side, self.level.bodies.first()) {
@@ -161,12 +161,12 @@ impl Document {
         level
     }
 
-    /// Which body of the document a body of the shown level stands for.
+    /// Number of the document's body for a body number of the shown level.
     pub const fn source(&self, body: usize) -> usize {
         if self.side_by_side.is_some() { 0 } else { body }
     }
 
-    /// Replaces the pinning rules of a body or net by vertices, with one of them changed over.
+    /// Replaces the pinning rules of a body or net by vertices, and pins or frees one of them.
     pub fn toggle_pin(&mut self, owner: Owner, vertex: u32, pinned: &[u32]) {
         let mut pins = pinned.to_vec();
         match pins.binary_search(&vertex) {
@@ -185,8 +185,8 @@ impl Document {
         }
     }
 
-    /// Gives a body another mesh. Vertices that are pinned by number are pinned by place from now on: `rest` are the vertices'
-    /// places [m] so far.
+    /// Replaces the mesh of a body. Vertices that are pinned by number become pinned by place; `rest` are the old places of the
+    /// vertices [m].
     pub fn set_mesh(&mut self, body: usize, mesh: MeshKind, rest: &[Point]) {
         let Some(body) = self.level.bodies.get_mut(body) else { return };
         for pin in &mut body.pins {
@@ -204,7 +204,7 @@ impl Document {
         self.level.nets.iter_mut().for_each(|net| net.pins.clear());
     }
 
-    /// Switches all damping, adding one if there is none and there is something to damp.
+    /// Switches all damping effects. It adds one if there is none, unless the level has a toy.
     pub fn set_damping(&mut self, on: bool) {
         let switch = if on { Switch::default() } else { Switch::Off };
         let mut damping = self.level.effects.iter_mut().filter(|listed| listed.effect.kind().is_damping()).peekable();

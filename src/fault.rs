@@ -39,7 +39,7 @@ pub enum Culprit {
         /// Its length before the step [m].
         length: f64,
     },
-    /// The one point of a toy.
+    /// The point of a toy.
     Toy,
 }
 
@@ -64,8 +64,8 @@ pub enum Cause {
 }
 
 impl Fault {
-    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier; `finite` tells whether
-    /// the failed step left finite numbers. `step` is the length of the shortest steps of any body or net [s].
+    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier. `finite` is true if the failed step
+    /// left finite numbers. `step` is the length of the shortest steps of any body or net [s].
     pub fn find(scene: &Scene, [state, before]: [&State; 2], step: f64, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
@@ -85,7 +85,7 @@ impl Fault {
     }
 }
 
-/// The first triangle without a finite stress or, if all have one, the most deformed; and its model if that has no energy there.
+/// The first triangle without a finite stress, else the most deformed one, with its model if that has no energy there.
 fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model>)> {
     let mut worst = None;
     let mut greatest = f64::NEG_INFINITY;

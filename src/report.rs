@@ -21,7 +21,7 @@ pub struct Counts {
     pub line_search_cuts: u64,
     /// Sparse factorisations.
     pub factorisations: u64,
-    /// Factorisations repeated with another matrix, as it was not positive definite.
+    /// Factorisations repeated with another matrix, because it was not positive definite.
     pub indefinite: u64,
     /// Steps whose equations were not solved to tolerance.
     pub unconverged: u64,
@@ -89,13 +89,13 @@ pub struct SubstepPlan {
 pub struct EffectCost {
     /// Name of the effect.
     pub name: &'static str,
-    /// Time spent in it; zero unless the simulation was asked to measure.
+    /// Time spent in the effect; zero unless timing is switched on.
     pub time: Duration,
     /// Number of calls.
     pub calls: u64,
     /// Elements (vertices, triangles, ...) touched, summed over the calls.
     pub elements: u64,
-    /// Whether it may be skipped.
+    /// Whether the effect may be skipped.
     pub auto: bool,
     /// Number of skipped calls.
     pub skipped: u64,

@@ -10,11 +10,11 @@ pub struct Rewind {
 }
 
 impl Rewind {
-    /// Simulated time that is kept [s].
+    /// Length of the recorded time [s].
     pub const SECONDS: f64 = 10.0;
-    /// Time between two kept states [s].
+    /// Time between two recorded states [s].
     pub const FRAME: f64 = 1.0 / 60.0;
-    /// Most numbers that are kept: 128 MB.
+    /// Maximum number of recorded values: 128 MB.
     const MOST: usize = 16_000_000;
 
     /// Records the present moment of a run, unless the last one is less than a frame older. A moment of an earlier
@@ -38,8 +38,8 @@ impl Rewind {
         self.moments.push_back(kept);
     }
 
-    /// The latest moment that is older than a time by at least this much [s], or the oldest one; later ones are
-    /// dropped. Never one of a later time.
+    /// Returns the latest moment that is older than a time by at least this much [s], or the oldest one, and drops later moments. A moment
+    /// later than the time is never returned.
     pub fn back(&mut self, now: f64, seconds: f64) -> Option<Restart> {
         let wanted = now - seconds + 1e-6 * Self::FRAME;
         while self.moments.len() > 1 && self.moments.back().is_some_and(|last| last.state.time > wanted) {

@@ -57,11 +57,11 @@ pub enum Refused {
 /// Effect of a change of the document on positions and velocities.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Then {
-    /// They stay.
+    /// Positions and velocities stay.
     Keep,
-    /// They are reset to the saved state of the level, or to the start.
+    /// Positions and velocities are reset to the saved state of the level, or to the start.
     Restart,
-    /// The same, and files are read anew.
+    /// Like [`Self::Restart`], and files are read again.
     Reload,
 }
 
@@ -90,7 +90,7 @@ impl Sandbox {
         })
     }
 
-    /// A copy in the same state and with the same history, which is independent from here on.
+    /// Copies the sandbox with its state and history. The copy is independent.
     #[must_use]
     pub fn fork(&self) -> Self {
         let mut simulation = Simulation::new(self.simulation.scene().clone(), self.simulation.state().clone());
@@ -124,13 +124,13 @@ impl Sandbox {
         self.begin_anew();
     }
 
-    /// Adds a mesh that was made elsewhere to the cache.
+    /// Adds a mesh from a background job to the cache.
     #[cfg(feature = "window")]
     pub(crate) fn prepare(&mut self, body: Body) {
         self.shelve([body]);
     }
 
-    /// Caches bodies with large meshes, so that undo and redo need not make them again.
+    /// Caches bodies with large meshes, so that undo and redo need not generate them again.
     fn shelve(&mut self, bodies: impl IntoIterator<Item = Body>) {
         for body in bodies.into_iter().filter(|body| body.mesh.triangles().len() > LARGE) {
             self.shelf.retain(|known| known.recipe() != body.recipe());
@@ -153,7 +153,7 @@ impl Sandbox {
         })
     }
 
-    /// Clears everything that belongs to the scene before.
+    /// Clears all data of the previous scene.
     fn begin_anew(&mut self) {
         self.rewind.clear();
         self.simulation.count_anew();
@@ -257,7 +257,7 @@ impl Sandbox {
         Ok(())
     }
 
-    /// The least and the greatest x of the first body at rest [m].
+    /// Least and greatest x of the first body at rest [m].
     fn sides(&self) -> [f64; 2] {
         let scene = self.simulation.scene();
         scene
@@ -333,7 +333,7 @@ impl Sandbox {
         Ok(())
     }
 
-    /// The pinned vertices of a shown body or net, by their number in its level, ascending.
+    /// Pinned vertices of a shown body or net, by their number in its level, ascending.
     fn pins_of(&self, owner: Owner) -> Vec<u32> {
         let scene = self.simulation.scene();
         let owned = scene.pins.iter().filter_map(|pin| scene.owner_of(*pin as usize));
@@ -342,7 +342,7 @@ impl Sandbox {
         own
     }
 
-    /// The places of a shown body's vertices at rest [m], as they are listed, where the document puts it.
+    /// Rest positions of a shown body's vertices [m], in the order of the level and at the place of the document's body.
     fn rest_points(&self, body: usize) -> Vec<Point> {
         let scene = self.simulation.scene();
         let source = self.document.level.bodies.get(self.document.source(body));
@@ -376,12 +376,12 @@ impl Sandbox {
         self.simulation.set_timed(timed);
     }
 
-    /// Whether time should run now: running, not in edit mode, no fault.
+    /// Whether time runs: running, not in edit mode, no fault.
     pub const fn is_live(&self) -> bool {
         self.running && self.simulation.fault().is_none()
     }
 
-    /// Whether there is anything to compute: time runs, and not everything sleeps or a scripted action is to come.
+    /// Whether there is anything to compute: time runs, and not everything sleeps or a scripted action is expected.
     pub const fn is_busy(&self) -> bool {
         self.is_live() && (!self.simulation.is_asleep() || self.simulation.expects_actions())
     }

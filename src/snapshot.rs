@@ -23,7 +23,7 @@ pub use crate::{
     toys::Reading,
 };
 
-/// What a frame of the window is drawn from. Buffers are reused from frame to frame.
+/// Data for drawing a frame of the window. Buffers are reused from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// The document, as it would be saved, without the current state.
@@ -34,7 +34,7 @@ pub struct Snapshot {
     pub bodies: Vec<BodySnapshot>,
     /// The nets, in the order of the level.
     pub nets: Vec<NetSnapshot>,
-    /// The toy, if the level is about one.
+    /// The toy, if the level has one.
     pub toy: Option<ToySnapshot>,
     /// Triangles of all bodies (scene vertex numbers), in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
@@ -48,13 +48,13 @@ pub struct Snapshot {
     pub rollers: Arc<Vec<(u32, usize)>>,
     /// The mouse spring, while it pulls.
     pub pull: Option<Pull>,
-    /// What the triangles are coloured by.
+    /// Field that colours the triangles.
     pub field: Field,
     /// One value a triangle, unless the field is `None`.
     pub values: Vec<f64>,
     /// Energies now.
     pub energies: Energies,
-    /// An energy that is no more than round-off of what this scene can store [J].
+    /// Energy that is at most round-off of the energy this scene can store [J].
     pub negligible: f64,
     /// Least det F of all triangles; infinite if there are none.
     pub min_j: f64,
@@ -66,21 +66,21 @@ pub struct Snapshot {
     pub time: f64,
     /// Steps taken.
     pub steps: u64,
-    /// What is going on.
+    /// Mode of the sandbox.
     pub mode: Mode,
     /// Whether time runs (in simulate or collide mode).
     pub running: bool,
-    /// The pose a test level was last put into.
+    /// Last pose of a test level.
     pub pose: Option<Pose>,
     /// Whether all models are shown side by side.
     pub side_by_side: bool,
-    /// How wide the world is about x = 1/2 [m]: 1, or what the strips of a test need at their start.
+    /// Width of the world about x = 1/2 [m]: 1, or the width of the strips of a test at their start.
     pub width: f64,
     /// Whether any damping effect is switched on.
     pub damping: bool,
     /// Number of shorter steps that the guard takes for one now.
     pub guard_substeps: u32,
-    /// Steps that the guard divided.
+    /// Number of steps that the guard divided.
     pub guarded: u64,
     /// Whether a vertex is inside a wall, and whether it is pushed out.
     pub inside: Inside,
@@ -102,9 +102,9 @@ pub struct Snapshot {
     pub messages: Vec<String>,
     /// Number of evaluations of all elements for snapshots: one for each shape.
     pub evaluations: u64,
-    /// Number of those that computed the elastic energy, where stepping had not.
+    /// Number of evaluations that also computed the elastic energy, because stepping had not.
     pub energy_evaluations: u64,
-    /// The last shape: generation, shape number and field.
+    /// Generation, shape number and field of the last evaluation.
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether there is something to undo.
     pub can_undo: bool,
@@ -137,7 +137,7 @@ pub struct BodySnapshot {
     pub top_force: f64,
     /// Height over rest height.
     pub height_ratio: f64,
-    /// Warning where the model is not valid at this stretch.
+    /// Warning about a model that is not valid at this stretch.
     pub strip_warning: Option<String>,
 }
 
@@ -157,15 +157,15 @@ pub struct NetSnapshot {
 /// The toy of a snapshot; all points in world coordinates [m].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToySnapshot {
-    /// Where it is.
+    /// Computed position.
     pub at: [f64; 2],
-    /// Where it would be exactly.
+    /// Exact position.
     pub exact: [f64; 2],
-    /// What it hangs on, if it hangs on anything.
+    /// Pivot, if the toy has one.
     pub pivot: Option<[f64; 2]>,
     /// The exact path, and whether it closes.
     pub path: (Vec<[f64; 2]>, bool),
-    /// What is worth reading.
+    /// Values to display.
     pub readings: Vec<Reading>,
 }
 
@@ -174,9 +174,9 @@ pub struct ToySnapshot {
 pub struct Pull {
     /// The vertex, by its number in the scene.
     pub vertex: usize,
-    /// Where it is pulled to [m].
+    /// Target of the pull [m].
     pub target: [f64; 2],
-    /// k |target - vertex| [N].
+    /// Force k |target - vertex| [N].
     pub force: f64,
 }
 
@@ -186,7 +186,7 @@ impl Snapshot {
         self.asleep > 0 && self.asleep == self.bodies.len() + self.nets.len()
     }
 
-    /// Whether the clock is paused although it is running: everything sleeps.
+    /// Whether the clock is paused although the scene runs, because everything sleeps.
     pub fn rests(&self) -> bool {
         self.running && self.mode != Mode::Edit && self.is_asleep()
     }
@@ -213,7 +213,7 @@ impl Sandbox {
         if snapshot.toy.is_none() {
             snapshot.positions.extend_from_slice(x);
         }
-        // Values of the elements are computed once for each shape, however often it is drawn.
+        // The elements are evaluated once for each shape, however often it is drawn.
         let seen = Some((self.generation, simulation.shape(), field));
         if snapshot.seen != seen {
             snapshot.seen = seen;

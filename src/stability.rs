@@ -2,8 +2,8 @@
 
 use crate::{elements::reserve_scratch, random::irregular, scene::Scene, state::State};
 
-/// The longest stable step of symplectic Euler near a state [s], or `None` if there is no stiffness or it is NaN. The
-/// same holds for both Verlet schemes without damping.
+/// Longest stable step of symplectic Euler near a state [s], or `None` if there is no stiffness or it is NaN. The same value
+/// holds for both Verlet schemes without damping.
 pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     longest_step(scene, state, largest_eigenvalue(scene, state)?)
 }
@@ -24,7 +24,7 @@ pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
 
 /// Lanczos iterations between two restarts of the converged computation.
 const ROUNDS: usize = 16;
-/// Most restarts; a few are enough for meshes of 100,000 triangles.
+/// Maximum number of restarts; a few are enough for meshes of 100,000 triangles.
 const RESTARTS: usize = 20;
 /// Relative change of the eigenvalue between two restarts at which it is converged.
 const CONVERGED: f64 = 1e-4;

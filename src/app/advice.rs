@@ -549,7 +549,7 @@ mod tests {
         assert_eq!(is(&facts(15.0, false), slow(0.001, 1.0)), Cause::Painting);
     }
 
-    /// A built-in level with so many substeps, in simulate mode.
+    /// A built-in level with this number of substeps, in simulate mode.
     fn running(substeps: u32) -> Sandbox {
         let mut level = files::parse(levels::built_in("gingerbread").unwrap(), "gingerbread").unwrap();
         level.substeps = Substeps::new(substeps).unwrap();
@@ -569,7 +569,7 @@ mod tests {
         (facts, now)
     }
 
-    /// Pulls for half a second; returns force evaluations, and how many times what undivided steps take.
+    /// Pulls for half a second. Returns the number of force evaluations, and the ratio of computed steps to undivided steps.
     fn cost(sandbox: &mut Sandbox) -> (u64, f64) {
         sandbox.apply(Command::Reset).unwrap();
         sandbox.apply(Command::Grab(100, [0.9, 0.9])).unwrap();

@@ -228,7 +228,8 @@ impl App {
         result.is_ok()
     }
 
-    /// Applies the requests of the last frame: first those of the mouse, then those of the keys, each after the one before.
+    /// Applies the requests of the last frame: first those of the mouse, then those of the keys. Each key is
+    /// evaluated in the state after the one before.
     fn apply_requests(&mut self) {
         for request in std::mem::take(&mut self.view.panes) {
             self.compare(request);

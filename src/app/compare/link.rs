@@ -22,7 +22,7 @@ pub fn twins(command: &Command, from: &Sandbox, to: &Sandbox) -> Vec<Command> {
             let model = to.shown.bodies.get(body).map_or(material.model(), |body| body.material.model());
             vec![Command::SetMaterial(body, material.with_model(model))]
         }
-        // Only one of the two panes may have inverted triangles or folds.
+        // It is possible that only one of the two panes has inverted triangles or folds.
         Command::Untangle if !Tangle::of_all(there, &to.simulation().state().x).is_some() => Vec::new(),
         ref same => vec![same.clone()],
     }

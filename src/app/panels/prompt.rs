@@ -7,7 +7,7 @@ use eframe::egui::{self, Context, Id, Key, Modal, RichText, TextEdit, vec2};
 /// State of a text input.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Prompt {
-    /// Purpose of the file.
+    /// Purpose of the requested file.
     pub purpose: Purpose,
     /// Typed text.
     pub text: String,

@@ -50,7 +50,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Updates the range from the values of a frame of `dt` seconds. The range grows at once and shrinks after a delay.
+    /// Updates the range from the values of a frame of `dt` seconds. The range grows without delay and shrinks after `SHRINK_DELAY`.
     pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
         self.typical = self.typical_high(snapshot);
         let wanted = round_up(self.typical.max(self.heeded).max(floor(snapshot)));

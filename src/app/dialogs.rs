@@ -62,7 +62,7 @@ mod native {
     };
     use web_time::{Duration, Instant};
 
-    /// Minimum time in which a user can close a dialog. A dialog that closed sooner was never shown.
+    /// Minimum time in which a user can close a dialog. A dialog that closed sooner without a file was never shown.
     const TOO_FAST: Duration = Duration::from_millis(250);
 
     /// State of the native dialogs.

@@ -265,7 +265,7 @@ pub fn open(path: &Path) -> Result<Level, HeadlessError> {
     Ok(level)
 }
 
-/// Numbers of triangles and springs as text; zero counts are left out.
+/// Numbers of triangles and springs as text; counts of zero are left out.
 fn elements(scene: &Scene) -> String {
     let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
     let mut text = String::new();

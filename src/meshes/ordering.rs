@@ -1,6 +1,6 @@
 //! Renumbering of vertices and triangles, so that neighbours in the plane are near in memory.
-//! The element loop runs a third faster with it. Scenes renumber large meshes once more, for the benefit of row
-//! operations.
+//! The element loop runs a third faster with it. Scenes renumber large meshes once more, in the order in which they
+//! are stepped.
 
 /// Base-2 logarithm of the cells along each side of the square that the Hilbert curve visits.
 const ORDER: u32 = 16;

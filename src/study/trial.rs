@@ -119,7 +119,7 @@ const SMALL: f64 = 1e-3;
 pub(super) struct Deviation {
     error: f64,
     size: f64,
-    /// Greatest squared error of one moment [m²].
+    /// Greatest sum of squared errors of one moment [m²].
     greatest: f64,
     moments: f64,
     /// Number of coordinates at a moment.

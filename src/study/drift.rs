@@ -207,7 +207,7 @@ impl Drift {
 
     /// Status of a run so far.
     /// It is unstable if it stopped, or if its energy changed by more than ten times the [scale](Self::scale) and ten
-    /// times the median change of all runs. The second rule is needed because a diverging run between walls may go on
+    /// times the median change of all runs. The energy rule is needed because a diverging run between walls may go on
     /// for long.
     pub fn status(&self, run: &DriftRun) -> Status {
         let far = DIVERGED * self.scale().max(self.median(DriftRun::greatest_gain));

@@ -19,7 +19,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A level that cannot be read or written.
+/// Error of reading or writing a level.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FileError {
     /// The text is not a level.
@@ -31,15 +31,15 @@ pub enum FileError {
         line: usize,
         /// Column of the mistake, from 1.
         column: usize,
-        /// What is wrong and what was expected.
+        /// Reason and expected content.
         what: String,
     },
-    /// There is no such file, or it cannot be read or written.
+    /// The file is missing, or cannot be read or written.
     #[error("{file}: {why}")]
     Access {
         /// Name of the file.
         file: String,
-        /// What the system says.
+        /// Message of the system.
         why: String,
     },
 }
@@ -51,7 +51,8 @@ fn options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
 }
 
-/// Reads a level from text; `file` is its name in messages. A hard case is its level with its scripted actions.
+/// Reads a level from text. `file` is its name in messages. Of a hard case it reads the level with its scripted
+/// actions.
 ///
 /// # Errors
 /// [`FileError::Text`] with line, column and what was expected.
@@ -64,7 +65,7 @@ pub fn parse(text: &str, file: &str) -> Result<Level, FileError> {
     Ok(level)
 }
 
-/// Reads anything that is written like a level from text; `file` is its name in messages.
+/// Reads a value in the format of levels from text. `file` is its name in messages.
 ///
 /// # Errors
 /// [`FileError::Text`] with line, column and what was expected.
@@ -76,7 +77,7 @@ pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Resul
         Ok(read) => return Ok(read),
         Err(error) => error,
     };
-    // Other spellings are looked for only where they are needed: most levels have none, and some are large.
+    // Other spellings are tried only after an error: most levels have none, and some are large.
     let unwrapped = if error.code == ron::Error::ExceededRecursionLimit { None } else { spelling::unwrapped(text) };
     let error = match unwrapped.map(|text| options().from_str(&text)) {
         Some(Ok(read)) => return Ok(read),
@@ -87,12 +88,12 @@ pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Resul
     Err(FileError::Text { file: file.to_owned(), line, column, what })
 }
 
-/// Line and column of a mistake.
+/// Line and column of an error.
 const fn place(error: &ron::error::SpannedError) -> (usize, usize) {
     (error.span.start.line, error.span.start.col)
 }
 
-/// The level and the actions of a hard case; [`crate::hard`] reads the rest.
+/// Level and actions of a hard case. [`crate::hard`] reads the rest.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Scripted {
@@ -109,7 +110,7 @@ struct Scripted {
     _cannot: serde::de::IgnoredAny,
 }
 
-/// Whether a text is a hard case, which has its level in a field `level`.
+/// Whether a text is a hard case. A hard case has a field `level`.
 pub fn is_case(text: &str) -> bool {
     let mut tokens = tokens::Tokens::new(text.strip_prefix('\u{feff}').unwrap_or(text));
     let (mut depth, mut last) = (0_usize, None);
@@ -126,7 +127,7 @@ pub fn is_case(text: &str) -> bool {
     false
 }
 
-/// A level as text that [`parse`] reads back to the same bits.
+/// Writes a level as text that [`parse`] reads back to the same bits.
 ///
 /// # Errors
 /// [`FileError::Access`] if it cannot be written as RON.
@@ -136,19 +137,20 @@ pub fn write(level: &Level) -> Result<String, FileError> {
     text.map(|text| text + "\n").map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
 }
 
-/// A path with all its folders, as messages show it; the name of a built-in level or hard case stays as it is.
+/// Full path for messages. The name of a built-in level or hard case stays unchanged.
 pub fn whole_path(path: &Path) -> PathBuf {
     let built_in = path.extension().is_none() && named(&path.display().to_string()).is_some();
     if built_in { path.to_path_buf() } else { std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()) }
 }
 
-/// The text of a built-in level or hard case.
+/// Text of a built-in level or hard case.
 fn named(name: &str) -> Option<&'static str> {
     levels::built_in(name).or_else(|| levels::hard_case(name))
 }
 
-/// Reads a level from a file, or with `-` from standard input; a bare name such as `gingerbread` is that built-in level or hard case.
-/// Paths of meshes in it are taken relative to its folder.
+/// Reads a level from a file, or with `-` from standard input.
+/// A bare name such as `gingerbread` is a built-in level or hard case. Paths of meshes are relative to the folder of
+/// the level.
 ///
 /// # Errors
 /// [`FileError`] with the place and the reason.
@@ -165,7 +167,7 @@ pub fn read(path: &Path) -> Result<Level, FileError> {
     Ok(level)
 }
 
-/// Saves a level so that at every moment either the old file or the whole new one is there; see [`write_bytes`].
+/// Saves a level. At every moment either the old file or the complete new one exists; see [`write_bytes`].
 ///
 /// # Errors
 /// [`FileError::Access`] if the system refuses.
@@ -173,7 +175,7 @@ pub fn save(path: &Path, level: &Level) -> Result<(), FileError> {
     write_text(path, &text_at(path, level)?)
 }
 
-/// A level as the text of a file at a path: paths of meshes below its folder are written relative to it, others in full.
+/// Text of a level for a file at a path. Paths of meshes below its folder are relative to it, others are absolute.
 ///
 /// # Errors
 /// [`FileError::Access`] if it cannot be written as RON.
@@ -189,7 +191,7 @@ pub fn text_at(path: &Path, level: &Level) -> Result<String, FileError> {
     write(&level)
 }
 
-/// The files of the meshes that a level names.
+/// Mesh files that a level names.
 pub fn mesh_paths(level: &Level) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     for body in &level.bodies {
@@ -206,7 +208,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_bytes(path, text.as_bytes())
 }
 
-/// The text of a file or pipe, or with `-` of standard input; see [`text::decode`].
+/// Reads the text of a file or pipe, or with `-` of standard input; see [`text::decode`].
 ///
 /// # Errors
 /// [`FileError::Access`] if it cannot be read, or is too large.
@@ -227,7 +229,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     Ok(text::decode(bytes))
 }
 
-/// Whether it is a file or a pipe. A folder or a device such as `/dev/zero` is neither.
+/// Whether the path is a file or a pipe. A folder or a device such as `/dev/zero` is neither.
 fn holds_text(known: &std::fs::Metadata) -> bool {
     #[cfg(unix)]
     let pipe = std::os::unix::fs::FileTypeExt::is_fifo(&known.file_type());
@@ -236,7 +238,8 @@ fn holds_text(known: &std::fs::Metadata) -> bool {
     known.is_file() || pipe
 }
 
-/// The path of a file; where there is none and the path has backslashes, as Windows writes it, the one that they lead to.
+/// Path of an existing file. If none exists and the path has backslashes, as on Windows, the path with slashes is
+/// tried.
 fn found(path: PathBuf) -> PathBuf {
     let slashed = path.to_str().filter(|name| name.contains('\\')).map(|name| PathBuf::from(name.replace('\\', "/")));
     match slashed {
@@ -253,7 +256,7 @@ fn each_mesh_path(level: &mut Level, change: impl Fn(&Path) -> PathBuf) {
     }
 }
 
-/// The file system.
+/// File system as a source of mesh files.
 pub struct Disk;
 
 impl Files for Disk {

@@ -1,5 +1,7 @@
-//! The program without a window: `run` steps a level and writes what came out, `check` reads files and says what is wrong,
-//! `study` tells what accuracy costs, `hard` runs the gallery of hard cases.
+//! Command line without a window.
+//!
+//! `run` steps a level and writes results. `check` reads files and reports errors. `study` measures accuracy and
+//! cost. `hard` runs the hard cases.
 
 mod end_state;
 mod ending;
@@ -77,7 +79,7 @@ pub struct RunRequest {
     pub progress_options: ProgressOptions,
 }
 
-/// Why a headless command stopped.
+/// Error of a headless command.
 #[derive(Debug, thiserror::Error)]
 pub enum HeadlessError {
     /// A file cannot be read or written, or is not a level.
@@ -88,7 +90,7 @@ pub enum HeadlessError {
     Level {
         /// Name of the file.
         file: String,
-        /// What is wrong.
+        /// Reason.
         why: Refused,
     },
     /// A level cannot be studied.
@@ -96,7 +98,7 @@ pub enum HeadlessError {
     Study {
         /// Name of the file.
         file: String,
-        /// What is wrong, and what to do.
+        /// Reason and remedy.
         why: crate::study::StudyError,
     },
     /// The simulation stopped.
@@ -105,7 +107,7 @@ pub enum HeadlessError {
 }
 
 impl HeadlessError {
-    /// 2 for what the user can mend in files and arguments, 1 for a simulation that stopped.
+    /// Exit code: 2 for errors in files and arguments, 1 for a simulation that stopped.
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Fault(_) | Self::Study { why: crate::study::StudyError::NoReference { .. }, .. } => 1,
@@ -114,10 +116,11 @@ impl HeadlessError {
     }
 }
 
-/// Runs a level to the end, or until a signal asks it to stop, and writes what was asked for. Shows progress.
+/// Runs a level and writes the requested outputs. Shows progress. A signal stops the run early.
 ///
 /// # Errors
-/// [`HeadlessError`] if the run cannot begin. What goes wrong later is told in the [`Ending`], and what could be written has been.
+/// [`HeadlessError`] if the run cannot begin. Later failures are reported in the [`Ending`]; all other outputs are
+/// written.
 pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     let mut level = read(&request.level)?;
     let options =
@@ -194,13 +197,13 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
 /// Reads a level.
 ///
 /// # Errors
-/// [`HeadlessError::File`]; where there is no such file, with the names of built-in levels.
+/// [`HeadlessError::File`]. If there is no such file, it lists the names of built-in levels.
 pub fn read(path: &Path) -> Result<Level, HeadlessError> {
     let names = levels::BUILT_IN.iter().chain(levels::HARD).map(|(file, _)| *file);
     files::read(path).map_err(|error| missing(path, error, "level", names))
 }
 
-/// An error of reading a file; if the file is not there, it says what else could have been meant.
+/// Error of reading a file. If the file is missing, it names the built-in ones.
 fn missing<'a>(path: &Path, error: FileError, kind: &str, names: impl Iterator<Item = &'a str>) -> HeadlessError {
     let absent = std::fs::metadata(path).is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound);
     if !matches!(error, FileError::Access { .. }) || !absent || path == Path::new("-") {
@@ -219,14 +222,14 @@ fn missing<'a>(path: &Path, error: FileError, kind: &str, names: impl Iterator<I
     FileError::Access { file: path.display().to_string(), why }.into()
 }
 
-/// The files that a level is read from.
+/// Files that a level is read from.
 fn inputs(path: &Path, level: &Level) -> Vec<PathBuf> {
     let mut inputs = files::mesh_paths(level);
     inputs.push(path.to_path_buf());
     inputs
 }
 
-/// Reads and builds a level, and says in a line what it is.
+/// Reads and builds a level. Returns a description in one line.
 ///
 /// # Errors
 /// [`HeadlessError`] with the place of the mistake.
@@ -252,7 +255,7 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
     Ok(line)
 }
 
-/// Reads a level and makes sure that it can be built.
+/// Reads a level and checks that it can be built.
 ///
 /// # Errors
 /// [`HeadlessError`] with the place of the mistake.
@@ -262,7 +265,7 @@ pub fn open(path: &Path) -> Result<Level, HeadlessError> {
     Ok(level)
 }
 
-/// How many triangles and springs there are, as far as there are any.
+/// Numbers of triangles and springs as text; counts of zero are left out.
 fn elements(scene: &Scene) -> String {
     let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
     let mut text = String::new();
@@ -282,7 +285,7 @@ fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
     Simulation::open(scene, level, mode).map_err(fail)
 }
 
-/// The simulation that is asked for, before its first step.
+/// Requested simulation before its first step.
 fn prepared(request: &RunRequest, level: &Level) -> Result<Simulation, HeadlessError> {
     let mut simulation = start(level, &request.level)?;
     if request.untangle
@@ -293,9 +296,9 @@ fn prepared(request: &RunRequest, level: &Level) -> Result<Simulation, HeadlessE
     Ok(simulation)
 }
 
-/// Takes so many steps, or fewer if there is a fault or a signal.
+/// Steps `steps` times, or less often if a fault or a signal occurs.
 fn step_with_progress(progress_options: &ProgressOptions, simulation: &mut Simulation, steps: u64, unit: &'static str) {
-    // Between two looks at a signal and two moves of the bar; slow steps are taken one by one.
+    // Time between two checks for a signal and two updates of the bar. Slow steps are taken one by one.
     const POLL_INTERVAL: Duration = Duration::from_millis(200);
     let progress = Progress::new(progress_options, steps, unit);
     let most = steps.div_ceil(100).max(200);
@@ -314,7 +317,7 @@ fn step_with_progress(progress_options: &ProgressOptions, simulation: &mut Simul
     }
 }
 
-/// One line a vertex with 17 significant digits, enough to read back the same bits; of a toy, one line.
+/// Final state as CSV: one row per vertex with 17 significant digits, which restore the same bits. A toy has one row.
 fn csv(simulation: &Simulation, head: String) -> String {
     let (scene, state) = (simulation.scene(), simulation.state());
     let digits = |number: f64| format!("{number:.16e}");
@@ -334,7 +337,7 @@ fn csv(simulation: &Simulation, head: String) -> String {
     table.text()
 }
 
-/// A number of threads.
+/// Parses a number of threads.
 fn thread_count(text: &str) -> Result<usize, String> {
     let count = text.parse().ok().filter(|count| (1..=1024).contains(count));
     count.ok_or_else(|| "expected a number of threads in [1, 1024]".to_owned())

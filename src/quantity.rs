@@ -1,9 +1,9 @@
-//! Physical quantities that cannot hold a bad value: each type knows its name, unit, allowed range and how a slider
-//! should show it. Level files and panels share these types, so neither can let a bad number in.
+//! Physical quantities with a checked value. Each type has its name, unit, allowed range and slider.
+//! Level files and panels share these types, so an invalid number is refused in both.
 
 use std::ops::Bound;
 
-/// What there is to say about a quantity, for error messages and sliders.
+/// Specification of a quantity, for error messages and sliders.
 #[derive(Debug, PartialEq)]
 pub struct Spec {
     /// Name in words, such as `Young's modulus`.
@@ -14,7 +14,7 @@ pub struct Spec {
     pub lower: Bound<f64>,
     /// Largest allowed value.
     pub upper: Bound<f64>,
-    /// Range a slider covers; values outside it but inside the bounds can still be typed.
+    /// Range of a slider. Values outside it but inside the bounds can still be typed.
     pub slider: (f64, f64),
     /// Whether a slider should be logarithmic.
     pub logarithmic: bool,
@@ -38,7 +38,7 @@ impl Spec {
         above && below
     }
 
-    /// The bounds in words with their unit, such as `greater than 0 and at most 1e15 Pa`.
+    /// Bounds in words with their unit, such as `greater than 0 and at most 1e15 Pa`.
     pub fn range(&self) -> String {
         let lower = match self.lower {
             Bound::Included(limit) => Some(format!("at least {}", Short(limit))),
@@ -55,14 +55,14 @@ impl Spec {
     }
 }
 
-/// A number in words or digits with the prefix and symbol of its unit: `30 kPa`, `45°`, and `5 /s` for `1/s`.
+/// Text of a number with the prefix and symbol of its unit: `30 kPa`, `45°`, and `5 /s` for `1/s`.
 pub fn with_unit(number: &str, prefix: &str, unit: &str) -> String {
     let gap = if unit.is_empty() || unit == "%" || unit == "°" { "" } else { " " };
     let unit = unit.strip_prefix('1').filter(|rest| rest.starts_with('/')).unwrap_or(unit);
     format!("{number}{gap}{prefix}{unit}")
 }
 
-/// A number without a tail of zeros: `1e15`, `0.5`.
+/// Number without trailing zeros: `1e15`, `0.5`.
 struct Short(f64);
 
 impl std::fmt::Display for Short {
@@ -76,7 +76,7 @@ impl std::fmt::Display for Short {
     }
 }
 
-/// A value was outside the range of its quantity, or not a number.
+/// Error of a value that is outside the range of its quantity, or not a number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} must be {range}, got {}", Short(*.value))]
 pub struct OutOfRange {
@@ -85,7 +85,7 @@ pub struct OutOfRange {
     value: f64,
 }
 
-/// A validated number, seen without its type: what a slider needs.
+/// Checked number without its type, as a slider needs it.
 pub trait Quantity {
     /// Name, unit and range.
     fn spec(&self) -> &'static Spec;
@@ -94,7 +94,7 @@ pub trait Quantity {
     /// Replaces the value.
     ///
     /// # Errors
-    /// [`OutOfRange`] if the value is not allowed; the old one is kept.
+    /// [`OutOfRange`] if the value is not allowed. The old value is kept.
     fn set(&mut self, value: f64) -> Result<(), OutOfRange>;
 }
 
@@ -135,7 +135,7 @@ macro_rules! quantities {
                 self.0
             }
 
-            /// A value known when the program is compiled: one out of range does not compile in a constant.
+            /// Constant value. In a constant, a value out of range does not compile.
             #[allow(dead_code, reason = "not every quantity has a default")]
             pub(crate) const fn literal(value: f64) -> Self {
                 assert!(Self::SPEC.allows(value), "out of range");
@@ -267,12 +267,12 @@ quantities! {
 pub struct Point(pub Coordinate, pub Coordinate);
 
 impl Point {
-    /// The two coordinates [m].
+    /// Coordinates [m].
     pub const fn get(self) -> [f64; 2] {
         [self.0.get(), self.1.get()]
     }
 
-    /// A checked point.
+    /// Checked point.
     ///
     /// # Errors
     /// [`OutOfRange`] if a coordinate is not finite.

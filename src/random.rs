@@ -1,6 +1,6 @@
 //! Pseudo-random numbers with a fixed seed, the same on every machine.
 
-/// A 64-bit mix in which every bit of the number tells on every bit of the result
+/// 64-bit mix in which every input bit affects every bit of the result
 /// (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).
 const fn mix(number: u64) -> u64 {
     let mut z = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -9,12 +9,12 @@ const fn mix(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A fixed irregular sequence in [-1, 1).
+/// Number of a fixed pseudo-random sequence in [-1, 1).
 pub fn irregular(number: u64) -> f64 {
     (mix(number) >> 32) as f64 / f64::from(1_u32 << 31) - 1.0
 }
 
-/// Another such sequence for every seed.
+/// Pseudo-random sequence in [-1, 1) for a seed.
 pub fn stream(seed: u32) -> impl Iterator<Item = f64> {
     let first = mix(u64::from(seed));
     (0_u64..).map(move |number| irregular(first.wrapping_add(number)))

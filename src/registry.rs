@@ -1,11 +1,13 @@
-//! Registry of kinds: a kind in `registry!` can be written in a level file, appears in the menus and is covered by the
-//! tests. A new kind is its file, its `mod` line and one entry here.
+//! Registry of kinds. A kind in `registry!` can be written in a level file, appears in the menus and is covered by
+//! the tests.
+//! A new kind needs its file, its `mod` line and one entry here.
 
 /// Declares the enum of all kinds of a module.
 ///
-/// `enum Name: dyn Trait { Kind(Type), .. }` holds the parameters of a kind; `kind()` and `kind_mut()` give the trait.
-/// `enum Name: static Trait(Parameters) via Visitor { Kind(Type), .. }` only names a kind; `visit` builds `Type` from
-/// the parameters and hands it to a visitor that the compiler specialises: one `match` for a whole mesh.
+/// `enum Name: dyn Trait { Kind(Type), .. }` holds the parameters of a kind. `kind()` and `kind_mut()` return the
+/// trait object.
+/// `enum Name: static Trait(Parameters) via Visitor { Kind(Type), .. }` only names a kind. `visit` builds `Type` from
+/// the parameters and passes it to a visitor that the compiler specialises: one `match` for a whole mesh.
 macro_rules! registry {
     ($(#[$attribute:meta])* $vis:vis enum $Name:ident: dyn $Trait:ident { $($Kind:ident($Type:ty)),+ $(,)? }) => {
         $(#[$attribute])*

@@ -1,15 +1,16 @@
-//! Tables as CSV: names with commas, quotes or line ends are quoted.
+//! Tables as CSV. Names with commas, quotes or line ends are quoted.
 
 use csv::{QuoteStyle, Writer, WriterBuilder};
 
-/// A table in the making.
+/// Table under construction.
 pub struct Table {
     head: String,
     writer: Writer<Vec<u8>>,
 }
 
 impl Table {
-    /// A table with lines above its column names, which begin with `#` and end with a line end, or with none.
+    /// Table with header lines above its column names. They begin with `#` and end with a line end. The header may be
+    /// empty.
     pub fn new(head: String, columns: &[&str]) -> Self {
         let mut table = Self { head, writer: writer(QuoteStyle::Necessary) };
         table.row(columns);
@@ -22,7 +23,7 @@ impl Table {
         let _ = self.writer.write_record(cells);
     }
 
-    /// The whole text.
+    /// Text of the whole table.
     pub fn text(self) -> String {
         self.head + &text(self.writer)
     }
@@ -33,12 +34,12 @@ pub fn row<T: AsRef<[u8]>>(cells: impl IntoIterator<Item = T>) -> String {
     record(QuoteStyle::Necessary, cells)
 }
 
-/// One cell that is quoted in any case.
+/// One cell, always quoted.
 pub fn quoted(cell: &str) -> String {
     record(QuoteStyle::Always, [cell])
 }
 
-/// A line of a head: what begins with `#` is no row.
+/// Header line. A line that begins with `#` is not a row.
 pub fn remark(name: &str, value: &str) -> String {
     format!("# {name}: {}\n", crate::terminal::line(&value.replace(['\n', '\r'], " ")))
 }
@@ -52,7 +53,7 @@ fn record<T: AsRef<[u8]>>(style: QuoteStyle, cells: impl IntoIterator<Item = T>)
 }
 
 fn writer(style: QuoteStyle) -> Writer<Vec<u8>> {
-    // A first cell that begins like a remark is quoted, too.
+    // A first cell that begins like a header line is also quoted.
     WriterBuilder::new().quote_style(style).comment(Some(b'#')).flexible(true).from_writer(Vec::new())
 }
 

@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
-/// The text of a file, with every line ended by `\n` and no byte-order mark.
+/// Text of a file, with every line ended by `\n` and no byte-order mark.
 ///
-/// UTF-8 is read as such. UTF-16 is read where a byte-order mark or a zero byte in the first character shows it. Any other bytes are
-/// taken for Latin-1, in which every byte is a character: comments and names of older programs are written so.
+/// UTF-8 is read as such. UTF-16 is read if a byte-order mark or a zero byte in the first character shows it. All
+/// other bytes are read as Latin-1, in which every byte is a character. Older programs write comments and names in
+/// it.
 pub fn decode(bytes: Vec<u8>) -> String {
     let text = match bytes[..] {
         [0xFF, 0xFE, ref rest @ ..] => utf16(rest, u16::from_le_bytes),

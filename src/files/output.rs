@@ -8,30 +8,30 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Where what is written under a path goes.
+/// Destination of output under a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Destination {
-    /// The program's own standard output, also where a path leads to the file that it is redirected to.
+    /// Standard output of the program, also if the path is the file to which it is redirected.
     StandardOutput,
-    /// The program's own standard error.
+    /// Standard error of the program.
     StandardError,
-    /// Anything else.
+    /// Any other path.
     Path(PathBuf),
 }
 
-/// What makes two paths the same file. A device such as `/dev/null` is the same as nothing.
+/// Identity of an output file, to detect equal paths. A device such as `/dev/null` has none.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Identity {
     /// Standard output or standard error.
     Stream(Destination),
-    /// Device and inode of a file that exists.
+    /// Device and inode of an existing file.
     Node(u64, u64),
-    /// Where a file would be made.
+    /// Path of a file that does not exist yet.
     Place(PathBuf),
 }
 
 impl Destination {
-    /// Where a path leads.
+    /// Destination of a path.
     pub fn of(path: &Path) -> Self {
         // A file called `-` can be given as `./-`.
         if path == Path::new("-") || path == Path::new("/dev/stdout") || is_descriptor(path, "1") {
@@ -45,7 +45,7 @@ impl Destination {
         }
     }
 
-    /// What tells this from other files; nothing for a device, of which any number of files may be written.
+    /// Identity of the destination. `None` for a device, which may be written any number of times.
     pub fn identity(&self) -> Option<Identity> {
         match self {
             Self::Path(path) => identity(path),
@@ -53,10 +53,10 @@ impl Destination {
         }
     }
 
-    /// Finds out whether this can be written, and leaves what is there as it is.
+    /// Checks that the destination can be written, without a change to an existing file.
     ///
     /// # Errors
-    /// [`FileError::Access`] with what the system says.
+    /// [`FileError::Access`] with the message of the system.
     pub fn probe(&self) -> Result<(), FileError> {
         match self {
             Self::Path(path) => probe(path).map_err(|error| access(path, &error)),
@@ -64,10 +64,11 @@ impl Destination {
         }
     }
 
-    /// Writes all of it.
+    /// Writes all bytes.
     ///
     /// # Errors
-    /// [`FileError::Access`] with what the system says. A reader that has closed its end of standard output is no failure.
+    /// [`FileError::Access`] with the message of the system. If the reader of standard output has closed its end,
+    /// that is no error.
     pub fn write(&self, bytes: &[u8]) -> Result<(), FileError> {
         let (name, written) = match self {
             Self::StandardOutput => {
@@ -82,19 +83,19 @@ impl Destination {
     }
 }
 
-/// Writes to a path, in this order:
+/// Writes bytes to a path. The first of these rules that fits is used:
 /// - `/dev/stdout` and `/dev/stderr` are the program's own streams;
-/// - what is no file, such as a pipe or a device, is written to as it is;
-/// - a link is followed, also to a file that is not there yet;
-/// - a file is written beside its place and then moved there, with the permissions and the owner of the old one, so that at every moment
-///   either the old file or the whole new one is there;
-/// - where that cannot be, as in a folder that may not be changed, with a name too long for another beside it, on a mount point, or
-///   for a file of several names, the file is written in place.
+/// - a path that is not a file, such as a pipe or a device, is written to directly;
+/// - a link is followed, also to a file that does not exist yet;
+/// - a file is written beside its place and then moved there, with the permissions and the owner of the old file.
+///   At every moment either the old file or the complete new one exists;
+/// - if that is not possible, the file is written in place. Examples: a folder that may not be changed, a name too long
+///   for another beside it, a mount point, a file of several names.
 ///
 /// # Errors
-/// [`FileError::Access`] if the system refuses. A file that was there stays, unless writing in place fails half way.
+/// [`FileError::Access`] if the system refuses. An existing file stays, unless writing in place fails half way.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    // Only an option of a command can mean standard output by `-`.
+    // `-` means standard output only in an option of a command.
     let destination =
         if path == Path::new("-") { Destination::Path(PathBuf::from("./-")) } else { Destination::of(path) };
     destination.write(bytes)
@@ -113,12 +114,12 @@ fn stream(bytes: &[u8], mut out: impl Write + IsTerminal) -> io::Result<()> {
     out.flush()
 }
 
-/// Whether a path is a name of one of the program's own descriptors.
+/// Whether a path names a descriptor of the program.
 fn is_descriptor(path: &Path, number: &str) -> bool {
     ["/dev/fd", "/proc/self/fd"].iter().any(|folder| path == Path::new(folder).join(number))
 }
 
-/// Whether standard output is redirected to the file or pipe of this path. Writing it twice would lose one of the two.
+/// Whether standard output is redirected to the file or pipe of this path. If both wrote to it, one would be lost.
 #[cfg(unix)]
 fn is_standard_output(path: &Path) -> bool {
     use std::os::{fd::AsFd, unix::fs::FileTypeExt};
@@ -139,7 +140,7 @@ fn node(known: &Metadata) -> (u64, u64) {
     (known.dev(), known.ino())
 }
 
-/// What tells the file of a path from others; nothing for a device.
+/// Identity of the file of a path. `None` for a device.
 pub fn identity(path: &Path) -> Option<Identity> {
     let Ok(known) = fs::metadata(path) else { return resolved(path).ok().map(Identity::Place) };
     #[cfg(unix)]
@@ -156,9 +157,9 @@ pub fn identity(path: &Path) -> Option<Identity> {
     fs::canonicalize(path).ok().filter(|_| known.is_file()).map(Identity::Place)
 }
 
-/// The path without links, also where the last of them leads to nothing. The folder has to be there.
+/// Path with all links resolved, even if the last one has no target. The folder must exist.
 fn resolved(path: &Path) -> io::Result<PathBuf> {
-    // As many as Linux follows.
+    // Limit of Linux.
     const LINKS: usize = 40;
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -184,7 +185,7 @@ fn probe(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(known) if known.is_dir() => Err(io::Error::from(ErrorKind::IsADirectory)),
         Ok(known) if known.is_file() => OpenOptions::new().write(true).open(path).map(drop),
-        // To open a pipe would wait for its reader, and to close it again would end that one.
+        // A pipe is not opened: opening waits for its reader, and closing would end that reader.
         Ok(known) if known.permissions().readonly() => Err(io::Error::from(ErrorKind::PermissionDenied)),
         Ok(_) => Ok(()),
         Err(_) => {
@@ -206,7 +207,7 @@ fn write_path(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if known.as_ref().is_some_and(|known| !known.is_file()) {
         return stream(bytes, OpenOptions::new().write(true).open(path)?);
     }
-    // A file that somebody has opened already is meant itself, and not another one of its name.
+    // The path means this opened file itself, not another file of its name.
     if path.starts_with("/dev/fd") || path.starts_with("/proc") {
         return write_in_place(path, bytes, false);
     }
@@ -217,9 +218,9 @@ fn write_path(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a file beside its place and moves it there. Returns false, with everything as it was, if that cannot be done here.
+/// Writes a file beside its place and moves it there. Returns false, without any change, if that is not possible here.
 fn replace(place: &Path, bytes: &[u8], known: Option<&Metadata>) -> io::Result<bool> {
-    // A file that may not be written must not be replaced either.
+    // A file without write permission must not be replaced either.
     if known.is_some() {
         OpenOptions::new().write(true).open(place)?;
     }
@@ -235,13 +236,13 @@ fn replace(place: &Path, bytes: &[u8], known: Option<&Metadata>) -> io::Result<b
     let written = if kept { file.write_all(bytes).and_then(|()| file.sync_all()) } else { Ok(()) };
     let moved = written.and_then(|()| if kept { fs::rename(&temporary, place).map(|()| true) } else { Ok(false) });
     if !matches!(moved, Ok(true)) {
-        // Best effort: the file that counts is untouched either way.
+        // Best effort: the target file is unchanged in either case.
         let _ = fs::remove_file(&temporary);
     }
     moved.or_else(|error| if is_about_the_place(&error) { Ok(false) } else { Err(error) })
 }
 
-/// Whether another name in the same folder is what the system refuses, rather than the bytes.
+/// Whether the system refuses a second name in the folder, rather than the bytes.
 fn is_about_the_place(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -253,7 +254,7 @@ fn is_about_the_place(error: &io::Error) -> bool {
     )
 }
 
-/// Gives a new file the permissions and the owner of the old one.
+/// Copies the permissions and the owner of the old file to the new one.
 fn keep(file: &File, known: &Metadata) -> io::Result<()> {
     #[cfg(unix)]
     {
@@ -266,7 +267,7 @@ fn keep(file: &File, known: &Metadata) -> io::Result<()> {
     file.set_permissions(known.permissions())
 }
 
-/// Whether a file has several names, which moving another one to one of them would part.
+/// Whether a file has several hard links. Moving another file to one of them would separate them.
 fn has_other_names(known: &Metadata) -> bool {
     #[cfg(unix)]
     {
@@ -279,12 +280,12 @@ fn has_other_names(known: &Metadata) -> bool {
     }
 }
 
-/// Writes over a file as it is, or makes it.
+/// Overwrites a file in place, or creates it.
 fn write_in_place(place: &Path, bytes: &[u8], new: bool) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).create(new).truncate(true).open(place)?;
     let written = file.write_all(bytes).and_then(|()| file.sync_all());
     if written.is_err() && new {
-        // Half a file is worth less than none.
+        // An incomplete new file is removed.
         let _ = fs::remove_file(place);
     }
     written

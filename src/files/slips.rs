@@ -1,19 +1,19 @@
-//! Explains parse errors of level files.
+//! Explanations of parse errors of level files.
 
 use super::tokens::{Kind, Token, Tokens};
 use ron::error::{Error, SpannedError};
 
-/// Longest text in which slips are looked for [bytes].
+/// Greatest length of text that is searched for mistakes [bytes].
 const LONGEST: usize = 4 << 20;
 
-/// A mistake with its place: line and column from 1.
+/// Mistake with its place: line and column from 1.
 pub(super) struct Slip {
     pub line: usize,
     pub column: usize,
     pub what: String,
 }
 
-/// Says what the parser's error means.
+/// Explains the parser's error.
 pub(super) fn explain(text: &str, error: &SpannedError) -> Slip {
     let (line, column) = (error.span.start.line, error.span.start.col);
     if text.len() > LONGEST {
@@ -39,38 +39,38 @@ pub(super) fn explain(text: &str, error: &SpannedError) -> Slip {
     Slip { line, column, what }
 }
 
-/// The place [bytes] of a line and column.
+/// Offset of a line and column [bytes].
 fn offset(text: &str, line: usize, column: usize) -> usize {
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let along = text[start..].char_indices().nth(column.saturating_sub(1));
     along.map_or(text.len(), |(at, _)| start + at)
 }
 
-/// Line and column of a place [bytes].
+/// Line and column of an offset [bytes].
 fn place(text: &str, at: usize) -> (usize, usize) {
     let before = &text[..at.min(text.len())];
     let line = before.rsplit('\n').next().unwrap_or_default();
     (1 + before.matches('\n').count(), 1 + line.chars().count())
 }
 
-/// The start of a token, in back quotes.
+/// Start of a token, in back quotes.
 fn short(token: &Token<'_>) -> String {
     let mut letters = token.text.lines().next().unwrap_or_default().chars();
     let text: String = letters.by_ref().take(24).collect();
     format!("`{text}{}`", if letters.next().is_some() { "…" } else { "" })
 }
 
-/// A text with the place of its error.
+/// Text with the place of its error.
 struct View<'a> {
     text: &'a str,
     tokens: Vec<Token<'a>>,
-    /// Where the error is [bytes].
+    /// Offset of the error [bytes].
     at: usize,
-    /// The first token that ends behind it; as many as there are, at the end of the text.
+    /// Index of the first token that ends behind the error; the number of tokens at the end of the text.
     here: usize,
 }
 
-/// A mistake with its place [bytes].
+/// Explanation with its offset [bytes], if found.
 type Found = Option<(usize, String)>;
 
 impl<'a> View<'a> {
@@ -88,12 +88,12 @@ impl<'a> View<'a> {
         self.tokens.get(self.here.checked_sub(back)?)
     }
 
-    /// What is at the error, for messages.
+    /// Content at the error, for messages.
     fn there(&self) -> String {
         self.token(self.here).map_or_else(|| "the end of the file".to_owned(), short)
     }
 
-    /// Text that is no level at all.
+    /// Checks for text that is not a level at all.
     fn whole(&self) -> Found {
         const BEGINS: &str = "a level begins with `(name: \"...\",` and ends with `)`";
         let Some(first) = self.token(0) else {
@@ -122,7 +122,7 @@ impl<'a> View<'a> {
         Some((first.start, what))
     }
 
-    /// The first character at or before the error that has no meaning outside strings.
+    /// First character at or before the error that has no meaning outside strings.
     fn odd_mark(&self) -> Found {
         let until = self.tokens[..(self.here + 1).min(self.tokens.len())].iter();
         let mut inner = None;
@@ -185,7 +185,7 @@ impl<'a> View<'a> {
             let Some(unit) = unit.filter(|unit| unit.chars().all(char::is_alphabetic)) else { continue };
             let colon = usize::from(digits == token.text.len()) + 1;
             if self.token(number + colon).is_some_and(|next| next.is(':')) {
-                // A name of the next entry: the comma is missing.
+                // It is the name of the next entry: the comma is missing.
                 continue;
             }
             return Some((token.start, with_unit(&token.text[..digits], unit)));
@@ -203,7 +203,7 @@ impl<'a> View<'a> {
         self.decimal_comma(code)
     }
 
-    /// `3,5` for `3.5`: where a name was expected, or where a group has more numbers than there should be.
+    /// `3,5` in place of `3.5`, where a name was expected or where a group has too many numbers.
     fn decimal_comma(&self, code: &Error) -> Found {
         let pair = |number: usize| {
             let [Some(whole), Some(comma), Some(part)] =
@@ -233,7 +233,7 @@ impl<'a> View<'a> {
         {
             return told(found);
         }
-        // A value is one thing, whatever its range says.
+        // A named value is a single value, even if the error is about its range.
         let named = |number: &usize| {
             number.checked_sub(1).and_then(|before| self.token(before)).is_some_and(|mark| mark.is(':'))
         };
@@ -251,7 +251,7 @@ impl<'a> View<'a> {
                 | Error::ExpectedComma
         );
         if too_many {
-            // The group that the error is in, or that it is behind.
+            // The group that contains the error or ends before it.
             let first = (0..self.here.min(self.tokens.len())).rev().find(|number| self.tokens[*number].opens())?;
             let last = (first + 1..self.tokens.len())
                 .find(|number| self.tokens[*number].closes() || self.tokens[*number].opens())?;
@@ -267,7 +267,7 @@ impl<'a> View<'a> {
         None
     }
 
-    /// A bracket that is not closed, or closed by another one.
+    /// Bracket that is not closed, or closed by a bracket of another kind.
     fn brackets(&self) -> Found {
         let mut open: Vec<&Token<'_>> = Vec::new();
         let spot = |token: &Token<'_>| {
@@ -311,7 +311,7 @@ impl<'a> View<'a> {
         ))
     }
 
-    /// What the parser expected, with what is there.
+    /// Expectation of the parser, with the content found.
     fn expected(&self, code: &Error) -> String {
         let there = self.there();
         let here = self.token(self.here);
@@ -385,7 +385,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Length of the number that a token begins with.
+/// Length of the number at the start of a token.
 fn value(text: &str) -> usize {
     let good =
         |length: &usize| text.is_char_boundary(*length) && text[..*length].replace('_', "").parse::<f64>().is_ok();
@@ -395,7 +395,7 @@ fn value(text: &str) -> usize {
     (1..=text.len()).rev().find(good).unwrap_or(text.len())
 }
 
-/// What to write in place of a number with a unit.
+/// Replacement for a number with a unit.
 fn with_unit(number: &str, unit: &str) -> String {
     const UNITS: [(&str, f64); 16] = [
         ("Pa", 1.0),
@@ -421,7 +421,7 @@ fn with_unit(number: &str, unit: &str) -> String {
     format!("`{number} {unit}` has a unit; numbers carry none, they are in m, kg, s, N, Pa and degrees: {remedy}")
 }
 
-/// Names, for messages.
+/// List of names for messages.
 fn listed(names: &[&str]) -> String {
     match names {
         [] => "nothing".to_owned(),
@@ -433,7 +433,7 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-/// The name that was likely meant, as an addition to a message.
+/// Likely intended name, as an addition to a message.
 fn meant(names: &[&str], found: &str) -> String {
     let switch = match found.to_lowercase().as_str() {
         "true" | "yes" => Some("On"),
@@ -448,7 +448,7 @@ fn meant(names: &[&str], found: &str) -> String {
     switch.and_then(known).or(near).map_or_else(String::new, |name| format!("; write `{name}`"))
 }
 
-/// Levenshtein's distance: the fewest letters to insert, delete or replace.
+/// Levenshtein distance: the least number of letters to insert, delete or replace.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,12 +1,13 @@
-//! Alternative spellings in level files, each replaced by as many characters, so that places in messages stay.
+//! Alternative spellings in level files. A replacement has the same number of characters, so places in messages stay
+//! valid.
 
 use super::tokens::{Kind, Tokens};
 
-/// Longest text that is looked through [bytes].
+/// Greatest length of text that is searched [bytes].
 const LONGEST: usize = 16 << 20;
 
-/// The text without the second brackets of RON's own spelling `Disk((radius: 1))` or `Disk(Disk(radius: 1))`, which levels leave out.
-/// `None` if it has none of them.
+/// Text without the second brackets of RON's own spelling, `Disk((radius: 1))` or `Disk(Disk(radius: 1))`.
+/// Levels omit them. `None` if the text has none of them.
 pub(super) fn unwrapped(text: &str) -> Option<String> {
     if text.len() > LONGEST {
         return None;
@@ -43,7 +44,8 @@ pub(super) fn unwrapped(text: &str) -> Option<String> {
     if changed { String::from_utf8(bytes).ok() } else { None }
 }
 
-/// The text with `/` for every single `\` in the string after `path:`, as in `path: "meshes\man.obj"`. `None` if there is none.
+/// Text with `/` for every single `\` in the string after `path:`, as in `path: "meshes\man.obj"`. `None` if there is
+/// none.
 pub(super) fn with_slashes(text: &str) -> Option<String> {
     if !text.contains('\\') {
         return None;

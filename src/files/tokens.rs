@@ -1,11 +1,11 @@
 //! Tokens of level files for error messages.
 
-/// What a token is.
+/// Kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A name, such as `mesh` or `Disk`.
     Word,
-    /// Whatever begins like a number, such as `1e-3` or `3kPa`.
+    /// Text that begins like a number, such as `1e-3` or `3kPa`.
     Number,
     /// A string in double quotes.
     Text,
@@ -19,7 +19,7 @@ pub(super) enum Kind {
     Mark,
 }
 
-/// A piece of text with its place [bytes].
+/// Token: text with its offset [bytes].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Token<'a> {
     pub kind: Kind,
@@ -28,7 +28,7 @@ pub(super) struct Token<'a> {
 }
 
 impl Token<'_> {
-    /// Where it ends.
+    /// End offset [bytes].
     pub const fn end(&self) -> usize {
         self.start + self.text.len()
     }
@@ -49,7 +49,7 @@ impl Token<'_> {
     }
 }
 
-/// The tokens of a text, without white space and comments.
+/// Tokens of a text, without white space and comments.
 pub(super) struct Tokens<'a> {
     text: &'a str,
     at: usize,
@@ -70,7 +70,7 @@ impl<'a> Tokens<'a> {
         Token { kind, text: &self.text[start..self.at], start }
     }
 
-    /// Passes over white space and comments; a block comment without an end is a token.
+    /// Skips white space and comments. A block comment without an end is a token.
     fn skip(&mut self) -> Option<Token<'a>> {
         loop {
             let rest = self.rest().trim_start_matches([' ', '\t', '\n', '\r', '\u{b}', '\u{c}']);
@@ -100,7 +100,7 @@ impl<'a> Iterator for Tokens<'a> {
         let first = rest.chars().next()?;
         if first == '"' || first == '\'' {
             let kind = if first == '"' { Kind::Text } else { Kind::Quoted };
-            // Single quotes are not for text that spans lines: a lone apostrophe is a character by itself.
+            // Single quotes do not span lines. A lone apostrophe is a character by itself.
             let length = string(rest, first).filter(|length| first == '"' || !rest[..*length].contains('\n'));
             return Some(match length {
                 Some(length) => self.token(kind, length),
@@ -129,7 +129,7 @@ impl<'a> Iterator for Tokens<'a> {
     }
 }
 
-/// Length of a block comment, which may hold others; `None` if it has no end.
+/// Length of a block comment, which may be nested. `None` if it has no end.
 fn comment(text: &str) -> Option<usize> {
     let (mut depth, mut at) = (0, 0);
     while let Some(found) = text[at..].find(['/', '*']) {
@@ -150,7 +150,7 @@ fn comment(text: &str) -> Option<usize> {
     None
 }
 
-/// Length of a string in these quotes; `None` if it has no end.
+/// Length of a string in the given quotes. `None` if it has no end.
 fn string(text: &str, quote: char) -> Option<usize> {
     let mut escaped = false;
     let end = text.char_indices().skip(1).find(|&(_, letter)| {
@@ -161,14 +161,14 @@ fn string(text: &str, quote: char) -> Option<usize> {
     end.map(|(at, _)| at + 1)
 }
 
-/// The number of `#` before the quote of a raw string, if one begins here.
+/// Number of `#` before the quote of a raw string, if one begins here.
 fn raw(text: &str) -> Option<usize> {
     let after = text.strip_prefix('r')?;
     let hashes = after.len() - after.trim_start_matches('#').len();
     after[hashes..].starts_with('"').then_some(hashes)
 }
 
-/// Length of what begins like a number, with letters that follow at once.
+/// Length of text that begins like a number, with letters that follow directly.
 fn number(text: &str) -> usize {
     let mut before = ' ';
     let end = text.find(|letter: char| {

@@ -15,8 +15,9 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A level that is hard to hold, what is done to it, and what is expected of it. The level's text says what it tries; its step,
-/// integrator and models do not matter, as every one of them has to hold it.
+/// Hard case: a level, its scripted actions and the expected end.
+/// The text of the level states its purpose. Its step, integrator and models are not used, because each model and
+/// method is tested.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -40,7 +41,7 @@ pub struct Case {
     fine: bool,
 }
 
-/// How long a case goes on.
+/// Duration of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Lasts {
     /// For a time [s].
@@ -49,7 +50,7 @@ pub enum Lasts {
     Steps(u32),
 }
 
-/// What is expected of a case at its end.
+/// Expected state of a case at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Expects {
     /// Bodies are back in their rest shapes.
@@ -58,7 +59,7 @@ pub enum Expects {
     Bounded,
 }
 
-/// What cannot be held, and why.
+/// Models and methods that cannot hold a case, and the reason.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cannot {
@@ -76,12 +77,12 @@ pub struct Cannot {
 }
 
 impl Case {
-    /// The names of all that come with the program, in the order of the gallery.
+    /// Names of the built-in cases, in the order of the gallery.
     pub fn names() -> impl Iterator<Item = &'static str> {
         levels::HARD.iter().map(|(file, _)| file.strip_suffix(".ron").unwrap_or(file))
     }
 
-    /// Reads a case that comes with the program by its name, or one from a file.
+    /// Reads a built-in case by its name, or a case from a file.
     ///
     /// # Errors
     /// [`FileError`] with the place and the reason.
@@ -93,7 +94,7 @@ impl Case {
         }
     }
 
-    /// The level with the case's actions and one model for every body, as a method steps it.
+    /// Level with the case's actions, one model for all bodies, and the integrator of a method.
     pub fn level(&self, model: Model, method: Method) -> Level {
         let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
         let bodies = self.level.bodies.iter().map(body).collect();
@@ -101,7 +102,7 @@ impl Case {
         Level { bodies, actions, integrator: method.integrator(), ..self.level.clone() }
     }
 
-    /// The same with the step that the method begins with, to be watched outside the gallery.
+    /// Level as in [`Self::level`], with the first step of the method, for use outside the gallery.
     ///
     /// # Errors
     /// If the level cannot be built.
@@ -115,7 +116,7 @@ impl Case {
         Ok(Level { substeps: Substeps::nearest(1.0 / (60.0 * Method::SHARE * limit)), ..level })
     }
 
-    /// Why a model and a method cannot hold this case, if they cannot.
+    /// Reason why a model and a method cannot hold this case, if any.
     pub fn cannot(&self, model: Model, method: Method) -> Option<&str> {
         let listed = |cannot: &&Cannot| {
             (self.fine || !cannot.fine)
@@ -125,20 +126,20 @@ impl Case {
         self.cannot.iter().find(listed).map(|cannot| cannot.why.as_str())
     }
 
-    /// The same on meshes with about so many triangles in all.
+    /// Same case on meshes with about `triangles` triangles in total.
     ///
     /// # Errors
-    /// If the level cannot be built, or a pin names a vertex that another mesh has elsewhere.
+    /// If the level cannot be built, or a pin names a vertex by number, which differs in another mesh.
     pub fn with_triangles(&self, triangles: u32) -> Result<Self, StudyError> {
         let scene = Scene::build(&self.level, self.level.mode, &NoFiles, None)?;
         let share = f64::from(triangles) / scene.triangles.len().max(1) as f64;
         Ok(Self { level: with_triangles(&self.level, share)?, fine: share > 1.0, ..self.clone() })
     }
 
-    /// The same, going on for so many times as long; what is done to it is done when it was.
+    /// Same case with `times` times the duration. The times of the scripted actions stay.
     ///
     /// # Errors
-    /// [`OutOfRange`] if that is longer than a time can be.
+    /// [`OutOfRange`] if the duration exceeds the range of a time.
     pub fn lasting(&self, times: u32) -> Result<Self, OutOfRange> {
         let lasts = match self.lasts {
             Lasts::Seconds(time) => Lasts::Seconds(Time::new(time.get() * f64::from(times))?),
@@ -147,7 +148,7 @@ impl Case {
         Ok(Self { lasts, ..self.clone() })
     }
 
-    /// The same from another start: the seeds of its start shapes go on by so many. `None` if it has no such start.
+    /// Same case from another start: the seeds of its start shapes increase by `by`. `None` if it has no such start.
     pub fn with_seed(&self, by: u32) -> Option<Self> {
         let mut case = self.clone();
         let mut seeded = false;

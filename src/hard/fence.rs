@@ -8,17 +8,17 @@ use crate::{
     scene::{Scene, extent},
 };
 
-/// All that nothing may get through: the walls of a level, the edges of its world, and a box.
+/// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
 pub struct Fence {
     obstacles: Vec<Box<dyn Obstacle>>,
-    /// Least and greatest corners [m].
+    /// Lower left and upper right corners [m].
     boxes: Vec<[[f64; 2]; 2]>,
-    /// Length of the longest side of the bodies' boxes at rest [m].
+    /// Longest side of the bounding boxes of the bodies at rest [m].
     size: f64,
 }
 
 impl Fence {
-    /// What stands in a level, and a box beside.
+    /// Boundaries of a level, and an additional box.
     pub fn new(level: &Level, scene: &Scene, within: Option<(Point, Point)>) -> Self {
         let mut obstacles = Vec::new();
         let mut boxes: Vec<_> = within.iter().map(|(least, greatest)| [least.get(), greatest.get()]).collect();
@@ -26,7 +26,7 @@ impl Fence {
         for listed in level.effects.iter().filter(|listed| listed.switch == Switch::On && acts(listed.when)) {
             match &listed.effect {
                 EffectKind::Boundary(edges) => boxes.push([edges.least.get(), edges.greatest.get()]),
-                // A wall that cannot be built makes no scene either.
+                // A wall that cannot be built also prevents the scene.
                 EffectKind::Walls(walls) => {
                     obstacles.extend(walls.obstacles.iter().filter_map(|kind| kind.kind().build().ok()));
                 }
@@ -40,7 +40,7 @@ impl Fence {
         Self { obstacles, boxes, size: sides.fold(0.0, f64::max) }
     }
 
-    /// The farthest that any of the points, flat [m], is behind the fence, as a share of the size of the bodies.
+    /// Greatest distance of the points (flat, [m]) beyond the boundaries, as a share of the size of the bodies.
     pub fn beyond(&self, x: &[f64]) -> f64 {
         let mut farthest = 0.0_f64;
         for point in x.chunks_exact(2) {

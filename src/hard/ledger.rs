@@ -2,11 +2,11 @@
 
 use crate::{report::Energies, scene::Scene};
 
-/// Keeps the books of energy: between two changes from outside nothing in a scene supplies any.
+/// Energy balance of a run. Between two changes from outside nothing in a scene supplies energy.
 ///
-/// With the mechanical energy M and the potential P, `M + P` can never be above what was put in: what there was at the start, and
-/// what every change from outside added to it or took. What was dissipated until a change is gone, so that an excess cannot hide
-/// behind it. Excesses count as shares of the most that M could ever have been, `put in - P`.
+/// With the mechanical energy M and the potential P, `M + P` cannot exceed the energy put in. That is the energy at
+/// the start plus the gain or loss by every change from outside. Energy dissipated before a change is subtracted, so
+/// that it cannot hide an excess. The excess is relative to the greatest possible M, `put in - P`.
 #[derive(Clone, Debug)]
 pub struct Ledger {
     put_in: f64,
@@ -14,11 +14,11 @@ pub struct Ledger {
     gain: f64,
 }
 
-/// An energy that is round-off to a scene, as a share of what its elements store at a stretch of one.
+/// Energy that counts as round-off, as a share of the elastic energy at a stretch of one.
 const NEGLIGIBLE: f64 = 1e-12;
 
 impl Ledger {
-    /// Begins with a scene and its energies.
+    /// Starts the balance with a scene and its energies.
     pub fn new(scene: &Scene, energies: Energies) -> Self {
         let elastic = |body: &crate::scene::Body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>();
         let scale = NEGLIGIBLE * scene.bodies.iter().map(elastic).sum::<f64>();
@@ -27,22 +27,22 @@ impl Ledger {
         ledger
     }
 
-    /// Books a change from outside.
+    /// Records a change from outside.
     pub fn changed(&mut self, before: Energies, after: Energies) {
         self.record(before);
         self.put_in = self.put_in.min(before.total()) + after.total() - before.total();
         self.record(after);
     }
 
-    /// Looks at the energies now.
+    /// Records the present energies.
     pub fn record(&mut self, energies: Energies) {
         self.scale = self.scale.max(self.put_in - energies.potential);
         let gain = (energies.total() - self.put_in) / self.scale;
-        // What is not a number is worse than any.
+        // NaN counts as an infinite excess.
         self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
     }
 
-    /// The most that the energy was above what was put in, as a share of what there could be.
+    /// Greatest excess over the energy put in, relative to the greatest possible mechanical energy.
     pub const fn gain(&self) -> f64 {
         self.gain
     }

@@ -3,7 +3,7 @@
 use crate::integrators::{Bdf2, ImplicitEuler, IntegratorKind, SymplecticEuler};
 use serde::{Deserialize, Serialize};
 
-/// How time passes in a hard case: a scheme and the length of its step.
+/// Integrator and step of a hard case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Method {
     /// Symplectic Euler at [`Self::SHARE`] of its longest stable step, which is found again at every frame.
@@ -15,16 +15,16 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them, in the order of the table.
+    /// All methods, in the order of the table.
     pub const ALL: [Self; 3] = [Self::SymplecticEuler, Self::ImplicitEuler, Self::Bdf2];
 
-    /// The share of the longest stable step that an explicit scheme takes at most.
+    /// Greatest share of the longest stable step that an explicit scheme takes.
     pub const SHARE: f64 = 0.25;
 
-    /// How far the energy of an implicit scheme may be above what was put in, as a share of it.
+    /// Energy tolerance of an implicit scheme, relative to the greatest possible mechanical energy.
     const IMPLICIT: f64 = 0.02;
 
-    /// The name in case files and tables.
+    /// Name in case files and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::SymplecticEuler => "SymplecticEuler",
@@ -33,7 +33,7 @@ impl Method {
         }
     }
 
-    /// The name as it is said.
+    /// Name in plain words.
     pub const fn title(self) -> &'static str {
         match self {
             Self::SymplecticEuler => "Symplectic Euler",
@@ -42,7 +42,7 @@ impl Method {
         }
     }
 
-    /// How it steps, for a tooltip.
+    /// Description of the step, for a tooltip.
     pub const fn about(self) -> &'static str {
         match self {
             Self::SymplecticEuler => "A quarter of its longest stable step, found again at every frame.",
@@ -50,7 +50,7 @@ impl Method {
         }
     }
 
-    /// The scheme.
+    /// Integrator.
     pub fn integrator(self) -> IntegratorKind {
         match self {
             Self::SymplecticEuler => IntegratorKind::SymplecticEuler(SymplecticEuler::default()),
@@ -59,15 +59,16 @@ impl Method {
         }
     }
 
-    /// Whether its step has to be shorter than the fastest vibration allows.
+    /// Whether the scheme is explicit, so that its step is limited by the fastest vibration.
     pub const fn is_explicit(self) -> bool {
         matches!(self, Self::SymplecticEuler)
     }
 
-    /// How far the energy may be above what was put in, as a share of what there could be.
+    /// Energy tolerance, relative to the greatest possible mechanical energy.
     ///
-    /// Symplectic Euler keeps `E - h/2 v . dU/dx`, not E: of a vibration w at a step `h = s 2/w`, E swings by up to
-    /// `s / (1 - s)` above where it started at rest (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, section I.1).
+    /// Symplectic Euler keeps `E - h/2 v . dU/dx`, not E. For a vibration w at a step `h = s 2/w`, E swings by up to
+    /// `s / (1 - s)` above its start value at rest (Hairer, Lubich and Wanner, *Geometric Numerical Integration*,
+    /// section I.1).
     pub fn energy_tolerance(self) -> f64 {
         if self.is_explicit() { Self::SHARE / (1.0 - Self::SHARE) } else { Self::IMPLICIT }
     }

@@ -1,14 +1,15 @@
 //! Hard cases: scenes that test the stability of integrators and models.
 //!
-//! A [`Case`] is a level with scripted [`ScriptedAction`]s and what is expected at its end; each is one file of `levels/hard/`. A [`Run`]
-//! takes a case with one constitutive model and one [`Method`] frame by frame of 1/60 s and ends with a [`Verdict`]. A [`Sweep`]
-//! is many runs on several threads: the whole table of cases, models and methods.
+//! A [`Case`] is a level with scripted [`ScriptedAction`]s and an expected end. Each is one file of `levels/hard/`. A
+//! [`Run`] advances a case with one constitutive model and one [`Method`] in frames of 1/60 s and ends with a
+//! [`Verdict`]. A [`Sweep`] is a table of runs of cases, models and methods on several threads.
 //!
-//! What decides, for every case:
-//! - the simulation goes on: no fault, and never a number that is none;
-//! - the energy is never above what was put in (see [`Ledger`]), but for [`Method::energy_tolerance`];
-//! - nothing gets farther than [`OUTSIDE`] of its size through walls, or out of the box the case names;
-//! - a body that should come home has no inverted triangle at the end, and no triangle whose area is off by more than [`AREA`].
+//! Criteria for every case:
+//! - the simulation goes on: no fault, and no value that is not finite;
+//! - the energy does not exceed the energy put in (see [`Ledger`]) by more than [`Method::energy_tolerance`];
+//! - nothing gets farther than [`OUTSIDE`] of its size through walls, or out of the box of the case;
+//! - a body that should return to its rest shape has no inverted triangle at the end, and no triangle whose area
+//!   differs by more than [`AREA`].
 
 mod case;
 mod fence;

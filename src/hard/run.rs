@@ -11,16 +11,16 @@ use crate::{
     untangle::{Tangle, untangled},
 };
 
-/// A case on its way, with one constitutive model and one method.
+/// Run of a case with one constitutive model and one method.
 pub struct Run {
     simulation: Simulation,
     method: Method,
     expects: Expects,
     frame: u64,
-    /// Frames, and at most so many steps.
+    /// Limits of the run: frames and steps.
     end: (u64, u64),
     substeps: u32,
-    /// Share of the longest stable step that is taken, if the scheme is explicit.
+    /// Share of the longest stable step, for explicit schemes.
     share: f64,
     probe: StabilityProbe,
     ledger: Ledger,
@@ -28,14 +28,14 @@ pub struct Run {
     outside: f64,
 }
 
-/// Rounds of the iteration for the longest stable step, in every frame.
+/// Iterations for the longest stable step in every frame.
 const ROUNDS: usize = 6;
 
-/// More energy from nowhere than there could be: what goes on is not the scene any more.
+/// Energy excess at which a run stops, relative to the greatest possible mechanical energy.
 const HOPELESS: f64 = 1.0;
 
 impl Run {
-    /// A case from its start.
+    /// Prepares a run of a case from its start.
     ///
     /// # Errors
     /// If its level cannot be built.
@@ -63,8 +63,8 @@ impl Run {
         })
     }
 
-    /// The same at another share of the longest stable step than [`Method::SHARE`], and without the guard. Steps are up to twice as
-    /// short as that: from 2 on an explicit scheme has to fail.
+    /// Same run at another share of the longest stable step than [`Method::SHARE`], and without the guard.
+    /// Steps are up to twice as short as this share. From 2 on, an explicit scheme must fail.
     #[must_use]
     pub fn unguarded_at(mut self, share: f64) -> Self {
         let scene = Scene { guard: false, ..self.simulation.scene().clone() };
@@ -72,7 +72,7 @@ impl Run {
         Self { share, ..self }
     }
 
-    /// What is run, to look at.
+    /// Simulation of the run.
     pub const fn simulation(&self) -> &Simulation {
         &self.simulation
     }
@@ -84,7 +84,7 @@ impl Run {
         by_frames.max(self.simulation.state().steps as f64 / steps as f64).min(1.0)
     }
 
-    /// Goes on for a frame; gives the verdict when the run is over.
+    /// Advances by one frame. Returns the verdict when the run is over.
     ///
     /// # Errors
     /// If the script leads to a scene that cannot be built.
@@ -104,7 +104,7 @@ impl Run {
         Ok((over || hopeless).then(|| self.verdict()))
     }
 
-    /// Judges the state as it is now.
+    /// Verdict on the present state.
     pub fn verdict(&self) -> Verdict {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
         let off = |x: &[f64]| {
@@ -128,8 +128,8 @@ impl Run {
         Verdict::of(numbers, fault, self.method.energy_tolerance())
     }
 
-    /// Shortens the step where the scene has grown stiffer, and lengthens it where it is far softer. Between two frames the guard
-    /// does the same.
+    /// Shortens the step if the scene has become stiffer, and lengthens it if it is much softer.
+    /// Between two frames the guard does the same.
     fn adapt_step(&mut self) {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
         let Some(limit) = self.probe.refine(scene, state, ROUNDS) else { return };
@@ -142,7 +142,7 @@ impl Run {
         }
     }
 
-    /// Changes something from outside and books it.
+    /// Applies a change from outside and records it in the ledger.
     fn change(&mut self, change: impl FnOnce(&mut Simulation)) {
         let before = self.simulation.energies();
         change(&mut self.simulation);

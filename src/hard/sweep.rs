@@ -9,31 +9,31 @@ use crate::{
 use std::{sync::Arc, time::Duration};
 use web_time::Instant;
 
-/// A case with what is to hold it.
+/// Case with the model and the method under test.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// Name of the case.
     pub name: String,
-    /// The case.
+    /// Case.
     pub case: Arc<Case>,
-    /// Every body follows this model.
+    /// Constitutive model of every body.
     pub model: Model,
-    /// How time passes.
+    /// Integrator and step.
     pub method: Method,
 }
 
-/// What is known of a trial.
+/// State of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Share of it done.
+    /// Share of the run done.
     pub done: f64,
-    /// Time spent on it [s].
+    /// Time spent on the run [s].
     pub seconds: f64,
-    /// How it ended, if it did, or why it cannot be run.
+    /// Verdict, or the reason why the case cannot be run. `None` until the end.
     pub verdict: Option<Result<Verdict, SceneError>>,
 }
 
-/// Many runs on several threads. What comes out does not depend on their number, except for the measured times.
+/// Runs of several trials on several threads. The results do not depend on the number of threads, except for the times.
 pub struct Sweep {
     slots: Vec<SweepSlot>,
     threads: usize,
@@ -53,7 +53,7 @@ impl Sweep {
         Self { slots: slots.collect(), threads }
     }
 
-    /// Goes on for about `budget`.
+    /// Works for about `budget`.
     pub fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
         let open: Vec<_> = self.slots.iter_mut().filter(|slot| slot.entry.verdict.is_none()).collect();
@@ -66,7 +66,7 @@ impl Sweep {
         Progress { done: done / self.slots.len().max(1) as f64, finished }
     }
 
-    /// The trials, with what is known of each, in their order.
+    /// Trials with their states, in order.
     pub fn entries(&self) -> impl Iterator<Item = (&Trial, &Entry)> {
         self.slots.iter().map(|slot| (&slot.trial, &slot.entry))
     }

@@ -3,16 +3,16 @@
 use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
 use crate::table;
 
-/// The columns of the table, separated by commas.
+/// Columns of the table, separated by commas.
 pub const COLUMNS: &str =
     "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,energy_left,untangle,reason";
 
-/// A line of the table for a trial, as CSV: what decided, rounded, and why it is not held if that is known.
+/// Row of the table for a trial as CSV: the deciding numbers, rounded, and the reason why it is not held, if known.
 pub fn row(trial: &Trial, verdict: &Verdict) -> String {
     let Trial { name, case, model, method } = trial;
     let Numbers { gain, outside, area, unsolved, elastic, opens, .. } = verdict.numbers;
     let held = if verdict.held() { "held" } else { "not held" };
-    // What is left where a body did not come home [J], and whether it does when it is untangled.
+    // Energy left if a body did not return to its rest shape [J], and whether it returns after untangling.
     let (mut left, mut untangle) = (String::new(), "");
     if area.is_some() && !verdict.held() {
         (left, untangle) = (format!("{elastic:.1e}"), if opens { "home" } else { "" });
@@ -27,7 +27,7 @@ pub fn row(trial: &Trial, verdict: &Verdict) -> String {
     table::row(cells) + "," + &reason
 }
 
-/// Two digits; what is far below every limit is not worth a change of the table.
+/// Share rounded to two digits. Values far below every limit are unified, so that the table does not change with them.
 fn rounded(share: f64) -> String {
     if share <= 0.0 {
         "0".to_owned()
@@ -39,7 +39,7 @@ fn rounded(share: f64) -> String {
 }
 
 impl Failure {
-    /// What happened, in words.
+    /// Failure in plain words.
     fn words(self, numbers: &Numbers) -> String {
         match self {
             Self::Stopped => format!("stopped at {:.2} s", numbers.time),

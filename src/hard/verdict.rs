@@ -1,27 +1,27 @@
 //! Verdict on a run of a hard case.
 
-/// How far the area of any triangle may be off after coming home, as a share of it.
+/// Greatest relative area error of a triangle in a body that returned to its rest shape.
 pub const AREA: f64 = 1e-3;
 
-/// How far anything may be through a wall, as a share of the size of the bodies.
+/// Greatest distance beyond a wall, as a share of the size of the bodies.
 pub const OUTSIDE: f64 = 1e-6;
 
-/// What was measured in a run.
+/// Measured numbers of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Numbers {
-    /// The most that the energy was above what was put in, as a share of what there could be.
+    /// Greatest energy excess, relative to the greatest possible mechanical energy.
     pub gain: f64,
-    /// The farthest that anything was through a wall, as a share of the size of the bodies.
+    /// Greatest distance beyond a wall, as a share of the size of the bodies.
     pub outside: f64,
-    /// Where bodies should come home: the greatest error of a triangle's area at the end, as a share of it.
+    /// Greatest relative area error of a triangle at the end, if bodies should return to their rest shape.
     pub area: Option<f64>,
     /// Elastic energy at the end [J].
     pub elastic: f64,
-    /// How many triangles were inverted at the end.
+    /// Number of inverted triangles at the end.
     pub inverted: usize,
-    /// How many vertices inside a body had their triangles twice or more around them, or not around them at all, at the end.
+    /// Number of inner vertices at the end whose triangles go around them twice or more, or not at all.
     pub wound: usize,
-    /// Whether untangling then brings bodies home that should be there.
+    /// Whether untangling returns bodies to their expected rest shape.
     pub opens: bool,
     /// Steps whose equations were not solved to tolerance.
     pub unsolved: u64,
@@ -29,39 +29,39 @@ pub struct Numbers {
     pub time: f64,
 }
 
-/// Why a case was not held.
+/// Reason why a case was not held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The simulation could not go on.
+    /// The simulation stopped.
     Stopped,
-    /// Energy came from nowhere.
+    /// The energy exceeded the energy put in.
     Energy,
     /// Something went through a wall.
     Outside,
-    /// Triangles are inside out at the end.
+    /// Triangles are inverted at the end.
     Inverted,
-    /// No triangle is inside out at the end, but those of a vertex go around it twice: nothing pulls them apart.
+    /// No triangle is inverted at the end, but those of a vertex go around it twice. No force separates them.
     Wound,
     /// Triangles are larger or smaller than at rest at the end.
     Area,
 }
 
-/// How a run ended.
+/// Verdict on a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// What was measured.
+    /// Measured numbers.
     pub numbers: Numbers,
-    /// What went wrong first, of what is worst; nothing, if it was held.
+    /// Most severe failure. `None` if the case was held.
     pub failure: Option<Failure>,
-    /// Why the simulation stopped, if it did.
+    /// Fault that stopped the simulation, if any.
     pub fault: Option<String>,
 }
 
 impl Verdict {
-    /// Judges what was measured, with the tolerance for the energy.
+    /// Verdict on measured numbers with an energy tolerance.
     pub fn of(numbers: Numbers, fault: Option<String>, tolerance: f64) -> Self {
         let Numbers { gain, outside, area, inverted, wound, .. } = numbers;
-        // What is not a number is not below a limit either.
+        // NaN exceeds every limit.
         let within = |value: f64, limit: f64| value <= limit;
         let failure = if fault.is_some() {
             Some(Failure::Stopped)
@@ -86,7 +86,7 @@ impl Verdict {
         self.failure.is_none()
     }
 
-    /// The number that decided, with its name and unit.
+    /// Deciding number, with its name and unit.
     pub fn decided_by(&self) -> String {
         let Numbers { gain, outside, area, inverted, wound, time, opens, .. } = self.numbers;
         let opened = if opens { ", opened by Untangle" } else { "" };
@@ -101,7 +101,7 @@ impl Verdict {
     }
 }
 
-/// So many of something.
+/// Count with its noun in singular and plural.
 pub(super) struct Count(pub usize, pub &'static str, pub &'static str);
 
 impl std::fmt::Display for Count {
@@ -111,7 +111,7 @@ impl std::fmt::Display for Count {
     }
 }
 
-/// A share in per cent, with what is below all limits as such.
+/// Share in per cent. Very small and very large values are shown as bounds.
 struct Share(f64);
 
 impl std::fmt::Display for Share {

@@ -3,14 +3,14 @@
 use crate::{report::Energies, simulation::Simulation};
 use serde::Serialize;
 
-/// Greatest |det F| of a triangle that is not absurd: a hundredfold stretch along both axes.
+/// Greatest |det F| of a physical end state: a hundredfold stretch along both axes.
 pub const GREATEST_J: f64 = 1e4;
 
-/// Greatest gain of energy that is not absurd, as a multiple of what the scene had of its own: kinetic and elastic energy at the start,
-/// and what it would store at a strain of 1.
+/// Greatest relative energy gain of a physical end state.
+/// It is relative to the kinetic and elastic energy at the start plus the energy stored at a strain of 1.
 pub const GREATEST_GAIN: f64 = 1e5;
 
-/// What a run began with.
+/// Start state of a run.
 pub struct Beginning {
     /// det F of every triangle, body after body.
     ratios: Vec<f64>,
@@ -19,7 +19,7 @@ pub struct Beginning {
     scale: f64,
 }
 
-/// What is to be said about the state at the end of a run; field names are stable.
+/// Report of the end state of a run. Field names are stable.
 #[derive(Debug, Default, PartialEq, Serialize)]
 pub struct EndState {
     /// Whether the state is physical: everything is finite, neither energy nor det F is absurd, and no triangle is inverted that was
@@ -36,7 +36,7 @@ pub struct EndState {
 }
 
 impl Beginning {
-    /// The state of a simulation before its first step.
+    /// Start state of a simulation before its first step.
     pub fn of(simulation: &Simulation) -> Self {
         let scene = simulation.scene();
         let bodies = scene.bodies.iter().map(|body| {
@@ -55,7 +55,7 @@ fn ratios(simulation: &Simulation) -> Vec<f64> {
     simulation.scene().bodies.iter().flat_map(|body| body.elements.volume_ratios(x)).collect()
 }
 
-/// A triangle of the whole scene in words.
+/// Name of a triangle of the whole scene in plain words.
 fn name(simulation: &Simulation, triangle: usize) -> String {
     let mut first = 0;
     for body in &simulation.scene().bodies {
@@ -69,7 +69,7 @@ fn name(simulation: &Simulation, triangle: usize) -> String {
 }
 
 impl EndState {
-    /// Of a simulation as it is now.
+    /// Report of the present state of a simulation.
     pub fn of(beginning: &Beginning, simulation: &Simulation) -> Self {
         let (scene, state, now) = (simulation.scene(), simulation.state(), simulation.energies());
         let ratios = ratios(simulation);
@@ -80,7 +80,8 @@ impl EndState {
         }
         let energy_gain = now.total() - beginning.energies.total();
         let own = beginning.energies.kinetic + beginning.energies.elastic.abs() + beginning.scale;
-        // What falls for long gains little of so much: that is the error of a scheme, and no explosion.
+        // A long fall gains a small share of the potential energy lost. That is the error of a scheme, not an
+        // explosion.
         let falling = 1e-2 * (now.potential - beginning.energies.potential).abs();
         if scene.toy.is_none() && energy_gain > GREATEST_GAIN * own + falling {
             remarks.push(format!(
@@ -122,7 +123,7 @@ impl EndState {
         Self { physical, newly_inverted: newly.len(), still_inverted: still.len(), energy_gain, remarks }
     }
 
-    /// What is said on standard error, in one line; nothing, if there is nothing to say.
+    /// Message for standard error in one line. `None` if there is nothing to report.
     pub fn sentence(&self) -> Option<String> {
         let what = if self.physical { "the end state" } else { "the end state is not physical" };
         (!self.remarks.is_empty()).then(|| format!("{what}: {}", self.remarks.join("; ")))

@@ -3,32 +3,32 @@
 use super::{Interrupt, Outputs};
 use crate::terminal;
 
-/// Exit codes, for the help.
+/// Exit codes, for the help text.
 pub const EXIT_CODES: &str = "Exit codes: 0 done; 1 the simulation stopped, or a hard case is not held that should be; 2 wrong \
 arguments, or a file that cannot be read or written; 3 `run` came to its end, but the end state is not physical: positions or \
 energies are not finite, the energy grew by over 1e5 times what the scene had, |J| is over 1e4, or triangles are inverted that were not at the start; 130 and 143 stopped by \
 SIGINT or SIGTERM, with what there was written and marked as partial.\n\nA path of `-` or `/dev/stdout` is standard output; the \
 summary then goes to standard error.";
 
-/// What there is to say at the end of a command.
+/// Result of a command.
 #[derive(Debug, Default)]
 pub struct Ending {
-    /// The results to print.
+    /// Results to print.
     pub text: String,
     /// Whether standard output holds data, so that the results go to standard error.
     pub aside: bool,
-    /// Sentences for standard error, each a line.
+    /// Sentences for standard error, one per line.
     pub remarks: Vec<String>,
-    /// The exit code.
+    /// Exit code.
     pub code: u8,
 }
 
 impl Ending {
-    /// Of a command that wrote its outputs, with the code for what came out and the signal that stopped it.
+    /// Result of a command that wrote its outputs, with the code of its work and the signal that stopped it.
     pub(super) fn new(text: String, outputs: Outputs, code: u8, stopped: Option<Interrupt>) -> Self {
         let (aside, remarks) = (outputs.take_standard_output(), outputs.failures());
         let failed = if remarks.is_empty() { 0 } else { 2 };
-        // The first of these that is not 0: a signal, what came out, a file that was not written.
+        // The first nonzero code counts: of a signal, of the work, of an output that was not written.
         let code = stopped.map_or(if code == 0 { failed } else { code }, Interrupt::exit_code);
         Self { text, aside, remarks, code }
     }
@@ -49,7 +49,7 @@ impl Ending {
     }
 }
 
-/// Tells warnings about an input before the work begins.
+/// Prints warnings about an input before the work begins.
 pub(super) fn warn<'a>(input: &str, warnings: impl IntoIterator<Item = &'a String>) {
     for warning in warnings {
         terminal::report(&format!("gingerbread: {}", terminal::line(&format!("{input}: {warning}"))));

@@ -44,10 +44,10 @@ pub struct Hard {
     pub progress_options: ProgressOptions,
 }
 
-/// Runs hard cases to their end, or until a signal asks to stop, and writes the table. Shows progress.
+/// Runs hard cases and writes the table. Shows progress. A signal stops the runs early.
 ///
 /// # Errors
-/// [`HeadlessError`] says what to mend.
+/// [`HeadlessError`] with the cause and the remedy.
 pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     let cases = read(request)?;
     let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &request.cases)?;
@@ -68,7 +68,7 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
         return Err(fail(StudyError::NotHere("none of these starts from a seed: leave --seeds out")));
     }
     for (name, case) in &cases {
-        // A case that cannot be built is told at the end, with what came of the others.
+        // A case that cannot be built is reported at the end, with the results of the others.
         let warnings = Scene::build(&case.level, case.level.mode, &NoFiles, None).and_then(|scene| {
             let start = scene.first_state(case.level.state.as_ref())?;
             Ok(scene.warnings(&start))
@@ -91,7 +91,7 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
         matches!(&entry.verdict, Some(Ok(verdict)) if !verdict.held())
             && trial.case.cannot(trial.model, trial.method).is_none()
     };
-    // What a file says is about its own seed.
+    // The entries `cannot` of a case file hold for its own seed only.
     let unexplained = request.seeds.is_none() && sweep.entries().any(|entry| unexplained(&entry));
     let refused = |(trial, entry): (&Trial, &Entry)| match &entry.verdict {
         Some(Err(why)) => Some(format!("{}: {why}", trial.name)),
@@ -106,7 +106,7 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     Ok(ending)
 }
 
-/// The table as far as it is.
+/// Table so far as CSV.
 fn csv(sweep: &Sweep, partial: Option<&str>) -> String {
     let mut text = partial.map_or(String::new(), |partial| remark("partial", partial));
     text += COLUMNS;
@@ -146,7 +146,7 @@ fn held(entry: &Entry) -> bool {
     matches!(&entry.verdict, Some(Ok(verdict)) if verdict.held())
 }
 
-/// A line for every run.
+/// Lines of the table, one per run.
 fn lines(sweep: &Sweep) -> String {
     let widest = sweep.entries().map(|(trial, _)| terminal::line(&trial.name).chars().count()).max().unwrap_or(0);
     let mut text = format!("{:<widest$}  {:<17} {:<16}          ms  result", "case", "model", "integrator");
@@ -166,8 +166,9 @@ fn lines(sweep: &Sweep) -> String {
     text
 }
 
-/// A line for every case, model and method: how many of so many starts came to their expected end, how many of the others do
-/// when they are untangled, and the least and the greatest energy left in those [J].
+/// Lines of counts, one per case, model and method.
+/// Each states how many starts were held, how many of the others are held after untangling, and the least and
+/// greatest energy left in those [J].
 fn counts(sweep: &Sweep, starts: usize) -> String {
     let mut text =
         format!("{:<12} {:<17} {:<16} passed        by Untangle  energy left [J]", "case", "model", "integrator");

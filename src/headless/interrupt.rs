@@ -10,15 +10,16 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 static TOLD: AtomicBool = AtomicBool::new(false);
 static SIGNAL: AtomicUsize = AtomicUsize::new(0);
 
-/// A signal that asked a command to stop.
+/// Signal that asked a command to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interrupt(usize);
 
 impl Interrupt {
-    /// Lets SIGINT and SIGTERM ask to stop from now on. Before, they end the program.
+    /// Makes SIGINT and SIGTERM ask for a stop from now on. Before this call they end the program.
     pub fn watch() {
         for signal in [SIGINT, SIGTERM] {
-            // Where a signal cannot be watched, it ends the program as before. What is registered first is called first.
+            // If a signal cannot be watched, it ends the program as before. The action registered first is called
+            // first.
             let second = flag::register_conditional_shutdown(signal, 128 + signal, &ASKED);
             let first = flag::register(signal, &ASKED);
             let which = flag::register_usize(signal, &SIGNAL, usize::try_from(signal).unwrap_or(0));
@@ -26,12 +27,12 @@ impl Interrupt {
         }
     }
 
-    /// The signal that has come, if one has.
+    /// Signal received, if any.
     pub fn seen() -> Option<Self> {
         ASKED.load(Ordering::SeqCst).then(|| Self(SIGNAL.load(Ordering::SeqCst)))
     }
 
-    /// Says, once, that a signal has come and what happens now.
+    /// Reports once that a signal was received and what follows.
     pub(super) fn tell() {
         if let Some(signal) = Self::seen()
             && !TOLD.swap(true, Ordering::SeqCst)
@@ -42,7 +43,7 @@ impl Interrupt {
         }
     }
 
-    /// 130 for SIGINT, 143 for SIGTERM.
+    /// Exit code: 130 for SIGINT, 143 for SIGTERM.
     pub fn exit_code(self) -> u8 {
         u8::try_from(128 + self.0).unwrap_or(u8::MAX)
     }

@@ -4,14 +4,14 @@ use super::HeadlessError;
 use crate::files::{Destination, FileError, Identity, identity};
 use std::path::{Path, PathBuf};
 
-/// What a command was asked to write.
+/// Requested output files of a command.
 pub struct Outputs {
     wanted: Vec<(&'static str, PathBuf, Destination)>,
     failures: Vec<String>,
 }
 
 impl Outputs {
-    /// Options with their paths, beside the files that the command reads. Every path is tried, and nothing is changed.
+    /// Checks the paths of the options against each other and against the input files. No file is changed.
     ///
     /// # Errors
     /// If a path cannot be written, or is the same file as another one or as an input.
@@ -38,17 +38,17 @@ impl Outputs {
         Ok(Self { wanted, failures: Vec::new() })
     }
 
-    /// Whether something else than the summary is written to standard output.
+    /// Whether standard output holds data other than the summary.
     pub fn take_standard_output(&self) -> bool {
         self.wanted.iter().any(|(_, _, destination)| *destination == Destination::StandardOutput)
     }
 
-    /// The path that an option names.
+    /// Path given for an option.
     pub fn path(&self, option: &str) -> Option<&Path> {
         self.wanted.iter().find(|(name, ..)| *name == option).map(|(_, path, _)| path.as_path())
     }
 
-    /// Writes what belongs to an option, if it was given. A failure is kept for the end.
+    /// Writes the text of an option, if it was given. A failure is recorded for the end.
     pub fn write(&mut self, option: &str, text: impl FnOnce(&Path) -> Result<String, String>) {
         let Some((option, path, destination)) = self.wanted.iter().find(|(name, ..)| *name == option) else { return };
         let written = text(path).and_then(|text| {
@@ -62,7 +62,7 @@ impl Outputs {
         }
     }
 
-    /// What could not be written, and why.
+    /// Outputs that could not be written, with the reasons.
     pub fn failures(self) -> Vec<String> {
         self.failures
     }

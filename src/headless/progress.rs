@@ -28,7 +28,7 @@ impl Default for ProgressOptions {
     }
 }
 
-/// Progress that is shown until it is dropped.
+/// Progress display, shown until it is dropped.
 pub struct Progress {
     bar: ProgressBar,
     done: Arc<AtomicU64>,
@@ -36,7 +36,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Of a work of so many parts, called `unit` in the lines.
+    /// Progress of `total` parts. `unit` names them in the lines.
     pub fn new(progress_options: &ProgressOptions, total: u64, unit: &'static str) -> Self {
         let bar = ProgressBar::new(total);
         let template =
@@ -53,7 +53,7 @@ impl Progress {
             let mut next = every;
             let wake = if lines { POLL_INTERVAL.min(every) } else { POLL_INTERVAL };
             while stopped.recv_timeout(wake) == Err(RecvTimeoutError::Timeout) {
-                // The work may be in a long step and not have seen the signal yet.
+                // The work may be in a long step and may not have seen the signal yet.
                 Interrupt::tell();
                 if lines && ticker.begin.elapsed() >= next && Interrupt::seen().is_none() {
                     terminal::report(&ticker.line());
@@ -65,17 +65,17 @@ impl Progress {
         Self { bar, done, ticker }
     }
 
-    /// So many parts are done.
+    /// Sets the number of finished parts.
     pub fn set(&self, done: u64) {
         self.done.store(done, Ordering::Relaxed);
         self.bar.set_position(done);
     }
 }
 
-/// Longest time in which nobody looks for a signal.
+/// Longest time between two checks for a signal.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
 
-/// What a line of progress is made of.
+/// Data of a progress line.
 struct Ticker {
     done: Arc<AtomicU64>,
     total: u64,
@@ -95,7 +95,7 @@ impl Ticker {
     }
 }
 
-/// The unit of a work of 1000 parts, told in per cent.
+/// Unit for a total of 1000 parts, shown in per cent.
 pub const PER_CENT: &str = "%";
 
 impl Drop for Progress {
@@ -103,7 +103,7 @@ impl Drop for Progress {
         self.bar.finish_and_clear();
         if let Some((stop, ticker)) = self.ticker.take() {
             drop(stop);
-            // A line that is being printed is finished first.
+            // Waits until a line that is being printed is complete.
             let _ = ticker.join();
         }
         Interrupt::tell();

@@ -16,7 +16,7 @@ use crate::{
 use serde::Serialize;
 use std::time::Duration;
 
-/// What a run cost and came to; field names are stable.
+/// Report of a run. Field names are stable.
 #[derive(Debug, Serialize)]
 pub struct RunReport {
     /// Title of the level.
@@ -100,7 +100,7 @@ pub struct RunReport {
 }
 
 impl RunReport {
-    /// Of a run that took so long [s].
+    /// Report of a run that took `wall_seconds` [s].
     pub(super) fn new(level: &Level, simulation: &Simulation, wall_seconds: f64) -> Self {
         let (scene, state, counts) = (simulation.scene(), simulation.state(), simulation.counts());
         let (min_j, inverted) = simulation.inversion();
@@ -149,7 +149,7 @@ impl RunReport {
         }
     }
 
-    /// What each effect costs, from a run with clocks.
+    /// Sets the costs of the effects from a run with clocks.
     pub(super) fn set_effects(&mut self, level: &Level, timed: &Simulation) {
         self.effects = ledger(level, timed, &measured(level));
     }
@@ -193,7 +193,7 @@ pub struct EnergyReport {
     pub total: f64,
 }
 
-/// What one effect cost.
+/// Cost of one effect.
 #[derive(Debug, Serialize)]
 pub struct EffectReport {
     /// Name of the effect.
@@ -221,23 +221,23 @@ pub struct EffectReport {
     pub saved_ms_per_frame: Option<f64>,
 }
 
-/// A quotient; nothing of nothing.
+/// Quotient. `None` if the divisor is not positive.
 fn ratio(of: f64, by: f64) -> Option<f64> {
     (by > 0.0).then(|| of / by)
 }
 
-/// What passing effects over saves in the beginning of a run.
+/// Savings by skipped effects at the start of a run.
 fn measured(level: &Level) -> Vec<Saving> {
     const BUDGET: Duration = Duration::from_millis(300);
     let savings = Savings::new(level, &files::Disk).map(|mut savings| {
         savings.advance(BUDGET);
         savings.each()
     });
-    // The level was built before, so there is no trouble to tell of.
+    // The level was built before, so an error is not expected.
     savings.unwrap_or_default()
 }
 
-/// The effects that are there, elements first, and then what is switched off or for another mode.
+/// Rows of the active effects, elements first, then of those switched off or meant for another mode.
 fn ledger(level: &Level, simulation: &Simulation, savings: &[Saving]) -> Vec<EffectReport> {
     let frames = |slept: u64| 60.0 * simulation.scene().step * (simulation.counts().steps - slept) as f64;
     let all: f64 = simulation.costs().iter().map(|cost| cost.time.as_secs_f64()).sum();

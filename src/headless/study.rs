@@ -54,10 +54,10 @@ pub struct Study {
     pub progress_options: ProgressOptions,
 }
 
-/// Studies a level until all is known, or a signal asks to stop, and writes the table. Shows progress.
+/// Studies a level and writes the table. Shows progress. A signal stops the study early.
 ///
 /// # Errors
-/// [`HeadlessError`] says what to mend.
+/// [`HeadlessError`] with the cause and the remedy.
 pub fn study(request: &Study) -> Result<Ending, HeadlessError> {
     let level = super::read(&request.level)?;
     let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &super::inputs(&request.level, &level))?;
@@ -82,23 +82,23 @@ pub fn study(request: &Study) -> Result<Ending, HeadlessError> {
     Ok(ending)
 }
 
-/// What came out of a study.
+/// Result of a study.
 struct Studied {
-    /// The table to print.
+    /// Table for the terminal.
     table: String,
-    /// The table to write.
+    /// Table as CSV.
     csv: String,
     /// Share of the work done.
     done: f64,
 }
 
-/// Tells warnings about the start of a trial, and lets signals stop the work from then on.
+/// Prints warnings about the start of a trial. From then on signals stop the work.
 fn begin(request: &Study, trial: &Trial) {
     ending::warn(&request.level.display().to_string(), &trial.scene.warnings(&trial.start));
     Interrupt::watch();
 }
 
-/// What is to be studied, which every integrator that was named can step.
+/// Trial of the study. Checks that every named integrator can step it.
 fn trial(request: &Study, level: &Level) -> Result<Trial, StudyError> {
     let trial = Trial::new(level, &files::Disk, request.seconds)?;
     request.integrators.iter().try_for_each(|integrator| trial.check(integrator))?;
@@ -130,7 +130,7 @@ fn integrators(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     Ok(Studied { table, csv: diagram.csv(), done })
 }
 
-/// The cheapest setting under an error [%], or why there is none.
+/// Text with the cheapest setting for an error [%], or the reason why there is none.
 fn advice(asked: Option<f64>, diagram: &WorkPrecision) -> String {
     if let Some(why) = diagram.no_errors() {
         return format!("{why}.");
@@ -151,7 +151,7 @@ fn advice(asked: Option<f64>, diagram: &WorkPrecision) -> String {
     }
 }
 
-/// The lines of one integrator.
+/// Lines of one integrator.
 fn lines(curve: &Curve, reference: &Reference) -> String {
     let kind = curve.integrator.kind();
     let measured = if curve.order.is_ok() { "measured " } else { "" };
@@ -221,7 +221,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
     if moment == MeshMoment::AtRest && study.is_telling() && done == 1.0 {
         match self::locking(request, level) {
             Ok((numbers, share)) => (locking, done) = (numbers, 0.5 + 0.5 * share),
-            // The study itself is done and must not be lost.
+            // The study is complete, so its results are kept.
             Err(error) => drop(write!(table, "\nLocking was not measured: {}", terminal::line(&error.to_string()))),
         }
     }
@@ -231,7 +231,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
     Ok(Studied { table, csv: study.csv(&locking), done })
 }
 
-/// The numbers, and the share of the work that was done.
+/// Locking numbers, and the share of the work done.
 fn locking(request: &Study, level: &Level) -> Result<(Vec<LockingNumber>, f64), StudyError> {
     let mut locking = Locking::new(level, &files::Disk)?;
     let done = with_progress(&request.progress_options, |_| Ok(locking.advance()))?;
@@ -287,7 +287,7 @@ fn drift(request: &Study, level: &Level) -> Result<Studied, StudyError> {
 }
 
 impl Study {
-    /// The integrators to compare.
+    /// Integrators to compare.
     fn schemes(&self) -> Vec<IntegratorKind> {
         if self.integrators.is_empty() { IntegratorKind::all() } else { self.integrators.clone() }
     }
@@ -297,7 +297,7 @@ impl Study {
     }
 }
 
-/// Works until a job is finished or a signal asks to stop, and shows progress. Returns the share of the work that was done.
+/// Runs a job until it is finished or a signal asks for a stop, with progress. Returns the share of the work done.
 pub(super) fn with_progress(
     progress_options: &ProgressOptions,
     mut advance: impl FnMut(Duration) -> Result<Progress, StudyError>,
@@ -312,7 +312,7 @@ pub(super) fn with_progress(
             return Ok(1.0);
         }
     }
-    // All but finished is not finished.
+    // An unfinished job never shows 100 %.
     Ok(done.min(0.999))
 }
 

@@ -3,7 +3,7 @@
 use crate::{report::SubstepPlan, simulation::Simulation};
 use serde::Serialize;
 
-/// How a body or net was stepped that went at its own pace.
+/// Substeps of a body or net that was stepped at its own pace.
 #[derive(Debug, Serialize)]
 pub struct SubstepReport {
     /// Name of the body or net.
@@ -16,7 +16,7 @@ pub struct SubstepReport {
     pub critical_step_seconds: Option<f64>,
 }
 
-/// Bodies and then nets; nothing if all took the same steps.
+/// Reports of the bodies, then of the nets. Empty if all took the same steps.
 pub(super) fn substep_reports(simulation: &Simulation) -> Vec<SubstepReport> {
     let scene = simulation.scene();
     let names = scene.bodies.iter().map(|body| &body.name).chain(scene.nets.iter().map(|net| &net.name));

@@ -8,7 +8,7 @@ use crate::quantity::{OutOfRange, Quantity, Spec};
 #[serde(bound = "Q: TryFrom<f64, Error = OutOfRange> + Quantity + Copy")]
 pub struct Whole<Q>(Q);
 
-/// Why a number is no count.
+/// Reason why a number is not a valid count.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CountError {
     /// It is outside the range.
@@ -17,7 +17,7 @@ pub enum CountError {
     /// It has a fraction.
     #[error("{name} must be a whole number, got {value}")]
     Fraction {
-        /// The quantity in words.
+        /// Name of the quantity in plain words.
         name: &'static str,
         /// The number.
         value: f64,
@@ -25,7 +25,7 @@ pub enum CountError {
 }
 
 impl<Q: Quantity> Whole<Q> {
-    /// A quantity known when the program is compiled to be whole.
+    /// Constant count. It must be a whole number.
     pub(crate) const fn literal(quantity: Q) -> Self {
         Self(quantity)
     }
@@ -60,7 +60,7 @@ impl<Q: Quantity> Quantity for Whole<Q> {
         self.0.get()
     }
 
-    /// Takes the nearest whole number, as a slider moves through fractions.
+    /// Sets the nearest whole number, because a slider passes through fractions.
     fn set(&mut self, value: f64) -> Result<(), OutOfRange> {
         self.0.set(value.round())
     }

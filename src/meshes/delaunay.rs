@@ -4,13 +4,13 @@ use spade::{AngleLimit, ConstrainedDelaunayTriangulation, HasPosition, Point2, R
 
 use super::MeshError;
 
-/// Circumradius over shortest edge, 1 / (2 sin 26°): the refinement's form of an angle a little above 25 degrees.
+/// Circumradius over shortest edge, `1 / (2 sin 26°)`: the angle limit of the refinement, a little above 25 degrees.
 const RATIO: f64 = 1.1406;
 
-/// Points, and triangles that count them from 0.
+/// Points, and triangles of point numbers from 0.
 pub(super) type Filled = (Vec<[f64; 2]>, Vec<[u32; 3]>);
 
-/// A point and its number in our list; spade's own order differs.
+/// Point with its number in this module. The order in spade differs.
 struct Site {
     position: Point2<f64>,
     index: u32,
@@ -24,7 +24,7 @@ impl HasPosition for Site {
 }
 
 impl From<Point2<f64>> for Site {
-    /// A point that refinement adds; it gets its number later.
+    /// Point added by refinement. Its number follows later.
     fn from(position: Point2<f64>) -> Self {
         Self { position, index: u32::MAX }
     }
@@ -32,21 +32,22 @@ impl From<Point2<f64>> for Site {
 
 type Delaunay = ConstrainedDelaunayTriangulation<Site>;
 
-/// What to do when an outline cannot be followed.
+/// Error of an outline that is too narrow for its triangles.
 pub(super) fn too_narrow() -> MeshError {
     MeshError::Recipe("the outline is too narrow for its triangles; ask for more of them".to_owned())
 }
 
-/// The Delaunay triangles inside the simple polygon of the first `fixed` points.
+/// Delaunay triangles inside the simple polygon of the first `fixed` points.
 ///
 /// # Errors
-/// [`MeshError::Recipe`] if points coincide or lie on the polygon's sides, or if coordinates are absurdly large or small.
+/// [`MeshError::Recipe`] if points coincide or lie on the polygon's sides, or if coordinates are too large or too
+/// small.
 pub(super) fn triangles(points: &[[f64; 2]], fixed: usize) -> Result<Vec<[u32; 3]>, MeshError> {
     Ok(inside(&triangulation(points, fixed)?))
 }
 
-/// Adds points by Ruppert's algorithm, on the sides too, until no angle is small that the polygon itself does not make
-/// so, or until there are `most` points more.
+/// Ruppert's refinement: adds points, also on the sides, until only the polygon's own corners give small angles.
+/// At most `most` points are added.
 ///
 /// # Errors
 /// As [`triangles`].
@@ -65,11 +66,12 @@ pub(super) fn refine(points: &[[f64; 2]], fixed: usize, most: usize) -> Result<F
     Ok(without_unused(&all, inside(&delaunay)))
 }
 
-/// The Delaunay triangulation that keeps the polygon of the first `fixed` points.
+/// Delaunay triangulation that keeps the polygon of the first `fixed` points.
 fn triangulation(points: &[[f64; 2]], fixed: usize) -> Result<Delaunay, MeshError> {
     let sites = points.iter().enumerate();
     let sites = sites.map(|(index, &[x, y])| Site { position: Point2::new(x, y), index: index as u32 }).collect();
-    // Constraints follow one by one: spade's joint bulk load walks a hash set, whose order differs from run to run.
+    // Constraints are added one by one: spade's joint bulk load iterates over a hash set, whose order differs from
+    // run to run.
     let mut delaunay = Delaunay::bulk_load(sites)
         .map_err(|error| MeshError::Recipe(format!("the outline cannot be cut into triangles: {error}")))?;
     let mut handles = vec![None; points.len()];
@@ -86,7 +88,7 @@ fn triangulation(points: &[[f64; 2]], fixed: usize) -> Result<Delaunay, MeshErro
     Ok(delaunay)
 }
 
-/// The triangles that cannot be reached from outside without crossing a constraint.
+/// Triangles that cannot be reached from outside without crossing a constraint.
 fn inside(delaunay: &Delaunay) -> Vec<[u32; 3]> {
     let mut outside = vec![false; delaunay.num_all_faces()];
     let rim = delaunay.directed_edges().filter(|edge| edge.is_outer_edge() && !edge.is_constraint_edge());
@@ -102,7 +104,7 @@ fn inside(delaunay: &Delaunay) -> Vec<[u32; 3]> {
     inner.map(|face| face.vertices().map(|vertex| vertex.data().index)).collect()
 }
 
-/// Leaves out points that no triangle uses.
+/// Removes points that no triangle uses.
 fn without_unused(points: &[[f64; 2]], mut triangles: Vec<[u32; 3]>) -> Filled {
     let mut used = vec![false; points.len()];
     triangles.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);

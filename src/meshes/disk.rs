@@ -16,7 +16,7 @@ pub struct Disk {
     pub centre: Point,
 }
 
-/// The middle of the 1 m x 1 m world.
+/// Centre of the 1 m x 1 m world.
 fn middle() -> Point {
     Point(Coordinate::literal(0.5), Coordinate::literal(0.5))
 }
@@ -49,12 +49,12 @@ impl MeshSource for Disk {
     }
 }
 
-/// The vertex a number of steps along a ring; ring 0 is the centre.
+/// Vertex number at a step along a ring. Ring 0 is the centre.
 const fn vertex(ring: u32, step: u32) -> u32 {
     if ring == 0 { 0 } else { 1 + 3 * ring * (ring - 1) + step % (6 * ring) }
 }
 
-/// The triangles between a ring and the one inside it, in one sixth of the disk.
+/// Triangles between a ring and the next inner one, in one sixth of the disk.
 fn sector_triangles(ring: u32, sector: u32) -> impl Iterator<Item = [u32; 3]> {
     let outer = move |step| vertex(ring, sector * ring + step);
     let inner = move |step| vertex(ring - 1, sector * (ring - 1) + step);

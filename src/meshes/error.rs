@@ -1,9 +1,9 @@
 //! Errors of meshes and mesh recipes.
 
-/// Most triangles that a recipe may ask for.
+/// Greatest number of triangles of a recipe.
 pub const MOST_TRIANGLES: usize = 2_000_000;
 
-/// Why there is no mesh. Vertices and triangles are counted from 0, in an OBJ file's vertices from 1 as it does itself.
+/// Error of a mesh. Vertices and triangles count from 0; vertices of OBJ files count from 1, as in the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -29,7 +29,7 @@ pub enum MeshError {
         /// The largest number it may name.
         last: usize,
     },
-    /// A triangle has no area, or next to none.
+    /// A triangle has no area, or almost none.
     #[error("triangle {triangle} ({}, {}, {}) has no area, or next to none; remove it or move its corners apart", corners[0], corners[1], corners[2])]
     NoArea {
         /// The triangle.
@@ -49,7 +49,7 @@ pub enum MeshError {
         triangle: usize,
         /// The two vertices.
         vertices: [usize; 2],
-        /// How far they are apart [m].
+        /// Their distance [m].
         distance: f64,
     },
     /// More than two triangles meet at an edge.
@@ -59,7 +59,7 @@ pub enum MeshError {
         from: usize,
         /// The other end.
         to: usize,
-        /// How many triangles have this edge.
+        /// Number of triangles with this edge.
         count: usize,
     },
     /// Two triangles lie on the same side of an edge they share.
@@ -70,7 +70,7 @@ pub enum MeshError {
         /// The other end.
         to: usize,
     },
-    /// Two parts of the mesh hold together at a single vertex.
+    /// Two parts of the mesh touch only at a vertex.
     #[error(
         "parts of the mesh touch only at vertex {vertex}; join them along an edge, or give each its own vertex there"
     )]
@@ -78,12 +78,12 @@ pub enum MeshError {
         /// The vertex.
         vertex: usize,
     },
-    /// Vertices that belong to no triangle would have no mass.
+    /// Vertices without a triangle. They would have no mass.
     #[error("no triangle uses vertex {vertex} ({count} such in all); remove unused vertices or connect them")]
     Unused {
         /// The first of them.
         vertex: usize,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
     /// The sides of an outline cross or touch each other.
@@ -96,7 +96,7 @@ pub enum MeshError {
         /// The other side.
         second: usize,
     },
-    /// A recipe that cannot be followed, in a whole sentence.
+    /// A recipe that cannot be built, explained in a sentence.
     #[error("{0}")]
     Recipe(String),
     /// A file that cannot be read.
@@ -104,7 +104,7 @@ pub enum MeshError {
     File {
         /// The path as the level gives it.
         path: String,
-        /// Why not.
+        /// Reason.
         reason: String,
     },
     /// A line of a file that cannot be understood.
@@ -114,7 +114,7 @@ pub enum MeshError {
         path: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong and what was expected.
+        /// Reason and expected content.
         reason: String,
     },
 }

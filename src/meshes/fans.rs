@@ -1,14 +1,14 @@
-//! Pairs triangles that share an edge.
+//! Fans: pairs of triangles that share an edge.
 //!
-//! Forces are assembled by such fans: the four vertices of a fan are each read once and receive one force, where two
-//! separate triangles have six corners. Nearly every triangle of a mesh is paired; the others form a fan alone.
+//! Forces are assembled fan by fan. The four vertices of a fan are each read once and receive one force; two separate
+//! triangles have six corners. Nearly every triangle of a mesh is paired. The others form fans of one triangle.
 
 use super::{
     mesh::squared_distance,
     topology::{BOUNDARY, Topology, ends},
 };
 
-/// The triangles of a fan, counter-clockwise; [`Fan::ALONE`] in place of a second.
+/// Triangles of a fan, counter-clockwise; [`Fan::ALONE`] in place of a missing second one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fan(pub [u32; 2]);
 
@@ -16,13 +16,13 @@ impl Fan {
     /// Placeholder for a missing second triangle.
     pub const ALONE: u32 = u32::MAX;
 
-    /// Its triangles.
+    /// Triangles of the fan.
     pub fn triangles(self) -> impl Iterator<Item = u32> {
         self.0.into_iter().filter(|triangle| *triangle != Self::ALONE)
     }
 
-    /// The middle vertex of the fan, then its other vertices, counter-clockwise. Without a second triangle the fourth
-    /// vertex repeats the second.
+    /// Vertices of the fan: the middle vertex, then the others counter-clockwise. Without a second triangle the
+    /// fourth repeats the second.
     pub fn corners(self, triangles: &[[u32; 3]]) -> [u32; 4] {
         let [first, second] = self.0;
         let [a, b, c] = triangles[first as usize];
@@ -35,9 +35,9 @@ impl Fan {
     }
 }
 
-/// Pairs triangles, each across its longest free edge; triangles with one unpaired neighbour come first (R. M. Karp and
-/// M. Sipser, *Maximum matchings in sparse random graphs*, Proc. 22nd IEEE Symposium on Foundations of Computer
-/// Science, 1981). Fans are in the order of their first triangles.
+/// Matching of triangles, each across its longest free edge. Triangles with one unpaired neighbour come first.
+/// Source: R. M. Karp and M. Sipser, *Maximum matchings in sparse random graphs*, Proc. 22nd IEEE Symposium on
+/// Foundations of Computer Science, 1981. Fans are in the order of their first triangles.
 pub(super) fn fans(points: &[[f64; 2]], topology: &Topology<'_>) -> Vec<Fan> {
     let (triangles, twins) = (topology.triangles(), topology.twins());
     let length = |half: usize| {
@@ -57,7 +57,7 @@ pub(super) fn fans(points: &[[f64; 2]], topology: &Topology<'_>) -> Vec<Fan> {
         if partners[triangle] != Fan::ALONE {
             continue;
         }
-        // Of edges with equal length the first.
+        // Of edges of equal length the first is taken.
         let longest = |one: usize, other: usize| if length(other) > length(one) { other } else { one };
         let Some(half) = free(triangle, &partners).reduce(longest) else { continue };
         let partner = twins[half] as usize / 3;

@@ -1,12 +1,12 @@
-//! Finds the plane that points in space lie in.
+//! Detection of the plane of points in space.
 
 use super::mesh::area;
 
-/// How far the coordinate across the plane may vary, as a share of the size of the mesh: above the last printed digit of a file, and far
-/// below the thickness of anything that is meant to be solid.
+/// Greatest variation of the coordinate across the plane, as a share of the size of the mesh.
+/// It is above the last printed digit of a file, and far below the thickness of a solid.
 const FLATNESS: f64 = 1e-4;
 
-/// Variations below this share of the size are passed over without a word.
+/// Variations below this share of the size give no message.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Names of the coordinates.
@@ -15,15 +15,16 @@ const NAMES: [char; 3] = ['x', 'y', 'z'];
 /// Points in their plane.
 pub(super) struct Flat {
     pub points: Vec<[f64; 2]>,
-    /// What the user should know.
+    /// Messages for the user.
     pub messages: Vec<String>,
 }
 
-/// Finds the plane that points lie in: x-y before x-z before y-z. The planes x-z and y-z are seen from the side from which the faces run
-/// counter-clockwise, with z up or down in x-z, and with z up in y-z. Points of the x-y plane stay as they are.
+/// Points in their plane: x-y is tried before x-z, and x-z before y-z.
+/// The planes x-z and y-z are seen from the side on which the faces run counter-clockwise. z points up or down in
+/// x-z, and up in y-z. Points of the x-y plane stay unchanged.
 ///
 /// # Errors
-/// The first vertex outside every plane, and what is wrong.
+/// The first vertex outside every plane, and the reason.
 pub(super) fn flat<'a>(
     points: &[[f64; 3]],
     faces: impl Iterator<Item = &'a [u32]> + Clone,
@@ -58,7 +59,7 @@ pub(super) fn flat<'a>(
             face.windows(2).map(|side| area([at(face[0]), at(side[0]), at(side[1])])).sum()
         };
         let turned: f64 = faces.map(turns).sum();
-        // From the other side the second axis of x-z points up, and the first of y-z to the right.
+        // Seen from the other side, the second axis of x-z points up and the first axis of y-z to the right.
         let mirrored = turned < 0.0;
         let axis = usize::from(across == 1);
         if mirrored {

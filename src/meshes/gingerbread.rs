@@ -37,14 +37,14 @@ impl MeshSource for Gingerbread {
     }
 }
 
-/// The outline in points about one edge length [m] apart, counter-clockwise, as many on the left as on the right.
+/// Outline in points about one edge length [m] apart, counter-clockwise, with equal numbers on the left and right.
 fn sampled(half: &[[f64; 2]], edge: f64) -> Vec<[f64; 2]> {
     let length: f64 = 0.5 * polygon::perimeter(&mirrored(half));
     let pieces = ((length / edge).round() as usize).max(2);
     mirrored(&polygon::spaced(half, pieces + 1))
 }
 
-/// The whole outline from its right half, which runs from crown to crotch: up on the right, down on the left.
+/// Whole outline from its right half, which runs from crown to crotch: up on the right, down on the left.
 fn mirrored(half: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let left = half.iter().take(half.len() - 1).skip(1).map(|&[x, y]| [1.0 - x, y]);
     half.iter().rev().copied().chain(left).collect()

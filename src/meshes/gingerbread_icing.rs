@@ -1,18 +1,18 @@
-//! Icing of the gingerbread man [m from his centre]. Metres from his middle.
+//! Icing of the gingerbread man. Coordinates are metres from his centre.
 
 use std::f64::consts::{PI, TAU};
 
 use super::{IcingColor, Locator, Stroke, gingerbread_shape, mesh::squared_distance, polygon};
 
-/// How far the piping runs inside the edge [m].
+/// Distance of the piping from the edge [m].
 const INSET: f64 = 0.021;
 /// Width of the piping [m].
 const WIDTH: f64 = 0.0075;
-/// How far the piping swings to either side [m].
+/// Amplitude of the piping's wave [m].
 const SWING: f64 = 0.0045;
-/// Length of a wave of the piping [m], about.
+/// Approximate wavelength of the piping [m].
 const WAVE: f64 = 0.034;
-/// Points per wave: enough for a smooth line.
+/// Points per wave.
 const PER_WAVE: usize = 12;
 
 /// All icing, in drawing order.
@@ -28,24 +28,24 @@ pub(super) fn icing(locator: &Locator) -> Vec<Stroke> {
     strokes
 }
 
-/// A point of the body in the world [m].
+/// Point of the body in the world [m].
 fn world([x, y]: [f64; 2]) -> [f64; 2] {
     [x + gingerbread_shape::MIDDLE[0], y + gingerbread_shape::MIDDLE[1]]
 }
 
-/// A circle in 32 points [m].
+/// Circle of 32 points [m].
 fn disc(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let at = |angle: f64| world([centre[0] + radius * libm::cos(angle), centre[1] + radius * libm::sin(angle)]);
     (0..32).map(|step| at(TAU * f64::from(step) / 32.0)).collect()
 }
 
-/// A mouth [m].
+/// Line of the mouth [m].
 fn smile() -> Vec<[f64; 2]> {
     let at = |angle: f64| world([0.060 * libm::cos(angle), 0.206 + 0.054 * libm::sin(angle)]);
     (0..=24).map(|step| at(PI * (1.17 + 0.66 * f64::from(step) / 24.0))).collect()
 }
 
-/// A closed wave along the edge [m], mirrored like the outline.
+/// Closed wave along the edge [m], symmetric like the outline.
 fn piping() -> Vec<[f64; 2]> {
     let edge = gingerbread_shape::outline();
     let line = shifted(&edge, |_| -INSET);
@@ -58,12 +58,12 @@ fn piping() -> Vec<[f64; 2]> {
     half.iter().copied().chain(left).collect()
 }
 
-/// A line from axis to axis with its points moved outwards, to the left of its direction, by a distance [m] each.
+/// Line from axis to axis with each point moved outwards, to the left of its direction, by a distance [m].
 fn shifted(line: &[[f64; 2]], distance: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let last = line.len() - 1;
     let move_out = |(index, point): (usize, &[f64; 2])| {
         let (before, after) = (line[index.saturating_sub(1)], line[(index + 1).min(last)]);
-        // At the axis the mirror image is part of the line, which therefore runs straight across.
+        // At the axis the line continues in its mirror image, so its direction there is horizontal.
         let rise = if index == 0 || index == last { 0.0 } else { after[1] - before[1] };
         let run = after[0] - before[0];
         let share = distance(index) / (rise * rise + run * run).sqrt();

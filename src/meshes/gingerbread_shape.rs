@@ -1,15 +1,17 @@
-//! The cookie cutter: circles and capsules joined by smooth fillets, as a function that is negative inside and whose
-//! zero level is the outline. Coordinates are metres from the middle of the body.
-//! Distance to a capsule of two radii and the smooth minimum: I. Quilez, "2D distance functions" and "Smooth minimum".
+//! Shape of the gingerbread man: circles and capsules joined by smooth fillets.
+//! A level function is negative inside; its zero level is the outline. Coordinates are metres from the middle of the
+//! body.
+//! Source of the distance to a capsule of two radii and of the smooth minimum: I. Quilez, "2D distance functions" and
+//! "Smooth minimum".
 
 use super::mesh::squared_distance;
 
-/// The middle of the body in the world [m].
+/// Middle of the body in the world [m].
 pub(super) const MIDDLE: [f64; 2] = [0.5, 0.5];
 /// Step along the outline [m]: the polyline is then within 0.01 mm of the curve.
 const STEP: f64 = 0.001;
 
-/// Two circles, centres and radii [m], with the band around both.
+/// Capsule: two circles, by centres and radii [m], and the band around both.
 struct Capsule([f64; 2], f64, [f64; 2], f64);
 
 const HEAD: Capsule = Capsule([-0.004, 0.208], 0.117, [0.004, 0.208], 0.117);
@@ -17,13 +19,13 @@ const TRUNK: Capsule = Capsule([0.0, 0.02], 0.083, [0.0, -0.09], 0.098);
 const ARM: Capsule = Capsule([0.04, 0.025], 0.050, [0.2165, 0.066], 0.0635);
 const LEG: Capsule = Capsule([0.05, -0.10], 0.066, [0.12, -0.2555], 0.0695);
 
-/// Difference of the distances to two parts [m] at which their fillet begins: at the neck, armpits, hips and crotch.
+/// Difference of the distances to two parts at which their fillet begins [m]: neck, armpits, hips and crotch.
 const NECK: f64 = 0.08;
 const ARMPIT: f64 = 0.06;
 const HIP: f64 = 0.05;
 const CROTCH: f64 = 0.06;
 
-/// Negative inside, positive outside, about the distance from the outline [m] near it.
+/// Level function: negative inside, positive outside, near the outline about the distance from it [m].
 fn level([x, y]: [f64; 2]) -> f64 {
     let side = x.abs();
     let legs = blend(LEG.distance([side, y]), LEG.distance([-side, y]), CROTCH);
@@ -55,7 +57,7 @@ impl Capsule {
     }
 }
 
-/// The smaller of two distances, rounded off where they are within `fillet` of each other.
+/// Smooth minimum of two distances, rounded where they differ by less than `fillet` [m].
 fn blend(a: f64, b: f64, fillet: f64) -> f64 {
     let overlap = (fillet - (a - b).abs()).max(0.0);
     a.min(b) - 0.25 * overlap * overlap / fillet
@@ -67,12 +69,11 @@ fn slope([x, y]: [f64; 2]) -> [f64; 2] {
     [(level([x + H, y]) - level([x - H, y])) / (2.0 * H), (level([x, y + H]) - level([x, y - H])) / (2.0 * H)]
 }
 
-/// The right half of the outline, in world coordinates [m] from the axis above the head down to the axis between the
-/// legs.
+/// Right half of the outline in world coordinates [m], from the axis above the head to the axis between the legs.
 pub(super) fn outline() -> Vec<[f64; 2]> {
     let mut point = onto([0.0, 0.325], true);
     let mut line = vec![point];
-    // The half outline is 1.4 m long; the bound only guards against a shape edited into nonsense.
+    // The half outline is 1.4 m long. The bound only stops the loop for an invalid shape.
     for _ in 0..10_000 {
         let [gx, gy] = slope(point);
         let size = (gx * gx + gy * gy).sqrt();
@@ -87,7 +88,7 @@ pub(super) fn outline() -> Vec<[f64; 2]> {
     line.iter().map(|&[x, y]| [x + MIDDLE[0], y + MIDDLE[1]]).collect()
 }
 
-/// Moves a point near the outline onto it by Newton's method, only up or down if it must stay on the axis.
+/// Projects a point near the outline onto it by Newton's method; only vertically if it must stay on the axis.
 fn onto([mut x, mut y]: [f64; 2], on_axis: bool) -> [f64; 2] {
     for _ in 0..4 {
         let [gx, gy] = slope([x, y]);

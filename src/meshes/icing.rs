@@ -2,17 +2,17 @@
 
 use super::Locator;
 
-/// A point of the body: weights of a triangle's three vertices, which sum to 1.
+/// Point embedded in the body: a triangle and the weights of its three vertices, which sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Embedded {
     /// The triangle.
     pub triangle: u32,
-    /// Share of each corner.
+    /// Weight of each corner.
     pub weights: [f64; 3],
 }
 
 impl Embedded {
-    /// Where the point is now [m], for vertex positions `x` with two numbers a vertex.
+    /// Present position of the point [m], for vertex positions `x` with two numbers per vertex.
     pub fn position(&self, triangles: &[[u32; 3]], x: &[f64]) -> [f64; 2] {
         let mut point = [0.0; 2];
         for (&vertex, weight) in triangles[self.triangle as usize].iter().zip(self.weights) {
@@ -24,21 +24,21 @@ impl Embedded {
     }
 }
 
-/// The part a stroke plays; the window's theme gives each its colour.
+/// Colour role of a stroke. The window's theme assigns the colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IcingColor {
     /// Royal icing.
     White,
-    /// The first candy.
+    /// First candy.
     Red,
-    /// The second candy.
+    /// Second candy.
     Green,
 }
 
-/// A line or an area of icing, sampled so finely that it stays smooth when the body bends.
+/// Line or area of icing, sampled finely so that it stays smooth when the body bends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
-    /// The points in drawing order, none repeated.
+    /// Points in drawing order, none repeated.
     pub points: Vec<Embedded>,
     /// Whether the last point joins the first.
     pub closed: bool,
@@ -46,23 +46,23 @@ pub struct Stroke {
     pub filled: bool,
     /// Line width [m].
     pub width: f64,
-    /// What it is made of.
+    /// Colour role.
     pub color: IcingColor,
 }
 
 impl Stroke {
-    /// A line of the given width [m] through points of the body at rest [m].
+    /// Line of the given width [m] through points of the body at rest [m].
     pub fn line(locator: &Locator, points: &[[f64; 2]], closed: bool, width: f64, color: IcingColor) -> Self {
         let points = points.iter().map(|&point| locator.embed(point)).collect();
         Self { points, closed, filled: false, width, color }
     }
 
-    /// A filled area inside points of the body at rest [m].
+    /// Filled area inside points of the body at rest [m].
     pub fn area(locator: &Locator, points: &[[f64; 2]], color: IcingColor) -> Self {
         Self { filled: true, ..Self::line(locator, points, true, 0.0, color) }
     }
 
-    /// Where the points are now [m], for vertex positions `x` with two numbers a vertex.
+    /// Present positions of the points [m], for vertex positions `x` with two numbers per vertex.
     pub fn positions(&self, triangles: &[[u32; 3]], x: &[f64]) -> impl Iterator<Item = [f64; 2]> {
         self.points.iter().map(move |point| point.position(triangles, x))
     }

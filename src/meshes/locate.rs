@@ -1,11 +1,11 @@
-//! Which triangle holds a point. Triangles are sorted into square cells once; a look-up then tests only a few.
+//! Point location in a mesh. Triangles are sorted once into square cells, so that a look-up tests only a few.
 
 use super::{Embedded, mesh};
 
-/// How far outside a triangle, in barycentric weight, still counts as inside: rounding on a shared edge.
+/// Tolerance in barycentric weight for points on a shared edge.
 const TOLERANCE: f64 = 1e-9;
 
-/// Finds triangles by place, in the shape the mesh had when this was made.
+/// Point locator for the shape the mesh had at its construction.
 pub struct Locator {
     corners: Vec<[[f64; 2]; 3]>,
     low: [f64; 2],
@@ -18,19 +18,19 @@ pub struct Locator {
 }
 
 impl Locator {
-    /// Sorts triangles by place. `points` [m] are in the shape to search, not necessarily at rest.
+    /// Builds the locator. `points` [m] are in the shape to search, not necessarily at rest.
     pub fn new(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
         let mut corners: Vec<_> =
             triangles.iter().map(|corners| corners.map(|vertex| points[vertex as usize])).collect();
         let [low, high] = mesh::bounds(points);
         let (width, height) = (high[0] - low[0], high[1] - low[1]);
-        // About one triangle a cell; a long thin body has at most 2000 cells along a side.
+        // About one triangle per cell. A long thin body has at most 2000 cells along a side.
         let count = triangles.len().max(1) as f64;
         let mut cell = (width * height / count).sqrt().max(width.max(height) / 2000.0).max(f64::MIN_POSITIVE);
         loop {
             let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
             let mut locator = Self { corners, low, cell, columns, rows, starts: Vec::new(), entries: Vec::new() };
-            // Long triangles lie in many cells; larger cells then, so that memory stays in proportion to the mesh.
+            // Long triangles lie in many cells. Cells are then enlarged, so that memory stays proportional to the mesh.
             if columns * rows == 1 || locator.entry_count() <= 32 * triangles.len() {
                 locator.fill();
                 return locator;
@@ -39,7 +39,7 @@ impl Locator {
         }
     }
 
-    /// The triangle that holds a point [m] and the weights of its corners; the lowest number on shared edges.
+    /// Triangle that contains a point [m], and the weights of its corners. On shared edges the lowest number is taken.
     pub fn locate(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
         let [column, row] = [0, 1].map(|axis| ((point[axis] - self.low[axis]) / self.cell + TOLERANCE).floor());
         if !(column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64) {
@@ -52,8 +52,9 @@ impl Locator {
         })
     }
 
-    /// As [`Locator::locate`]; outside the mesh the nearest triangle with weights that reach out to the point, so that
-    /// they still give back exactly that point. `None` only for a mesh without triangles or a point that is not finite.
+    /// As [`Locator::locate`]. Outside the mesh it is the nearest triangle, with weights that still reproduce the
+    /// point.
+    /// `None` only for a mesh without triangles or a point that is not finite.
     pub fn locate_nearest(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
         self.locate(point).or_else(|| {
             let mut best = (f64::INFINITY, None);
@@ -67,13 +68,13 @@ impl Locator {
         })
     }
 
-    /// A point [m] as part of the body.
+    /// Embeds a point [m] in the body.
     pub fn embed(&self, point: [f64; 2]) -> Embedded {
         let (triangle, weights) = self.locate_nearest(point).unwrap_or((0, [1.0, 0.0, 0.0]));
         Embedded { triangle: triangle as u32, weights }
     }
 
-    /// Number of times that a triangle lies in a cell.
+    /// Total number of pairs of triangle and cell.
     fn entry_count(&self) -> usize {
         self.corners
             .iter()
@@ -82,7 +83,7 @@ impl Locator {
             .sum()
     }
 
-    /// Counts, then places: two passes fill all cells without a list for each.
+    /// Fills all cells in two passes, counting and placing, without a list per cell.
     fn fill(&mut self) {
         let mut starts = vec![0_u32; self.columns * self.rows + 1];
         for corners in &self.corners {
@@ -102,14 +103,14 @@ impl Locator {
         (self.starts, self.entries) = (starts, entries);
     }
 
-    /// The cells that a triangle's box meets.
+    /// Cells that a triangle's bounding box meets.
     fn cells(&self, corners: &[[f64; 2]; 3]) -> impl Iterator<Item = usize> + use<> {
         let columns = self.columns;
         let [left, right, bottom, top] = self.span(corners);
         (bottom..=top).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
     }
 
-    /// First and last column, first and last row that a triangle's box meets, with a margin for rounding.
+    /// First and last column and row that a triangle's bounding box meets, with a margin for rounding.
     fn span(&self, corners: &[[f64; 2]; 3]) -> [usize; 4] {
         const MARGIN: f64 = 1e-6;
         let [low, high] = mesh::bounds(corners);
@@ -126,14 +127,14 @@ impl Locator {
     }
 }
 
-/// Weights of a triangle's corners that give the point; outside, some are negative.
+/// Barycentric weights of a point. Outside the triangle some are negative.
 fn barycentric([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> [f64; 3] {
     let whole = mesh::area([a, b, c]);
     let (second, third) = (mesh::area([a, point, c]) / whole, mesh::area([a, b, point]) / whole);
     [1.0 - second - third, second, third]
 }
 
-/// Square of the distance from a point outside a triangle to its sides [m²].
+/// Squared distance from a point outside a triangle to its sides [m²].
 fn squared_distance_to([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> f64 {
     [[a, b], [b, c], [c, a]]
         .map(|[from, to]| mesh::squared_distance_to_side(from, to, point))

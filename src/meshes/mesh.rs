@@ -2,17 +2,19 @@
 
 use super::{Fan, Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, fans::fans, topology::Topology};
 
-/// Smallest area of a triangle, as a share of its longest side squared. Below it the rest shape has no usable inverse.
+/// Smallest area of a triangle relative to its longest side squared. Below it the rest shape has no usable inverse.
 const FLATTEST: f64 = 1e-12;
 
-/// Points nearer than this share of the size of a shape are taken for one point that was written twice.
+/// Distance, as a share of the size of a shape, below which two points count as one point written twice.
 pub(crate) const NEAR: f64 = 2e-5;
 
-/// Greatest ratio of the sides of a triangle whose shortest side may be taken for one point that was written twice.
+/// Ratio of shortest to longest side below which a triangle is a needle: its two near points may be one point written
+/// twice.
 const NEEDLE: f64 = 0.01;
 
-/// A triangle mesh in its rest shape. What [`Mesh::new`] lets through has finite points, counter-clockwise triangles with
-/// an area, at most two of them at an edge and one row of them around every vertex, and no vertex without a triangle.
+/// Triangle mesh in its rest shape.
+/// [`Mesh::new`] ensures finite points, counter-clockwise triangles with an area, at most two triangles per edge, one
+/// row of triangles around every vertex, and no vertex without a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     points: Vec<[f64; 2]>,
@@ -24,17 +26,18 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Checks points [m] and triangles, three vertex numbers each. Clockwise triangles are turned over; that, several
-    /// pieces, and vertices at the same place are told in [`Mesh::messages`].
+    /// Checks points [m] and triangles of three vertex numbers each.
+    /// Clockwise triangles are reversed. This, separate pieces, and coincident vertices are reported in
+    /// [`Mesh::messages`].
     ///
     /// # Errors
-    /// [`MeshError`] if the triangles cannot be a body; it names the vertex or triangle.
+    /// [`MeshError`] names the vertex or triangle that makes the mesh invalid.
     pub fn new(points: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         Self::counted_from((0, NEAR), points, triangles)
     }
 
-    /// As [`Mesh::new`], with vertices counted from `base` in errors and messages. Triangles always count from 0 here. Two vertices of
-    /// a needle that are nearer than the share `near` of the mesh's size are refused.
+    /// As [`Mesh::new`], with vertices counted from `base` in errors and messages. Triangles count from 0.
+    /// Two vertices of a needle that are nearer than the share `near` of the mesh's size are refused.
     pub(super) fn counted_from(
         (base, near): (usize, f64),
         points: Vec<[f64; 2]>,
@@ -59,20 +62,20 @@ impl Mesh {
         Ok(Self { points, triangles, fans, icing: Vec::new(), messages, numbering: Numbering::default() })
     }
 
-    /// The same mesh with icing on it.
+    /// Same mesh with icing.
     #[must_use]
     pub fn with_icing(mut self, icing: Vec<Stroke>) -> Self {
         self.icing = icing;
         self
     }
 
-    /// Adds a sentence for the user to [`Mesh::messages`].
+    /// Adds a message to [`Mesh::messages`].
     pub(super) fn with_message(mut self, message: String) -> Self {
         self.messages.push(message);
         self
     }
 
-    /// The same mesh with vertices and triangles in another order.
+    /// Same mesh with vertices and triangles in another order.
     #[must_use]
     pub fn renumbered(&self, numbering: Numbering) -> Self {
         let corners = |corners: [u32; 3]| corners.map(|corner| numbering.vertex(corner));
@@ -98,7 +101,7 @@ impl Mesh {
         }
     }
 
-    /// What its vertices and triangles are called where they were listed.
+    /// Numbers of vertices and triangles in the original list.
     pub const fn numbering(&self) -> &Numbering {
         &self.numbering
     }
@@ -113,52 +116,52 @@ impl Mesh {
         &self.triangles
     }
 
-    /// What is drawn on top and moves with the body.
+    /// Icing, which is drawn on the body and moves with it.
     pub fn icing(&self) -> &[Stroke] {
         &self.icing
     }
 
-    /// All triangles two by two, those in a fan with one that shares an edge; in the order of their first triangles.
+    /// Fans of all triangles, in the order of their first triangles.
     pub fn fans(&self) -> &[Fan] {
         &self.fans
     }
 
-    /// What the user should know about the mesh although it can be used.
+    /// Messages about a usable mesh, for the user.
     pub fn messages(&self) -> &[String] {
         &self.messages
     }
 
-    /// Edges `(from, to)` of a single triangle, the body on their left, in the order of the triangles.
+    /// Boundary edges `(from, to)` with the body on their left, in the order of the triangles.
     pub fn boundary_edges(&self) -> Vec<[u32; 2]> {
         self.topology().map_or_else(Vec::new, |topology| topology.boundary_edges().collect())
     }
 
-    /// The boundary as closed loops without a repeated vertex: outer ones counter-clockwise, holes clockwise.
+    /// Boundary as closed loops without a repeated vertex: outer ones counter-clockwise, holes clockwise.
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
         self.topology().map_or_else(Vec::new, |topology| topology.boundary_loops())
     }
 
-    /// The corners of a triangle [m].
+    /// Corners of a triangle [m].
     pub fn corners(&self, triangle: usize) -> [[f64; 2]; 3] {
         self.triangles[triangle].map(|vertex| self.points[vertex as usize])
     }
 
-    /// Sum of the triangles' areas [m²].
+    /// Total area [m²].
     pub fn area(&self) -> f64 {
         (0..self.triangles.len()).map(|triangle| area(self.corners(triangle))).sum()
     }
 
-    /// The smallest angle of any triangle [°]: the mark of a good mesh is to be near 60.
+    /// Smallest angle of all triangles [°]. A good mesh is near 60.
     pub fn min_angle(&self) -> f64 {
         (0..self.triangles.len()).map(|triangle| min_angle(self.corners(triangle))).fold(60.0, f64::min)
     }
 
-    /// Lower left and upper right corner of the smallest box that holds all points [m].
+    /// Bounding box of all points [m]: lower left and upper right corner.
     pub fn bounds(&self) -> [[f64; 2]; 2] {
         bounds(&self.points)
     }
 
-    /// The triangle that holds a point [m] at rest, and the weights of its corners. For many points make one [`Locator`].
+    /// Triangle that contains a point [m] at rest, and the weights of its corners. For many points use one [`Locator`].
     pub fn locate(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
         Locator::new(&self.points, &self.triangles).locate(point)
     }
@@ -168,7 +171,7 @@ impl Mesh {
         Locator::new(&self.points, &self.triangles).locate_nearest(point)
     }
 
-    /// The neighbours; `None` never, because [`Mesh::new`] has matched the same edges before.
+    /// Topology. It is never `None`, because [`Mesh::new`] has checked the same edges.
     fn topology(&self) -> Option<Topology<'_>> {
         Topology::new(self.points.len(), &self.triangles, 0).ok()
     }
@@ -189,14 +192,14 @@ pub(super) fn min_angle([a, b, c]: [[f64; 2]; 3]) -> f64 {
     angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b))
 }
 
-/// Lower left and upper right corner of the box that holds the points [m].
+/// Bounding box of points [m]: lower left and upper right corner.
 pub(super) fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     points.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], point| {
         [[low[0].min(point[0]), low[1].min(point[1])], [high[0].max(point[0]), high[1].max(point[1])]]
     })
 }
 
-/// All points are finite.
+/// Checks that all points are finite.
 fn check_points(base: usize, points: &[[f64; 2]]) -> Result<(), MeshError> {
     match points.iter().position(|point| !(point[0].is_finite() && point[1].is_finite())) {
         Some(vertex) => Err(MeshError::NotFinite { vertex: vertex + base }),
@@ -204,7 +207,7 @@ fn check_points(base: usize, points: &[[f64; 2]]) -> Result<(), MeshError> {
     }
 }
 
-/// Checks numbers and areas, turns clockwise triangles over and returns how many there were.
+/// Checks vertex numbers and areas, and reverses clockwise triangles. Returns the number of reversed ones.
 fn wind((base, near): (usize, f64), points: &[[f64; 2]], triangles: &mut [[u32; 3]]) -> Result<usize, MeshError> {
     if triangles.is_empty() {
         return Err(MeshError::Empty);
@@ -229,7 +232,7 @@ fn wind((base, near): (usize, f64), points: &[[f64; 2]], triangles: &mut [[u32; 
         if sides[least] < limit * limit && vertices[0] != vertices[1] {
             return Err(MeshError::Near { triangle, vertices, distance: sides[least].sqrt() });
         }
-        // Written so that an overflow to infinity or to no number counts as flat too.
+        // The form of this test also refuses overflow to infinity or NaN.
         let solid = signed.abs() > FLATTEST * longest && signed.is_finite() && longest.is_finite();
         if !solid {
             return Err(MeshError::NoArea { triangle, corners: corners.map(|vertex| vertex as usize + base) });
@@ -242,7 +245,7 @@ fn wind((base, near): (usize, f64), points: &[[f64; 2]], triangles: &mut [[u32; 
     Ok(turned)
 }
 
-/// Every vertex belongs to a triangle.
+/// Checks that every vertex belongs to a triangle.
 fn check_used(base: usize, vertices: usize, triangles: &[[u32; 3]]) -> Result<(), MeshError> {
     let mut used = vec![false; vertices];
     for &vertex in triangles.iter().flatten() {
@@ -256,19 +259,20 @@ fn check_used(base: usize, vertices: usize, triangles: &[[u32; 3]]) -> Result<()
     }
 }
 
-/// The greater side of the smallest box that holds the points [m].
+/// Longer side of the bounding box of points [m].
 pub(crate) fn size(points: &[[f64; 2]]) -> f64 {
     let [low, high] = bounds(points);
     (high[0] - low[0]).max(high[1] - low[1])
 }
 
-/// A sentence about vertices at the same place, within the share `near` of the size, which leave a crack between triangles that seem to
-/// touch.
+/// Message about vertices nearer than the share `near` of the size, which leave a crack between triangles that seem
+/// to touch.
 fn coincident((base, near): (usize, f64), points: &[[f64; 2]]) -> Option<String> {
     let near = near * size(points);
     let close = |a: usize, b: usize| (0..2).all(|axis| (points[a][axis] - points[b][axis]).abs() <= near);
     let mut pairs = Vec::new();
-    // Columns as wide as what is near, and again with their limits moved by half: any two near points share a column once.
+    // Columns have the width `near`, and the second pass shifts them by half, so that two near points share a column
+    // once.
     for shift in [0.0, 0.5] {
         let column = |vertex: usize| if near > 0.0 { (points[vertex][0] / near + shift).floor() } else { 0.0 };
         let mut order: Vec<(f64, usize)> = (0..points.len()).map(|vertex| (column(vertex), vertex)).collect();
@@ -291,17 +295,17 @@ fn coincident((base, near): (usize, f64), points: &[[f64; 2]]) -> Option<String>
     ))
 }
 
-/// Square of the distance of two points [m²].
+/// Squared distance of two points [m²].
 pub(super) fn squared_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])
 }
 
-/// Square of the distance from a point to the segment between two others [m²].
+/// Squared distance from a point to the segment between two others [m²].
 pub(super) fn squared_distance_to_side(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = squared_distance(from, to);
     let share = ((point[0] - from[0]) * along[0] + (point[1] - from[1]) * along[1]) / length;
-    // A side without length gives no number here, and its first end then counts.
+    // A side of zero length gives NaN here; its first end then counts.
     let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
     squared_distance([from[0] + share * along[0], from[1] + share * along[1]], point)
 }

@@ -1,7 +1,7 @@
-//! Triangle meshes: where bodies get their shape. Each kind is one file; [`MeshKind`] lists them all.
-//! Whatever a kind makes passes through [`Mesh::new`], which repairs winding and refuses everything else that is wrong.
+//! Triangle meshes of bodies. Each kind is one file; [`MeshKind`] lists them all.
+//! Every mesh passes through [`Mesh::new`], which repairs winding and refuses all other errors.
 //!
-//! Kinds that only know their outline share `triangulate`, which fills it with nearly equilateral triangles.
+//! Kinds that define only an outline share `triangulate`, which fills it with nearly equilateral triangles.
 
 mod count;
 mod delaunay;
@@ -56,35 +56,35 @@ registry! {
     }
 }
 
-/// A recipe for a mesh.
+/// Recipe for a mesh.
 pub trait MeshSource {
-    /// Makes the mesh; the same recipe always gives the same bits.
+    /// Builds the mesh. The same recipe always gives the same bits.
     ///
     /// # Errors
-    /// [`MeshError`] says what is wrong with the recipe or the file it names.
+    /// [`MeshError`] with the reason, in the recipe or in the file it names.
     fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError>;
 
-    /// The path of the file it names, if it does.
+    /// Path of the file that the recipe names, if any.
     fn path_mut(&mut self) -> Option<&mut PathBuf> {
         None
     }
 
-    /// The numbers a panel may change.
+    /// Quantities that a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()
     }
 }
 
-/// How a recipe reads the files it names, so that a browser or a test can serve them from memory.
+/// Source of the files that recipes name. A browser or a test can serve them from memory.
 pub trait Files {
-    /// The text of a file, by the path written in the level.
+    /// Text of a file, by the path written in the level.
     ///
     /// # Errors
-    /// A sentence that says why there is none.
+    /// A sentence with the reason.
     fn read(&self, path: &Path) -> Result<String, String>;
 }
 
-/// No files at all.
+/// Source without any file.
 pub struct NoFiles;
 
 impl Files for NoFiles {

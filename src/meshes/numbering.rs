@@ -1,19 +1,19 @@
 //! Renumbering of vertices.
 
-/// A permutation of vertices and elements from the order in a file or level; the numbers there are their names. By
-/// default it is the identity.
+/// Permutation of vertices and elements. Their names are their numbers in the file or level. The default is the
+/// identity.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Numbering {
-    /// The name of each vertex.
+    /// Name of each vertex.
     names: Vec<u32>,
-    /// The vertex of each name.
+    /// Vertex of each name.
     vertices: Vec<u32>,
-    /// The name of each element.
+    /// Name of each element.
     elements: Vec<u32>,
 }
 
 impl Numbering {
-    /// Makes a numbering from the names of all vertices and of all elements, in their new order.
+    /// Numbering from the names of all vertices and of all elements, in their new order.
     pub fn new(names: Vec<u32>, elements: Vec<u32>) -> Self {
         let mut vertices = vec![0; names.len()];
         for (vertex, name) in names.iter().enumerate() {
@@ -22,22 +22,22 @@ impl Numbering {
         Self { names, vertices, elements }
     }
 
-    /// Whether it is the identity.
+    /// Whether the numbering is the identity.
     pub const fn is_as_listed(&self) -> bool {
         self.names.is_empty()
     }
 
-    /// The name of a vertex.
+    /// Name of a vertex.
     pub fn name(&self, vertex: u32) -> u32 {
         self.names.get(vertex as usize).copied().unwrap_or(vertex)
     }
 
-    /// The vertex of a name.
+    /// Vertex of a name.
     pub fn vertex(&self, name: u32) -> u32 {
         self.vertices.get(name as usize).copied().unwrap_or(name)
     }
 
-    /// The name of an element: a triangle or a spring.
+    /// Name of an element: a triangle or a spring.
     pub fn element_name(&self, element: usize) -> usize {
         self.elements.get(element).map_or(element, |name| *name as usize)
     }

@@ -1,7 +1,8 @@
-//! Reads Wavefront OBJ files: the lines `v x y z` and `f a b c ...`; other lines are skipped. Format: "Object Files (.obj)", Wavefront Technologies, appendix B1 of the Advanced Visualizer manual.
+//! Reader of Wavefront OBJ files: the lines `v x y z` and `f a b c ...`; other lines are skipped.
+//! Format: "Object Files (.obj)", Wavefront Technologies, appendix B1 of the Advanced Visualizer manual.
 //!
-//! A reader of our own, because errors name the line, faces with a dent are cut inside it and a face may stand before its vertices: the
-//! crate tobj 4.0 keeps no line numbers and cuts faces into fans.
+//! The project has its own reader for three reasons: errors name the line, concave faces are cut inside, and a face
+//! may precede its vertices. The crate tobj 4.0 keeps no line numbers and cuts faces into fans.
 
 use super::{Files, Mesh, MeshError, MeshSource, NEAR, error::MOST_TRIANGLES, flatness, polygon};
 use crate::text;
@@ -37,7 +38,7 @@ impl MeshSource for Obj {
     }
 }
 
-/// The lines of a file without comments, each with its number from 1. A `\` at the end of one joins the next to it.
+/// Lines of a file without comments, each with its number from 1. A `\` at the end of a line joins the next line.
 fn joined(text: &str) -> impl Iterator<Item = (usize, String)> {
     let mut lines = text.lines().zip(1..);
     std::iter::from_fn(move || {
@@ -57,7 +58,7 @@ fn uncommented(line: &str) -> &str {
     line.split('#').next().unwrap_or_default()
 }
 
-/// What has been read so far. Line numbers count from 1.
+/// Content read so far. Line numbers count from 1.
 #[derive(Default)]
 struct Reader {
     points: Vec<[f64; 3]>,
@@ -65,7 +66,7 @@ struct Reader {
     faces: Vec<Face>,
 }
 
-/// A face: its line, and its corners as they are counted: from 1, or backwards from -1, the latest of those before its line.
+/// Face: its line, and its corner numbers. They count from 1, or backwards from -1, the last vertex before its line.
 struct Face {
     line: usize,
     corners: Vec<i64>,
@@ -73,7 +74,7 @@ struct Face {
 }
 
 impl Reader {
-    /// Reads one line; an error is its reason.
+    /// Reads one line. An error is its reason.
     fn line(&mut self, number: usize, line: &str) -> Result<(), String> {
         let mut words = line.split_whitespace();
         match words.next() {
@@ -83,7 +84,7 @@ impl Reader {
         }
     }
 
-    /// `v x y [z [w]]`, lengths in metres; colours after them are passed over.
+    /// Reads `v x y [z [w]]`, lengths in metres. Colours after them are skipped.
     fn vertex<'a>(&mut self, number: usize, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
         let mut place = [0.0; 3];
         let mut given = 0;
@@ -106,7 +107,7 @@ impl Reader {
         Ok(())
     }
 
-    /// `f a b c ...`, each corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// Reads `f a b c ...`, each corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
         let corner = |word: &str| {
             let number = word.split('/').next().unwrap_or_default().parse();
@@ -120,7 +121,7 @@ impl Reader {
         Ok(())
     }
 
-    /// The vertices of a face, from 0. A vertex that is repeated at once, as at the end of a closed ring, counts once.
+    /// Vertices of a face, from 0. A vertex that is repeated at once, as at the end of a closed ring, counts once.
     fn corners(&self, face: &Face) -> Result<Vec<u32>, String> {
         let count = self.points.len();
         let vertex = |&number: &i64| {
@@ -144,7 +145,7 @@ impl Reader {
         Ok(corners)
     }
 
-    /// Checks the whole.
+    /// Checks the file as a whole and builds the mesh.
     fn finish(self, path: &Path) -> Result<Mesh, MeshError> {
         let name = || path.display().to_string();
         let fail = |line: usize, reason: String| MeshError::Line { path: name(), line, reason };
@@ -185,7 +186,7 @@ impl Reader {
     }
 }
 
-/// The start of a word, for messages about files that hold no text.
+/// Start of a word, for messages about files without text.
 fn short(word: &str) -> String {
     word.chars().take(24).collect()
 }

@@ -10,13 +10,14 @@ use crate::quantity::{Coordinate, Point, Quantity, Tolerance, Triangles};
 /// Cosine of the turn above which a point of the outline is a corner: 20 degrees.
 const CORNER: f64 = 0.939_692_620_785_908_4;
 
-/// Points nearer than this share of the triangles' side are taken for one.
+/// Distance, as a share of the triangles' side, below which points count as one.
 const SAME: f64 = 1e-3;
 
-/// Ratio of triangles made to triangles asked for from which on a simpler outline is offered.
+/// Ratio of actual to requested triangles above which a simpler outline is suggested.
 const FAR_MORE: f64 = 1.25;
 
-/// Most points along an outline. Compact ones stay far below, and the triangulation of long thin ones takes very long.
+/// Greatest number of points along an outline. Compact outlines stay far below it; long thin ones take very long to
+/// triangulate.
 const MOST_ALONG: f64 = 10_000.0;
 
 /// The inside of a polygon, in about `resolution` triangles. Corners stay sharp; a run of sides shorter than the
@@ -37,7 +38,7 @@ pub struct Outline {
     pub simplify: Tolerance,
 }
 
-/// The outline as it is given.
+/// Default: no simplification.
 const fn exactly() -> Tolerance {
     Tolerance::literal(0.0)
 }
@@ -46,7 +47,7 @@ fn is_exact(tolerance: &Tolerance) -> bool {
     *tolerance == exactly()
 }
 
-/// A thousand triangles.
+/// Default resolution.
 fn thousand() -> Whole<Triangles> {
     Whole::literal(Triangles::literal(1000.0))
 }
@@ -98,7 +99,8 @@ impl MeshSource for Outline {
             corners.reverse();
         }
         let area = polygon::signed_area(&corners);
-        // n points along the edge make at least n - 2 triangles. Refused here, before they fill the memory.
+        // n points along the edge give at least n - 2 triangles. Too many are refused here, before they fill the
+        // memory.
         let along = polygon::perimeter(&corners) / triangulate::edge_length(area / target);
         if along > target.min(MOST_ALONG) {
             let reason =
@@ -107,7 +109,7 @@ impl MeshSource for Outline {
         }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
         let (points, triangles) = ordering::by_place(&points, &triangles);
-        // The points given are apart; in a sharp corner those that are added may be near each other.
+        // The given points are distinct. In a sharp corner, added points may be near each other.
         let mesh =
             Mesh::counted_from((0, 0.0), points.clone(), triangles).map_err(|error| named(error, &points, &given))?;
         let angle = mesh.min_angle();
@@ -125,7 +127,7 @@ impl MeshSource for Outline {
     }
 }
 
-/// The numbers of the points that are not at the place of the one before, and a sentence on how many are.
+/// Numbers of the points that differ from the point before, and a message with the number of the others.
 fn apart(given: &[[f64; 2]], target: f64) -> (Vec<usize>, Vec<String>) {
     let open = match given {
         [first, .., last] if first == last => &given[..given.len() - 1],
@@ -146,7 +148,7 @@ fn apart(given: &[[f64; 2]], target: f64) -> (Vec<usize>, Vec<String>) {
     (kept, messages)
 }
 
-/// An error of the mesh, told of the place in the outline where it is the outline's.
+/// Error of the mesh, with the place in the outline where the outline causes it.
 fn named(error: MeshError, points: &[[f64; 2]], given: &[[f64; 2]]) -> MeshError {
     let at: &[usize] = match &error {
         MeshError::Near { vertices, .. } => vertices,
@@ -162,10 +164,10 @@ fn named(error: MeshError, points: &[[f64; 2]], given: &[[f64; 2]]) -> MeshError
     ))
 }
 
-/// A sentence on what an outline of many points costs, and with which tolerance it would cost about what was asked for.
+/// Message on the number of triangles of an outline with many points, and on a tolerance that meets the request.
 fn simpler(corners: &[[f64; 2]], target: f64, triangles: usize) -> Option<String> {
     let edge = triangulate::edge_length(polygon::signed_area(corners).abs() / target);
-    // Corners this near to each other cost more than they show.
+    // Corners this near to each other add triangles but no visible detail.
     let start = libm::floor(libm::log10(0.02 * edge)) as i32;
     let steps =
         (start..start + 3).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * libm::pow(10.0, f64::from(power))));
@@ -194,7 +196,7 @@ fn sampled(corners: &[[f64; 2]], edge: f64) -> Vec<[f64; 2]> {
     if kept.is_empty() {
         kept.push(0);
     }
-    // One or two corners alone must still bound an area.
+    // One or two corners alone need extra points to bound an area.
     let least = 3_usize.div_ceil(kept.len());
     let mut points = Vec::new();
     for (index, &from) in kept.iter().enumerate() {

@@ -14,7 +14,7 @@ pub struct Points {
 }
 
 impl Default for Points {
-    /// A square of half a metre, cut once.
+    /// Square of side 0.5 m, cut into two triangles.
     fn default() -> Self {
         let at = |x, y| Point(Coordinate::literal(x), Coordinate::literal(y));
         Self {

@@ -2,15 +2,16 @@
 
 use super::mesh::{area, bounds, squared_distance, squared_distance_to_side};
 
-/// Most corners of a polygon that [`cut`] takes: its time may grow with their cube.
+/// Greatest number of corners for [`cut`], whose time may grow with their cube.
 const MOST_CORNERS: usize = 200;
 
-/// Pairs of neighbours, the last with the first: the sides of a polygon.
+/// Sides of a polygon: pairs of neighbours, the last with the first.
 pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + Clone {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(&from, &to)| [from, to])
 }
 
-/// The numbers of the corners that are left if each that is nearer than `near` [m] to the one kept before it, or to the first, is left out.
+/// Numbers of the corners that remain after merging.
+/// A corner is left out if it is nearer than `near` [m] to the one kept before it, or to the first.
 pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
     let apart = |a: usize, b: usize| squared_distance(corners[a], corners[b]) > near * near;
     let mut kept: Vec<usize> = Vec::new();
@@ -25,9 +26,9 @@ pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
     kept
 }
 
-/// The corners of a polygon that are left if none of those left out was farther than `tolerance` [m] from the sides that remain (Ramer,
-/// "An iterative procedure for the polygonal approximation of plane curves", 1972; Douglas and Peucker, 1973). Where sides would cross
-/// the tolerance is halved until they do not.
+/// Simplified polygon: no removed corner is farther than `tolerance` [m] from the remaining sides.
+/// Sources: Ramer, "An iterative procedure for the polygonal approximation of plane curves", 1972; Douglas and
+/// Peucker, 1973. If sides cross, the tolerance is halved until they do not.
 pub(super) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let mut tolerance = tolerance;
     for _ in 0..MOST_HALVINGS {
@@ -40,10 +41,11 @@ pub(super) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> 
     corners.to_vec()
 }
 
-/// How often a tolerance is halved.
+/// Greatest number of halvings of a tolerance.
 const MOST_HALVINGS: usize = 20;
 
-/// One round of [`simplified`]: begins with two corners that are far apart, and splits every run at its farthest corner.
+/// One round of [`simplified`]: starts with two corners that are far apart, and splits every run at its farthest
+/// corner.
 fn within(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let count = corners.len();
     let at = |corner: usize| corners[corner % count];
@@ -79,11 +81,11 @@ pub(super) fn perimeter(corners: &[[f64; 2]]) -> f64 {
     sides(corners).map(|[from, to]| squared_distance(from, to).sqrt()).sum()
 }
 
-/// Two sides, by their first corners, that meet although they are not neighbours, or fold back onto each other.
+/// Two sides, by their first corners, that meet without being neighbours, or that fold back onto each other.
 pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
     let sides: Vec<_> = sides(corners).collect();
     let [low, high] = bounds(corners);
-    // Sweeping along the longer axis meets the fewest sides at a time.
+    // A sweep along the longer axis meets the fewest sides at a time.
     let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
     let left = |side: usize| sides[side][0][axis].min(sides[side][1][axis]);
     let right = |side: usize| sides[side][0][axis].max(sides[side][1][axis]);
@@ -107,7 +109,7 @@ pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
     None
 }
 
-/// Whether the way from `a` by `b` to `c` stands still or turns straight back.
+/// Whether the path from `a` over `b` to `c` has a zero side or reverses its direction.
 fn folds_back(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
     let along = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
     a == b || b == c || (area([a, b, c]) == 0.0 && along <= 0.0)
@@ -126,8 +128,8 @@ fn intersect([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
         || between(c, d, b)
 }
 
-/// Cuts a polygon into triangles of corner numbers, in the direction of its corners, by taking off ears. `None` if its
-/// sides cross, or if it has too many corners.
+/// Triangulates a polygon by cutting off ears. Triangles of corner numbers keep the direction of the corners.
+/// `None` if its sides cross, or if it has too many corners.
 pub(super) fn cut(corners: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
     if corners.len() == 3 {
         return Some(vec![[0, 1, 2]]);
@@ -148,7 +150,7 @@ pub(super) fn cut(corners: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
     Some(triangles)
 }
 
-/// Whether a corner bulges outwards and its triangle holds no other corner.
+/// Whether a corner is convex and its triangle contains no other corner.
 fn is_ear(corners: &[[f64; 2]], rest: &[usize], tip: usize, sign: f64) -> bool {
     let count = rest.len();
     let ear = [rest[(tip + count - 1) % count], rest[tip], rest[(tip + 1) % count]];
@@ -157,7 +159,7 @@ fn is_ear(corners: &[[f64; 2]], rest: &[usize], tip: usize, sign: f64) -> bool {
     sign * area([a, b, c]) > 0.0 && !rest.iter().any(|&other| !ear.contains(&other) && inside(corners[other]))
 }
 
-/// `count` points at even distance along a polyline, its two ends included; `count >= 2`.
+/// `count` evenly spaced points along a polyline, both ends included; `count >= 2`.
 pub(super) fn spaced(line: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
     let mut lengths = vec![0.0];
     for pair in line.windows(2) {

@@ -77,7 +77,7 @@ impl MeshSource for Rectangle {
 }
 
 impl Rectangle {
-    /// The point a number of cells right of and above the corner [m].
+    /// Point at a number of cells right of and above the corner [m].
     fn at(&self, columns: f64, rows: f64) -> [f64; 2] {
         let [x, y] = self.corner.get();
         [
@@ -86,7 +86,7 @@ impl Rectangle {
         ]
     }
 
-    /// The triangles of a cell.
+    /// Triangles of a cell.
     fn cut(&self, row: u32, column: u32) -> Vec<[u32; 3]> {
         let columns = self.columns.count();
         let a = row * (columns + 1) + column;

@@ -2,13 +2,13 @@
 
 use super::MeshError;
 
-/// A half-edge that no other triangle shares.
+/// Mark of a half-edge without a twin.
 pub(super) const BOUNDARY: u32 = u32::MAX;
 
-/// The neighbours of counter-clockwise triangles. Half-edge `3 t + c` of triangle `t` runs from its corner `c` to the next.
+/// Neighbours of counter-clockwise triangles. Half-edge `3 t + c` of triangle `t` runs from its corner `c` to the next.
 pub(super) struct Topology<'a> {
     triangles: &'a [[u32; 3]],
-    /// The half-edge that runs the other way, or [`BOUNDARY`].
+    /// Opposite half-edge of each half-edge, or [`BOUNDARY`].
     twins: Vec<u32>,
 }
 
@@ -31,7 +31,7 @@ impl<'a> Topology<'a> {
         self.triangles
     }
 
-    /// For each half-edge the one that runs the other way, or [`BOUNDARY`].
+    /// Opposite half-edge of each half-edge, or [`BOUNDARY`].
     pub(super) fn twins(&self) -> &[u32] {
         &self.twins
     }
@@ -41,7 +41,7 @@ impl<'a> Topology<'a> {
         (0..self.twins.len()).filter(|&half| self.twins[half] == BOUNDARY).map(|half| ends(self.triangles, half))
     }
 
-    /// The boundary as closed loops, the body on their left: outer loops run counter-clockwise, holes clockwise.
+    /// Boundary as closed loops with the body on their left: outer loops run counter-clockwise, holes clockwise.
     pub(super) fn boundary_loops(&self) -> Vec<Vec<u32>> {
         let mut next: Vec<[u32; 2]> = self.boundary_edges().collect();
         next.sort_unstable();
@@ -63,7 +63,7 @@ impl<'a> Topology<'a> {
         loops
     }
 
-    /// Number of pieces that hold together along edges.
+    /// Number of pieces that are connected by edges.
     pub(super) fn pieces(&self) -> usize {
         let mut seen = vec![false; self.triangles.len()];
         let mut pieces = 0;
@@ -86,14 +86,14 @@ impl<'a> Topology<'a> {
         pieces
     }
 
-    /// A vertex whose triangles do not lie in one row around it.
+    /// First vertex whose triangles do not form one row around it.
     fn bow_tie(&self, vertices: usize) -> Option<usize> {
         let mut degree = vec![0_u32; vertices];
         let mut start = vec![BOUNDARY; vertices];
         for half in 0..self.twins.len() {
             let vertex = ends(self.triangles, half)[0] as usize;
             degree[vertex] += 1;
-            // Counter-clockwise turns from the boundary reach all of them; inside any start will do.
+            // Counter-clockwise turns from the boundary reach all triangles. An inner vertex can start anywhere.
             if start[vertex] == BOUNDARY || self.twins[half] == BOUNDARY {
                 start[vertex] = half as u32;
             }
@@ -101,13 +101,13 @@ impl<'a> Topology<'a> {
         (0..vertices).find(|&vertex| start[vertex] != BOUNDARY && self.around(start[vertex]) != degree[vertex])
     }
 
-    /// Number of triangles met when turning counter-clockwise about the start of a half-edge.
+    /// Number of triangles reached by turning counter-clockwise around the start of a half-edge.
     fn around(&self, start: u32) -> u32 {
         let mut half = start;
         let mut count = 0;
         loop {
             count += 1;
-            // The edge that comes into the same vertex within this triangle, seen from its other side.
+            // Twin of the half-edge that enters the same vertex in this triangle.
             half = self.twins[(half / 3 * 3 + (half + 2) % 3) as usize];
             if half == BOUNDARY || half == start {
                 return count;
@@ -116,13 +116,13 @@ impl<'a> Topology<'a> {
     }
 }
 
-/// The two ends of a half-edge.
+/// Ends of a half-edge.
 pub(super) fn ends(triangles: &[[u32; 3]], half: usize) -> [u32; 2] {
     let corners = triangles[half / 3];
     [corners[half % 3], corners[(half + 1) % 3]]
 }
 
-/// For each half-edge the one that runs the other way, found by sorting all edges by their ends.
+/// Opposite half-edges, found by sorting all edges by their ends.
 fn twins(triangles: &[[u32; 3]], base: usize) -> Result<Vec<u32>, MeshError> {
     let mut edges: Vec<(u32, u32, u32)> = (0..3 * triangles.len())
         .map(|half| {

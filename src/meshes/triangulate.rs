@@ -1,8 +1,9 @@
-//! Fills an outline with nearly equilateral triangles: points along the outline, a triangular lattice inside, then
-//! smoothing. Each round moves every inner point to the area-weighted mean of the centroids around it and triangulates
-//! anew (centroidal patch triangulation: L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations",
-//! 13th International Meshing Roundtable, 2004, section 3). Spade gives the Delaunay triangulations and, where an
-//! outline's own corners leave slivers, Ruppert's refinement.
+//! Triangulation of an outline with nearly equilateral triangles.
+//! It places points along the outline and a triangular lattice inside, and then smooths. Each round moves every inner
+//! point to the area-weighted mean of the centroids around it and triangulates again (centroidal patch triangulation:
+//! L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 13th International Meshing Roundtable,
+//! 2004, section 3). Spade computes the Delaunay triangulations. Where an outline's own corners leave slivers, it
+//! applies Ruppert's refinement.
 
 use super::{
     MeshError,
@@ -10,19 +11,19 @@ use super::{
     mesh, polygon,
 };
 
-/// The smallest angle that is good enough [°].
+/// Smallest acceptable angle [°].
 pub(super) const GOOD_ANGLE: f64 = 25.0;
 /// Height of an equilateral triangle of side 1.
 const ROW: f64 = 0.866_025_403_784_438_6;
-/// Nearest that the lattice comes to the outline, in edge lengths: rows then settle near one triangle's height.
+/// Least distance of the lattice from the outline [edge lengths]. Rows then settle near one triangle's height.
 const CLEARANCE: f64 = 0.64;
 /// Rounds of smoothing. Angles change by less than a degree after about thirty.
 const ROUNDS: usize = 30;
-/// Where the lattice may start, in edge lengths, tried in turn until all angles are good.
+/// Offsets of the lattice [edge lengths], tried in order until all angles are good.
 const STARTS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.29], [0.25, 0.14], [0.13, 0.43]];
 
-/// Fills an outline with about `target` triangles. `outline` gives its counter-clockwise points for an edge length [m];
-/// `area` is what it encloses [m²].
+/// Triangulates an outline with about `target` triangles.
+/// `outline` gives its counter-clockwise points for an edge length [m]; `area` is the enclosed area [m²].
 ///
 /// # Errors
 /// [`MeshError::Recipe`] if the outline touches itself or is too thin for its triangles.
@@ -38,7 +39,7 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
         if best.as_ref().is_none_or(|(so_far, ..)| angle > *so_far) {
             best = Some((angle, boundary.len(), filled));
         }
-        // Far too small an angle is the outline's own, and no other start mends it.
+        // A much smaller angle comes from the outline itself. Another offset does not help.
         if !(0.6 * GOOD_ANGLE..GOOD_ANGLE).contains(&angle) {
             break;
         }
@@ -47,19 +48,19 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
     if angle >= GOOD_ANGLE { Ok(filled) } else { delaunay::refine(&filled.0, fixed, 2 * target as usize) }
 }
 
-/// Side of an equilateral triangle of the given area: m from m².
+/// Side [m] of an equilateral triangle of the given area [m²].
 pub(super) fn edge_length(area: f64) -> f64 {
     (2.0 * area / ROW).sqrt()
 }
 
-/// The smallest angle of all triangles [°].
+/// Smallest angle of all triangles [°].
 fn smallest_angle((points, triangles): &Filled) -> f64 {
     let angle = |triangle: &[u32; 3]| mesh::min_angle(triangle.map(|vertex| points[vertex as usize]));
     triangles.iter().map(angle).fold(60.0, f64::min)
 }
 
-/// The outline's points and the edge length [m] that come nearest to the wanted number of triangles. A simple polygon
-/// with `b` points on it and `i` inside has `2 i + b - 2` triangles however they are joined (Euler).
+/// Points of the outline and the edge length [m] that come nearest to the requested number of triangles.
+/// A simple polygon with `b` points on it and `i` inside has `2 i + b - 2` triangles in every triangulation (Euler).
 fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start: [f64; 2]) -> (Vec<[f64; 2]>, f64) {
     let mut edge = edge_length(area / target);
     let mut best = (f64::INFINITY, Vec::new(), edge);
@@ -101,7 +102,7 @@ fn lattice(boundary: &[[f64; 2]], edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
     points
 }
 
-/// The polygon's sides that come within `clearance` of each of `2 rows + 1` horizontal lines about height `middle` [m].
+/// Sides of the polygon within `clearance` of each of `2 rows + 1` horizontal lines about the height `middle` [m].
 fn sides_by_row(
     boundary: &[[f64; 2]],
     middle: f64,
@@ -121,7 +122,7 @@ fn sides_by_row(
     near
 }
 
-/// Where a horizontal line crosses the sides of a polygon, from left to right.
+/// Crossings of a horizontal line with the sides of a polygon, from left to right.
 fn crossings(sides: &[[[f64; 2]; 2]], y: f64) -> Vec<f64> {
     let mut crossings: Vec<f64> = sides
         .iter()
@@ -132,7 +133,7 @@ fn crossings(sides: &[[[f64; 2]; 2]], y: f64) -> Vec<f64> {
     crossings
 }
 
-/// Joins the points to triangles and evens them out; the boundary stays.
+/// Triangulates the points and smooths them. The boundary stays.
 fn relax(boundary: &[[f64; 2]], inner: Vec<[f64; 2]>) -> Result<Filled, MeshError> {
     let fixed = boundary.len();
     let mut points = boundary.to_vec();

@@ -1,5 +1,5 @@
-//! Nets: particles held together by springs. Each kind is one file; [`NetKind`] lists them all.
-//! Whatever a kind makes passes through [`Net::new`], which refuses what cannot be a net.
+//! Nets of particles and springs. Each kind is one file; [`NetKind`] lists them all.
+//! Every net passes through [`Net::new`], which refuses invalid nets.
 
 mod chain;
 mod links;
@@ -22,15 +22,15 @@ registry! {
     }
 }
 
-/// A recipe for a net.
+/// Recipe for a net.
 pub trait NetSource {
-    /// Makes the net; the same recipe always gives the same bits.
+    /// Builds the net. The same recipe always gives the same bits.
     ///
     /// # Errors
-    /// [`NetError`] says what is wrong with the recipe.
+    /// [`NetError`] with the reason in the recipe.
     fn build(&self) -> Result<Net, NetError>;
 
-    /// The numbers a panel may change while time runs: none of them moves a particle.
+    /// Quantities that a panel may change while time runs. None of them moves a particle.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()
     }

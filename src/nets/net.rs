@@ -1,8 +1,8 @@
-//! A net of particles and springs, checked.
+//! Net of particles and springs, checked.
 
 use crate::meshes::{NEAR, Numbering, size};
 
-/// Particles at their start, and the springs between them.
+/// Net: particles at their start, and the springs between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Net {
     points: Vec<[f64; 2]>,
@@ -10,21 +10,21 @@ pub struct Net {
     numbering: Numbering,
 }
 
-/// A spring between two particles: it pulls with `k (length - rest)`.
+/// Spring between two particles with the force `k (length - rest)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// The particles, counted from 0.
+    /// Particles, counted from 0.
     pub ends: [u32; 2],
     /// k [N/m].
     pub stiffness: f64,
-    /// The length without a force [m].
+    /// Rest length [m].
     pub rest: f64,
-    /// What it is there for.
+    /// Role in the net.
     pub role: Role,
 }
 
 impl Link {
-    /// Its length at flat positions that its ends count [m].
+    /// Length for flat positions `x` [m].
     pub fn length(&self, x: &[f64]) -> f64 {
         let [a, b] = self.ends.map(|end| 2 * end as usize);
         let (dx, dy) = (x[b] - x[a], x[b + 1] - x[a + 1]);
@@ -32,22 +32,22 @@ impl Link {
     }
 }
 
-/// What a spring of a net is there for. The force does not depend on it; a drawing may.
+/// Role of a spring in a net. The force does not depend on it; a drawing may.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Role {
-    /// Holds neighbours together.
+    /// Between neighbours.
     #[default]
     Structural,
-    /// Holds a cell's diagonal.
+    /// Along a cell's diagonal.
     Shear,
-    /// Holds every other particle of a row apart, so that the row does not fold.
+    /// Between every other particle of a row, so that the row does not fold.
     Flexion,
 }
 
-/// Most springs a net may have.
+/// Greatest number of springs of a net.
 pub const MOST_SPRINGS: usize = 2_000_000;
 
-/// Why there is no net. Particles and springs are counted from 0.
+/// Error of a net. Particles and springs count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NetError {
@@ -78,21 +78,21 @@ pub enum NetError {
         /// The particle.
         particle: u32,
     },
-    /// Particles that no spring holds.
+    /// Particles without a spring.
     #[error("no spring holds particle {particle} ({count} such in all); remove unused particles or connect them")]
     Unused {
         /// The first of them.
         particle: usize,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
 }
 
 impl Net {
-    /// A net of particles at these points [m].
+    /// Checked net of particles at these points [m].
     ///
     /// # Errors
-    /// [`NetError`] names the particle or spring that is wrong.
+    /// [`NetError`] names the invalid particle or spring.
     pub fn new(points: Vec<[f64; 2]>, links: Vec<Link>) -> Result<Self, NetError> {
         if links.is_empty() || points.is_empty() {
             return Err(NetError::Empty);
@@ -120,7 +120,7 @@ impl Net {
         }
     }
 
-    /// The same net with particles and springs in another order.
+    /// Same net with particles and springs in another order.
     #[must_use]
     pub fn renumbered(&self, numbering: Numbering) -> Self {
         let link = |link: Link| Link { ends: link.ends.map(|end| numbering.vertex(end)), ..link };
@@ -128,17 +128,17 @@ impl Net {
         Self { points: numbering.vertices_of(&self.points), links, numbering }
     }
 
-    /// What its particles and springs are called where they were listed.
+    /// Numbers of particles and springs in the original list.
     pub const fn numbering(&self) -> &Numbering {
         &self.numbering
     }
 
-    /// Where the particles start [m].
+    /// Start positions of the particles [m].
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
 
-    /// What the user should know about the net although it can be used.
+    /// Messages about a usable net, for the user.
     pub fn messages(&self) -> Vec<String> {
         let near = NEAR * size(&self.points);
         let flat = self.points.as_flattened();
@@ -156,7 +156,7 @@ impl Net {
         )]
     }
 
-    /// The springs.
+    /// Springs.
     pub fn links(&self) -> &[Link] {
         &self.links
     }

@@ -51,7 +51,7 @@ impl Default for Sheet {
 impl NetSource for Sheet {
     fn build(&self) -> Result<Net, NetError> {
         let (columns, rows) = (self.columns.count(), self.rows.count());
-        // Two sides, two diagonals and two flexion springs for each cell, nearly.
+        // Estimate: two sides, two diagonals and two flexion springs per cell.
         let wanted = (columns as usize).saturating_mul(rows as usize).saturating_mul(6);
         if wanted > MOST_SPRINGS {
             return Err(NetError::TooMany(wanted));

@@ -1,10 +1,11 @@
-//! Two evaluations of one formula, interleaved instruction by instruction.
+//! Interleaved evaluation of one formula for two arguments, instruction by instruction.
 
 use super::{Mat2, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Values of two evaluations of one formula: each operation is done for both before the next. The second evaluation
-/// fills the latency of the first, within a smaller reordering window than two evaluations in sequence need.
+/// Values of two evaluations of one formula: each operation is done for both before the next.
+/// The second evaluation fills the latency of the first. It needs a smaller reordering window than two evaluations in
+/// sequence.
 #[derive(Clone, Copy, Debug)]
 pub struct Interleaved<R>(pub R, pub R);
 
@@ -60,7 +61,7 @@ impl<R: Real> Real for Interleaved<R> {
 
     #[inline(always)]
     fn all_less(self, than: Self) -> bool {
-        // Both, without a branch between them.
+        // `&` avoids a branch between the two.
         self.0.all_less(than.0) & self.1.all_less(than.1)
     }
 
@@ -72,7 +73,7 @@ impl<R: Real> Real for Interleaved<R> {
 }
 
 impl<R: Real> Mat2<Interleaved<R>> {
-    /// Two matrices.
+    /// Interleaves two matrices.
     #[inline(always)]
     pub const fn abreast(one: Mat2<R>, other: Mat2<R>) -> Self {
         Self {
@@ -83,7 +84,7 @@ impl<R: Real> Mat2<Interleaved<R>> {
         }
     }
 
-    /// The two values.
+    /// Both matrices.
     #[inline(always)]
     pub const fn both(self) -> [Mat2<R>; 2] {
         let Self { m11, m12, m21, m22 } = self;

@@ -6,7 +6,7 @@ const LINE: usize = 64;
 /// Additional numbers that a buffer for [`lined`] needs.
 pub const SPARE: usize = LINE / size_of::<f64>();
 
-/// The part of a buffer from the first aligned number on: SIMD loads then lie in one cache line instead of two.
+/// Part of a buffer from the first aligned number on. A SIMD load then lies in one cache line instead of two.
 pub fn lined(values: &mut [f64]) -> &mut [f64] {
     let skip = skip(values);
     &mut values[skip..]
@@ -16,8 +16,7 @@ fn skip(values: &[f64]) -> usize {
     values.as_ptr().align_offset(LINE).min(SPARE).min(values.len())
 }
 
-/// An owned buffer that is aligned to a cache line and padded, so that [`Indexed16`] numbers follow every one of its
-/// numbers.
+/// Owned buffer, aligned to a cache line and padded, so that [`Indexed16`] numbers follow every one of its numbers.
 #[derive(Debug, Default)]
 pub struct Lined {
     values: Vec<f64>,
@@ -45,13 +44,13 @@ impl Lined {
     }
 }
 
-/// Numbers that 16-bit indices address: with so many no bounds check is needed.
+/// Array that 16-bit indices address without a bounds check.
 pub type Indexed16 = [f64; INDEXED16];
 
-/// Number of them; a vector begins at the greatest index at most.
+/// Length of [`Indexed16`]. A vector can begin at the greatest index.
 pub const INDEXED16: usize = u16::MAX as usize + 2;
 
-/// The vector at an index.
+/// Vector at an index.
 #[inline(always)]
 pub fn vector(numbers: &Indexed16, place: u16) -> [f64; 2] {
     let place = usize::from(place);

@@ -2,7 +2,7 @@
 
 use super::Real;
 
-/// ln 2, the high part with few digits, so that small multiples of it are exact.
+/// ln 2 in two parts. The high part has few digits, so that small multiples of it are exact.
 const LN2: [f64; 2] = [f64::from_bits(0x3fe6_2e42_fee0_0000), f64::from_bits(0x3dea_39ef_3579_3c76)];
 
 /// Coefficients of `ln((1 + s)/(1 - s)) = 2 s + s R(s²)`, `R(z) = z (L1 + z (L2 + ...))`.
@@ -19,13 +19,13 @@ const L: [f64; 7] = [
 /// Bias of the second number of [`split`]: 2^52, and the bias of exponents.
 pub const BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
-/// From the bits of a positive normal number m 2^k, m from sqrt(1/2) to sqrt(2): the bits of m, and of k + [`BIAS`].
+/// Splits the bits of a positive normal number m 2^k, m from sqrt(1/2) to sqrt(2), into those of m and of k + [`BIAS`].
 #[inline(always)]
 pub const fn split(bits: u64) -> [u64; 2] {
     /// The upper half of the bits of sqrt(1/2).
     const LOW: u64 = 0x3fe6_a09e << 32;
     let moved = bits.wrapping_add((0x3ff0_0000 << 32) - LOW);
-    // An integer below 2^52 in the last bits of 2^52 is that number plus 2^52.
+    // 2^52 with an integer below 2^52 in its last bits is 2^52 plus that integer.
     [(moved & 0x000f_ffff_ffff_ffff) + LOW, (moved >> 52) | 0x4330_0000_0000_0000]
 }
 
@@ -39,18 +39,18 @@ pub fn log<R: Real>(x: R) -> R {
     let log = of_split(m, x.if_less(least, k - 54.0, k));
     let positive = x.if_less(x.of(f64::INFINITY), log, x);
     let limit = x.if_less(zero, x.of(f64::NAN), x.of(f64::NEG_INFINITY));
-    // Neither 0 < x nor x <= 0 holds for NaN, which stays itself.
+    // For NaN both comparisons are false, so NaN stays NaN.
     zero.if_less(x, positive, x.if_less(least, limit, x))
 }
 
-/// ln x for positive normal numbers, the same bits; for others anything.
+/// ln x for positive normal numbers, with the same bits as [`log`]; undefined for others.
 #[inline(always)]
 pub fn of_normal<R: Real>(x: R) -> R {
     let (m, k) = x.split();
     of_split(m, k)
 }
 
-/// ln(m 2^k) as in `e_log.c` of fdlibm (Sun Microsystems, 1993), the operations in the same order.
+/// ln(m 2^k) as in `e_log.c` of fdlibm (Sun Microsystems, 1993), with the operations in the same order.
 ///
 /// With f = m - 1, `s = f/(2 + f)` gives `ln m = ln((1 + s)/(1 - s)) = f - f²/2 + s (f²/2 + R(s²))`.
 #[inline(always)]

@@ -24,7 +24,7 @@ impl<R: Real> Mat2<R> {
         Self { m11, m12, m21, m22 }
     }
 
-    /// The identity, in as many lanes as `like`.
+    /// Identity, with as many lanes as `like`.
     #[inline(always)]
     #[must_use]
     pub fn identity(like: R) -> Self {
@@ -99,7 +99,7 @@ impl<R: Real> Sub for Mat2<R> {
     }
 }
 
-/// Every entry times a factor, a constant or one that differs from lane to lane.
+/// Product of every entry with a factor, a constant or one value per lane.
 impl<R: Real + Mul<K, Output = R>, K: Copy> Mul<K> for Mat2<R> {
     type Output = Self;
     #[inline(always)]

@@ -1,8 +1,8 @@
-//! SIMD vectors: formulas over [`Real`] are evaluated with `f64` and, unchanged, with [`Wide`], one number in each lane
-//! of a vector register of any width.
+//! SIMD vectors. Formulas over [`Real`] are evaluated with `f64` and, unchanged, with [`Wide`].
+//! [`Wide`] holds one number in each lane of a vector register of any width.
 //!
-//! Only operations with a unique IEEE 754 rounding are used (`+ - * /` and the square root, no contraction), so that
-//! every lane has the bits of `f64`, and a run is the same on every processor.
+//! Only operations with a unique IEEE 754 rounding are used (`+ - * /` and the square root, no contraction). Every
+//! lane therefore has the bits of `f64`, and a run is equal on every processor.
 
 mod interleaved;
 mod lines;
@@ -19,7 +19,7 @@ pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A real number, or one in each of several lanes. Constants are `f64`.
+/// Real number, or one in each of several lanes. Constants are `f64`.
 pub trait Real:
     Copy
     + Neg<Output = Self>
@@ -31,7 +31,7 @@ pub trait Real:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// A constant, in as many lanes.
+    /// Constant with as many lanes as `self`.
     #[must_use]
     fn of(self, constant: f64) -> Self;
 
@@ -43,11 +43,11 @@ pub trait Real:
     #[must_use]
     fn if_less(self, than: Self, then: Self, otherwise: Self) -> Self;
 
-    /// Whether it is less in every lane, so that the other case need not be computed.
+    /// Whether `self < than` in every lane, so that the other case need not be computed.
     #[must_use]
     fn all_less(self, than: Self) -> bool;
 
-    /// m and k with `self = m 2^k` and m from sqrt(1/2) to sqrt(2), for positive normal numbers; anything for others.
+    /// m and k with `self = m 2^k` and m from sqrt(1/2) to sqrt(2), for positive normal numbers; undefined for others.
     fn split(self) -> (Self, Self);
 
     /// Natural logarithm, bit for bit that of `libm`: below 1 unit in the last place.
@@ -57,7 +57,7 @@ pub trait Real:
         logarithm::log(self)
     }
 
-    /// The same for positive normal numbers, in less time; undefined for others.
+    /// Faster natural logarithm for positive normal numbers, with the same bits; undefined for others.
     #[inline(always)]
     #[must_use]
     fn logarithm_of_normal(self) -> Self {
@@ -65,8 +65,8 @@ pub trait Real:
     }
 }
 
-/// `c0 + c1 x + c2 x² + ...` by a fourth-order Horner scheme: every fourth power forms a separate polynomial, so that the four
-/// are independent.
+/// Polynomial `c0 + c1 x + c2 x² + ...` by a fourth-order Horner scheme.
+/// The coefficients of every fourth power form a separate polynomial, so that four independent ones are evaluated.
 #[inline(always)]
 pub fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
     const { assert!(N >= 4) };
@@ -81,12 +81,12 @@ pub fn polynomial<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
     (twice_odd * x + twice_even) * square + (odd * x + even)
 }
 
-/// `c0 + c4 y + c8 y² + ...` by Horner's rule.
+/// Polynomial `c0 + c4 y + c8 y² + ...` by Horner's rule.
 #[inline(always)]
 fn every_fourth<R: Real>(y: R, coefficients: &[f64]) -> R {
     let mut number = (coefficients.len() - 1) / 4 * 4;
     let mut sum = y.of(coefficients[number]);
-    // `fold` might not be inlined and lose the instruction set.
+    // `fold` might not be inlined and would then lose the instruction set.
     while number > 0 {
         number -= 4;
         sum = sum * y + coefficients[number];

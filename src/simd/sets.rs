@@ -1,4 +1,4 @@
-//! Instruction sets: chosen at run time.
+//! Instruction sets, chosen at run time.
 
 use pulp::{Arch, Simd, WithSimd};
 

@@ -4,19 +4,19 @@ use super::{Real, logarithm};
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Numbers in a block in memory: the most that any vector register holds.
+/// Numbers per block in memory: the greatest number of lanes of a vector register.
 pub const LANES: usize = 8;
 
-/// A block of numbers.
+/// Block of numbers.
 pub type Lanes = [f64; LANES];
 
-/// Four numbers each of eight elements, in their order.
+/// Four numbers of each of eight elements, in element order.
 pub type Quads = [[f64; 4]; LANES];
 
-/// A vector each of eight elements: in their order, or where [`Wide::store_pairs`] writes it at their [`Order::place`].
+/// Vector of each of eight elements, in element order, or at their [`Order::place`] after [`Wide::store_pairs`].
 pub type Pairs = [[f64; 2]; LANES];
 
-/// A vector register of the instruction set `S`; its size is a divisor of [`LANES`].
+/// Vector register of the instruction set `S`. Its size is a divisor of [`LANES`].
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<S: Simd> {
     set: S,
@@ -47,7 +47,8 @@ impl<S: Simd> Wide<S> {
         [Self { set, values: a }, Self { set, values: b }, Self { set, values: c }, Self { set, values: d }]
     }
 
-    /// Stores the first, second, third and fourth numbers of one register: each element's at its [`Order::quad`].
+    /// Stores the first, second, third and fourth numbers of one register, those of each element at its
+    /// [`Order::quad`].
     #[inline(always)]
     pub fn store_quads(numbers: [Self; 4], to: &mut Quads, part: usize) {
         let [a, b, c, d] = numbers;
@@ -62,14 +63,14 @@ impl<S: Simd> Wide<S> {
         [Self { set, values: x }, Self { set, values: y }]
     }
 
-    /// Stores vectors of these x and y.
+    /// Stores vectors with these x and y.
     #[inline(always)]
     pub fn store_pairs(x: Self, y: Self, to: &mut Pairs, part: usize) {
         let pairs = x.set.interleave_shfl_f64s([x.values, y.values]);
         S::as_mut_simd_f64s(to.as_flattened_mut()).0.as_chunks_mut().0[part] = pairs;
     }
 
-    /// The same number in every lane.
+    /// Register with the same number in every lane.
     #[inline(always)]
     pub fn all(set: S, value: f64) -> Self {
         Self { set, values: set.splat_f64s(value) }
@@ -149,7 +150,7 @@ fn numbers<V: bytemuck::Pod>(values: &mut V) -> &mut [u64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(values))
 }
 
-/// Order of eight elements in registers, which depends on the shuffles of the instruction set.
+/// Order of eight elements in registers. It depends on the shuffles of the instruction set.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
     /// The instruction set.
@@ -163,12 +164,12 @@ pub struct Order {
 }
 
 impl Order {
-    /// The order of an instruction set for elements that [`Wide::load_quads`] reads.
+    /// Order of an instruction set for elements that [`Wide::load_quads`] reads.
     pub fn new(set: Arch) -> Self {
         Self::found(set, false)
     }
 
-    /// The same for elements that [`Wide::load_pairs`] reads.
+    /// Order of an instruction set for elements that [`Wide::load_pairs`] reads.
     pub fn of_pairs(set: Arch) -> Self {
         Self::found(set, true)
     }

@@ -7,21 +7,21 @@ use crate::{
 };
 use std::{borrow::Cow, ops::Range};
 
-/// Where the vertices of one scene are in another of the same level: the same vertices, or points inside other triangles.
+/// Places of the vertices of one scene in another scene of the same level: equal vertices, or points inside triangles.
 pub struct Correspondence {
-    /// For each vertex, in order; nothing if both have the same vertices.
+    /// One place for each vertex, in order. `None` if both scenes have the same vertices.
     places: Option<Vec<Place>>,
 }
 
-/// A material point of a scene.
+/// Material point of a scene.
 enum Place {
     Vertex(usize),
-    /// In a triangle, by corners and weights.
+    /// In a triangle: its corners and the weights of the corners.
     Inside([usize; 3], [f64; 3]),
 }
 
 impl Correspondence {
-    /// Seeks the vertices of `a` in the rest shape of `b`; `None` if the two do not show the same bodies, nets or toy.
+    /// Locates the vertices of `a` in the rest shape of `b`. `None` if the scenes differ in their bodies, nets or toy.
     pub fn new(a: &Scene, b: &Scene) -> Option<Self> {
         let counts = |scene: &Scene| (scene.bodies.len(), scene.nets.len(), scene.toy.is_some());
         if counts(a) != counts(b) {
@@ -44,7 +44,8 @@ impl Correspondence {
         Some(Self { places: Some(places) })
     }
 
-    /// The positions in `b`, given all of its own, of what the vertices of `a` are made of.
+    /// Positions in `b` of the material points at the vertices of `a` [m]. `x` holds the positions of all vertices of
+    /// `b`.
     pub fn seen<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
         let Some(places) = &self.places else { return Cow::Borrowed(x) };
         let position = |place: &Place| match place {
@@ -71,7 +72,7 @@ fn inside(locator: &Locator, body: &Body, point: [f64; 2]) -> Place {
     }
 }
 
-/// The vertex of `to` that is nearest, at rest and in the same body or net, to a vertex of `from`.
+/// Vertex of `to` nearest to a vertex of `from`, at rest and in the same body or net.
 pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
     if from.rest == to.rest {
         return Some(vertex);
@@ -84,34 +85,34 @@ pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
     Some(vertices.start + nearest_vertex(&to.rest[2 * vertices.start..2 * vertices.end], point)?)
 }
 
-/// How far two runs are apart at one time.
+/// Difference of two runs at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
-    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A [m]; B is looked at where the same material points are.
+    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A [m]. x_B are the positions of the same material points in B.
     pub metres: f64,
-    /// The same over the farthest that A has been from its start so far, `sqrt(mean |x_A - x_start|²)` at its largest. Not over
-    /// what it is on average: a scene that has just begun to move would be far off for no reason.
+    /// The same difference over the greatest motion of A so far, `sqrt(mean |x_A - x_start|²)`.
+    /// The average motion is no measure: a scene that has just begun to move would have a large error without reason.
     pub relative: f64,
 }
 
-/// Measures two runs at one moment after another.
+/// Measures the difference of two runs over time.
 pub struct Difference {
     correspondence: Option<Correspondence>,
-    /// Where the first of the two starts [m].
+    /// Start positions of the first run [m].
     start: Vec<f64>,
-    /// The farthest that it was from there [m].
+    /// Greatest RMS motion of the first run so far [m].
     farthest: f64,
 }
 
 impl Difference {
-    /// Gets ready to compare two runs. It holds as long as neither gets other vertices.
+    /// Prepares the comparison of two runs. It is valid as long as the vertices of both stay the same.
     pub fn new(a: &Simulation, b: &Simulation) -> Self {
         let (scene, other) = (a.scene(), b.scene());
         let start = positions(scene, &scene.start.x).into_owned();
         Self { correspondence: Correspondence::new(scene, other), start, farthest: 0.0 }
     }
 
-    /// How far they are apart, both being at one time; `None` if they do not show the same things.
+    /// Difference of the runs, both at the same time. `None` if the scenes have no [`Correspondence`].
     pub fn measure(&mut self, a: &Simulation, b: &Simulation) -> Option<Apart> {
         let correspondence = self.correspondence.as_ref()?;
         let (a, b) = (positions(a.scene(), &a.state().x), positions(b.scene(), &b.state().x));
@@ -127,7 +128,7 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
     (2.0 * sum / a.len().max(1) as f64).sqrt()
 }
 
-/// Positions [m]; a toy's state is translated into the place where it is seen.
+/// Positions [m]. The state of a toy is translated into the place where it is drawn.
 fn positions<'a>(scene: &Scene, x: &'a [f64]) -> Cow<'a, [f64]> {
     match (&scene.toy, x) {
         (Some(toy), &[a, b]) => Cow::Owned(toy.kind().place([a, b]).to_vec()),

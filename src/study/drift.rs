@@ -16,23 +16,23 @@ use crate::{
 };
 use std::{ops::ControlFlow, time::Duration};
 
-/// What stays as it is, unless something takes it away.
+/// Conserved quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Invariant {
-    /// Kinetic, elastic and potential energy together.
+    /// Sum of kinetic, elastic and potential energy.
     #[default]
     Energy,
-    /// The sum of m v.
+    /// Sum of m v.
     Momentum,
-    /// The sum of m x × v.
+    /// Sum of m x × v.
     AngularMomentum,
 }
 
 impl Invariant {
-    /// All of them.
+    /// All conserved quantities.
     pub const ALL: [Self; 3] = [Self::Energy, Self::Momentum, Self::AngularMomentum];
 
-    /// In words.
+    /// Name in plain words.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Energy => "energy",
@@ -41,7 +41,7 @@ impl Invariant {
         }
     }
 
-    /// The unit of its change; energy is compared with the greatest kinetic energy.
+    /// Unit of its change. Energy has none: its change is divided by [`Drift::scale`].
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Energy => "",
@@ -51,14 +51,14 @@ impl Invariant {
     }
 }
 
-/// What should stay, at one moment.
+/// Energy and momentum at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
     /// Time since the start of the trial [s].
     pub time: f64,
-    /// Kinetic, elastic and potential energy together [J].
+    /// Sum of kinetic, elastic and potential energy [J].
     pub energy: f64,
-    /// Kinetic energy alone [J].
+    /// Kinetic energy [J].
     pub kinetic: f64,
     /// Linear momentum [kg m/s].
     pub momentum: [f64; 2],
@@ -78,18 +78,18 @@ impl Moment {
     }
 }
 
-/// The course of one setting.
+/// Run of one setting.
 pub struct DriftRun {
-    /// How it was stepped.
+    /// Integrator and steps per frame.
     pub setting: Setting,
-    /// The start, and the end of every frame so far.
+    /// Moments at the start and at the end of every frame so far.
     pub moments: Vec<Moment>,
     march: March,
     over: bool,
 }
 
 impl DriftRun {
-    /// Why it stopped early, if it did.
+    /// Fault that stopped the run, if any.
     pub const fn fault(&self) -> Option<&Fault> {
         self.march.simulation.fault()
     }
@@ -103,28 +103,28 @@ impl DriftRun {
         self.moments.iter().map(|moment| moment.kinetic).fold(0.0, f64::max)
     }
 
-    /// The greatest change of its energy [J].
+    /// Greatest change of the energy, by magnitude [J].
     fn greatest_gain(&self) -> f64 {
         let first = self.moments.first().map_or(0.0, |first| first.energy);
         self.moments.iter().map(|moment| (moment.energy - first).abs()).fold(0.0, f64::max)
     }
 }
 
-/// The courses of several settings as a job.
+/// Drift study of several settings as a job.
 pub struct Drift {
     trial: Trial,
     runs: Vec<DriftRun>,
     threads: usize,
 }
 
-/// What rounding does to the energy in many steps, as a share of it.
+/// Relative rounding error of the energy after many steps.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Less kinetic energy than this is rounding [J], or this share of the energy at the start.
+/// Kinetic energy below this is rounding: absolute [J], and as a share of the energy at the start.
 const STILL: (f64, f64) = (1e-18, 1e-9);
 
 impl Drift {
-    /// Prepares the courses of a trial with those of these settings that suit it.
+    /// Prepares a run for each setting. Settings whose scheme does not suit the trial are left out.
     pub fn new(trial: Trial, settings: Vec<Setting>, threads: usize) -> Self {
         let run = |setting: Setting| {
             let march = trial.march(&setting);
@@ -135,9 +135,10 @@ impl Drift {
         Self { runs: suiting.map(run).collect(), trial, threads }
     }
 
-    /// A setting for each scheme, all of them with `substeps`; if that is `None`, with what is fair: the steps of the trial's current
-    /// setting for its own class. Else explicit schemes take steps at two thirds of the limit of symplectic Euler, and implicit
-    /// ones ten times longer steps than explicit ones, as each is dearer.
+    /// Setting for each scheme. All take `substeps`, if given.
+    /// If `substeps` is `None`, schemes of the class of the trial's current setting take the steps of that setting.
+    /// Otherwise the step of an explicit scheme is two thirds of the stability limit of symplectic Euler. The step of
+    /// an implicit scheme is ten times that of an explicit one, as each implicit step costs more.
     pub fn settings(trial: &Trial, integrators: &[IntegratorKind], substeps: Option<Substeps>) -> Vec<Setting> {
         let now = &trial.current;
         let class = now.integrator.kind().class();
@@ -175,23 +176,23 @@ impl Drift {
         Progress { done: done / self.runs.len().max(1) as f64, finished }
     }
 
-    /// What is run.
+    /// Trial that is run.
     pub const fn trial(&self) -> &Trial {
         &self.trial
     }
 
-    /// How many run at once.
+    /// Number of threads.
     pub const fn threads(&self) -> usize {
         self.threads
     }
 
-    /// The courses so far, in the order of the settings.
+    /// Runs so far, in the order of the settings.
     pub fn runs(&self) -> &[DriftRun] {
         &self.runs
     }
 
-    /// The greatest kinetic energy of a course, the median of all courses begun [J]: what a change of energy is compared with. (The energy
-    /// itself will not do: where its zero is, is a matter of taste.)
+    /// Scale of energy changes: the greatest kinetic energy of a run, median over all runs begun [J].
+    /// The energy itself is no scale, because its zero is arbitrary.
     pub fn scale(&self) -> f64 {
         self.median(DriftRun::greatest_kinetic)
     }
@@ -200,12 +201,14 @@ impl Drift {
         let begun = self.runs.iter().filter(|run| run.moments.len() > 1);
         let mut values: Vec<f64> = begun.map(of).collect();
         values.sort_by(f64::total_cmp);
-        // The lower one of two in the middle: what blows up is of no measure.
+        // The lower one of two middle values, so that an unstable run does not set the scale.
         values.get(values.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
     }
 
-    /// How a course went so far. It is unstable if it stopped, or if its energy changed ten times more than there is energy of motion and
-    /// than it changed in most of the courses: between walls what blows up may go on for long.
+    /// Status of a run so far.
+    /// It is unstable if it stopped, or if its energy changed by more than ten times the [scale](Self::scale) and ten
+    /// times the median change of all runs. The energy rule is needed because a diverging run between walls may go on
+    /// for long.
     pub fn status(&self, run: &DriftRun) -> Status {
         let far = DIVERGED * self.scale().max(self.median(DriftRun::greatest_gain));
         let moves = self.runs.len() > 1 && self.nothing_of(Invariant::Energy).is_none();
@@ -218,12 +221,12 @@ impl Drift {
         }
     }
 
-    /// The settings of all courses that stayed valid and touched a wall: their energy and momentum changed by right.
+    /// Runs that stayed valid and touched a wall. A wall may change energy and momentum, so these changes are no error.
     pub fn touching(&self) -> impl Iterator<Item = &DriftRun> {
         self.runs.iter().filter(|run| run.touches() && self.status(run) != Status::Unstable)
     }
 
-    /// The [orders](Self::order) of all schemes that were run with several steps.
+    /// [Orders](Self::order) of all schemes that were run with several steps.
     pub fn orders(&self) -> Vec<(&IntegratorKind, MeasuredOrder)> {
         let mut kinds: Vec<&IntegratorKind> = Vec::new();
         let of = |run: &DriftRun, integrator: &IntegratorKind| run.setting.integrator == *integrator;
@@ -237,11 +240,10 @@ impl Drift {
         kinds.into_iter().map(|integrator| (integrator, self.order(integrator))).collect()
     }
 
-    /// How steeply the greatest change of the energy falls with the step of a scheme, if it was run with several, by
-    /// [`measured_order`].
+    /// Order in the step at which the greatest energy change of a scheme falls, by [`measured_order`].
     ///
     /// # Errors
-    /// [`NoOrder`] says why none can be told.
+    /// [`NoOrder`] if no order can be measured.
     pub fn order(&self, integrator: &IntegratorKind) -> MeasuredOrder {
         if self.nothing_of(Invariant::Energy).is_some() {
             return Err(NoOrder::NothingMoves);
@@ -260,8 +262,9 @@ impl Drift {
         measured_order(valid.map(sample), Limits { round_off, reference: 0.0 })
     }
 
-    /// How much of an invariant a course has gained at a moment: of energy `(E(t) - E(0))` over [`Self::scale`], below zero if some
-    /// is lost; of momentum the magnitude of the change, in [`Invariant::unit`].
+    /// Change of a conserved quantity of a run since its start.
+    /// Energy: `(E(t) - E(0))` over [`Self::scale`], negative for a loss. Momentum: magnitude of the change, in
+    /// [`Invariant::unit`].
     pub fn change(&self, run: &DriftRun, invariant: Invariant, moment: &Moment) -> f64 {
         let Some(first) = run.moments.first() else { return 0.0 };
         match invariant {
@@ -275,12 +278,12 @@ impl Drift {
         }
     }
 
-    /// The greatest change of a course, by magnitude.
+    /// Greatest change of a run, by magnitude.
     pub fn greatest_change(&self, run: &DriftRun, invariant: Invariant) -> f64 {
         run.moments.iter().map(|moment| self.change(run, invariant, moment).abs()).fold(0.0, f64::max)
     }
 
-    /// Why there is nothing to see of an invariant here, in words.
+    /// Reason why the quantity cannot be studied here, in plain words.
     pub fn nothing_of(&self, invariant: Invariant) -> Option<&'static str> {
         let start = self.runs.iter().find_map(|run| run.moments.first()).map_or(0.0, |first| first.energy.abs());
         if self.trial.scene.toy.is_some() && invariant != Invariant::Energy {
@@ -292,8 +295,8 @@ impl Drift {
         }
     }
 
-    /// What here changes an invariant by right in every course, so that a change is no fault of a scheme. Walls do for those that touch
-    /// them: see [`Self::touching`].
+    /// Physical causes that change the quantity in every run, so that a change is no error of a scheme.
+    /// Walls are not listed: they act only in the runs that touch them, see [`Self::touching`].
     pub fn changed_by(&self, invariant: Invariant) -> Vec<&'static str> {
         let scene = &self.trial.scene;
         let motion = scene.motion(&self.trial.start, self.trial.grab);

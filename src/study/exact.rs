@@ -8,38 +8,40 @@ use crate::{
     toys::ToyKind,
 };
 
-/// A closed form of a scene from a moment on.
+/// Closed form of a scene from a given time on.
 #[derive(Clone)]
 pub struct ClosedForm {
-    /// What it is, in words.
+    /// Description in plain words.
     pub words: String,
-    /// Positions that motion is measured from, for relative errors [m].
+    /// Positions from which motion is measured, for relative errors [m].
     pub(super) origin: Vec<f64>,
     solution: Solution,
 }
 
 #[derive(Clone)]
 enum Solution {
-    /// A toy's own solution, from time 0.
+    /// Exact solution of a toy, from time 0.
     Toy(ToyKind),
-    /// `place + u (rest + swing cos wt + way sin wt)` of one particle, all others still; u is a unit vector.
+    /// `place + u (rest + swing cos wt + way sin wt)` of one particle with the unit vector u; all other particles are
+    /// fixed.
     Oscillator { since: f64, free: usize, place: [f64; 2], u: [f64; 2], rest: f64, swing: f64, way: f64, omega: f64 },
     /// `x0 + v t + g t²/2`.
     FreeFall { since: f64, v: [f64; 2], g: [f64; 2] },
-    /// Where everything comes to rest.
+    /// Positions at rest [m].
     Rest(Vec<f64>),
 }
 
 impl ClosedForm {
-    /// The closed form of a trial, if it has one.
+    /// Closed form of a trial, if it has one.
     pub(super) fn of_trial(trial: &Trial) -> Option<Self> {
         let start = State { memory: Vec::new(), ..trial.start.clone() };
         let toy = toy(&trial.scene).filter(|_| start == trial.scene.start);
         toy.or_else(|| motion(&trial.scene, &start, trial.grab))
     }
 
-    /// What the error of a running scene is measured against, if that is known: a toy's exact motion since its start, a motion
-    /// from this moment on, or the shape that a strip comes to rest in.
+    /// Closed form for the error of a running scene, if one is known.
+    /// It is the exact motion of a toy since its start, a motion from the present time on, or the shape of a strip at
+    /// rest.
     pub fn of_running(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<Self> {
         let rest = || {
             let (words, x) = strip::at_rest(scene, state).filter(|_| grab.is_none())?;
@@ -69,14 +71,14 @@ impl ClosedForm {
     }
 }
 
-/// Whether only these effects and elements act.
+/// Whether the scene has only these effects and elements.
 pub(super) fn only(scene: &Scene, names: &[&str]) -> bool {
-    // A mouse spring that pulls nothing does nothing.
+    // A mouse spring without a grabbed vertex has no force.
     let known = |name: &str| name == "Mouse spring" || names.contains(&name);
     scene.effects.iter().all(|effect| known(effect.name()))
 }
 
-/// A toy knows its own solution.
+/// Exact solution of a toy.
 fn toy(scene: &Scene) -> Option<ClosedForm> {
     let toy = scene.toy.clone()?;
     Some(ClosedForm {
@@ -86,7 +88,7 @@ fn toy(scene: &Scene) -> Option<ClosedForm> {
     })
 }
 
-/// An oscillation or a free fall from this moment on.
+/// Oscillation or free fall from the given state on.
 fn motion(scene: &Scene, start: &State, grab: Option<Grab>) -> Option<ClosedForm> {
     if grab.is_some() || start.x.is_empty() || start.v.len() != start.x.len() {
         return None;
@@ -94,8 +96,8 @@ fn motion(scene: &Scene, start: &State, grab: Option<Grab>) -> Option<ClosedForm
     oscillator(scene, start).or_else(|| free_fall(scene, start))
 }
 
-/// One particle on one spring that moves along it: `s = s_e + (s0 - s_e) cos wt + v0/w sin wt`, with `w² = k/m` and
-/// `s_e = r + m g/k`, as long as it never reaches the other end.
+/// Oscillation of one particle along one spring: `s = s_e + (s0 - s_e) cos wt + v0/w sin wt`.
+/// `w² = k/m` and `s_e = r + m g/k`. It holds as long as the particle does not reach the other end.
 fn oscillator(scene: &Scene, start: &State) -> Option<ClosedForm> {
     let [net] = scene.nets.as_slice() else { return None };
     let ([link], [pin], true) = (net.springs.links(), scene.pins.as_slice(), scene.bodies.is_empty()) else {
@@ -113,7 +115,7 @@ fn oscillator(scene: &Scene, start: &State) -> Option<ClosedForm> {
     let (a, v) = (acceleration(scene, start), &start.v[free..free + 2]);
     let straight = across(&a[free..]) <= 1e-12 * along(&a[free..]).abs() && across(v) <= 1e-12 * along(v).abs();
     let square = link.stiffness * scene.inverse_mass[free];
-    // a = -w² (s0 - s_e), so the place of rest follows from the acceleration at the start.
+    // a = -w² (s0 - s_e): the acceleration at the start gives the position of rest.
     let (omega, swing) = (square.sqrt(), -along(&a[free..]) / square);
     let (rest, way) = (s0 - swing, along(v) / omega);
     if !straight || square <= 0.0 || rest <= (swing * swing + way * way).sqrt() {
@@ -125,7 +127,7 @@ fn oscillator(scene: &Scene, start: &State) -> Option<ClosedForm> {
     Some(ClosedForm { words, origin: start.x.clone(), solution })
 }
 
-/// A body without stress under gravity alone moves as one: `x = x0 + v t + g t²/2`.
+/// Free fall of a body without stress under gravity alone: `x = x0 + v t + g t²/2`.
 fn free_fall(scene: &Scene, start: &State) -> Option<ClosedForm> {
     if !only(scene, &["Elasticity", "Springs", "Gravity"]) || scene.inverse_mass.contains(&0.0) {
         return None;

@@ -1,4 +1,4 @@
-//! Head lines of exported tables: level, commit and machine.
+//! CSV tables of the studies, and their header lines: level, commit and machine.
 
 use super::{
     CLOCK, Drift, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy, Outcome, Status, Trial, WorkPrecision,
@@ -7,14 +7,14 @@ use super::{
 use crate::table::{Table, remark};
 use std::sync::OnceLock;
 
-/// Where numbers come from.
+/// Origin of exported numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Name and version of the package.
     pub package: String,
-    /// Commit it was built from, or `unknown`.
+    /// Commit of the build, or `unknown`.
     pub commit: String,
-    /// The processor, or `unknown`.
+    /// Model name of the processor, or `unknown`.
     pub processor: String,
 }
 
@@ -31,7 +31,7 @@ impl Origin {
     }
 }
 
-/// The model name of the processor, where the system has a file that says it.
+/// Model name of the processor, if the system has `/proc/cpuinfo`.
 #[cfg(not(target_arch = "wasm32"))]
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
@@ -44,12 +44,12 @@ fn processor() -> Option<String> {
     None
 }
 
-/// Whether a column holds measured times, which differ from run to run; all others repeat on every machine.
+/// Whether a column holds measured times. They differ from run to run; all other columns are equal on every machine.
 pub fn is_time_column(name: &str) -> bool {
     name.starts_with("ms_")
 }
 
-/// The lines that begin with `#`: the level, what else there is to say about the numbers, and where they come from.
+/// Header lines, which begin with `#`: the level, the entries of `about`, the origin and the number of threads.
 pub fn head(level: &str, threads: usize, about: &[(&str, String)]) -> String {
     let Origin { package, commit, processor } = Origin::here();
     let origin = [("package", package), ("commit", commit), ("processor", processor)];
@@ -60,12 +60,12 @@ pub fn head(level: &str, threads: usize, about: &[(&str, String)]) -> String {
     lines.iter().map(|(name, value)| remark(name, value)).collect()
 }
 
-/// What prices in columns of times are.
+/// Definition of the values in columns of times.
 pub fn price_in_words() -> String {
     format!("{CLOCK}, least of 1 to {MOST_RUNS} runs: short ones are repeated in turns")
 }
 
-/// The two columns of a measured order: a number, or nothing and the reason.
+/// Columns of a measured order: the number, and the reason if there is none.
 fn order_columns(order: &MeasuredOrder) -> [String; 2] {
     match order {
         Ok(order) => [format!("{order:.4}"), String::new()],
@@ -73,12 +73,12 @@ fn order_columns(order: &MeasuredOrder) -> [String; 2] {
     }
 }
 
-/// A number, or nothing if there is none.
+/// Number as text; empty if it is not finite.
 fn finite(number: f64) -> String {
     if number.is_finite() { format!("{number:e}") } else { String::new() }
 }
 
-/// The head of what was measured in a trial, with what is worth knowing about its start.
+/// Header of a table about a trial, with the data of its start.
 fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
     let mut about = vec![
         ("start_hash", format!("{:016x}", trial.start.hash())),
@@ -92,7 +92,7 @@ fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
 }
 
 impl WorkPrecision {
-    /// The diagram as far as it is, as CSV: one line a point.
+    /// Diagram so far as CSV, one row per point.
     pub fn csv(&self) -> String {
         let reference = self.reference().map_or("none yet".to_owned(), |reference| reference.source.to_string());
         let told = self.reference().filter(|reference| !reference.is_still());
@@ -176,7 +176,7 @@ impl WorkPrecision {
 }
 
 impl MeshStudy {
-    /// The study as far as it is, as CSV: one line a mesh; how much the level locks stands in the head.
+    /// Study so far as CSV, one row per mesh. The header holds the locking numbers.
     pub fn csv(&self, locking: &[LockingNumber]) -> String {
         let reference = match self.reference() {
             None => String::from("none yet"),
@@ -217,7 +217,7 @@ impl MeshStudy {
 }
 
 impl Drift {
-    /// The courses as far as they are, as CSV: one line a moment of each.
+    /// Runs so far as CSV, one row per moment of each run.
     pub fn csv(&self) -> String {
         let nothing = self.nothing_of(Invariant::Energy);
         let mut more = vec![

@@ -9,25 +9,27 @@ use crate::{
     scene::Scene,
 };
 
-/// Tip deflection on the mesh in question over that on a far better one, in plane strain: 1 is right, near 0 is locked.
+/// Locking number: tip deflection on the level's mesh over that on a much finer mesh, in plane strain.
+/// 1 means no locking, near 0 means locked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LockingNumber {
     /// Poisson's ratio.
     pub poisson: f64,
     /// Tip deflection on the level's own mesh [m].
     pub value: f64,
-    /// Tip deflection on a mesh of at least four times as many triangles; of rectangles, crossed ones, which lock least [m].
+    /// Tip deflection on a mesh with at least four times as many triangles [m]. Rectangles are crossed there, which
+    /// lock least.
     pub better: f64,
-    /// The level's own mesh, and the better one.
+    /// The level's own mesh and the finer mesh.
     pub meshes: [MeshKindOf; 2],
 }
 
-/// What mesh a number was measured on.
+/// Mesh on which a number was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MeshKindOf {
     /// Number of triangles.
     pub triangles: usize,
-    /// How the cells are cut, where all bodies are rectangles that are cut alike.
+    /// Diagonals of the cells, if all bodies are rectangles with the same diagonals.
     pub diagonals: Option<Diagonals>,
 }
 
@@ -50,17 +52,17 @@ impl std::fmt::Display for MeshKindOf {
 }
 
 impl LockingNumber {
-    /// The number.
+    /// Locking number.
     pub fn ratio(self) -> f64 {
         self.value / self.better
     }
 
-    /// Whether the better mesh may lock too: then the ratio to what is right is smaller still.
+    /// Whether the finer mesh may lock too. The true ratio is then smaller.
     pub fn is_bound(self) -> bool {
         self.meshes[1].diagonals != Some(Diagonals::Crossed)
     }
 
-    /// In words: the number, and which meshes it is of.
+    /// Locking number and its meshes in plain words.
     pub fn words(self) -> String {
         let (at_most, ratio, [own, better]) =
             (if self.is_bound() { "at most " } else { "" }, self.ratio(), self.meshes);
@@ -70,28 +72,28 @@ impl LockingNumber {
         )
     }
 
-    /// Whether the area can hardly change.
+    /// Whether the material is nearly incompressible: Poisson's ratio is above 0.49.
     pub fn is_tight(self) -> bool {
         self.poisson > 0.49
     }
 }
 
-/// The numbers of a level for an ordinary material and for one that is nearly incompressible, as a job of four rests.
+/// Locking numbers of a level for a compressible and a nearly incompressible material, as a job of four equilibria.
 pub struct Locking {
-    /// In pairs: the mesh in question, a better one; for each Poisson's ratio.
+    /// Pairs of the level's mesh and a finer one, one pair per Poisson's ratio.
     scenes: Vec<Scene>,
     meshes: Vec<MeshKindOf>,
     tips: Vec<Option<f64>>,
 }
 
-/// Compressible, for comparison, and nearly incompressible.
+/// Poisson's ratios: compressible, for comparison, and nearly incompressible.
 const POISSON: [f64; 2] = [0.3, 0.4999];
 
 impl Locking {
     /// Prepares the numbers of a level.
     ///
     /// # Errors
-    /// If it cannot be built, has no mesh with a resolution, or does not hold its bodies.
+    /// If the level cannot be built, has no mesh with a resolution, or does not hold its bodies.
     pub fn new(level: &Level, files: &dyn Files) -> Result<Self, StudyError> {
         let (mut scenes, mut meshes): (Vec<Scene>, Vec<MeshKindOf>) = Default::default();
         for poisson in POISSON {
@@ -120,7 +122,7 @@ impl Locking {
         Ok(Self { scenes, meshes, tips: Vec::new() })
     }
 
-    /// Finds the next rest.
+    /// Solves the next equilibrium.
     pub fn advance(&mut self) -> Progress {
         if let Some(scene) = self.scenes.get(self.tips.len()) {
             let rest = statics::rest(scene).filter(|(_, counts)| counts.unconverged == 0);
@@ -130,7 +132,7 @@ impl Locking {
         Progress { done: done as f64 / all as f64, finished: done == all }
     }
 
-    /// The numbers found so far.
+    /// Numbers found so far.
     pub fn numbers(&self) -> Vec<LockingNumber> {
         let pairs = self.tips.as_chunks().0.iter().zip(self.meshes.as_chunks().0).zip(POISSON);
         let number = |((&[value, better], &meshes), poisson): ((&[Option<f64>; 2], &[MeshKindOf; 2]), f64)| {
@@ -140,7 +142,7 @@ impl Locking {
     }
 }
 
-/// The level with the cells of all rectangles cut by both diagonals.
+/// Level whose rectangles have crossed diagonals.
 fn crossed(mut level: Level) -> Level {
     for body in &mut level.bodies {
         if let MeshKind::Rectangle(rectangle) = &mut body.mesh {

@@ -2,21 +2,21 @@
 
 use crate::scene::Scene;
 
-/// What is compared between meshes.
+/// Quantity that is compared between meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measure {
-    /// Greatest displacement of any vertex from its rest position along x or y: the tip of a bar.
+    /// Greatest displacement of any vertex from its rest position along x or y [m]: the tip deflection of a bar.
     #[default]
     TipDeflection,
-    /// What all elements store.
+    /// Elastic energy of all elements [J].
     ElasticEnergy,
 }
 
 impl Measure {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 2] = [Self::TipDeflection, Self::ElasticEnergy];
 
-    /// In words.
+    /// Name in plain words.
     pub const fn title(self) -> &'static str {
         match self {
             Self::TipDeflection => "tip deflection",
@@ -24,7 +24,7 @@ impl Measure {
         }
     }
 
-    /// Its unit.
+    /// Unit.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::TipDeflection => "m",
@@ -32,7 +32,7 @@ impl Measure {
         }
     }
 
-    /// Its value at positions of a scene.
+    /// Value at given positions of a scene.
     pub fn of(self, scene: &Scene, x: &[f64]) -> f64 {
         match self {
             Self::TipDeflection => x.iter().zip(&scene.rest).map(|(x, rest)| (x - rest).abs()).fold(0.0, f64::max),

@@ -21,26 +21,26 @@ use crate::{
 };
 use std::{ops::ControlFlow, time::Duration};
 
-/// When a quantity is taken.
+/// Time at which the quantity is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshMoment {
-    /// At rest under what acts; for levels that hold their bodies by pins.
+    /// At rest under the acting forces. The level must hold its bodies by pins.
     #[default]
     AtRest,
-    /// At the end of the trial's time.
+    /// At the end of the simulated time.
     AtTheEnd,
 }
 
-/// What to vary and what to compare.
+/// Plan of a mesh study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshPlan {
-    /// Numbers of triangles to aim for; if empty, 1/64, 1/16, 1/4 and 1 times the level's own, and 4 times as the reference.
+    /// Target numbers of triangles. If empty: 1/64, 1/16, 1/4, 1 and 4 times the level's own number.
     pub triangles: Vec<u32>,
-    /// What is compared.
+    /// Quantity that is compared.
     pub measure: Measure,
-    /// When it is taken.
+    /// Time at which the quantity is measured.
     pub moment: MeshMoment,
-    /// How many meshes are worked on at once. The results are the same for every number.
+    /// Number of threads. The results do not depend on it.
     pub threads: usize,
 }
 
@@ -60,22 +60,22 @@ impl std::fmt::Display for MeshMoment {
     }
 }
 
-/// One mesh and what came out of it.
+/// Mesh and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshPoint {
-    /// Number of triangles it has; before it is made, the number aimed for.
+    /// Number of triangles. Before the mesh is built: the target number.
     pub triangles: usize,
     /// Number of vertices.
     pub vertices: usize,
-    /// Size of its triangles: the square root of twice their mean area, the side of a cell of two [m].
+    /// Size of the triangles [m]: `sqrt(2 · mean area)`, the side of a square cell of two triangles.
     pub size: f64,
-    /// The quantity; `None` as long as it is not known, or if it cannot be had.
+    /// Value of the quantity. `None` before it is known, or if it cannot be computed.
     pub value: Option<f64>,
-    /// How it ended; `Unconverged` if no position of rest was found.
+    /// Status of the run. `Unconverged` if no equilibrium was found or the mesh could not be built.
     pub status: Status,
-    /// Processor time of computing: to find the rest, or for a second of simulated time [ms]; the least of so many runs.
+    /// Processor time [ms], the least of `runs` runs: of one equilibrium, or per second of simulated time.
     pub ms: f64,
-    /// How many runs that is the least of.
+    /// Number of runs.
     pub runs: u32,
 }
 
@@ -87,9 +87,9 @@ struct Slot {
     run_state: RunState,
     /// Processor time of the first run.
     spent: Duration,
-    /// What is run again.
+    /// Scene that is run again.
     scene: Option<Box<Scene>>,
-    /// Whether it is to be run once more in this round, and the run that does.
+    /// Whether one more run is due in this round.
     due: bool,
     again: Option<Box<March>>,
 }
@@ -100,11 +100,11 @@ enum RunState {
     Over,
 }
 
-/// The study as a job.
+/// Mesh study as a job.
 pub struct MeshStudy {
     trial: Trial,
     plan: MeshPlan,
-    /// Stability limit of the trial's own mesh, in steps a frame.
+    /// Stability limit of the trial's own mesh [steps per frame].
     limit: f64,
     /// From coarse to fine.
     slots: Vec<Slot>,
@@ -112,33 +112,33 @@ pub struct MeshStudy {
     finished: bool,
 }
 
-/// What the values on meshes are compared with.
+/// Reference value of a mesh study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshReference {
-    /// The values on the three finest meshes, extrapolated to no size at all.
+    /// Value extrapolated from the three finest meshes to triangle size 0.
     pub value: f64,
-    /// How far it may be off, as a share of it: how far it goes beyond the finest mesh.
+    /// Estimated relative error: its distance from the value on the finest mesh.
     pub own_error: f64,
-    /// The order p of the differences, which shrink as h^p.
+    /// Order p of the differences, which shrink as h^p.
     pub order: f64,
 }
 
-/// Orders with which values are extrapolated: linear triangles have 2, less beside corners.
+/// Orders for which values are extrapolated. Linear triangles have order 2, less near corners.
 const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
 
-/// Why there is nothing to compare the values on meshes with.
+/// Reason why a mesh study has no reference value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoMeshReference {
     /// The greatest displacement is zero or round-off.
     #[error("Nothing moves here, so there is nothing to compare: let something act, or begin with a stretch")]
     NothingMoves,
-    /// The mesh does not matter.
+    /// All meshes give the same value.
     #[error("Every mesh gives the same number: it does not depend on the mesh here, as where pins prescribe it")]
     Same,
-    /// Three are needed.
+    /// Fewer than three meshes have a value.
     #[error("No reference: fewer than three meshes have a value. Ask for more meshes")]
     TooFewMeshes,
-    /// The differences of the three finest meshes do not shrink as they should.
+    /// The differences of the three finest meshes do not shrink as h^p with a valid order p.
     #[error(
         "No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= 2.5 ({}), so the values cannot be extrapolated \
          and no errors are given. Known is the value on the finest mesh, {finest:.6e}; the last refinement changed it by {:.2} %. The true \
@@ -148,11 +148,11 @@ pub enum NoMeshReference {
         100.0 * last
     )]
     NotShrinking {
-        /// The order that they show; nothing if they change sign.
+        /// Measured order. `None` if the differences change sign.
         order: Option<f64>,
-        /// The value on the finest mesh.
+        /// Value on the finest mesh.
         finest: f64,
-        /// What the last refinement changed, as a share of it.
+        /// Relative change by the last refinement.
         last: f64,
     },
 }
@@ -162,10 +162,11 @@ fn shown(order: Option<f64>) -> String {
 }
 
 impl MeshStudy {
-    /// Prepares a study of a level from its start (not from a saved state, which belongs to one mesh).
+    /// Prepares a study of a level from its start. A saved state is ignored, because it belongs to one mesh.
     ///
     /// # Errors
-    /// If the level cannot be built, has no mesh with a resolution, or does not say where it is held while a rest is asked for.
+    /// If the level cannot be built, has no mesh with a resolution, or does not hold its bodies while rest is asked
+    /// for.
     pub fn new(level: &Level, files: &dyn Files, seconds: f64, plan: MeshPlan) -> Result<Self, StudyError> {
         let level = Level { state: None, ..level.clone() };
         let trial = Trial::new(&level, files, seconds)?;
@@ -183,7 +184,7 @@ impl MeshStudy {
         let mut slots: Vec<Slot> = Vec::new();
         for triangles in wanted {
             let level = with_triangles(&level, f64::from(triangles) / own)?;
-            // Two wishes for what is the same mesh are one.
+            // Targets that give the same mesh are merged.
             if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
                 let (triangles, status) = (triangles as usize, Status::Ok);
                 let point = MeshPoint { triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 };
@@ -195,17 +196,17 @@ impl MeshStudy {
         Ok(Self { trial, plan, limit, slots, repetitions: Repetitions::default(), finished: false })
     }
 
-    /// The trial on the level's own mesh.
+    /// Trial on the level's own mesh.
     pub const fn trial(&self) -> &Trial {
         &self.trial
     }
 
-    /// What is varied and compared.
+    /// Plan of the study.
     pub const fn plan(&self) -> &MeshPlan {
         &self.plan
     }
 
-    /// Works for about `budget`; making a mesh and finding a rest are done in one go.
+    /// Works for about `budget`. Building a mesh and solving an equilibrium are not interrupted.
     pub fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
         let Self { trial, plan, limit, slots, .. } = self;
@@ -232,7 +233,7 @@ impl MeshStudy {
         self.slots.iter().all(|slot| matches!(slot.run_state, RunState::Over))
     }
 
-    /// Runs short runs again, in turns, once all have run: prices are the least of several.
+    /// Repeats short runs in turns, after all have run once. The stated time is the least of all repetitions.
     fn repeat(&mut self, deadline: Deadline) {
         while self.is_known() && !self.finished && !deadline.passed() {
             if self.slots.iter().all(|slot| !slot.due) {
@@ -256,7 +257,7 @@ impl MeshStudy {
         }
     }
 
-    /// The meshes, from coarse to fine.
+    /// Meshes from coarse to fine.
     pub fn points(&self) -> impl Iterator<Item = &MeshPoint> {
         self.slots.iter().map(|slot| &slot.point)
     }
@@ -266,8 +267,8 @@ impl MeshStudy {
         point.vertices == self.trial.start.x.len() / 2 && point.triangles == self.trial.scene.triangles.len()
     }
 
-    /// What values are compared with: the values on the three finest meshes, extrapolated to no size at all with the order that their
-    /// differences show; or why there is none. Known when all have run.
+    /// Reference value, or the reason why there is none. `None` until all meshes have run.
+    /// It is extrapolated from the three finest meshes to size 0 with the order of their differences.
     pub fn reference(&self) -> Option<Result<MeshReference, NoMeshReference>> {
         self.is_known().then(|| self.extrapolate())
     }
@@ -299,7 +300,7 @@ impl MeshStudy {
         Ok(MeshReference { value, own_error: (beyond / value).abs(), order })
     }
 
-    /// Whether the values depend on the mesh. Known when all have run.
+    /// Whether the values depend on the mesh. False until all meshes have run.
     pub fn is_telling(&self) -> bool {
         let nothing = |why: &NoMeshReference| matches!(why, NoMeshReference::NothingMoves | NoMeshReference::Same);
         self.reference().is_some_and(|reference| !reference.err().as_ref().is_some_and(nothing))
@@ -311,11 +312,11 @@ impl MeshStudy {
         Some(((point.value? - reference) / reference).abs())
     }
 
-    /// Measured order: how steeply the error falls with the size of the triangles, by [`measured_order`]. The finest mesh does not
-    /// count: the reference was made from it.
+    /// Measured order of the error in the triangle size, by [`measured_order`].
+    /// The finest mesh does not count, because the reference was made from it.
     ///
     /// # Errors
-    /// [`NoOrder`] says why none can be told.
+    /// [`NoOrder`] if no order can be measured.
     pub fn order(&self) -> MeasuredOrder {
         let reference = match self.reference() {
             Some(Ok(reference)) => reference,
@@ -331,15 +332,15 @@ impl MeshStudy {
     }
 }
 
-/// Relative differences up to this come from solving equations and from rounding.
+/// Relative error of the equation solver and of rounding.
 const ROUND_OFF: f64 = 1e-9;
-/// About how large a share of the work repetitions are.
+/// Estimated share of the repetitions in the total work.
 const REPEATED_SHARE: f64 = 0.2;
 
-/// The p for which `(h2^p - h1^p) / (h1^p - h0^p)` is this much: exact for every ratio of sizes, found by halving.
+/// Order p with `(h2^p - h1^p) / (h1^p - h0^p) = shrinking`, by bisection. It is exact for every ratio of sizes.
 fn order_of_differences([h0, h1, h2]: [f64; 3], shrinking: f64) -> f64 {
     let grown = |p: f64| (libm::pow(h2 / h0, p) - libm::pow(h1 / h0, p)) / (libm::pow(h1 / h0, p) - 1.0);
-    // Never at 0, where nothing over nothing is left.
+    // The limits are asymmetric, so that no midpoint is 0, where the formula is 0/0.
     let (mut low, mut high) = (-20.0, 21.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -369,9 +370,9 @@ impl Slot {
         }
     }
 
-    /// Makes the mesh; finds the rest, or gets ready to march.
+    /// Builds the mesh. Then solves the equilibrium, or prepares a march.
     fn begin(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64) -> RunState {
-        // Files were read for the trial's own scene; what cannot be refined is taken from there.
+        // Files were read for the trial's own scene. Parts that cannot be refined are taken from it.
         let built = Scene::build(&self.level, self.level.mode, &NoFiles, Some(&trial.scene));
         let Ok(scene) = built else {
             self.point.status = Status::Unconverged;
@@ -399,7 +400,7 @@ impl Slot {
         RunState::Over
     }
 
-    /// Runs what has run before, for its price.
+    /// Repeats a finished run to measure its time.
     fn again(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64, deadline: Deadline) {
         let Some(scene) = self.scene.as_deref() else {
             self.due = false;
@@ -422,14 +423,14 @@ impl Slot {
     }
 }
 
-/// A run of the trial on a mesh with another stability limit.
+/// Run of the trial on a mesh with another stability limit.
 fn march(scene: &Scene, trial: &Trial, own_limit: f64) -> Box<March> {
     let state: &State = &scene.start;
     let setting = scaled(&trial.current, limit(scene, state) / own_limit);
     Box::new(March::new(scene, state, &setting, trial.frames))
 }
 
-/// The setting for a mesh that is stiffer by a factor: an explicit scheme keeps its distance from the stability limit.
+/// Setting for a mesh that is stiffer by a factor. An explicit scheme keeps its ratio to the stability limit.
 fn scaled(setting: &Setting, factor: f64) -> Setting {
     let substeps = match setting.integrator.kind().class() {
         Class::Explicit => Substeps::nearest(f64::from(setting.substeps.get()) * factor),

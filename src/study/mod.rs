@@ -1,13 +1,14 @@
-//! What accuracy costs in time, measured: errors against a reference that is known to be better, beside the time they took.
+//! Studies of accuracy and processor time: errors against a reference of known accuracy, and measured times.
 //!
-//! A [`Trial`] is a scene, a start and a simulated time. A [`Reference`] is its solution, exact or far more accurate than what
-//! is asked about, with a bound on its own error. A [`WorkPrecision`] diagram runs the trial with many [`Setting`]s and a
-//! [`Suggestion`] is the cheapest of them. A [`MeshStudy`] varies the mesh in place of the step, a [`Twin`] tells the error of a
-//! running simulation, a [`Difference`] how far two runs are apart, a [`Drift`] what a scheme does to energy and momentum.
+//! A [`Trial`] is a scene, a start and a simulated time. A [`Reference`] is its solution: exact, or far more accurate
+//! than the settings under study, with a bound on its own error. A [`WorkPrecision`] diagram runs the trial with many
+//! [`Setting`]s. A [`Suggestion`] is the cheapest of them for an error. A [`MeshStudy`] varies the mesh instead of
+//! the step. A [`Twin`] measures the error of a running simulation. A [`Difference`] compares two runs. A [`Drift`]
+//! measures the changes of energy and momentum by a scheme.
 //!
-//! Whatever takes long is a job: `advance(budget)` works for about that long and returns its [`Progress`]. What is there can
-//! be read at any time, and dropping a job cancels it. Results do not depend on budgets or on the number of threads, except for
-//! the measured times.
+//! Long computations are jobs: `advance(budget)` works for about that time and returns its [`Progress`]. Partial
+//! results can be read at any time. Dropping a job cancels it. Results do not depend on budgets or on the number of
+//! threads, except for the measured times.
 
 mod difference;
 mod drift;
@@ -54,35 +55,35 @@ pub(crate) use {march::Deadline, refine::with_triangles, workers::spread};
 
 use crate::{fault::Fault, scene::SceneError};
 
-/// How far a job is.
+/// Progress of a job.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Share of the work done, by an estimate, in [0, 1].
+    /// Estimated share of the work done, in [0, 1].
     pub done: f64,
-    /// Whether there is nothing left to do.
+    /// Whether the job is finished.
     pub finished: bool,
 }
 
 impl Progress {
-    /// Nothing left to do.
+    /// Progress of a finished job.
     pub const FINISHED: Self = Self { done: 1.0, finished: true };
 }
 
-/// Why there is nothing to study.
+/// Reason why a study is impossible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {
     /// The level cannot be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Even the finest reference stopped.
+    /// The run for the reference stopped with a fault.
     #[error("there is no reference to measure errors against, as it stopped at {substeps} substeps: {fault}")]
     NoReference {
         /// Steps per 1/60 s of the last attempt.
         substeps: u32,
-        /// Why it stopped.
+        /// Fault that stopped it.
         fault: Box<Fault>,
     },
-    /// The level does not have what this study is about.
+    /// The level lacks what this study needs.
     #[error("{0}")]
     NotHere(&'static str),
 }

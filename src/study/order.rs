@@ -1,42 +1,42 @@
-//! Estimates the order of convergence, or says why there is none.
+//! Estimate of the order of convergence.
 
-/// What an error must exceed, and what it must not, to tell something about an order.
+/// Lower limits of errors that can be used to measure an order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Relative error that rounding makes.
+    /// Relative error by rounding.
     pub round_off: f64,
-    /// Relative error that the reference may have.
+    /// Upper limit of the relative error of the reference.
     pub reference: f64,
 }
 
-/// A step or a size of triangles, and the relative error with it.
+/// Step or triangle size, and the relative error for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Step [s] or size [m]; only ratios count.
+    /// Step [s] or size [m]. Only ratios matter.
     pub h: f64,
     /// Relative error.
     pub error: f64,
 }
 
-/// Why no order is stated.
+/// Reason why no order can be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoOrder {
-    /// Nothing moves, so that there are no relative errors.
+    /// Nothing moves, so there are no relative errors.
     #[error("nothing moves")]
     NothingMoves,
-    /// There is nothing to measure errors against.
+    /// There is no reference for errors.
     #[error("no reference")]
     NoReference,
     /// Fewer than three sizes were measured.
     #[error("too few points")]
     TooFewPoints,
-    /// Errors are those of rounding.
+    /// Errors are round-off.
     #[error("errors are round-off")]
     RoundOff,
     /// Errors are above a quarter of the motion.
     #[error("errors at the size of the motion")]
     SizeOfMotion,
-    /// Errors are not far enough above that of the reference.
+    /// Errors are not far enough above the error of the reference.
     #[error("reference not fine enough")]
     CoarseReference,
     /// The error does not fall with every refinement.
@@ -45,32 +45,33 @@ pub enum NoOrder {
     /// The local slopes of the finest points differ.
     #[error("slopes do not agree")]
     SlopesDiffer,
-    /// The points that agree are too near to each other.
+    /// The agreeing points span less than a factor of 4.
     #[error("sizes span less than a factor 4")]
     ShortSpan,
-    /// Something that changes the energy by right acts.
+    /// A physical cause, such as damping or a wall, changes the energy.
     #[error("energy is changed by right")]
     ChangedByRight,
 }
 
-/// An order that was measured, or why there is none.
+/// Measured order, or the reason why there is none.
 pub type MeasuredOrder = Result<f64, NoOrder>;
 
-/// Greatest error that tells something: above it errors are of the size of the motion.
+/// Greatest error that is used. Larger errors have the size of the motion.
 const GREATEST: f64 = 0.25;
-/// Fewest points of an order.
+/// Least number of points of an order.
 const FEWEST: usize = 3;
-/// How far local slopes may be from that of the two finest points.
+/// Greatest difference of a local slope from the slope of the two finest points.
 const TOLERANCE: f64 = 0.2;
-/// Least ratio of the greatest to the least size, but for rounding.
+/// Least ratio of the greatest to the least size, with a margin for rounding.
 const SPAN: f64 = 4.0 * (1.0 - 1e-6);
 
-/// Slope of log error over log h by least squares, of at least three points that agree: beginning with the finest one and going
-/// on to coarser ones while the error grows and the local slope stays within 0.2 of that of the two finest. They must span at least a
-/// factor 4 in h, and have errors of at most 25 %, above round-off and above what the reference is good for.
+/// Measured order: the slope of log error over log h by least squares.
+/// The fit begins with the finest point. It goes on to coarser points while the error grows and the local slope is
+/// within 0.2 of the slope of the two finest points. It needs at least three points that span at least a factor of 4
+/// in h. Their errors are at most 25 %, above round-off and above the limit of the reference.
 ///
 /// # Errors
-/// [`NoOrder`] says why there is none.
+/// [`NoOrder`] if no order can be measured.
 pub fn measured_order(samples: impl IntoIterator<Item = Sample>, limits: Limits) -> MeasuredOrder {
     let mut finest_first: Vec<_> = samples.into_iter().filter(|sample| sample.h > 0.0).collect();
     finest_first.sort_by(|a, b| a.h.total_cmp(&b.h));
@@ -119,7 +120,7 @@ pub fn measured_order(samples: impl IntoIterator<Item = Sample>, limits: Limits)
     Ok(covariance / variance)
 }
 
-/// An order for a table: a number, or `not measurable here` and the reason.
+/// Order for a table: the number, or `not measurable here` and the reason.
 pub fn order_in_words(order: &MeasuredOrder) -> String {
     match order {
         Ok(order) => format!("{order:.2}"),

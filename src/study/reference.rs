@@ -13,32 +13,33 @@ use crate::{
 };
 use std::{ops::ControlFlow, time::Duration};
 
-/// The solution of a trial at the end of every frame.
+/// Reference solution of a trial at the end of every frame.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// Where it comes from.
+    /// Source of the solution.
     pub source: Source,
-    /// How large its own relative RMS error is at most; zero if it is exact. A fine run is compared with one of twice its
-    /// step, and their difference is more than the error of the finer one for every scheme that converges at all.
+    /// Upper bound of its own relative RMS error; zero if it is exact.
+    /// A fine run is compared with a run of twice its step. For every convergent scheme the difference exceeds the
+    /// error of the finer run.
     pub own_error: f64,
-    /// How far the scene moves in it: root mean square over frames and vertices [m].
+    /// Motion of the scene: root mean square over frames and vertices [m].
     pub motion: f64,
-    /// The greatest coordinate at the start [m].
+    /// Greatest coordinate at the start [m].
     extent: f64,
     frames: Vec<Vec<f64>>,
 }
 
-/// What a small error is rather than that of a setting.
+/// Reason why a small error is not that of the setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorNote {
-    /// That of rounding.
+    /// It is round-off.
     RoundOff,
-    /// Not told from that of the reference.
+    /// It cannot be distinguished from the error of the reference.
     NearReference,
 }
 
 impl ErrorNote {
-    /// In words.
+    /// Reason in plain words.
     pub const fn words(self) -> &'static str {
         match self {
             Self::RoundOff => "round-off",
@@ -48,7 +49,7 @@ impl ErrorNote {
 }
 
 impl Limits {
-    /// What an error is rather than that of a setting, if it is small.
+    /// Reason why an error is too small to be that of the setting. `None` if it is large enough.
     pub fn note(self, error: f64) -> Option<ErrorNote> {
         if error <= self.round_off {
             Some(ErrorNote::RoundOff)
@@ -60,17 +61,17 @@ impl Limits {
     }
 }
 
-/// Motion below this share of the greatest coordinate is round-off: nothing moves.
+/// Motion below this share of the greatest coordinate is round-off.
 pub(super) const STILL: f64 = 1e-12;
-/// What rounding does to a coordinate in many steps, as a share of the greatest one.
+/// Rounding error of a coordinate after many steps, as a share of the greatest coordinate.
 const ROUNDING: f64 = 1e-13;
 
-/// Where a reference comes from.
+/// Source of a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A closed form, in words.
+    /// Closed form, described in plain words.
     Exact(String),
-    /// A fine run.
+    /// Run with a fine step.
     Fine(Setting),
 }
 
@@ -89,27 +90,27 @@ impl Reference {
         Self { source, own_error, motion, extent, frames }
     }
 
-    /// The greatest coordinate at the start [m].
+    /// Greatest coordinate at the start [m].
     pub(super) const fn extent(&self) -> f64 {
         self.extent
     }
 
-    /// Whether nothing moves, so that there are no relative errors.
+    /// Whether nothing moves. There are then no relative errors.
     pub fn is_still(&self) -> bool {
         self.motion <= STILL * self.extent
     }
 
-    /// Relative errors up to this are those of rounding.
+    /// Relative error by rounding.
     pub fn round_off(&self) -> f64 {
         ROUNDING * self.extent.max(self.motion) / self.motion
     }
 
-    /// What an error must exceed to be told from that of the reference and from rounding.
+    /// Limits above which an error differs from rounding and from the error of the reference.
     pub fn limits(&self) -> Limits {
         Limits { round_off: self.round_off(), reference: self.floor() }
     }
 
-    /// Errors below this are too near to the reference's own to be told apart from it: they are only known to be small.
+    /// Ten times the reference's own error. Smaller errors cannot be distinguished from it.
     pub fn floor(&self) -> f64 {
         10.0 * self.own_error
     }
@@ -120,7 +121,7 @@ impl Reference {
     }
 }
 
-/// A run that remembers every frame.
+/// Run that records the positions of every frame.
 struct Recorded {
     march: March,
     substeps: Substeps,
@@ -148,18 +149,19 @@ impl Recorded {
     }
 }
 
-/// Finds a reference for a trial.
+/// Search for a reference of a trial, as a job.
 ///
-/// Without a closed form the explicit scheme of the highest order runs with a step and with half of it, again and again, until
-/// the two differ by less than a hundredth of the smallest error of interest, or until halving helps no more, or costs too
-/// much. Where bodies touch something no scheme keeps its order, and symplectic Euler, the cheapest, takes over.
+/// Without a closed form, the explicit scheme of the highest order runs with a step and with half of it. The step is
+/// halved until the two runs differ by less than a hundredth of the smallest error of interest. It also ends when
+/// halving no longer reduces the difference, or costs too much. In contact no scheme keeps its order: symplectic
+/// Euler, the cheapest, replaces the scheme.
 pub struct ReferenceJob {
     integrator: IntegratorKind,
     coarse: Recorded,
     fine: Recorded,
-    /// How often the step was halved.
+    /// Number of finished pairs of runs.
     rounds: i32,
-    /// What the runs before differed by.
+    /// Difference of the previous pair of runs.
     before: f64,
     wanted: f64,
     touching: bool,
@@ -167,11 +169,11 @@ pub struct ReferenceJob {
     result: Option<Result<Reference, StudyError>>,
 }
 
-/// Most work for one run of a reference: evaluations of all forces times vertices, about 20 s.
+/// Work limit of one run [force evaluations times vertices], about 20 s.
 const MOST_WORK: f64 = 5e8;
 
 impl ReferenceJob {
-    /// Begins to look for a reference that is good for errors down to `smallest_error`.
+    /// Begins the search for a reference for errors down to `smallest_error`.
     pub fn new(trial: &Trial, smallest_error: f64) -> Self {
         let exact = ClosedForm::of_trial(trial).map(|form| {
             let at = |frame: u32| form.positions(trial.start.time + f64::from(frame) / 60.0);
@@ -202,13 +204,13 @@ impl ReferenceJob {
 
     pub(super) fn until(&mut self, trial: &Trial, threads: usize, deadline: Deadline) -> Progress {
         while self.result.is_none() {
-            // The longer one first, so that two threads end together sooner.
+            // The longer run comes first, so that two threads finish sooner.
             spread(threads, vec![&mut self.fine, &mut self.coarse], |run| {
                 run.until(deadline);
                 run.over
             });
             if !(self.fine.over && self.coarse.over) {
-                // Nobody knows how many more rounds there will be: each closes half of what is left.
+                // The number of further rounds is unknown. Each round counts as half of the remaining work.
                 let pair = 0.25 * (self.fine.march.done() + self.coarse.march.done());
                 return Progress { done: 1.0 - libm::pow(0.5, f64::from(self.rounds)) * (1.0 - pair), finished: false };
             }
@@ -219,12 +221,12 @@ impl ReferenceJob {
         Progress::FINISHED
     }
 
-    /// The reference, once it is found.
+    /// Reference, once it is found.
     pub const fn result(&self) -> Option<&Result<Reference, StudyError>> {
         self.result.as_ref()
     }
 
-    /// Takes the fine run for a reference, or prepares the next pair.
+    /// Takes the fine run as the reference, or prepares the next pair.
     fn judge(&mut self, trial: &Trial) {
         let failed = self.fine.failed();
         let counts = self.fine.march.simulation.counts();
@@ -258,18 +260,18 @@ impl ReferenceJob {
         });
     }
 
-    /// Whether nothing moves in the fine run: no finer one tells more.
+    /// Whether nothing moves in the fine run. A finer run would add nothing.
     fn is_still(&self, trial: &Trial) -> bool {
         let (motion, extent) = sizes(&self.fine.frames, trial);
         !self.fine.failed() && motion <= STILL * extent
     }
 
-    /// Processor time of all runs so far.
+    /// Processor time of all finished runs.
     pub(super) const fn spent(&self) -> Duration {
         self.spent
     }
 
-    /// How much the two runs differ, as a relative RMS error.
+    /// Difference of the two runs as a relative RMS error.
     fn difference(&self, trial: &Trial) -> f64 {
         if self.coarse.failed() {
             return f64::INFINITY;
@@ -282,7 +284,7 @@ impl ReferenceJob {
     }
 }
 
-/// Root mean square of the motion in these frames, and the greatest coordinate at the start [m].
+/// Root mean square of the motion over the frames, and greatest coordinate at the start [m].
 fn sizes(frames: &[Vec<f64>], trial: &Trial) -> (f64, f64) {
     let (mut deviation, start) = (Deviation::default(), &trial.start.x);
     for frame in frames {
@@ -291,9 +293,9 @@ fn sizes(frames: &[Vec<f64>], trial: &Trial) -> (f64, f64) {
     (deviation.motion(), start.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs())))
 }
 
-/// The explicit scheme of the highest order.
+/// Explicit scheme of the highest order.
 pub(super) fn finest() -> IntegratorKind {
     let explicit = IntegratorKind::all().into_iter().filter(|kind| kind.kind().class() == Class::Explicit);
-    // The first of equals: `max_by_key` would take the last.
+    // Chooses the first of equals: `max_by_key` alone takes the last.
     explicit.rev().max_by_key(|kind| kind.kind().order()).unwrap_or_default()
 }

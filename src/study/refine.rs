@@ -6,8 +6,8 @@ use crate::{
     quantity::{Cells, Rings, Triangles},
 };
 
-/// The level with `share` times as many triangles, as nearly as its meshes allow: each number of a recipe that is a resolution is
-/// scaled, numbers of triangles by the share, of cells and rings by its square root.
+/// Level with about `share` times as many triangles, as nearly as its meshes allow.
+/// Numbers of triangles are scaled by `share`, numbers of cells and rings by its square root.
 pub fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
     let mut level = level.clone();
     let mut refined = false;
@@ -21,7 +21,7 @@ pub fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
             };
             let (slider, value) = (parameter.spec(), parameter.get());
             let wanted = (value * factor).round();
-            // A number below the least that is allowed becomes the least.
+            // A number below the least allowed value becomes that value.
             if parameter.set(wanted.max(1.0)).is_err() && wanted < slider.slider.0 {
                 let _ = parameter.set(100.0);
             }

@@ -4,24 +4,25 @@ use std::time::Duration;
 
 /// Rounds of repetitions after the first runs.
 const ROUNDS: u32 = 4;
-/// Processor time of all repetitions together, as a share of that of the first runs, and the least that is granted.
+/// Budget of all repetitions, as a share of the processor time of the first runs; and the least budget.
 const SHARE: f64 = 0.4;
 const LEAST: Duration = Duration::from_millis(100);
 
-/// Most runs that a price is the least of.
+/// Greatest number of runs of one setting. The stated time is the least of them.
 pub const MOST_RUNS: u32 = 1 + ROUNDS;
 
-/// The rounds of one study.
+/// Repetition rounds of one study.
 #[derive(Default)]
 pub(super) struct Repetitions {
     round: u32,
-    /// What the remaining rounds may take; not known before the first.
+    /// Time budget of the remaining rounds. `None` before the first round.
     budget: Option<Duration>,
 }
 
 impl Repetitions {
-    /// Which runs are repeated in the next round, the shortest first, given the time that each took and the time that everything
-    /// took. A round takes half of what is left. Nothing is left after the last round.
+    /// Runs to repeat in the next round, the shortest first. Empty after the last round.
+    /// `costs` holds the time of each run, `first` the time of all first runs. A round takes at most half of the
+    /// remaining budget, the last round all of it.
     pub fn next(&mut self, costs: &[Option<Duration>], first: Duration) -> Vec<usize> {
         if self.round == ROUNDS {
             return Vec::new();
@@ -43,7 +44,7 @@ impl Repetitions {
         chosen
     }
 
-    /// Share of the rounds that were begun.
+    /// Share of the rounds that have begun.
     pub fn done(&self) -> f64 {
         f64::from(self.round) / f64::from(ROUNDS)
     }

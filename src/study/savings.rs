@@ -1,4 +1,4 @@
-//! Measures the time that skipping effects saves.
+//! Time saved by skipping inactive effects.
 
 use super::{Progress, StudyError, march::Deadline, stopwatch::Stopwatch};
 use crate::{
@@ -9,47 +9,47 @@ use crate::{
 };
 use std::time::Duration;
 
-/// Frames of 1/60 s that both take.
+/// Number of frames of 1/60 s of each run.
 const FRAMES: u32 = 60;
 
-/// Longest time for one of the two [s].
+/// Time limit of one run [s].
 const LONGEST: f64 = 2.0;
 
-/// A turn that takes longer is not made longer still [s].
+/// A turn longer than this is not lengthened further [s].
 const TURN: f64 = 1e-3;
 
-/// Two runs from the same state, in turns: one as the level says, one with every effect that is switched on
-/// forced and nobody asleep. Both come to the same bits but for sleep; what differs is the time they take.
+/// Two runs from the same state, in turns: the level as it is, and one with every switched-on effect forced and no sleep.
+/// Without sleep both give the same bits. Only the times differ.
 pub struct Savings {
     runs: [Simulation; 2],
-    /// Processor time spent on all of a run [s].
+    /// Processor time of each run [s].
     spent: [f64; 2],
-    /// Steps that each has taken, and how many they take in turn: as many as take a short time, a frame of them at most.
+    /// Steps computed by each run.
     steps: u64,
     turn: u64,
     substeps: u64,
 }
 
-/// What one effect takes, and what it would.
+/// Time of one effect in both runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saving {
     /// Name of the effect.
     pub name: &'static str,
-    /// As it is [s in a frame].
+    /// Time in the level as it is [s/frame].
     pub own: f64,
-    /// If it were forced [s in a frame].
+    /// Time if the effect is forced [s/frame].
     pub forced: f64,
 }
 
 impl Saving {
-    /// What is saved [s in a frame]; below zero if asking costs more than doing.
+    /// Time saved [s/frame]. Negative if the check costs more than the effect.
     pub const fn saved(&self) -> f64 {
         self.forced - self.own
     }
 }
 
 impl Savings {
-    /// From the state a level was saved in, or from its start.
+    /// Prepares both runs from the saved state of a level, or from its start.
     ///
     /// # Errors
     /// If the level cannot be built.
@@ -78,7 +78,7 @@ impl Savings {
             if self.steps >= most || slowest > LONGEST || stopped {
                 return Progress::FINISHED;
             }
-            // Who goes first finds cold caches.
+            // The first run finds cold caches, so the order alternates.
             let turn = self.turn.min(most - self.steps);
             let first = (self.steps / turn) as usize % 2;
             let mut longest = 0.0_f64;
@@ -100,12 +100,12 @@ impl Savings {
         }
     }
 
-    /// How many frames of 1/60 s each has simulated.
+    /// Number of frames of 1/60 s computed by each run.
     fn frames(&self) -> f64 {
         self.steps as f64 / self.substeps as f64
     }
 
-    /// What each effect takes, in the order of the scene; nothing before the first step.
+    /// Times of each effect, in the order of the scene. Empty before the first step.
     pub fn each(&self) -> Vec<Saving> {
         let frames = self.frames();
         let costs = self.runs[0].costs().iter().zip(self.runs[1].costs()).filter(|_| self.steps > 0);
@@ -116,12 +116,12 @@ impl Savings {
         saving.collect()
     }
 
-    /// What a whole frame takes, as it is and forced [s]; nothing before the first.
+    /// Time of a whole frame, as it is and forced [s]. `None` before the first step.
     pub fn whole(&self) -> Option<[f64; 2]> {
         (self.steps > 0).then(|| self.spent.map(|spent| spent / self.frames()))
     }
 
-    /// The two runs: as it is, and forced.
+    /// Both runs: as it is, and forced.
     pub const fn runs(&self) -> &[Simulation; 2] {
         &self.runs
     }

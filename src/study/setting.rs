@@ -1,4 +1,4 @@
-//! A setting of a study: integrator and steps per frame.
+//! Setting of a study: integrator and steps per frame.
 
 use crate::{
     command::Command,
@@ -9,22 +9,22 @@ use crate::{
     state::State,
 };
 
-/// A scheme with its parameters, and the length of its step.
+/// Integrator with its parameters, and number of steps per frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// The scheme.
+    /// Integrator.
     pub integrator: IntegratorKind,
     /// Steps per 1/60 s.
     pub substeps: Substeps,
 }
 
 impl Setting {
-    /// The setting of a level.
+    /// Setting of a level.
     pub fn of(level: &Level) -> Self {
         Self { integrator: level.integrator.clone(), substeps: level.substeps }
     }
 
-    /// What to send to a sandbox so that it steps like this. Positions and velocities stay.
+    /// Commands that apply the setting to a sandbox. Positions and velocities stay.
     pub fn commands(&self) -> Vec<Command> {
         vec![
             Command::EndGesture,
@@ -34,14 +34,14 @@ impl Setting {
         ]
     }
 
-    /// The relative tolerance, if the scheme controls its error.
+    /// Relative tolerance, if the scheme controls its error.
     pub fn tolerance(&self) -> Option<f64> {
         let mut integrator = self.integrator.clone();
         let parameters = tolerances(&mut integrator);
         parameters.first().map(|tolerance| tolerance.get())
     }
 
-    /// In words: `RK4, 12 steps a frame`, or `Dormand-Prince 5(4), tolerance 1e-4`.
+    /// Label, such as `RK4, 12 steps a frame` or `Dormand-Prince 5(4), tolerance 1e-4`.
     pub fn label(&self) -> String {
         let title = self.integrator.kind().title();
         match (self.tolerance(), self.substeps.get()) {
@@ -53,7 +53,7 @@ impl Setting {
     }
 }
 
-/// The tolerances of a scheme, the relative one first; none if it does not control its error.
+/// Tolerances of a scheme, the relative one first. Empty if it does not control its error.
 fn tolerances(integrator: &mut IntegratorKind) -> Vec<&mut dyn crate::quantity::Quantity> {
     if integrator.kind().class() != Class::ErrorControlled {
         return Vec::new();
@@ -65,7 +65,7 @@ fn tolerances(integrator: &mut IntegratorKind) -> Vec<&mut dyn crate::quantity::
     tolerances
 }
 
-/// The scheme with all its tolerances set to a value; `None` if it has none, or the value is out of their range.
+/// Scheme with all tolerances set to a value. `None` if it has none, or if the value is out of range.
 pub(super) fn with_tolerance(integrator: &IntegratorKind, value: f64) -> Option<IntegratorKind> {
     let mut integrator = integrator.clone();
     let mut tolerances = tolerances(&mut integrator);
@@ -82,15 +82,16 @@ pub(super) fn limit(scene: &Scene, start: &State) -> f64 {
     steps.reduce(f64::min).map_or(1.0, |step| 1.0 / (60.0 * step))
 }
 
-/// The settings worth trying for a scheme, cheapest first. Explicit schemes go from just above the stability limit of
-/// symplectic Euler to 1/64 of it by halves; implicit ones from one step a frame on; error control from a tolerance of
-/// 1e-3 to 1e-9: looser ones, taken in metres, would let a step carry vertices across whole triangles.
+/// Settings to try for a scheme, cheapest first.
+/// Explicit schemes: steps from just above the stability limit of symplectic Euler to 1/64 of it (1/16 from order 4
+/// on). Implicit schemes: 1 to 32 steps per frame. Error control: tolerances from 1e-3 to 1e-9. With looser ones,
+/// which also apply in metres, a step could move vertices across whole triangles.
 pub fn ladder(integrator: &IntegratorKind, scene: &Scene, start: &State) -> Vec<Setting> {
     let at = |count: f64| Setting { integrator: integrator.clone(), substeps: Substeps::nearest(count) };
     let mut settings: Vec<Setting> = match integrator.kind().class() {
         Class::Explicit => {
             let limit = limit(scene, start);
-            // The first is too long a step for symplectic Euler, but not for every scheme.
+            // The first step is too long for symplectic Euler, but not for every scheme.
             let shares = [0.75, 1.1, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0, 64.0];
             // A scheme of high order is below all errors of interest long before 1/64.
             let finest = if integrator.kind().order() >= 4 { 16.0 } else { 64.0 };

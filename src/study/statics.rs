@@ -8,10 +8,10 @@ use crate::{
 };
 use nalgebra::Matrix2;
 
-/// The positions of rest that Newton's method finds from the start, and what finding them took. Walls are not heeded.
+/// Static equilibrium from the start by Newton's method, and the counts of the solver. Walls are ignored.
 ///
-/// It goes in rounds, `f(x) = w m (x - x_before)`, from a stiff w, which is a long implicit step, to none: each round starts where
-/// the one before ended, so that large deflections are reached without jumping to another equilibrium.
+/// Each round solves `f(x) = w m (x - x_before)` from the result of the previous round. w falls from a stiff value,
+/// which is a long implicit step, to zero. Large deflections are thus reached without a jump to another equilibrium.
 pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
     let mut x = scene.start.x.clone();
     let scale = largest_eigenvalue(scene, &scene.start)?;
@@ -22,7 +22,7 @@ pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
         let mut balance = Balance::new(scene, &x, holding * scale, 1e-6 * scale);
         let mut z = vec![0.0; x.len()];
         let round = newton.solve(&mut balance, &mut z);
-        // Only the last round must be exact.
+        // Only the last round must converge.
         counts.unconverged = 0;
         counts.add(&round);
         if !z.iter().all(|z| z.is_finite()) {
@@ -110,7 +110,7 @@ impl Equations for Balance<'_> {
         z.fill(0.0);
     }
 
-    /// A hundred-millionth of the way gone, and round-off of the coordinates.
+    /// 1e-9 of the greatest displacement, plus round-off of the coordinates [m].
     fn tolerance(&self, z: &[f64]) -> f64 {
         let greatest = |values: &[f64]| values.iter().fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
         1e-9 * greatest(z) + 1e-13 * greatest(&self.x)

@@ -1,13 +1,13 @@
-//! Processor time of a thread, which does not count what other programs take; wall time where the system does not tell it.
+//! Processor time of a thread, which excludes other programs; wall time where the system does not state it.
 
 use std::time::Duration;
 use web_time::Instant;
 
-/// What the times of studies are, in words.
+/// Kind of the measured times, in plain words.
 pub const CLOCK: &str =
     if cfg!(target_arch = "wasm32") { "wall time" } else { "processor time of the thread that computes" };
 
-/// Begun at a moment, to be read in the same thread.
+/// Stopwatch. It is started and read in the same thread.
 pub(super) struct Stopwatch {
     wall: Instant,
     #[cfg(not(target_arch = "wasm32"))]
@@ -15,7 +15,7 @@ pub(super) struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// From now on.
+    /// Starts the stopwatch.
     pub fn start() -> Self {
         Self {
             wall: Instant::now(),

@@ -7,13 +7,13 @@ use crate::{
     state::State,
 };
 
-/// Where a strip comes to rest whose ends slide on rollers, and the same in words.
+/// Equilibrium of a strip whose ends slide on rollers: description in plain words and positions [m].
 ///
-/// Ends that are held a factor s apart, and slide freely, leave the sides of every height free: the deformation gradient is
-/// diag(w, s) throughout, with the width w at which the sides are pulled neither in nor out, `P11(diag(w, s)) = 0`
-/// ([`Material::free_width`]). Linear triangles hold this shape exactly, so a scene at rest has no error but that of its
-/// solver. A third side that slides along y, at the left or right, says where it stands. Anything that damps may act;
-/// whatever pushes may not.
+/// The ends are held at a stretch s and slide freely, so no force acts on the sides. The deformation gradient is
+/// diag(w, s) throughout. The width w follows from zero lateral stress, `P11(diag(w, s)) = 0`
+/// ([`Material::free_width`]). Linear triangles represent this shape exactly, so a scene at rest has only the error
+/// of its solver. A third side, left or right, slides along y and fixes the position in x. Damping may act; other
+/// forces may not.
 pub(super) fn at_rest(scene: &Scene, state: &State) -> Option<(String, Vec<f64>)> {
     let [body] = scene.bodies.as_slice() else { return None };
     let alone = scene.nets.is_empty() && scene.pins.is_empty();
@@ -25,7 +25,7 @@ pub(super) fn at_rest(scene: &Scene, state: &State) -> Option<(String, Vec<f64>)
     if !is_strip(body, &scene.rest, |vertex| held(vertex, 1)) {
         return None;
     }
-    // Where the sides are now that cannot leave their places.
+    // Present coordinate of a side that is held in its normal direction.
     let place = |axis: usize, at: f64| {
         let on_side = |vertex: &u32| {
             let here = scene.rest[2 * *vertex as usize + axis];
@@ -47,7 +47,7 @@ pub(super) fn at_rest(scene: &Scene, state: &State) -> Option<(String, Vec<f64>)
     Some((words, scene.rest.chunks_exact(2).flat_map(moved).collect()))
 }
 
-/// Whether every edge of the boundary is upright or held at its height.
+/// Whether every edge of the boundary is vertical or held in its height.
 fn is_strip(body: &Body, rest: &[f64], held: impl Fn(u32) -> bool) -> bool {
     let slack = 1e-9 * body.rest_height;
     body.boundary.iter().all(|edge| {

@@ -1,20 +1,20 @@
-//! Finds the cheapest setting below an error.
+//! Cheapest setting for a given error.
 
 use super::{Outcome, Reference, Setting, Status, WorkPrecision};
 use crate::command::Command;
 
-/// What a setting is priced by.
+/// Measure of the cost of a setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Price {
-    /// Measured processor time for a second of simulated time.
+    /// Measured processor time per second of simulated time [ms].
     #[default]
     Time,
-    /// Evaluations of all forces: the same on every machine, but blind to the price of solving equations.
+    /// Evaluations of all forces. Equal on every machine, but without the cost of solving equations.
     ForceEvaluations,
 }
 
 impl Price {
-    /// What an outcome cost.
+    /// Cost of an outcome.
     pub fn of(self, outcome: &Outcome) -> f64 {
         match self {
             Self::Time => outcome.ms_per_second,
@@ -23,41 +23,41 @@ impl Price {
     }
 }
 
-/// A setting to change to.
+/// Recommended setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suggestion {
-    /// How to step.
+    /// Integrator and steps per frame.
     pub setting: Setting,
-    /// What it was measured to do: the error it promises, and what it costs.
+    /// Measured error and cost of the setting.
     pub outcome: Outcome,
-    /// What the current setting was measured to do, if it was.
+    /// Outcome of the current setting, if it was measured.
     pub current: Option<Outcome>,
     price: Price,
 }
 
-/// Errors that a setting is suggested for where none is asked for, the first that some setting reaches.
+/// Error bounds that are tried in order where none is given.
 pub const USUAL_ERRORS: [f64; 2] = [0.01, 0.1];
 
-/// Greatest error of the reference, and greatest round-off, with which errors still tell something.
+/// Upper limit of the reference error and of round-off for usable errors.
 const GREATEST: f64 = 0.1;
 
-/// Why errors tell nothing, so that nothing is suggested.
+/// Reason why errors are not usable, so that nothing is suggested.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoErrors {
-    /// Motion of this size [m] is zero or round-off.
+    /// The motion [m] is zero or round-off.
     #[error(
         "Nothing moves here: the reference moves by {0:.1e} m, which is round-off. There is no error to measure, and nothing is \
          recommended. Let a force act, stretch a body or begin from a state that moves"
     )]
     NothingMoves(f64),
-    /// Round-off is this large beside the motion.
+    /// Round-off relative to the motion is too large.
     #[error(
         "Errors are round-off here: rounding alone makes {} of the motion. Nothing is recommended. Study a larger motion or a \
          longer time",
         share(.0)
     )]
     RoundOff(f64),
-    /// The error of the reference is this large beside the motion.
+    /// The error of the reference relative to the motion is too large.
     #[error(
         "The reference is not fine enough here: its error may be {} of the motion. Errors tell nothing, and nothing is \
          recommended. Study a shorter time or a larger motion",
@@ -71,7 +71,7 @@ fn share(of: &f64) -> String {
 }
 
 impl NoErrors {
-    /// Why errors against a reference tell nothing, if they do not.
+    /// Reason why errors against a reference are not usable. `None` if they are.
     pub(super) fn of(reference: &Reference) -> Option<Self> {
         if reference.is_still() {
             Some(Self::NothingMoves(reference.motion))
@@ -86,13 +86,15 @@ impl NoErrors {
 }
 
 impl WorkPrecision {
-    /// The least of the [`USUAL_ERRORS`] that some setting reaches, and the cheapest setting for it; `None` if there is none.
+    /// First of the [`USUAL_ERRORS`] that some setting reaches, and the cheapest setting for it. `None` if there is
+    /// none.
     pub fn suggest_usual(&self, price: Price) -> Option<(f64, Suggestion)> {
         USUAL_ERRORS.into_iter().find_map(|error| Some((error, self.suggest(error, price)?)))
     }
 
-    /// The cheapest of the settings measured so far whose mean error is at most `error`, counting the reference's own and round-off;
-    /// `None` if none is, or if errors tell nothing.
+    /// Cheapest of the settings measured so far whose mean error is at most `error`.
+    /// The error of the reference and round-off are added. `None` if there is no such setting, or if errors are not
+    /// usable.
     pub fn suggest(&self, error: f64, price: Price) -> Option<Suggestion> {
         let reference = self.reference().filter(|reference| NoErrors::of(reference).is_none())?;
         let own_error = reference.own_error + reference.round_off();
@@ -109,13 +111,15 @@ impl WorkPrecision {
 }
 
 impl Suggestion {
-    /// How many times cheaper it is than the current setting, if that was measured to the end; below 1 it is dearer, but accurate enough.
+    /// Cost of the current setting over that of the suggestion, if the current setting was measured and is not
+    /// unstable.
+    /// Below 1 the suggestion costs more, but is accurate enough.
     pub fn saves(&self) -> Option<f64> {
         let current = self.price.of(self.current.as_ref().filter(|current| current.status != Status::Unstable)?);
         Some(current / self.price.of(&self.outcome).max(f64::MIN_POSITIVE))
     }
 
-    /// What to send to a sandbox to follow it.
+    /// Commands that apply the suggestion to a sandbox.
     pub fn commands(&self) -> Vec<Command> {
         self.setting.commands()
     }
@@ -139,7 +143,7 @@ impl std::fmt::Display for Suggestion {
     }
 }
 
-/// An error in per cent; a small one is not rounded to nothing.
+/// Error in per cent. A small error is not rounded to zero.
 fn per_cent(error: f64) -> String {
     if error == 0.0 || error >= 5e-4 { format!("{:.2} %", 100.0 * error) } else { format!("{:.1e} %", 100.0 * error) }
 }

@@ -16,16 +16,16 @@ use crate::{
 };
 use std::time::Duration;
 
-/// What to sweep over.
+/// Plan of a work-precision diagram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The schemes.
+    /// Integrators.
     pub integrators: Vec<IntegratorKind>,
-    /// Steps per 1/60 s for every scheme that does not control its error; if empty, what suits each scheme (see [`ladder`]).
+    /// Steps per 1/60 s for every scheme without error control. If empty, the [`ladder`] of each scheme is used.
     pub substeps: Vec<Substeps>,
-    /// The smallest error of interest: the reference is a hundred times better, if it can be had.
+    /// Smallest error of interest. The reference is a hundred times more accurate, if possible.
     pub smallest_error: f64,
-    /// How many runs go on at once. The results are the same for every number.
+    /// Number of threads. The results do not depend on it.
     pub threads: usize,
 }
 
@@ -35,56 +35,57 @@ impl Default for Plan {
     }
 }
 
-/// One setting and what came out of it.
+/// Setting and its outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// How the trial was stepped.
+    /// Integrator and steps per frame.
     pub setting: Setting,
-    /// What came out; `None` as long as it has not run to its end.
+    /// Outcome. `None` until the run is over.
     pub outcome: Option<Outcome>,
-    /// Whether this is how the level itself is stepped.
+    /// Whether this is the setting of the level.
     pub current: bool,
 }
 
 /// All points of one scheme, from the longest step to the shortest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// The scheme, with the parameters it has by default.
+    /// Integrator with the parameters of the plan.
     pub integrator: IntegratorKind,
     /// The points.
     pub points: Vec<Point>,
-    /// Measured order: how steeply the error falls with the number of steps (of an error-controlled scheme: taken and rejected
-    /// inner steps), by [`measured_order`]; or why none can be told.
+    /// Measured order of the error in the number of steps, by [`measured_order`], or the reason why there is none.
+    /// Error-controlled schemes count accepted and rejected inner steps.
     pub order: MeasuredOrder,
 }
 
-/// A point with the run that works on it.
+/// Point and its run.
 struct Slot {
     curve: usize,
     point: Point,
     run: Option<Box<TrialRun>>,
     /// Processor time of the first run.
     spent: Duration,
-    /// Whether it is to be run once more in this round, and the run that does.
+    /// Whether one more run is due in this round.
     due: bool,
     again: Option<Box<March>>,
-    /// About how much work it is, in force evaluations a frame.
+    /// Estimated work [force evaluations per frame].
     weight: f64,
 }
 
-/// The diagram as a job.
+/// Work-precision diagram as a job.
 pub struct WorkPrecision {
     trial: Trial,
     plan: Plan,
     reference: ReferenceJob,
-    /// In the order they are run: the cheapest first.
+    /// In the order of execution, the cheapest first.
     slots: Vec<Slot>,
     repetitions: Repetitions,
     finished: bool,
 }
 
 impl WorkPrecision {
-    /// Prepares a diagram of a trial, of those schemes of the plan that suit it. The trial's current setting is one of the points if its scheme is in the plan.
+    /// Prepares a diagram of a trial with those schemes of the plan that suit it.
+    /// The trial's current setting is one of the points if its scheme is in the plan.
     pub fn new(trial: Trial, mut plan: Plan) -> Self {
         plan.integrators.retain(|integrator| trial.suits(integrator));
         let reference = ReferenceJob::new(&trial, plan.smallest_error);
@@ -101,12 +102,12 @@ impl WorkPrecision {
         Self { trial, plan, reference, slots, repetitions: Repetitions::default(), finished: false }
     }
 
-    /// What is run.
+    /// Trial that is run.
     pub const fn trial(&self) -> &Trial {
         &self.trial
     }
 
-    /// What is swept over.
+    /// Plan of the diagram.
     pub const fn plan(&self) -> &Plan {
         &self.plan
     }
@@ -143,7 +144,7 @@ impl WorkPrecision {
         Ok(self.progress())
     }
 
-    /// Runs short runs again, in turns, once all have run: prices are the least of several.
+    /// Repeats short runs in turns, after all have run once. The stated time is the least of all repetitions.
     fn repeat(&mut self, deadline: Deadline) {
         while self.slots.iter().all(|slot| slot.point.outcome.is_some()) && !self.finished && !deadline.passed() {
             if self.slots.iter().all(|slot| !slot.due) {
@@ -186,17 +187,17 @@ impl WorkPrecision {
         Progress { done: if self.finished { 1.0 } else { done }, finished: self.finished }
     }
 
-    /// Why errors tell nothing here, once the reference is known.
+    /// Reason why errors are not usable, once the reference is known.
     pub fn no_errors(&self) -> Option<NoErrors> {
         self.reference().and_then(NoErrors::of)
     }
 
-    /// What errors are measured against, once it is known.
+    /// Reference, once it is known.
     pub fn reference(&self) -> Option<&Reference> {
         self.reference.result().and_then(|result| result.as_ref().ok())
     }
 
-    /// The diagram as far as it is: a line for every scheme, in the order of the plan.
+    /// Curves so far, one per scheme, in the order of the plan.
     pub fn curves(&self) -> Vec<Curve> {
         let reference = self.reference();
         let curve = |(number, integrator): (usize, &IntegratorKind)| {
@@ -210,17 +211,17 @@ impl WorkPrecision {
     }
 }
 
-/// About how large a share of the work the reference is.
+/// Estimated share of the reference in the total work.
 const REFERENCE_SHARE: f64 = 0.1;
-/// And the repetitions of short runs.
+/// Estimated share of the repetitions of short runs.
 const REPEATED_SHARE: f64 = 0.2;
 
-/// Where a setting stands on its curve: the more accurate, the greater.
+/// Sort key of a setting on its curve. It grows with the accuracy.
 fn place(setting: &Setting) -> f64 {
     setting.tolerance().map_or(1.0, |tolerance| 1.0 / tolerance) * f64::from(setting.substeps.get())
 }
 
-/// The settings of one curve, and which of them is the current one.
+/// Settings of one curve, with a flag for the current one.
 fn settings(integrator: &IntegratorKind, trial: &Trial, substeps: &[Substeps]) -> Vec<(Setting, bool)> {
     let mut settings = if substeps.is_empty() || integrator.kind().class() == Class::ErrorControlled {
         ladder(integrator, &trial.scene, &trial.start)
@@ -233,7 +234,7 @@ fn settings(integrator: &IntegratorKind, trial: &Trial, substeps: &[Substeps]) -
     settings.into_iter().map(|setting| (setting.clone(), setting == trial.current)).collect()
 }
 
-/// About how many force evaluations a frame takes; a solve is counted as 40. Only order and progress depend on it.
+/// Estimated force evaluations per frame. A solve counts as 40. Only the order of runs and the progress depend on it.
 fn weight(setting: &Setting, limit: f64) -> f64 {
     let substeps = f64::from(setting.substeps.get());
     let kind = setting.integrator.kind();

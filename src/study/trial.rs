@@ -1,4 +1,4 @@
-//! One run with one setting: its error and its cost.
+//! Run of one setting: its error and its cost.
 
 use super::{
     Reference, Setting, StudyError,
@@ -15,25 +15,25 @@ use crate::{
 };
 use std::{ops::ControlFlow, time::Duration};
 
-/// What is run: a scene from a start for a time. Positions are compared at the end of every frame of 1/60 s.
+/// Scene, start and simulated time. Positions are compared at the end of every frame of 1/60 s.
 #[derive(Clone)]
 pub struct Trial {
     /// Title of the level.
     pub name: String,
-    /// The scene; its own integrator and step do not matter.
+    /// Scene. Its own integrator and step are not used.
     pub scene: Scene,
-    /// Where it starts.
+    /// Start state.
     pub start: State,
-    /// What the mouse pulls all the while.
+    /// Grab of the mouse during the whole run.
     pub grab: Option<Grab>,
-    /// How many frames of 1/60 s it takes.
+    /// Number of frames of 1/60 s.
     pub frames: u32,
-    /// The setting of the level, to compare with.
+    /// Setting of the level, for comparison.
     pub current: Setting,
 }
 
 impl Trial {
-    /// A level from its start, or from the state it was saved in, for a time [s], rounded to frames of 1/60 s.
+    /// Trial of a level from its start or its saved state. The time [s] is rounded to frames of 1/60 s.
     ///
     /// # Errors
     /// If the level cannot be built.
@@ -69,19 +69,19 @@ impl Trial {
     }
 }
 
-/// How a run ended.
+/// Status of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// To its end.
+    /// The run reached its end.
     Ok,
-    /// It blew up: a fault, or an error far above 1.
+    /// The run stopped with a fault, or its error was far above 1.
     Unstable,
-    /// To its end, but equations were left unsolved on the way.
+    /// The run reached its end, but some equations were not solved.
     Unconverged,
 }
 
 impl Status {
-    /// A word for tables.
+    /// Word for tables.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -91,43 +91,43 @@ impl Status {
     }
 }
 
-/// What came out of a run.
+/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Relative RMS error of positions, mean over all frames and vertices:
     /// `sqrt(mean |x - x_ref|²) / sqrt(mean |x_ref - x_start|²)`. Infinite if it was stopped by a fault.
     pub error: f64,
-    /// The largest over the frames: RMS over the vertices at a frame, over the same RMS motion.
+    /// Largest error of a frame: RMS over the vertices at that frame, over the same RMS motion.
     pub greatest_error: f64,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
-    /// What it took, in numbers that are the same on every machine.
+    /// Work counts, equal on every machine.
     pub counts: Counts,
-    /// Processor time for one second of simulated time [ms]: the least of so many runs.
+    /// Processor time per second of simulated time [ms], the least of `runs` runs.
     pub ms_per_second: f64,
-    /// How many runs that is the least of.
+    /// Number of runs.
     pub runs: u32,
 }
 
-/// An error above this many times the motion is no inaccuracy any more: the run is stopped and called unstable.
+/// Ratio of error to motion above which a run is stopped and called unstable.
 pub(super) const DIVERGED: f64 = 10.0;
-/// Motion smaller than this share of the greatest coordinate does not count for that: what hardly moves is soon far off.
+/// Least motion in that ratio, as a share of the greatest coordinate. Without it tiny motions would seem unstable.
 const SMALL: f64 = 1e-3;
 
-/// Sums of squares, for a relative RMS error.
+/// Sums of squares for a relative RMS error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Deviation {
     error: f64,
     size: f64,
-    /// The greatest error of one moment.
+    /// Greatest sum of squared errors of one moment [m²].
     greatest: f64,
     moments: f64,
-    /// Coordinates of a moment.
+    /// Number of coordinates at a moment.
     coordinates: f64,
 }
 
 impl Deviation {
-    /// Adds one moment: positions, what they should be, and where they started.
+    /// Adds one moment: positions, exact positions and start positions [m].
     pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) {
         let error = x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
         self.error += error;
@@ -137,7 +137,7 @@ impl Deviation {
         self.size += exact.iter().zip(start).map(|(exact, start)| (exact - start) * (exact - start)).sum::<f64>();
     }
 
-    /// The error of this one moment over the RMS size of all moments so far.
+    /// Error of this single moment over the RMS motion of all moments so far.
     pub fn relative_to(self, all: Self, moments: f64) -> f64 {
         if self.error == 0.0 { 0.0 } else { (self.error * moments / all.size).sqrt() }
     }
@@ -152,18 +152,18 @@ impl Deviation {
         (2.0 * self.error / (self.coordinates * self.moments).max(1.0)).sqrt()
     }
 
-    /// The largest error of a moment, over the same motion as the [relative](Self::relative) one.
+    /// Largest error of a moment, over the same motion as the [relative](Self::relative) error.
     pub fn greatest(self) -> f64 {
         if self.greatest == 0.0 { 0.0 } else { (self.greatest * self.moments / self.size).sqrt() }
     }
 
-    /// The relative RMS error; absolute [m²] would be `error` alone. Zero over zero is zero.
+    /// Relative RMS error. Zero if the error is zero, even without motion.
     pub fn relative(self) -> f64 {
         if self.error == 0.0 { 0.0 } else { (self.error / self.size).sqrt() }
     }
 }
 
-/// A run on its way.
+/// Run of a trial as a job.
 pub struct TrialRun {
     march: March,
     deviation: Deviation,
@@ -171,12 +171,12 @@ pub struct TrialRun {
 }
 
 impl TrialRun {
-    /// A run of a trial with a setting.
+    /// Prepares a run of a trial with a setting.
     pub fn new(trial: &Trial, setting: &Setting) -> Self {
         Self { march: trial.march(setting), deviation: Deviation::default(), diverged: false }
     }
 
-    /// Goes on for about `budget`; gives the outcome when the run is over.
+    /// Works for about `budget`. Returns the outcome when the run is over.
     pub fn advance(&mut self, trial: &Trial, reference: &Reference, budget: Duration) -> Option<Outcome> {
         self.until(trial, reference, Deadline::after(budget))
     }

@@ -1,5 +1,5 @@
-//! The error of a running simulation, now: against a closed form where there is one; otherwise a twin with a fine step runs
-//! beside it and is pulled along by the same mouse.
+//! Error of a running simulation, against a closed form if there is one.
+//! Otherwise it is against a twin: a run with a fine step beside it, which the same mouse pulls.
 
 use super::{
     ClosedForm,
@@ -12,27 +12,27 @@ use super::{
 use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
-/// A fine reference in lock step with a live simulation: for each of its steps it takes a whole number of shorter ones.
+/// Fine reference run beside a live simulation. It takes a whole number of shorter steps for each live step.
 ///
-/// For the first half second it checks itself: a second twin with half the step runs beside it. If the two differ by more
-/// than a hundredth of the live simulation's error, the twin halves its step and begins anew from the live state.
+/// For the first half second it checks itself against a second twin with half the step. If the two differ by more
+/// than a hundredth of the live simulation's error, the twin halves its step and restarts from the live state.
 ///
-/// Where the live simulation has a [`ClosedForm`], the error is against that, and no twin runs.
+/// If the live simulation has a [`ClosedForm`], the error is against that, and no twin runs.
 pub struct Twin {
-    /// What is known without computing.
+    /// Closed form, if there is one.
     exact: Option<ClosedForm>,
     fine: Simulation,
-    /// The twin's twin with half the step, as long as it checks.
+    /// Second twin with half the step, during the check.
     finer: Option<Simulation>,
-    /// Its steps for one of the live simulation's.
+    /// Twin steps per live step.
     per_step: u64,
-    /// Length of the live simulation's step when it was last seen [s].
+    /// Step of the live simulation at the last call [s].
     step: f64,
-    /// Where it began.
+    /// Start state.
     start: State,
-    /// Steps of the live simulation that are known of.
+    /// Step count of the live simulation at the last call.
     seen: u64,
-    /// What the live simulation did that the twin has not done yet.
+    /// Motion of the live simulation that the twin has not computed yet.
     legs: VecDeque<Leg>,
     live: Tally,
     own: Deviation,
@@ -40,21 +40,21 @@ pub struct Twin {
     simulated: f64,
 }
 
-/// What was found of the live simulation's error.
+/// Statistics of the live simulation's error.
 #[derive(Default)]
 struct Tally {
-    /// Over all comparisons.
+    /// Sums over all comparisons.
     all: Deviation,
-    /// How many there were.
+    /// Number of comparisons.
     moments: f64,
-    /// At the last of them.
+    /// Relative error at the last comparison.
     error: Option<f64>,
-    /// Its simulated time [s].
+    /// Simulated time of the last comparison [s].
     time: Option<f64>,
 }
 
 impl Tally {
-    /// Compares positions at a time [s] with what they should be; sizes are measured from an origin.
+    /// Adds a comparison of positions with exact ones at a time [s]. The motion is measured from `origin`.
     fn note(&mut self, x: &[f64], exact: &[f64], origin: &[f64], time: f64) {
         let mut now = Deviation::default();
         now.add(x, exact, origin);
@@ -67,35 +67,35 @@ impl Tally {
     }
 }
 
-/// Some steps of the live simulation during which nothing was changed from outside.
+/// Interval of the live simulation without a change from outside.
 struct Leg {
     steps: u64,
-    /// Steps of the twin taken.
+    /// Steps of the twin computed.
     taken: u64,
     grab: Option<Grab>,
-    /// The scene, if it has changed.
+    /// Scene, if it has changed.
     scene: Option<Box<Scene>>,
-    /// Positions of the live simulation at its end.
+    /// Live positions at the end of the interval [m].
     x: Vec<f64>,
-    /// Its time then [s].
+    /// Simulated time at the end of the interval [s].
     time: f64,
 }
 
-/// How long a twin checks itself [s].
+/// Duration of the check [s].
 const CHECK: f64 = 0.5;
-/// A twin that is more legs than this behind gives up.
+/// Greatest number of waiting legs. Beyond it the twin restarts.
 const BEHIND: usize = 240;
-/// Most steps for one of the live simulation's.
+/// Greatest number of twin steps per live step.
 const MOST: u64 = 1 << 14;
 
 impl Twin {
-    /// Begins beside a live simulation, at its present state.
+    /// Starts a twin at the present state of a live simulation.
     pub fn new(live: &Simulation) -> Self {
         let share = 2.0 * limit(live.scene(), live.state()) * 60.0 * live.scene().step;
         Self::seeded(live, libm::ceil(share.max(4.0)).min(MOST as f64) as u64)
     }
 
-    /// Begins anew at the live simulation's present state: for when it was put somewhere else.
+    /// Restarts the twin at the present state of the live simulation, for example after it was moved.
     pub fn seed(&mut self, live: &Simulation) {
         let (spent, simulated) = (self.spent, self.simulated);
         *self = Self { spent, simulated, ..Self::seeded(live, self.per_step) };
@@ -121,14 +121,15 @@ impl Twin {
         }
     }
 
-    /// Takes note of what the live simulation did since the last call: call it after every frame, and before anything is
-    /// changed from outside. If the live simulation was put back, or is another one, the twin begins anew.
+    /// Records the motion of the live simulation since the last call.
+    /// Call it after every frame and before every change from outside. If the live simulation was set back, or is
+    /// another one, the twin restarts.
     pub fn follow(&mut self, live: &Simulation) {
         let (state, scene) = (live.state(), live.scene());
         let known = self.legs.iter().rev().find_map(|leg| leg.scene.as_deref()).unwrap_or(self.fine.scene());
         let changed = self.step != scene.step || !same(known, scene);
         let elsewhere = state.steps < self.seen || state.x.len() != self.start.x.len();
-        // A closed form knows of no mouse and no change.
+        // A closed form does not include a grab or a change.
         let unforeseen = self.exact.is_some() && (changed || live.grab().is_some());
         if elsewhere || unforeseen || self.legs.len() > BEHIND {
             self.seed(live);
@@ -143,7 +144,7 @@ impl Twin {
         (self.seen, self.step) = (state.steps, live.scene().step);
     }
 
-    /// Works for about `budget`; returns whether the twin has caught up.
+    /// Works for about `budget`. Returns whether the twin has caught up.
     pub fn advance(&mut self, live: &Simulation, budget: Duration) -> bool {
         if let Some(exact) = &self.exact {
             for leg in self.legs.drain(..) {
@@ -186,7 +187,7 @@ impl Twin {
         self.legs.is_empty()
     }
 
-    /// Compares at the end of a leg.
+    /// Compares positions at the end of a leg.
     fn compare(&mut self, leg: &Leg, live: &Simulation) {
         let exact = &self.fine.state().x;
         self.live.note(&leg.x, exact, &self.start.x, leg.time);
@@ -202,44 +203,45 @@ impl Twin {
         }
     }
 
-    /// Begins anew with half the step.
+    /// Restarts with half the step.
     fn refine(&mut self, live: &Simulation) {
         self.per_step = (2 * self.per_step).min(MOST);
         self.seed(live);
     }
 
-    /// Relative RMS error of the live simulation's positions at the last comparison: `sqrt(mean |x - x_ref|²)` over the root
-    /// mean square of `x_ref - x_start` so far. `None` before the first comparison, and while nothing moves but by round-off.
+    /// Relative RMS error of the live positions at the last comparison.
+    /// It is `sqrt(mean |x - x_ref|²)` over the root mean square of `x_ref - x_start` so far. `None` before the first
+    /// comparison, and while the motion is only round-off.
     pub const fn error(&self) -> Option<f64> {
         self.live.error
     }
 
-    /// The closed form that the error is against, if there is one.
+    /// Closed form of the error, if there is one.
     pub const fn exact(&self) -> Option<&ClosedForm> {
         self.exact.as_ref()
     }
 
-    /// How large the twin's own error is, by the same measure, over the time it was checked.
+    /// The twin's own error by the same measure, over the time of its check.
     pub fn own_error(&self) -> f64 {
         self.own.relative()
     }
 
-    /// Whether it still checks itself.
+    /// Whether the check is still running.
     pub const fn is_checking(&self) -> bool {
         self.finer.is_some()
     }
 
-    /// Time since it began that the error is about [s].
+    /// Time from the start to the last comparison [s].
     pub fn age(&self) -> f64 {
         self.live.time.map_or(0.0, |time| time - self.start.time)
     }
 
-    /// Processor time the twin has taken altogether.
+    /// Total processor time of the twin.
     pub const fn spent(&self) -> Duration {
         self.spent
     }
 
-    /// Processor time the twin takes for a second of simulated time [ms].
+    /// Processor time of the twin per second of simulated time [ms].
     pub fn ms_per_second(&self) -> f64 {
         if self.simulated > 0.0 { self.spent.as_secs_f64() * 1e3 / self.simulated } else { 0.0 }
     }
@@ -256,7 +258,7 @@ fn finer_scene(live: &Scene, per_step: u64) -> Scene {
     }
 }
 
-/// Whether two scenes act alike: the same effects on the same masses. How they are stepped may differ.
+/// Whether two scenes have the same effects and masses. Integrator and step may differ.
 fn same(known: &Scene, live: &Scene) -> bool {
     let effects = known.effects.len() == live.effects.len()
         && known.effects.iter().zip(&live.effects).all(|(a, b)| Arc::ptr_eq(a, b));

@@ -3,7 +3,7 @@
 #[cfg(not(target_arch = "wasm32"))]
 use std::sync::{Mutex, PoisonError};
 
-/// How many threads this machine runs at once; 1 in a browser.
+/// Number of threads that this machine runs at once; 1 in a browser.
 pub fn threads() -> usize {
     #[cfg(target_arch = "wasm32")]
     return 1;
@@ -11,18 +11,18 @@ pub fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// Lets large bodies be stepped on several cores wherever this thread steps them: it becomes the first of a pool of so many threads, which
-/// share the partitions of a body. The same bits come of any number. Call it once in a process; further calls change nothing. Elsewhere,
-/// step inside of [`rayon::ThreadPool::install`].
+/// Shares the partitions of large bodies among several cores, wherever this thread steps them.
+/// This thread becomes the first of a pool of `threads` threads. The bits do not depend on their number. Call it once
+/// per process; further calls change nothing. Elsewhere, step inside of [`rayon::ThreadPool::install`].
 pub fn share_partitions(threads: usize) {
     if threads > 1 {
-        // Where there are no threads to be had, and in a second call, all goes on with those that there are.
+        // If no threads are available, or in a second call, the existing threads are used.
         let _as_it_is = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global();
     }
 }
 
-/// Hands out tasks in their order, each to the next thread that is free. `work` returns false to hand out no more.
-/// Tasks know nothing of each other, so what comes out does not depend on the number of threads.
+/// Runs tasks in order, each on the next free thread. `work` returns false to start no further task.
+/// Tasks are independent, so the result does not depend on the number of threads.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
     if threads <= 1 || tasks.len() <= 1 {
@@ -39,7 +39,7 @@ pub fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) -> bool +
     });
 }
 
-/// Works through tasks in their order. `work` returns false to stop.
+/// Runs tasks in order. `work` returns false to stop.
 #[cfg(target_arch = "wasm32")]
 pub fn spread<T: Send>(_: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
     tasks.into_iter().all(work);

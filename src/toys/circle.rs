@@ -52,7 +52,7 @@ impl Toy for Circle {
         TAU
     }
 
-    /// Read as an oscillator x of speed -y.
+    /// Energies of an oscillator with position x and velocity -y.
     fn energies(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [0.5 * y * y, 0.5 * x * x]
     }

@@ -16,61 +16,61 @@ registry! {
     }
 }
 
-/// A system `dX/dt = f(X, t)` of two numbers with an exact solution.
+/// System `dX/dt = f(X, t)` of two numbers with an exact solution.
 pub trait Toy: Send + Sync {
-    /// Name as it is said.
+    /// Name in plain words.
     fn title(&self) -> &'static str;
 
-    /// The equation, for a tooltip.
+    /// Equation, for a tooltip.
     fn about(&self) -> &'static str;
 
-    /// The numbers a panel may change.
+    /// Quantities that a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 
     /// Names of the two numbers of a state, with their unit, as column names of a table.
     fn columns(&self) -> [&'static str; 2];
 
-    /// f(X, t): how fast the state changes.
+    /// Rate of change of the state, f(X, t).
     fn rate(&self, state: [f64; 2]) -> [f64; 2];
 
-    /// The exact state at a time [s]; at 0 it is the start.
+    /// Exact state at a time [s]. At 0 it is the start state.
     fn exact(&self, time: f64) -> [f64; 2];
 
-    /// The exact period [s].
+    /// Exact period [s].
     fn period(&self) -> f64;
 
     /// Kinetic and stored energy for a mass of 1 kg [J]; their sum is constant in the exact solution.
     fn energies(&self, state: [f64; 2]) -> [f64; 2];
 
-    /// Where a state lies in the world [m].
+    /// Position of a state in the world [m].
     fn place(&self, state: [f64; 2]) -> [f64; 2];
 
-    /// What the moving point hangs on, if it hangs on anything [m].
+    /// Pivot of the moving point, if it has one [m].
     fn pivot(&self) -> Option<[f64; 2]> {
         None
     }
 
-    /// The exact path in the world [m], and whether it closes.
+    /// Exact path in the world [m], and whether it closes.
     fn path(&self) -> (Vec<[f64; 2]>, bool);
 
-    /// What is worth reading beside the picture, in a state at a time [s].
+    /// Readings to show beside the picture, for a state at a time [s].
     fn readings(&self, time: f64, state: [f64; 2]) -> Vec<Reading>;
 }
 
-/// A number to read.
+/// Reading of a toy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// What it is.
+    /// Name.
     pub name: &'static str,
-    /// How much.
+    /// Value.
     pub value: f64,
-    /// In which unit.
+    /// Unit.
     pub unit: &'static str,
-    /// The formula, for a tooltip.
+    /// Formula, for a tooltip.
     pub help: &'static str,
 }
 
-/// Distance of two states over the size of the start.
+/// Distance of a state from the exact one, over the size of the start state.
 fn relative_error(toy: &dyn Toy, time: f64, state: [f64; 2]) -> f64 {
     let (exact, start) = (toy.exact(time), toy.exact(0.0));
     let size = |a: f64, b: f64| (a * a + b * b).sqrt();

@@ -27,13 +27,13 @@ impl Default for Pendulum {
     }
 }
 
-/// Where the rod hangs [m].
+/// Pivot of the rod [m].
 const PIVOT: [f64; 2] = [0.5, 0.5];
 
-/// Halvings after which the two means agree to the last bit for every start angle that is allowed.
+/// Rounds after which both means agree to the last bit for every allowed start angle.
 const ROUNDS: usize = 8;
 
-/// The arithmetic-geometric means of 1 and k' for `k = sin(half)`, with `c_n = (a_(n-1) - b_(n-1))/2`: pairs (a, c).
+/// Arithmetic-geometric means of 1 and k' for `k = sin(half)`, with `c_n = (a_(n-1) - b_(n-1))/2`: pairs (a, c).
 fn means(half: f64) -> [(f64, f64); ROUNDS] {
     let (mut a, mut b, mut c) = (1.0, libm::cos(half), libm::sin(half));
     std::array::from_fn(|_| {
@@ -43,13 +43,13 @@ fn means(half: f64) -> [(f64, f64); ROUNDS] {
     })
 }
 
-/// T/T0: how much longer a swing of `theta0` [rad] takes than a very small one, `2 K(sin(theta0/2)) / pi`, which is
-/// 1 over the arithmetic-geometric mean of 1 and `cos(theta0/2)`.
+/// Period ratio T/T0 for a start angle `theta0` [rad], with T0 for a very small angle: `2 K(sin(theta0/2)) / pi`.
+/// It is 1 over the arithmetic-geometric mean of 1 and `cos(theta0/2)`.
 pub fn period_ratio(theta0: f64) -> f64 {
     1.0 / means(0.5 * theta0)[ROUNDS - 1].0
 }
 
-/// sn and cn of `u` for `k = sin(half)`, by descending from the last mean.
+/// Jacobi functions sn and cn of `u` for `k = sin(half)`, by descending from the last mean.
 fn jacobi(u: f64, half: f64) -> [f64; 2] {
     let means = means(half);
     let mut phi = f64::from(1_u32 << (ROUNDS - 1)) * means[ROUNDS - 1].0 * u;
@@ -70,7 +70,7 @@ impl Pendulum {
         self.start.get().to_radians()
     }
 
-    /// The period of a very small swing [s].
+    /// Period of a very small swing [s].
     fn small_period(&self) -> f64 {
         2.0 * PI / self.square().sqrt()
     }
@@ -100,7 +100,7 @@ impl Toy for Pendulum {
     fn exact(&self, time: f64) -> [f64; 2] {
         let (half, frequency) = (0.5 * self.theta0(), self.square().sqrt());
         let quarter = FRAC_PI_2 * period_ratio(2.0 * half);
-        // The phase is taken within one period, so that it does not lose digits as time goes on.
+        // The phase is reduced to one period, so that it keeps its digits over a long time.
         let turns = time / self.period();
         let [sn, cn] = jacobi(quarter * (1.0 + 4.0 * (turns - libm::floor(turns))), half);
         let k = libm::sin(half);

@@ -32,7 +32,7 @@ pub struct Level {
     /// One or two sentences on what there is to see.
     #[serde(default)]
     pub about: String,
-    /// How the level runs when nobody says otherwise: headless, and when play is pressed in edit mode.
+    /// Mode of headless runs, and of the window when play is pressed in edit mode.
     #[serde(default, skip_serializing_if = "is_default")]
     pub mode: RunMode,
     /// Steps per 1/60 s of simulated time.
@@ -47,7 +47,7 @@ pub struct Level {
     /// Whether an unstable step is taken again in shorter ones.
     #[serde(default, skip_serializing_if = "is_default")]
     pub guard: Toggle,
-    /// Whether what has come to rest sleeps until something happens to it.
+    /// Whether a body or net at rest sleeps until something acts on it.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sleep: Toggle,
     /// The deformable bodies.
@@ -145,8 +145,8 @@ impl Default for Place {
     }
 }
 
-/// The shape a body starts in, seen from its rest shape. What is pinned stays, and what slides stays on its side. Whatever is
-/// irregular comes from the seed: the same number, the same shape.
+/// Start shape of a body, relative to its rest shape. Pinned vertices stay, and vertices on rollers stay on their side. The
+/// seed determines everything irregular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum StartShape {
@@ -281,12 +281,12 @@ pub struct EffectLevel {
 /// Whether an effect acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Switch {
-    /// It is asked to act at every moment.
+    /// It is evaluated in every step.
     On,
-    /// It is passed over where it could change nothing. In every bit what comes out is the same as with [`Self::On`].
+    /// It is skipped where it changes nothing. Every bit is the same as with [`Self::On`].
     #[default]
     Auto,
-    /// It is listed but not there.
+    /// It does not act.
     Off,
 }
 

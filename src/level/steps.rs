@@ -68,7 +68,7 @@ impl From<Substeps> for u32 {
     }
 }
 
-/// Who takes how many steps. Bodies and nets do not touch each other, so that each may go at a pace of its own.
+/// Whether bodies and nets have step lengths of their own. They do not touch each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SubstepMode {
     /// All take the steps of the level, however stiff one of them is.

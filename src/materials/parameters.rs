@@ -4,7 +4,7 @@ use super::Model;
 use crate::quantity::{OutOfRange, Poisson, Young};
 use serde::{Deserialize, Serialize};
 
-/// What the third dimension does.
+/// Condition through the thickness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Plane {
     /// The sheet is held at its thickness: F33 = 1. `lambda = E nu / ((1 + nu)(1 - 2 nu))`.
@@ -134,7 +134,7 @@ impl MaterialParameters {
         self.poisson
     }
 
-    /// What the third dimension does.
+    /// Condition through the thickness.
     pub const fn plane(&self) -> Plane {
         self.plane
     }

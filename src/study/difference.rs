@@ -88,7 +88,7 @@ pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
 /// Difference of two runs at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
-    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A [m]. x_B are the positions of the same material points in B.
+    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A [m]. `x_B` are the positions of the same material points in B.
     pub metres: f64,
     /// The same difference over the greatest motion of A so far, `sqrt(mean |x_A - x_start|²)`.
     /// The average motion is no measure: a scene that has just begun to move would have a large error without reason.

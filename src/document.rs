@@ -2,9 +2,7 @@
 
 use crate::{
     command::Pose,
-    level::{
-        BodyLevel, EffectLevel, Level, Pin, Place, RunMode, StretchTest, SubstepMode, Substeps, Switch, Toggle, When,
-    },
+    level::{BodyLevel, EffectLevel, Level, Pin, Place, StretchTest, Switch, When},
     materials::Model,
     meshes::MeshKind,
     quantity::{Factor, Point},
@@ -224,26 +222,4 @@ impl Document {
 fn moved(point: Point, by: f64) -> Point {
     let [x, y] = point.get();
     Point::new([x + by, y]).unwrap_or(point)
-}
-
-impl Default for Level {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            about: String::new(),
-            mode: RunMode::Simulate,
-            substeps: Substeps::default(),
-            paces: SubstepMode::default(),
-            integrator: crate::integrators::IntegratorKind::default(),
-            guard: Toggle::On,
-            sleep: Toggle::On,
-            bodies: Vec::new(),
-            nets: Vec::new(),
-            toy: None,
-            effects: Vec::new(),
-            test: None,
-            actions: Vec::new(),
-            state: None,
-        }
-    }
 }

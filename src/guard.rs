@@ -145,11 +145,6 @@ impl Guard {
         self.last.is_some() || kinetic > self.kinetic_threshold
     }
 
-    /// Greatest kinetic energy that requires no check [J]; negative if every step is checked.
-    pub const fn kinetic_threshold(&self) -> f64 {
-        if self.last.is_some() { -1.0 } else { self.kinetic_threshold }
-    }
-
     /// Checks a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);

@@ -24,7 +24,7 @@ use crate::{
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 /// Everything a file says about a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Level {
     /// Title in the level picker.

@@ -221,7 +221,7 @@ fn forces_of_a_large_mesh_match_single_triangles() {
     }
 }
 
-/// So few vertices that a sweep copies their positions, and so many that it does not.
+/// One partition, and many.
 #[test]
 fn a_body_listed_after_another_has_its_forces_alone() {
     for side in [9, 258] {

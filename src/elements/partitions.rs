@@ -250,18 +250,17 @@ impl Partition {
         Self { owned, blocks, shared, corners: Corners::new(&corners, 0), gather }
     }
 
-    /// How many numbers a copy of the positions takes, with so many after them that from any of them on there are
-    /// [`Indexed16`](crate::simd::Near) ones.
+    /// Size of a copy of the positions, padded so that [`Indexed16`](crate::simd::Indexed16) numbers follow each one.
     fn copy(&self) -> usize {
         2 * (self.owned.len() + self.shared.len()) + INDEXED16
     }
 
-    /// How many numbers of scratch it needs for N stresses.
+    /// Size of scratch for a number of stresses.
     fn scratch(&self, stresses: usize) -> usize {
         2 * self.copy() + stresses * scratch_size(4 * self.gather.buffer())
     }
 
-    /// Copies what its fans have to do with at the interface.
+    /// Copies the positions and velocities of its interface vertices.
     fn copy_shared(&self, motion: [&[f64]; 2], scratch: &mut [f64]) {
         for (values, copy) in motion.into_iter().zip(scratch.chunks_mut(self.copy())) {
             let values: &[[f64; 2]] = values.as_chunks().0;
@@ -274,8 +273,8 @@ impl Partition {
         }
     }
 
-    /// Assembles the forces on its fans. The target holds the vertices that it owns; the forces at the interface are written to
-    /// `partial`.
+    /// Assembles the forces on its fans. The accumulator holds the vertices that it owns; `partial` receives the forces at
+    /// the interface.
     fn assemble<L: StressModel<N>, T: Accumulator<N>, const N: usize>(
         &self,
         Job { model, blocks }: Job<'_, L>,
@@ -316,10 +315,10 @@ impl Partition {
     }
 }
 
-/// The target of a partition, and the partial sums at the interface.
+/// Accumulator of a partition, and the partial sums at the interface.
 struct Local<'a, T> {
     accumulator: T,
-    /// How many vertices come before those of the interface.
+    /// Number of owned vertices, which precede those of the interface.
     owned: usize,
     partial: &'a mut [[f64; 2]],
 }

@@ -2,8 +2,7 @@
 
 use super::{BodyLevel, EffectLevel, Level, MassLevel, NetLevel, no_spin, no_velocity, unstretched};
 use crate::{
-    effects::EffectKind, integrators::IntegratorKind, materials::MaterialParameters, meshes::MeshKind, nets::NetKind,
-    quantity::ParticleMass,
+    effects::EffectKind, materials::MaterialParameters, meshes::MeshKind, nets::NetKind, quantity::ParticleMass,
 };
 
 impl Level {
@@ -34,23 +33,7 @@ impl Level {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            about: String::new(),
-            mode: super::RunMode::default(),
-            substeps: super::Substeps::default(),
-            paces: super::SubstepMode::default(),
-            integrator: IntegratorKind::default(),
-            guard: super::Toggle::default(),
-            sleep: super::Toggle::default(),
-            bodies: Vec::new(),
-            nets: Vec::new(),
-            toy: None,
-            effects: Vec::new(),
-            test: None,
-            actions: Vec::new(),
-            state: None,
-        }
+        Self { name: name.into(), ..Self::default() }
     }
 
     /// The level with one more body.

@@ -8,40 +8,8 @@ pub const SPARE: usize = LINE / size_of::<f64>();
 
 /// Part of a buffer from the first aligned number on. A SIMD load then lies in one cache line instead of two.
 pub fn lined(values: &mut [f64]) -> &mut [f64] {
-    let skip = skip(values);
+    let skip = values.as_ptr().align_offset(LINE).min(SPARE).min(values.len());
     &mut values[skip..]
-}
-
-fn skip(values: &[f64]) -> usize {
-    values.as_ptr().align_offset(LINE).min(SPARE).min(values.len())
-}
-
-/// Owned buffer, aligned to a cache line and padded, so that [`Indexed16`] numbers follow every one of its numbers.
-#[derive(Debug, Default)]
-pub struct Lined {
-    values: Vec<f64>,
-    count: usize,
-}
-
-impl Lined {
-    /// Resizes the buffer.
-    pub fn fit(&mut self, count: usize) -> &mut [f64] {
-        if self.count != count {
-            // The allocator provides zeros, so that untouched pages take no memory.
-            *self = Self { values: vec![0.0; count + INDEXED16 + SPARE], count };
-        }
-        &mut lined(&mut self.values)[..count]
-    }
-
-    /// All numbers.
-    pub fn numbers(&self) -> &[f64] {
-        &self.values[skip(&self.values)..][..self.count]
-    }
-
-    /// All numbers, and the padding.
-    pub fn and_more(&mut self) -> &mut [f64] {
-        lined(&mut self.values)
-    }
 }
 
 /// Array that 16-bit indices address without a bounds check.

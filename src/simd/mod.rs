@@ -12,7 +12,7 @@ mod sets;
 mod wide;
 
 pub use interleaved::Interleaved;
-pub use lines::{INDEXED16, Indexed16, Lined, SPARE, lined, vector};
+pub use lines::{INDEXED16, Indexed16, SPARE, lined, vector};
 pub use mat2::Mat2;
 pub use sets::{sets, width};
 pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};

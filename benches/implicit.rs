@@ -45,7 +45,7 @@ fn sheet(n: u32, model: Model) -> Simulation {
 /// The matrix of a step from the stretched start.
 struct System {
     simulation: Simulation,
-    matrix: BlockMatrix,
+    matrix: BlockMatrix<2>,
 }
 
 impl System {

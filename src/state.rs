@@ -1,6 +1,8 @@
 //! State: positions, velocities and everything else that is needed to continue a scene exactly.
 
-/// Positions and velocities, flat: two numbers a vertex.
+use crate::effects::Bounds;
+
+/// Positions and velocities, flat: as many numbers a vertex as the scene has dimensions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions [m].
@@ -24,38 +26,12 @@ impl State {
 
     /// Whether every position and velocity is finite and at most [`Self::LIMIT`].
     pub fn is_finite(&self) -> bool {
-        // No early exit: a loop without branches is vectorised.
-        let within = |values: &[f64]| values.iter().fold(true, |all, value| all & (value.abs() <= Self::LIMIT));
-        pulp::Arch::new().dispatch(|| within(&self.x) && within(&self.v))
+        is_valid(&self.x) && is_valid(&self.v)
     }
 
-    /// Whether every position lies in a box and every velocity is at most [`Self::LIMIT`].
-    pub fn is_within(&self, [least, greatest]: [[f64; 2]; 2]) -> bool {
-        // Sums of numbers instead of conditions are vectorised.
-        const COUNT: usize = 16;
-        let corners = [least, greatest].map(|corner| std::array::from_fn::<f64, COUNT, _>(|number| corner[number % 2]));
-        let [least, greatest] = &corners;
-        let beyond = |x: f64, least: f64, greatest: f64| {
-            // NaN fails both comparisons.
-            let (low, high) = (if x >= least { 0.0 } else { 1.0 }, if x <= greatest { 0.0 } else { 1.0 });
-            low + high
-        };
-        let (chunks, rest) = self.x.as_chunks::<COUNT>();
-        let within = || {
-            let mut outside = [0.0; COUNT];
-            for chunk in chunks {
-                for (number, sum) in outside.iter_mut().enumerate() {
-                    *sum += beyond(chunk[number], least[number], greatest[number]);
-                }
-            }
-            let slow = |all: bool, v: &f64| all & (v.abs() <= Self::LIMIT);
-            outside.iter().sum::<f64>() == 0.0 && self.v.iter().fold(true, slow)
-        };
-        let rest = rest
-            .iter()
-            .zip(least.iter().zip(greatest))
-            .all(|(x, (least, greatest))| beyond(*x, *least, *greatest) == 0.0);
-        rest && pulp::Arch::new().dispatch(within)
+    /// Whether every position lies in a box, if there is one, and every number is at most [`Self::LIMIT`].
+    pub fn is_within(&self, bounds: Option<Bounds>) -> bool {
+        bounds.map_or_else(|| is_valid(&self.x), |bounds| bounds.contains(&self.x)) && is_valid(&self.v)
     }
 
     /// Hash of every bit of positions and velocities (FNV-1a, 64 bit): equal states have equal hashes.
@@ -65,4 +41,11 @@ impl State {
             .flat_map(|number| number.to_bits().to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
     }
+}
+
+/// Whether all values are finite and at most [`State::LIMIT`].
+fn is_valid(values: &[f64]) -> bool {
+    // No early exit: a loop without branches is vectorised.
+    let within = || values.iter().fold(true, |all, value| all & (value.abs() <= State::LIMIT));
+    pulp::Arch::new().dispatch(within)
 }

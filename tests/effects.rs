@@ -5,7 +5,7 @@ mod common;
 
 use common::{MODES, coarse, sheet, simulation};
 use gingerbread::{
-    effects::{EffectKind, EffectParameters as _, Grab, Shape, Walls},
+    effects::{Bounds, EffectKind, EffectParameters as _, Grab, Shape, Walls},
     integrators::IntegratorKind,
     level::{EffectLevel, Level, RunMode, Switch, When},
     levels::BUILT_IN,
@@ -262,7 +262,7 @@ fn savings_compare_with_a_run_of_all_effects_forced() {
 /// A position or velocity that is not a number is in no box.
 #[test]
 fn a_state_is_in_a_box_only_if_every_vertex_is() {
-    let bounds = [[0.0, -1.0], [1.0, 2.0]];
+    let bounds = Some(Bounds([[0.0, -1.0], [1.0, 2.0]]));
     // More than are looked at side by side, and some left over.
     for vertices in [0, 1, 7, 8, 21] {
         let corners = [0.0, -1.0, 1.0, 2.0];

@@ -59,7 +59,7 @@ fn stiffness_times_a_displacement_is_the_change_of_force() {
         let x = shaken(&simulation.scene().rest, 0.015, 1);
         let d = shaken(&vec![0.0; x.len()], 1.0, 2);
         let mut product = vec![0.0; x.len()];
-        let motion = Motion { x: &x, v: &d, mass: &d, inverse_mass: &d, grab: None };
+        let motion = Motion { dimension: 2, x: &x, v: &d, mass: &d, inverse_mass: &d, grab: None };
         body.stiffness_times(motion, &d, &mut vec![0.0; body.scratch()], &mut product);
         let best = difference_error(&x, &d, &product, |x| forces(body, x));
         assert!(best < 1e-8, "{model}: {best:e}");
@@ -147,10 +147,11 @@ fn effect_forces_are_minus_the_derivative_of_energy() {
         let effect = kind.kind().build(&bodies).unwrap();
         let x = shaken(&scene.rest, 0.01, 5);
         let v = vec![0.0; x.len()];
-        let energy =
-            |x: &[f64]| effect.energy(Motion { x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab });
+        let energy = |x: &[f64]| {
+            effect.energy(Motion { dimension: 2, x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab })
+        };
         let mut force = vec![0.0; x.len()];
-        let motion = Motion { x: &x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab };
+        let motion = Motion { dimension: 2, x: &x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab };
         effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);
         for number in 0..x.len() {
             let (mut ahead, mut behind) = (x.clone(), x.clone());
@@ -170,7 +171,7 @@ fn damping_force(mass: f64, stiffness: f64, x: &[f64], v: &[f64], simulation: &S
     let scene = simulation.scene();
     let effect = listed.effect.kind().build(&of(scene)).unwrap();
     let mut force = vec![0.0; x.len()];
-    let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None };
+    let motion = Motion { dimension: 2, x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None };
     effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);
     force
 }
@@ -196,7 +197,14 @@ fn at_rest_damping_is_rayleighs() {
     let v = shaken(&vec![0.0; scene.rest.len()], 1.0, 7);
     let force = damping_force(3.0, 0.02, &scene.rest, &v, &simulation);
     let mut expected = vec![0.0; v.len()];
-    let motion = Motion { x: &scene.rest, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None };
+    let motion = Motion {
+        dimension: 2,
+        x: &scene.rest,
+        v: &v,
+        mass: &scene.mass,
+        inverse_mass: &scene.inverse_mass,
+        grab: None,
+    };
     let body = elements(&simulation);
     body.stiffness_times(motion, &v, &mut vec![0.0; body.scratch()], &mut expected);
     for ((expected, mass), v) in expected.iter_mut().zip(&scene.mass).zip(&v) {

@@ -10,7 +10,7 @@ use gingerbread::{
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
-    solvers::{BlockMatrix, Equations, Factor, Newton, Tangent, Weights},
+    solvers::{BlockMatrix, Equations, Factor, Newton, SparseMatrix, Tangent, Weights},
     stability::critical_step,
     state::State,
 };
@@ -35,7 +35,7 @@ fn shaken(scene: &Scene, size: f64, speed: f64) -> State {
     state
 }
 
-fn assembled(scene: &Scene, motion: Motion<'_>, weights: Weights) -> BlockMatrix {
+fn assembled(scene: &Scene, motion: Motion<'_>, weights: Weights) -> BlockMatrix<2> {
     let mut pattern = Vec::new();
     scene.effects.iter().for_each(|effect| effect.sparsity_pattern(&mut |a, b| pattern.push([a, b])));
     let mut matrix = BlockMatrix::new(scene.rest.len() / 2, &pattern);
@@ -55,7 +55,7 @@ fn force(scene: &Scene, state: &State, grab: Option<Grab>) -> Vec<f64> {
     force
 }
 
-fn times(matrix: &BlockMatrix, vector: &[f64]) -> Vec<f64> {
+fn times(matrix: &BlockMatrix<2>, vector: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; vector.len()];
     matrix.add_product(vector, &mut product);
     product
@@ -154,7 +154,8 @@ impl Equations for Chain {
         }
     }
 
-    fn derivative(&mut self, z: &[f64], _: Tangent, matrix: &mut BlockMatrix) {
+    fn derivative(&mut self, z: &[f64], _: Tangent, matrix: &mut dyn SparseMatrix) {
+        let Some(matrix) = matrix.blocks::<2>() else { return };
         for vertex in 0..z.len() / 2 {
             matrix.diagonal(vertex, &Matrix2::identity());
         }
@@ -165,6 +166,10 @@ impl Equations for Chain {
             matrix.diagonal(vertex - 1, &block);
             matrix.off_diagonal(&-block);
         }
+    }
+
+    fn block_size(&self) -> usize {
+        2
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {

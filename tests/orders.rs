@@ -11,7 +11,7 @@ use gingerbread::{
     files,
     integrators::{Dynamics, IntegratorKind, Scheme, Workspace},
     level::Level,
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
     state::State,
 };
 use nalgebra::Matrix2;
@@ -82,10 +82,16 @@ impl Dynamics for Pendulum {
         product[0] += libm::cos(x[0]) * d[0];
     }
 
+    fn block_size(&self) -> usize {
+        2
+    }
+
     fn sparsity_pattern(&self, _: &mut dyn FnMut(u32, u32)) {}
 
-    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
-        matrix.diagonal(0, &(Matrix2::new(libm::cos(x[0]), 0.0, 0.0, 0.0) * weights.position));
+    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
+        if let Some(matrix) = matrix.blocks::<2>() {
+            matrix.diagonal(0, &(Matrix2::new(libm::cos(x[0]), 0.0, 0.0, 0.0) * weights.position));
+        }
     }
 }
 

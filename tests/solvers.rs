@@ -4,8 +4,8 @@
 mod common;
 
 use common::Random;
-use gingerbread::solvers::{BlockMatrix, Equations, Factor, LinearSolver, Newton, Tangent};
-use nalgebra::{DMatrix, DVector, Matrix2};
+use gingerbread::solvers::{Block, BlockMatrix, Equations, Factor, LinearSolver, Newton, SparseMatrix, Tangent};
+use nalgebra::{DMatrix, DVector};
 
 /// Couples of several shapes: none, a chain, a star, all with all, a grid, islands, and whatever chance gives.
 fn patterns() -> Vec<(usize, Vec<[u32; 2]>)> {
@@ -36,26 +36,31 @@ fn patterns() -> Vec<(usize, Vec<[u32; 2]>)> {
 }
 
 /// A positive definite matrix with this pattern.
-fn filled(vertices: usize, pattern: &[[u32; 2]]) -> BlockMatrix {
+fn filled<const D: usize>(vertices: usize, pattern: &[[u32; 2]]) -> BlockMatrix<D> {
     let mut random = Random(vertices as u64);
     let mut matrix = BlockMatrix::new(vertices, pattern);
     for [a, b] in pattern {
-        let block = Matrix2::from_fn(|_, _| random.between(-1.0, 1.0));
+        let block = Block::from_fn(|_, _| random.between(-1.0, 1.0));
         matrix.off_diagonal(&block);
         for vertex in [*a, *b] {
-            matrix.diagonal(vertex as usize, &Matrix2::from_diagonal_element(2.0));
+            matrix.diagonal(vertex as usize, &Block::from_diagonal_element(D as f64));
         }
     }
     for vertex in 0..vertices {
-        let off = random.between(-0.5, 0.5);
-        matrix.diagonal(vertex, &Matrix2::new(random.between(0.6, 1.0), off, off, random.between(0.6, 1.0)));
+        let mut own = Block::from_diagonal_element(0.0);
+        for (row, column) in (0..D).flat_map(|row| (0..row).map(move |column| (row, column))) {
+            own[(row, column)] = random.between(-0.5, 0.5) / (D - 1) as f64;
+            own[(column, row)] = own[(row, column)];
+        }
+        (0..D).for_each(|axis| own[(axis, axis)] = random.between(0.6, 1.0));
+        matrix.diagonal(vertex, &own);
     }
     assert!(matrix.is_full());
     matrix
 }
 
-fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
-    let count = 2 * matrix.vertices();
+fn dense<const D: usize>(matrix: &BlockMatrix<D>) -> DMatrix<f64> {
+    let count = D * matrix.vertices();
     DMatrix::from_columns(
         &(0..count)
             .map(|column| {
@@ -71,10 +76,16 @@ fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
 /// The numbering of the vertices does not matter.
 #[test]
 fn the_factor_agrees_with_a_dense_solution() {
+    check_the_factor_agrees_with_a_dense_solution::<1>();
+    check_the_factor_agrees_with_a_dense_solution::<2>();
+    check_the_factor_agrees_with_a_dense_solution::<3>();
+}
+
+fn check_the_factor_agrees_with_a_dense_solution<const D: usize>() {
     for (number, (vertices, couples)) in patterns().into_iter().enumerate() {
-        let matrix = filled(vertices, &couples);
+        let matrix = filled::<D>(vertices, &couples);
         let mut random = Random(number as u64);
-        let b: Vec<_> = (0..2 * vertices).map(|_| random.between(-1.0, 1.0)).collect();
+        let b: Vec<_> = (0..D * vertices).map(|_| random.between(-1.0, 1.0)).collect();
         let expected = dense(&matrix).cholesky().unwrap().solve(&DVector::from_column_slice(&b));
         let mut factor = Factor::new(&matrix).unwrap();
         let mut first = None;
@@ -95,19 +106,19 @@ fn the_factor_agrees_with_a_dense_solution() {
         }
         let renumbered: Vec<_> =
             matrix.pattern().iter().map(|[a, b]| [place[*b as usize], place[*a as usize]]).collect();
-        let mut other = BlockMatrix::new(vertices, &renumbered);
+        let mut other = BlockMatrix::<D>::new(vertices, &renumbered);
         matrix.blocks().iter().for_each(|block| other.off_diagonal(&block.transpose()));
         let mut moved = vec![0.0; b.len()];
         for (vertex, block) in matrix.diagonals().iter().enumerate() {
             let to = place[vertex] as usize;
             other.diagonal(to, block);
-            moved[2 * to..2 * to + 2].copy_from_slice(&b[2 * vertex..2 * vertex + 2]);
+            moved[D * to..][..D].copy_from_slice(&b[D * vertex..][..D]);
         }
         let mut factor = Factor::new(&other).unwrap();
         assert!(factor.factorise(&other, &vec![1.0; b.len()], 0.0));
         factor.solve(&mut moved);
         for (number, expected) in expected.iter().enumerate() {
-            let found = moved[2 * place[number / 2] as usize + number % 2];
+            let found = moved[D * place[number / D] as usize + number % D];
             assert!((found - expected).abs() < 1e-12);
         }
     }
@@ -115,10 +126,16 @@ fn the_factor_agrees_with_a_dense_solution() {
 
 #[test]
 fn what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest() {
+    check_what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest::<1>();
+    check_what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest::<2>();
+    check_what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest::<3>();
+}
+
+fn check_what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest<const D: usize>() {
     for (number, (vertices, pattern)) in patterns().into_iter().enumerate() {
-        let matrix = filled(vertices, &pattern);
+        let matrix = filled::<D>(vertices, &pattern);
         let mut random = Random(number as u64);
-        let count = 2 * vertices;
+        let count = D * vertices;
         let weight: Vec<_> = (0..count).map(|_| random.between(-0.5, 1.0).max(0.0)).collect();
         let b: Vec<_> = weight.iter().map(|w| if *w > 0.0 { random.between(-1.0, 1.0) } else { 0.0 }).collect();
         let whole = dense(&matrix);
@@ -141,17 +158,25 @@ fn what_is_fixed_is_left_out_and_a_shift_is_added_to_the_rest() {
 /// The factor serves again afterwards.
 #[test]
 fn an_indefinite_matrix_is_reported() {
+    check_an_indefinite_matrix_is_reported::<1>();
+    check_an_indefinite_matrix_is_reported::<2>();
+    check_an_indefinite_matrix_is_reported::<3>();
+}
+
+fn check_an_indefinite_matrix_is_reported<const D: usize>() {
     for (vertices, couples) in patterns() {
-        let matrix = filled(vertices, &couples);
+        let matrix = filled::<D>(vertices, &couples);
         let least = dense(&matrix).symmetric_eigenvalues().min();
-        let weight = vec![1.0; 2 * vertices];
+        let weight = vec![1.0; D * vertices];
         let mut factor = Factor::new(&matrix).unwrap();
         assert!(factor.factorise(&matrix, &weight, -least + 1e-6));
         assert!(!factor.factorise(&matrix, &weight, -least - 1e-6));
         for vertex in (0..vertices).step_by(7) {
             for bad in [-1e6, f64::NAN] {
                 let mut spoilt = matrix.clone();
-                spoilt.diagonal(vertex, &Matrix2::new(0.0, 0.0, 0.0, bad));
+                let mut block = Block::from_diagonal_element(0.0);
+                block[(D - 1, D - 1)] = bad;
+                spoilt.diagonal(vertex, &block);
                 assert!(!factor.factorise(&spoilt, &weight, 0.0));
             }
         }
@@ -162,7 +187,7 @@ fn an_indefinite_matrix_is_reported() {
 #[test]
 fn a_matrix_knows_which_list_it_was_made_for() {
     for (vertices, pattern) in patterns() {
-        let matrix = filled(vertices, &pattern);
+        let matrix = filled::<2>(vertices, &pattern);
         assert!(matrix.is_for(vertices, &pattern));
         assert!(!matrix.is_for(vertices + 1, &pattern));
         if let Some(([a, b], rest)) = pattern.split_first() {
@@ -174,7 +199,7 @@ fn a_matrix_knows_which_list_it_was_made_for() {
 
 #[test]
 fn nothing_at_all_is_solved_too() {
-    let nothing = BlockMatrix::new(0, &[]);
+    let nothing = BlockMatrix::<2>::new(0, &[]);
     let mut factor = Factor::new(&nothing).unwrap();
     assert!(factor.factorise(&nothing, &[], 0.0));
     factor.solve(&mut []);
@@ -182,14 +207,18 @@ fn nothing_at_all_is_solved_too() {
 }
 
 /// `A z = b`, with some numbers fixed.
-struct Linear {
-    matrix: BlockMatrix,
+struct Linear<const D: usize> {
+    matrix: BlockMatrix<D>,
     pattern: Vec<[u32; 2]>,
     b: Vec<f64>,
     inverse_weight: Vec<f64>,
 }
 
-impl Equations for Linear {
+impl<const D: usize> Equations for Linear<D> {
+    fn block_size(&self) -> usize {
+        D
+    }
+
     fn residual(&mut self, z: &[f64], g: &mut [f64]) {
         g.fill(0.0);
         self.matrix.add_product(z, g);
@@ -198,7 +227,8 @@ impl Equations for Linear {
         }
     }
 
-    fn derivative(&mut self, _: &[f64], _: Tangent, matrix: &mut BlockMatrix) {
+    fn derivative(&mut self, _: &[f64], _: Tangent, matrix: &mut dyn SparseMatrix) {
+        let matrix = matrix.blocks::<D>().unwrap();
         self.matrix.diagonals().iter().enumerate().for_each(|(vertex, block)| matrix.diagonal(vertex, block));
         self.matrix.blocks().iter().for_each(|block| matrix.off_diagonal(block));
     }
@@ -221,11 +251,17 @@ impl Equations for Linear {
 /// Any vertices may be coupled and any numbers fixed.
 #[test]
 fn iterations_agree_with_the_factor() {
+    check_iterations_agree_with_the_factor::<1>();
+    check_iterations_agree_with_the_factor::<2>();
+    check_iterations_agree_with_the_factor::<3>();
+}
+
+fn check_iterations_agree_with_the_factor<const D: usize>() {
     for (number, (vertices, pattern)) in patterns().into_iter().enumerate() {
-        let matrix = filled(vertices, &pattern);
+        let matrix = filled::<D>(vertices, &pattern);
         let pattern = matrix.pattern().to_vec();
         let mut random = Random(number as u64);
-        let b: Vec<_> = (0..2 * vertices).map(|_| random.between(-1.0, 1.0)).collect();
+        let b: Vec<_> = (0..D * vertices).map(|_| random.between(-1.0, 1.0)).collect();
         for fixed in [0.0, 0.3, 1.0] {
             let inverse_weight: Vec<_> =
                 b.iter().map(|_| f64::from(u8::from(random.between(0.0, 1.0) >= fixed))).collect();

@@ -127,7 +127,7 @@ impl Effect for Edges {
         motion.x.len() / 2
     }
 
-    fn is_clear(&self, [least, greatest]: Bounds) -> bool {
+    fn is_clear(&self, Bounds([least, greatest]): Bounds) -> bool {
         (0..2).all(|axis| least[axis] > self.least[axis] && greatest[axis] < self.greatest[axis])
     }
 
@@ -153,7 +153,7 @@ impl Effect for Edges {
     ) {
         let edges = self.all.iter().enumerate();
         let contact_query = |(edge, obstacle): (usize, &'a Edge)| {
-            ContactQuery::new(([number, edge], obstacle), SweptMotion::STILL, swept_bounds)
+            ContactQuery::new(([number, edge], obstacle), SweptMotion::STILL, swept_bounds.0)
         };
         edges.map(contact_query).filter(ContactQuery::is_near).for_each(act);
     }

@@ -6,7 +6,7 @@ use crate::{
     materials::{Moduli, Parts},
     quantity::{CompressionStrength, Quantity},
     simd::{Mat2, Real},
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
 };
 use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
@@ -143,7 +143,8 @@ impl Effect for Resistance {
         self.bodies.iter().for_each(|body| body.add_sparsity(add));
     }
 
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        let Some(matrix) = matrix.blocks::<2>() else { return };
         for body in &self.bodies {
             let density = self.density(body);
             body.add_energy_tangent(motion.x, weights, matrix, density);

@@ -4,9 +4,8 @@ use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
     elements::{Elements, UniformForce},
     quantity::{DragCoefficient, Quantity},
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
 };
-use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 /// Viscous drag: `f = -k v` on every vertex, whatever its mass, as a fluid at rest would slow a small ball.
@@ -54,7 +53,7 @@ impl Effect for Viscous {
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {
-        motion.x.len() / 2
+        motion.vertices()
     }
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
@@ -76,10 +75,7 @@ impl Effect for Viscous {
         }
     }
 
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
-        let block = Matrix2::identity() * (weights.velocity * self.0);
-        for vertex in 0..motion.x.len() / 2 {
-            matrix.diagonal(vertex, &block);
-        }
+    fn add_stiffness(&self, _: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        matrix.add_to_diagonal(&|_| weights.velocity * self.0);
     }
 }

@@ -59,7 +59,7 @@ impl Effect for Field {
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {
-        motion.x.len() / 2
+        motion.vertices()
     }
 
     fn idle(&self, _: Motion<'_>) -> Option<&'static str> {

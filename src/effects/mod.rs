@@ -2,6 +2,7 @@
 //! parameters, which a level lists, and the built effect, which takes part in a step. [`EffectKind`] lists them all.
 
 mod boundary;
+mod bounds;
 mod compression;
 mod drag;
 mod friction;
@@ -12,6 +13,7 @@ mod restitution;
 mod walls;
 
 pub use boundary::Boundary;
+pub use bounds::Bounds;
 pub use compression::Compression;
 pub use drag::Drag;
 pub use friction::Friction;
@@ -27,7 +29,7 @@ use crate::{
     obstacles::{ContactQuery, Depenetration, Start, Surface},
     quantity::Quantity,
     registry::registry,
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
 };
 
 registry! {
@@ -125,9 +127,11 @@ pub enum Shape {
     Edges([f64; 2], [f64; 2]),
 }
 
-/// Positions, velocities and masses at one moment, flat: two numbers a vertex.
+/// Positions, velocities and masses at one moment, flat.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
+    /// Number of coordinates of a vertex.
+    pub dimension: usize,
     /// Positions [m].
     pub x: &'a [f64],
     /// Velocities [m/s].
@@ -141,28 +145,15 @@ pub struct Motion<'a> {
 }
 
 impl Motion<'_> {
+    /// Number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.x.len() / self.dimension
+    }
+
     /// Reason to skip damping, if all velocities are zero.
     pub fn stillness(&self) -> Option<&'static str> {
         self.v.iter().all(|v| *v == 0.0).then_some("nothing moves")
     }
-}
-
-/// Least and greatest corner of a box [m].
-pub type Bounds = [[f64; 2]; 2];
-
-/// Box around the positions of all vertices before and after a step.
-pub fn around(before: &[f64], after: &[f64]) -> Bounds {
-    let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
-        for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
-            least[axis] = if value < least[axis] { value } else { least[axis] };
-            greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
-        }
-    }
-    [
-        [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
-        [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
-    ]
 }
 
 /// Reason for skipping a constraint.
@@ -218,12 +209,17 @@ pub trait Effect: Send + Sync {
         0.0
     }
 
-    /// Adds the force on every vertex [N] to `force` (two numbers a vertex).
+    /// Adds the force on every vertex [N] to `force`, flat.
     fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
 
     /// The uniform force, if [`Self::force`] adds exactly that.
     fn uniform_force(&self) -> Option<UniformForce> {
         None
+    }
+
+    /// Elements only: whether there is an [`Self::euler_update`].
+    fn has_euler_update(&self) -> bool {
+        false
     }
 
     /// Elements only: computes the same forces as [`Self::force`], adds the uniform force, and updates each vertex by
@@ -239,9 +235,10 @@ pub trait Effect: Send + Sync {
     fn sparsity_pattern(&self, _add: &mut dyn FnMut(u32, u32)) {}
 
     /// Adds `ax (-d force/dx) + av (-d force/dv)` to a matrix: any diagonal blocks, and one block for every pair, in
-    /// the order of [`Self::sparsity_pattern`]. The matrix is symmetric; an unsymmetric part is omitted and only slows
+    /// the order of [`Self::sparsity_pattern`]. [`SparseMatrix`] gives the blocks of the dimension of the effect. The
+    /// matrix is symmetric; an unsymmetric part is omitted and only slows
     /// Newton's method down.
-    fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut BlockMatrix) {}
+    fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut dyn SparseMatrix) {}
 
     /// Rayleigh's alpha [1/s] and beta [s], if this is damping; the largest over the vertices.
     fn damping(&self, _motion: Motion<'_>) -> [f64; 2] {

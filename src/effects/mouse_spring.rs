@@ -4,7 +4,7 @@ use super::{DuplicatePolicy, Effect, EffectParameters, Grab, Motion};
 use crate::{
     elements::Elements,
     quantity::{Quantity, Spring},
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
 };
 use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
@@ -90,8 +90,8 @@ impl Effect for Pulling {
         }
     }
 
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
-        if let Some(grab) = motion.grab {
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        if let (Some(grab), Some(matrix)) = (motion.grab, matrix.blocks::<2>()) {
             matrix.diagonal(grab.vertex, &Matrix2::from_diagonal_element(weights.position * self.0));
         }
     }

@@ -6,7 +6,7 @@ use crate::{
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
     simd::{Mat2, Real},
-    solvers::{BlockMatrix, Tangent, Weights},
+    solvers::{SparseMatrix, Tangent, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
 use serde::{Deserialize, Serialize};
@@ -131,7 +131,7 @@ impl Effect for Damping {
     fn elements(&self, motion: Motion<'_>) -> usize {
         let triangles: usize = self.bodies.iter().map(|body| body.corners().len()).sum();
         let springs: usize = self.nets.iter().map(|net| net.links().len()).sum();
-        motion.x.len() / 2 + triangles + springs
+        motion.vertices() + triangles + springs
     }
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
@@ -178,10 +178,9 @@ impl Effect for Damping {
     }
 
     /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, for springs none.
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
-        for (vertex, mass) in motion.mass.chunks_exact(2).enumerate() {
-            matrix.diagonal(vertex, &Matrix2::from_diagonal_element(weights.velocity * self.alpha * mass[0]));
-        }
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        matrix.add_to_diagonal(&|number| weights.velocity * self.alpha * motion.mass[number]);
+        let Some(matrix) = matrix.blocks::<2>() else { return };
         // The derivative of damping by x may be indefinite; that by v is not.
         let weights = match weights.tangent {
             Tangent::Exact => weights,

@@ -1,6 +1,6 @@
 //! Effect: contact with obstacles.
 
-use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape, around};
+use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape};
 use crate::{
     elements::Elements,
     obstacles::{
@@ -127,7 +127,7 @@ impl Contacts {
     fn near(&self, effect: usize, time: [f64; 2], bounds: Bounds) -> impl Iterator<Item = ContactQuery<'_>> + Clone {
         let walls = self.obstacles.iter().enumerate();
         let contact_queries = walls.map(move |(number, wall)| {
-            ContactQuery::new(([effect, number], wall.obstacle.as_ref()), wall.swept_motion(time), bounds)
+            ContactQuery::new(([effect, number], wall.obstacle.as_ref()), wall.swept_motion(time), bounds.0)
         });
         contact_queries.filter(ContactQuery::is_near)
     }
@@ -182,7 +182,7 @@ impl Effect for Contacts {
         self.obstacles.len() * motion.x.len() / 2
     }
 
-    fn is_clear(&self, [least, greatest]: Bounds) -> bool {
+    fn is_clear(&self, Bounds([least, greatest]): Bounds) -> bool {
         self.obstacles.iter().all(|wall| wall.motions.is_empty() && !wall.obstacle.may_touch(least, greatest))
     }
 
@@ -216,7 +216,7 @@ impl Effect for Contacts {
     }
 
     fn constrain(&self, start: &Start<'_>, x: &mut [f64], v: &mut [f64]) -> usize {
-        let bounds = around(start.x, x);
+        let bounds = Bounds::around(start.x, x);
         let mut touched = 0;
         let near = self.near(start.effect, start.time, bounds);
         for wall in near.clone() {

@@ -9,13 +9,13 @@ use crate::{
     effects::{Effect, Motion},
     nets::{Link, Net},
     simd::{INDEXED16, LANES, Lanes, Order, Pairs, Real, Wide},
-    solvers::{BlockMatrix, Tangent, Weights},
+    solvers::{Block as MatrixBlock, BlockMatrix, SparseMatrix, Tangent, Weights},
 };
-use nalgebra::Matrix2;
+use nalgebra::SVector;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// The springs of one net: linear in their length.
+/// The springs of one net, in the plane or in space: linear in their length.
 ///
 /// With d from one end to the other, a spring of stiffness k and rest length r stores `k/2 (|d| - r)²` and pulls its first
 /// end by `k (|d| - r) d/|d|`, its other end by the opposite. Its stiffness is `k (u uᵀ + (1 - r/|d|) (I - u uᵀ))` for
@@ -24,9 +24,17 @@ use std::ops::Range;
 /// A spring whose ends coincide has no direction: it gives no force. Springs are summed at each particle in the order of
 /// the net.
 #[derive(Debug)]
-pub struct Springs {
+pub struct Springs<const D: usize = 2> {
     vertices: Range<usize>,
     links: Vec<Link>,
+    /// Force assembly by SIMD, for springs in the plane.
+    packed: Option<Packed>,
+}
+
+/// Springs in SIMD vectors, in the plane.
+#[derive(Debug)]
+struct Packed {
+    vertices: Range<usize>,
     ends: Corners<2>,
     blocks: Vec<Block>,
     gather: Gather,
@@ -47,32 +55,24 @@ impl Springs {
     pub fn new(net: &Net, vertices: Range<usize>) -> Self {
         let first = vertices.start as u32;
         let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
-        Self::of_links(links.collect(), vertices, Arch::new())
+        Self::packed(links.collect(), vertices, Arch::new())
     }
 
-    fn of_links(links: Vec<Link>, vertices: Range<usize>, set: Arch) -> Self {
-        let ends: Vec<_> = links.iter().map(|link| link.ends.map(|end| end - vertices.start as u32)).collect();
-        let order = Order::of_pairs(set);
-        let pack = |links: &[Link]| {
-            let mut block = Block::default();
-            for (link, lane) in links.iter().zip(order.lane) {
-                (block.stiffness[lane], block.rest[lane]) = (link.stiffness, link.rest);
-            }
-            block
-        };
-        Self {
-            ends: Corners::new(&ends, 0),
-            blocks: links.chunks(LANES).map(pack).collect(),
-            gather: Gather::new(&ends, (0..vertices.len() as u32).collect(), vertices.start, &order),
-            links,
-            vertices,
-        }
+    fn packed(links: Vec<Link>, vertices: Range<usize>, set: Arch) -> Self {
+        Self { packed: Some(Packed::new(&links, vertices.clone(), set)), ..Self::of_links(links, vertices) }
     }
 
     /// The same with another instruction set: the same bits in more time.
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
-        Self::of_links(self.links.clone(), self.vertices.clone(), set)
+        Self::packed(self.links.clone(), self.vertices.clone(), set)
+    }
+}
+
+impl<const D: usize> Springs<D> {
+    /// Springs between the scene's `vertices`, by their numbers in the scene.
+    pub const fn of_links(links: Vec<Link>, vertices: Range<usize>) -> Self {
+        Self { vertices, links, packed: None }
     }
 
     /// Scene numbers of the net's particles.
@@ -88,10 +88,48 @@ impl Springs {
     /// Stored energy at these positions [J].
     pub fn elastic_energy(&self, x: &[f64]) -> f64 {
         let stored = |link: &Link| {
-            let longer = link.length(x) - link.rest;
+            let longer = between::<D>(x, link).norm() - link.rest;
             0.5 * link.stiffness * longer * longer
         };
         self.links.iter().map(stored).sum()
+    }
+
+    /// Adds dampers beside the springs, `c = beta k` [N s/m]: each damps only the rate of length of its spring, so that
+    /// a rigid motion is not damped. At rest it is Rayleigh's `-beta K v`.
+    pub(crate) fn add_damping(&self, x: &[f64], v: &[f64], beta: f64, force: &mut [f64]) {
+        for link in &self.links {
+            let Some((along, _)) = direction::<D>(x, link) else { continue };
+            let pull = beta * link.stiffness * between::<D>(v, link).dot(&along);
+            add_pair(force, link, along * pull);
+        }
+    }
+
+    /// Adds `factor (-d force/dv)` of the dampers, one couple for each spring.
+    pub(crate) fn add_damping_stiffness(&self, x: &[f64], beta: f64, factor: f64, matrix: &mut BlockMatrix<D>) {
+        for link in &self.links {
+            let along = direction::<D>(x, link).map_or_else(SVector::zeros, |(along, _)| along);
+            add_block(matrix, link, &(along * along.transpose()).map(|entry| factor * beta * link.stiffness * entry));
+        }
+    }
+}
+
+impl Packed {
+    fn new(links: &[Link], vertices: Range<usize>, set: Arch) -> Self {
+        let ends: Vec<_> = links.iter().map(|link| link.ends.map(|end| end - vertices.start as u32)).collect();
+        let order = Order::of_pairs(set);
+        let pack = |links: &[Link]| {
+            let mut block = Block::default();
+            for (link, lane) in links.iter().zip(order.lane) {
+                (block.stiffness[lane], block.rest[lane]) = (link.stiffness, link.rest);
+            }
+            block
+        };
+        Self {
+            ends: Corners::new(&ends, 0),
+            blocks: links.chunks(LANES).map(pack).collect(),
+            gather: Gather::new(&ends, (0..vertices.len() as u32).collect(), vertices.start, &order),
+            vertices,
+        }
     }
 
     /// Assembles the forces on the particles into an accumulator. Returns the [sum](Accumulator::sum) of the
@@ -123,76 +161,67 @@ impl Springs {
         2 * self.vertices.len() + INDEXED16
     }
 
-    /// Adds dampers beside the springs, `c = beta k` [N s/m]: each damps only the rate of length of its spring, so that
-    /// a rigid motion is not damped. At rest it is Rayleigh's `-beta K v`.
-    pub(crate) fn add_damping(&self, x: &[f64], v: &[f64], beta: f64, force: &mut [f64]) {
-        for link in &self.links {
-            let Some(([ux, uy], _)) = direction(x, link) else { continue };
-            let [vx, vy] = between(v, link);
-            let pull = beta * link.stiffness * (vx * ux + vy * uy);
-            add_pair(force, link, [pull * ux, pull * uy]);
-        }
-    }
-
-    /// Adds `factor (-d force/dv)` of the dampers, one couple for each spring.
-    pub(crate) fn add_damping_stiffness(&self, x: &[f64], beta: f64, factor: f64, matrix: &mut BlockMatrix) {
-        for link in &self.links {
-            let [ux, uy] = direction(x, link).map_or([0.0; 2], |(along, _)| along);
-            add_block(matrix, link, [ux * ux, ux * uy, uy * uy].map(|entry| factor * beta * link.stiffness * entry));
-        }
+    fn scratch(&self) -> usize {
+        self.copy() + scratch_size(2 * self.gather.buffer())
     }
 }
 
-/// Adds the stiffness between the two ends of the next spring of the list, xx, xy, yy.
+/// Adds the stiffness between the two ends of the next spring of the list.
 #[inline]
-fn add_block(matrix: &mut BlockMatrix, link: &Link, [xx, xy, yy]: [f64; 3]) {
-    let block = Matrix2::new(xx, xy, xy, yy);
+fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &MatrixBlock<D>) {
     for end in link.ends {
-        matrix.diagonal(end as usize, &block);
+        matrix.diagonal(end as usize, block);
     }
     matrix.off_diagonal(&-block);
 }
 
 /// From the first end to the second.
 #[inline]
-fn between(values: &[f64], link: &Link) -> [f64; 2] {
-    let [a, b] = link.ends.map(|end| 2 * end as usize);
-    [values[b] - values[a], values[b + 1] - values[a + 1]]
+fn between<const D: usize>(values: &[f64], link: &Link) -> SVector<f64, D> {
+    let points = values.as_chunks::<D>().0;
+    let [a, b] = link.ends.map(|end| SVector::from(points[end as usize]));
+    b - a
 }
 
 /// The unit vector from the first end to the second, and their distance [m]; none if they coincide.
 #[inline]
-fn direction(x: &[f64], link: &Link) -> Option<([f64; 2], f64)> {
-    let [dx, dy] = between(x, link);
-    let length = (dx * dx + dy * dy).sqrt();
-    (length > 0.0).then(|| ([dx / length, dy / length], length))
+fn direction<const D: usize>(x: &[f64], link: &Link) -> Option<(SVector<f64, D>, f64)> {
+    let between = between::<D>(x, link);
+    let length = between.norm();
+    (length > 0.0).then(|| (between / length, length))
 }
 
 /// Adds a vector at the first end and its opposite at the second.
 #[inline]
-fn add_pair(values: &mut [f64], link: &Link, [fx, fy]: [f64; 2]) {
-    let [a, b] = link.ends.map(|end| 2 * end as usize);
-    values[a] += fx;
-    values[a + 1] += fy;
-    values[b] -= fx;
-    values[b + 1] -= fy;
+fn add_pair<const D: usize>(values: &mut [f64], link: &Link, vector: SVector<f64, D>) {
+    let points = values.as_chunks_mut::<D>().0;
+    let [a, b] = link.ends.map(|end| end as usize);
+    points[a].iter_mut().zip(&vector).for_each(|(into, value)| *into += value);
+    points[b].iter_mut().zip(&vector).for_each(|(into, value)| *into -= value);
 }
 
-/// The stiffness between the ends [N/m], symmetric: xx, xy, yy.
+/// The stiffness between the ends [N/m], symmetric.
 ///
 /// Where the ends coincide it is k in every direction: the limit for a spring without a rest length, and for others a
 /// finite stand-in that holds the ends together.
 #[inline]
-fn block(x: &[f64], link: &Link, tangent: Tangent) -> [f64; 3] {
-    let Some(([ux, uy], length)) = direction(x, link) else { return [link.stiffness, 0.0, link.stiffness] };
+fn stiffness<const D: usize>(x: &[f64], link: &Link, tangent: Tangent) -> MatrixBlock<D> {
+    let Some((along, length)) = direction::<D>(x, link) else {
+        return MatrixBlock::from_diagonal_element(link.stiffness);
+    };
     let mut across = 1.0 - link.rest / length;
     match tangent {
         Tangent::Exact => {}
         Tangent::Definite => across = across.max(0.0),
         Tangent::Absolute => across = across.abs(),
     }
-    let along = 1.0 - across;
-    [across + along * ux * ux, along * ux * uy, across + along * uy * uy].map(|entry| link.stiffness * entry)
+    let mut block = MatrixBlock::zeros();
+    for (row, column) in (0..D).flat_map(|row| (0..D).map(move |column| (row, column))) {
+        let [one, other] = [row.min(column), row.max(column)];
+        let rotated = (1.0 - across) * along[one] * along[other];
+        block[(row, column)] = link.stiffness * if row == column { across + rotated } else { rotated };
+    }
+    block
 }
 
 /// Vectors between the ends of the springs of a run.
@@ -247,7 +276,7 @@ impl WithSimd for Pulls<'_> {
     }
 }
 
-impl Effect for Springs {
+impl<const D: usize> Effect for Springs<D> {
     fn name(&self) -> &'static str {
         "Springs"
     }
@@ -261,21 +290,35 @@ impl Effect for Springs {
     }
 
     fn scratch(&self) -> usize {
-        self.copy() + scratch_size(2 * self.gather.buffer())
+        self.packed.as_ref().map_or(0, Packed::scratch)
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
-        self.assemble(&mut Adding { x: motion.x, v: &[], force }, scratch);
+        if let Some(packed) = &self.packed {
+            packed.assemble(&mut Adding { x: motion.x, v: &[], force }, scratch);
+            return;
+        }
+        for link in &self.links {
+            if let Some((along, length)) = direction::<D>(motion.x, link) {
+                add_pair(force, link, along * (link.stiffness * (length - link.rest)));
+            }
+        }
+    }
+
+    fn has_euler_update(&self) -> bool {
+        self.packed.is_some()
     }
 
     fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
-        vertices.twice_kinetic += self.assemble(vertices, &mut scratch[..self.scratch()]);
+        if let Some(packed) = &self.packed {
+            vertices.twice_kinetic += packed.assemble(vertices, &mut scratch[..packed.scratch()]);
+        }
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _: &mut [f64], product: &mut [f64]) {
         for link in &self.links {
-            let ([xx, xy, yy], [dx, dy]) = (block(motion.x, link, Tangent::Exact), between(d, link));
-            add_pair(product, link, [-xx * dx - xy * dy, -xy * dx - yy * dy]);
+            let block = stiffness::<D>(motion.x, link, Tangent::Exact);
+            add_pair(product, link, block * -between(d, link));
         }
     }
 
@@ -285,9 +328,10 @@ impl Effect for Springs {
         }
     }
 
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        let Some(matrix) = matrix.blocks::<D>() else { return };
         for link in &self.links {
-            add_block(matrix, link, block(motion.x, link, weights.tangent).map(|entry| weights.position * entry));
+            add_block(matrix, link, &(stiffness(motion.x, link, weights.tangent) * weights.position));
         }
     }
 }

@@ -83,7 +83,7 @@ impl Triangles {
     }
 
     /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or its positive part.
-    pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+    pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
         self.visit(Elastic { of: self, x, weights, matrix });
     }
 
@@ -93,7 +93,7 @@ impl Triangles {
         &self,
         x: &[f64],
         weights: Weights,
-        matrix: &mut BlockMatrix,
+        matrix: &mut BlockMatrix<2>,
         density: impl Isotropic,
     ) {
         let negative = match weights.tangent {
@@ -112,7 +112,7 @@ impl Triangles {
         &self,
         x: &[f64],
         weight: f64,
-        matrix: &mut BlockMatrix,
+        matrix: &mut BlockMatrix<2>,
         tangent: impl Fn(usize, &Matrix2<f64>) -> Matrix4<f64>,
     ) {
         for (number, (&triangle, (f, _))) in self.corners().iter().zip(self.gradients(x)).enumerate() {
@@ -154,7 +154,7 @@ struct Elastic<'a> {
     of: &'a Triangles,
     x: &'a [f64],
     weights: Weights,
-    matrix: &'a mut BlockMatrix,
+    matrix: &'a mut BlockMatrix<2>,
 }
 
 impl Visitor for Elastic<'_> {
@@ -172,7 +172,7 @@ struct Assemble<'a, L> {
     weight: f64,
     /// Factor of negative eigenvalues.
     negative: Option<f64>,
-    matrix: &'a mut BlockMatrix,
+    matrix: &'a mut BlockMatrix<2>,
 }
 
 impl<L: Isotropic> WithSimd for Assemble<'_, L> {

@@ -10,7 +10,7 @@ use crate::{
     materials::{Lame, Material, Model, Plane, Visitor},
     meshes::{Fan, Mesh},
     simd::Order,
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
 };
 use nalgebra::Matrix2;
 use pulp::Arch;
@@ -306,6 +306,10 @@ impl Effect for Triangles {
         self.elastic_force(motion.x, scratch, force);
     }
 
+    fn has_euler_update(&self) -> bool {
+        true
+    }
+
     fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
         let size = self.scratch();
         vertices.twice_kinetic += if vertices.uniform_force.stiffness_damping == 0.0 {
@@ -346,7 +350,9 @@ impl Effect for Triangles {
         self.add_sparsity(add);
     }
 
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix) {
-        self.add_elastic_tangent(motion.x, weights, matrix);
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        if let Some(matrix) = matrix.blocks::<2>() {
+            self.add_elastic_tangent(motion.x, weights, matrix);
+        }
     }
 }

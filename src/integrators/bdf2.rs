@@ -2,7 +2,6 @@
 
 use super::{
     Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
-    axes::{pair, put},
     implicit::{self, Affine},
     memory,
 };
@@ -65,22 +64,14 @@ impl SecondOrder for Bdf2 {
         });
         // Friction acts for the whole step with the normal impulse of that step: the two thirds of a step in the
         // formula would omit a third of it.
-        if system.has_friction()
-            && (0..count / 2).any(|vertex| implicit::touched_axes(state, workspace, vertex).1 != [false; 2])
-        {
+        if system.has_friction() && workspace.active.acted([&state.x, &state.v], &workspace.spare) {
             state.memory.clear();
             return counts;
         }
         memory::open(state, TAG, h, 2 * count).copy_from_slice(&workspace.past);
-        for vertex in 0..count / 2 {
-            // Where a wall acted there is no smooth past: the formula continues from the state after contact.
-            let (axis, constrained) = implicit::touched_axes(state, workspace, vertex);
-            let (x, v) = (pair(&state.x, vertex), pair(&state.v, vertex));
-            let past = memory::own(&mut state.memory);
-            for (at, gone) in [(vertex, [0, 1].map(|k| x[k] - h * v[k])), (count / 2 + vertex, v)] {
-                put(past, at, axis.mix(constrained, gone, pair(past, at)));
-            }
-        }
+        // Where a wall acted there is no smooth past: the formula continues from the state after contact.
+        let State { x, v, memory, .. } = &mut *state;
+        workspace.active.straighten([x, v], &workspace.spare, h, memory::own(memory));
         memory::close(state);
         counts
     }

@@ -1,12 +1,12 @@
 //! Linearly implicit Euler method: one Newton iteration.
 
 use super::{
-    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Workspace, axes,
+    Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
     implicit::{Affine, Stage},
     parts,
-    system::{apply_constraints, touched},
+    system::apply_constraints,
 };
-use crate::state::State;
+use crate::{obstacles::is_touched, state::State};
 use serde::{Deserialize, Serialize};
 
 /// Linearly implicit (semi-implicit) Euler: implicit Euler with forces linearised where the step begins, one linear solve:
@@ -47,8 +47,8 @@ const IMPACT: f64 = 0.1;
 
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, newton, axes, .. } = workspace;
-        let [x, v, predicted_v, none, g, force, z, inverse, before] = parts(numbers, state.x.len());
+        let Workspace { numbers, spare, newton, active, .. } = workspace;
+        let [x, v, predicted_v, none, g, force, z, before] = parts(numbers, state.x.len());
         // Linearised at z = 0, where x and v are those of the state.
         predicted_v.copy_from_slice(&state.v);
         none.fill(0.0);
@@ -60,13 +60,12 @@ impl SecondOrder for LinearlyImplicitEuler {
             *g = if *inverse_mass == 0.0 { 0.0 } else { h * *g - force };
         }
         let affine = Affine { ax: h * h, av: h, end: 1.0 };
-        inverse.copy_from_slice(system.inverse_mass());
-        axes::reset_axes(axes, state.x.len());
+        active.reset(system.block_size(), system.inverse_mass());
         before.copy_from_slice(&state.x);
         let (origin, predicted_x): (&[f64], &[f64]) = (before, before);
         let velocity = &*predicted_v;
         let mut stage =
-            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, inverse, axes, x, v, affine };
+            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, active, x, v, affine };
         let newton = newton.linear(&mut stage, none, g, z);
         for (number, z) in z.iter().enumerate() {
             state.v[number] += h * z;
@@ -75,7 +74,7 @@ impl SecondOrder for LinearlyImplicitEuler {
         apply_constraints(system, [before, predicted_v], (&mut state.x, &mut state.v), spare, false);
         let fastest = predicted_v.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
         let stopped = |number: usize| (state.v[number] - predicted_v[number]).abs() > IMPACT * fastest;
-        if (0..state.x.len()).any(|number| touched(&state.x, &state.v, spare, number) && stopped(number)) {
+        if (0..state.x.len()).any(|number| is_touched([&state.x, &state.v], spare, number) && stopped(number)) {
             state.x.copy_from_slice(before);
             state.v.copy_from_slice(predicted_v);
             return ImplicitEuler::default().step(system, state, workspace, h);

@@ -1,8 +1,6 @@
 //! Time integration. An integrator is independent of physics and dimension: it works on flat vectors and calls an
 //! [`Ode`] for rates or a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
 
-mod active_set;
-mod axes;
 mod bdf2;
 mod dormand_prince;
 mod forward_euler;
@@ -32,6 +30,7 @@ pub use system::{Dynamics, Ode, Rates, symplectic_euler_update};
 pub use velocity_verlet::VelocityVerlet;
 
 use crate::{
+    obstacles::ActiveSet,
     quantity::Quantity,
     registry::registry,
     solvers::{LinearSolver, Newton, NewtonCounts},
@@ -138,8 +137,7 @@ pub struct Workspace {
     numbers: Vec<f64>,
     spare: Vec<f64>,
     past: Vec<f64>,
-    axes: Vec<f64>,
-    pushes: Vec<f64>,
+    active: ActiveSet,
     newton: Newton,
 }
 

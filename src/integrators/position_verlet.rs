@@ -1,10 +1,10 @@
 //! Position Verlet method.
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory, parts,
-    system::{apply_constraints, touched},
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory, parts, system::apply_constraints,
 };
 use crate::{
+    obstacles::is_touched,
     quantity::{Quantity, VerletDamping},
     state::State,
 };
@@ -125,7 +125,7 @@ impl SecondOrder for PositionVerlet {
         // Where a wall acted, the next step begins with the velocity after contact, and at another position than the
         // force was evaluated at.
         let mut known = loads;
-        for number in (0..count).filter(|&number| touched(x, v, spare, number)) {
+        for number in (0..count).filter(|&number| is_touched([x, v], spare, number)) {
             moved[number] = h * v[number] - 0.5 * pushes[number];
             known = UNKNOWN;
         }

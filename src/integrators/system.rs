@@ -1,6 +1,6 @@
 //! Systems that integrators step: [`Ode`] (first order) and [`Dynamics`] (second order).
 
-use crate::solvers::{BlockMatrix, Weights};
+use crate::solvers::{SparseMatrix, Weights};
 
 /// A system of first order, `dX/dt = f(X)`, flat and of any length.
 ///
@@ -43,12 +43,15 @@ pub trait Dynamics {
     /// Adds `-df/dx d` [N] for a displacement `d` [m] to `product`.
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
 
-    /// Sparsity pattern: calls `add` for every pair of different vertices (two numbers each) whose forces depend on
-    /// each other, in the order in which [`Self::add_stiffness`] adds their blocks.
+    /// Number of numbers of a vertex, which is the size of the blocks of the stiffness matrix: 1, 2 or 3.
+    fn block_size(&self) -> usize;
+
+    /// Sparsity pattern: calls `add` for every pair of different vertices whose forces depend on each other, in the order
+    /// in which [`Self::add_stiffness`] adds their blocks.
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix);
+    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix);
 
     /// Largest multiple of the displacement `d` [m] from the positions `x` [m] that stays within the barriers of all
     /// energies.
@@ -118,8 +121,8 @@ impl Ode for Rates<'_> {
     }
 }
 
-/// Applies the constraints to a step that began at positions and velocities `before`. Leaves in `spare` what [`touched`]
-/// needs.
+/// Applies the constraints to a step that began at positions and velocities `before`. Leaves in `spare` the velocities and then
+/// positions before.
 pub(super) fn apply_constraints(
     system: &mut dyn Dynamics,
     before: [&[f64]; 2],
@@ -131,9 +134,4 @@ pub(super) fn apply_constraints(
     spare.extend_from_slice(v);
     spare.extend_from_slice(x);
     system.constrain(before, x, v, faces);
-}
-
-/// Whether [`apply_constraints`] changed a number of the state.
-pub(super) fn touched(x: &[f64], v: &[f64], spare: &[f64], number: usize) -> bool {
-    v[number] != spare[number] || x[number] != spare[x.len() + number]
 }

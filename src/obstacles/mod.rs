@@ -7,6 +7,7 @@
 //! (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3). All motion is relative to an
 //! obstacle that moves.
 
+mod active_set;
 mod advance;
 mod ball;
 mod contact_query;
@@ -23,6 +24,7 @@ mod solid;
 mod surface;
 mod swept_motion;
 
+pub use active_set::{ActiveSet, WallReactions, is_touched};
 pub use ball::Ball;
 pub use contact_query::ContactQuery;
 pub use corner::Corner;

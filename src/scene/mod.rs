@@ -38,13 +38,15 @@ pub struct Scene {
     pub nets: Vec<Net>,
     /// The toy problem in place of bodies and nets, if any: its state is `x`, and `v` is empty.
     pub toy: Option<ToyKind>,
-    /// Positions at rest, two numbers a vertex [m].
+    /// Number of coordinates of a vertex.
+    pub dimension: usize,
+    /// Positions at rest, flat [m].
     pub rest: Vec<f64>,
     /// Positions and velocities at the start.
     pub start: State,
-    /// Mass [kg], two equal numbers a vertex.
+    /// Mass [kg], equal for all coordinates of a vertex.
     pub mass: Vec<f64>,
-    /// 1/mass [1/kg], two numbers a vertex; zero for pinned vertices, and for the fixed coordinate of rollers.
+    /// 1/mass [1/kg], flat; zero for pinned vertices, and for the fixed coordinate of rollers.
     pub inverse_mass: Vec<f64>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
@@ -179,6 +181,7 @@ impl Scene {
             bodies: Vec::new(),
             nets: Vec::new(),
             toy: level.toy.clone(),
+            dimension: 2,
             rest: Vec::new(),
             start: State::default(),
             mass: Vec::new(),
@@ -220,7 +223,7 @@ impl Scene {
     /// [`SceneError::State`] if it belongs to other meshes.
     pub fn first_state(&self, saved: Option<&SavedState>) -> Result<State, SceneError> {
         let Some(saved) = saved else { return Ok(self.start.clone()) };
-        let vertices = self.start.x.len() / 2;
+        let vertices = self.vertices();
         if saved.positions.len() != vertices || saved.velocities.len() != self.start.v.len() / 2 {
             let (positions, velocities) = (saved.positions.len(), saved.velocities.len());
             return Err(SceneError::State { positions, velocities, vertices });
@@ -242,7 +245,24 @@ impl Scene {
 
     /// A state of this scene for effects.
     pub fn motion<'a>(&'a self, state: &'a State, grab: Option<crate::effects::Grab>) -> Motion<'a> {
-        Motion { x: &state.x, v: &state.v, mass: &self.mass, inverse_mass: &self.inverse_mass, grab }
+        Motion {
+            dimension: self.dimension,
+            x: &state.x,
+            v: &state.v,
+            mass: &self.mass,
+            inverse_mass: &self.inverse_mass,
+            grab,
+        }
+    }
+
+    /// Number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.start.x.len() / self.dimension
+    }
+
+    /// The numbers of some vertices in flat vectors.
+    pub const fn numbers(&self, vertices: &Range<usize>) -> Range<usize> {
+        self.dimension * vertices.start..self.dimension * vertices.end
     }
 
     /// Size of the scratch that is enough for every effect.

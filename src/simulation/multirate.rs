@@ -143,7 +143,7 @@ impl SubstepStepper {
     }
 
     fn numbers(&self) -> Range<usize> {
-        2 * self.sub_scene.vertices.start..2 * self.sub_scene.vertices.end
+        self.sub_scene.scene.numbers(&self.sub_scene.vertices)
     }
 
     /// Loads its memory from the state of the scene.
@@ -182,8 +182,8 @@ impl SubstepStepper {
             let counts = interval.integrator.step(&mut system, &mut self.state, &mut workspace, interval.h);
             self.scratch.workspace = workspace;
             self.scratch.counts.add(&counts);
-            if let Some(clear_box) = self.scratch.clear_box {
-                if !self.state.is_within(clear_box) {
+            if self.scratch.clear_box.is_some() {
+                if !self.state.is_within(self.scratch.clear_box) {
                     return;
                 }
                 self.scratch.pass_over_constraints();

@@ -38,6 +38,8 @@ pub(super) const ASLEEP: u32 = u32::MAX;
 /// A body or a net, which sleeps independently.
 struct Island {
     vertices: Range<usize>,
+    /// Its numbers in the state.
+    numbers: Range<usize>,
     /// Diagonal of the box around it at rest [m].
     size: f64,
     /// Mass of its free coordinates [kg].
@@ -65,10 +67,11 @@ impl Islands {
     pub fn new(scene: &Scene) -> Self {
         let ranges = scene.bodies.iter().map(|body| &body.vertices).chain(scene.nets.iter().map(|net| &net.vertices));
         let island = |vertices: &Range<usize>| {
-            let own = 2 * vertices.start..2 * vertices.end;
-            let masses = scene.mass[own.clone()].iter().zip(&scene.inverse_mass[own]);
-            let mass = 0.5 * masses.filter(|(_, inverse)| **inverse != 0.0).map(|(mass, _)| mass).sum::<f64>();
-            Island { vertices: vertices.clone(), size: scene.size(vertices), mass }
+            let numbers = scene.numbers(vertices);
+            let masses = scene.mass[numbers.clone()].iter().zip(&scene.inverse_mass[numbers.clone()]);
+            let mass = masses.filter(|(_, inverse)| **inverse != 0.0).map(|(mass, _)| mass).sum::<f64>();
+            let mass = mass / scene.dimension as f64;
+            Island { vertices: vertices.clone(), numbers, size: scene.size(vertices), mass }
         };
         let every = BATCH * (1.0 / (CHECK_RATE * scene.step * BATCH as f64)).round().max(1.0) as u64;
         let checks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
@@ -132,7 +135,7 @@ impl Simulation {
         self.scratch.set_sleeping(&self.scene, slow_checks.iter().map(|slow_checks| *slow_checks == ASLEEP));
         for (island, _) in self.islands.all.iter().zip(&*slow_checks).filter(|(_, slow_checks)| **slow_checks == ASLEEP)
         {
-            self.scratch.constrain_sleeping(&island.vertices);
+            self.scratch.constrain_sleeping(&island.numbers);
         }
     }
 
@@ -174,7 +177,7 @@ impl Simulation {
             if *slow_checks == ASLEEP {
                 continue;
             }
-            let own = 2 * island.vertices.start..2 * island.vertices.end;
+            let own = island.numbers.clone();
             let fastest = greatest(&self.state.v[own.clone()]);
             let h = self.multirate.step(number, self.scene.step);
             let slow = fastest <= island.speed_threshold(greatest(&self.state.x[own]), h);
@@ -202,7 +205,7 @@ impl Simulation {
                 let rests = !exploded && self.rests(number, island);
                 self.checkpoint.state.slow_checks[number] = if rests { ASLEEP } else { 0 };
                 if rests {
-                    self.checkpoint.state.v[2 * island.vertices.start..2 * island.vertices.end].fill(0.0);
+                    self.checkpoint.state.v[island.numbers.clone()].fill(0.0);
                     self.joined = false;
                 }
             }
@@ -238,22 +241,21 @@ impl Simulation {
 
     /// Whether a body or net stays at rest after the step from rest.
     fn rests(&self, number: usize, island: &Island) -> bool {
-        let own = 2 * island.vertices.start..2 * island.vertices.end;
+        let own = island.numbers.clone();
         let h = self.multirate.step(number, self.scene.step);
-        let (mass, inverse) = (&self.scene.mass[own.clone()], &self.scene.inverse_mass[own.clone()]);
-        let [mut squares, mut net_x, mut net_y, mut outside] = [0.0; 4];
-        let moved = self.state.v[own.clone()].iter().zip(&self.islands.force[own.clone()]);
-        for (number, ((v, force), (mass, inverse))) in moved.zip(mass.iter().zip(inverse)).enumerate() {
-            if *inverse != 0.0 {
-                let acceleration = v / h;
-                squares += mass * acceleration * acceleration;
-                *(if number % 2 == 0 { &mut net_x } else { &mut net_y }) += mass * acceleration;
-                outside += force.abs();
-            }
-        }
+        let (mass, inverse) = (&self.scene.mass, &self.scene.inverse_mass);
+        let free = |number: &usize| inverse[*number] != 0.0;
+        let acceleration = |number: usize| self.state.v[number] / h;
+        let squares: f64 = own.clone().filter(free).map(|i| mass[i] * acceleration(i) * acceleration(i)).sum();
+        let outside: f64 = own.clone().filter(free).map(|i| self.islands.force[i].abs()).sum();
+        // Sum of the magnitudes of the coordinates of the net force.
+        let along = |axis: usize| own.clone().skip(axis).step_by(self.scene.dimension).filter(free);
+        let net_force: f64 = (0..self.scene.dimension)
+            .map(|axis| along(axis).map(|i| mass[i] * acceleration(i)).sum::<f64>().abs())
+            .sum();
         let round_off = f64::EPSILON * greatest(&self.state.x[own]) * 4.0 / (h * h);
         let limit = (2.0 * THETA * island.size / (WINDOW * WINDOW)).max(round_off);
-        let balanced = outside == 0.0 || net_x.abs() + net_y.abs() <= (BALANCE * outside).max(island.mass * round_off);
+        let balanced = outside == 0.0 || net_force <= (BALANCE * outside).max(island.mass * round_off);
         squares <= limit * limit * island.mass && balanced
     }
 }

@@ -1,13 +1,13 @@
 //! A scene as a system of second order for integrators.
 
 use crate::{
-    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR, around},
+    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
     integrators::{Class, Dynamics, Workspace, symplectic_euler_update},
     obstacles::{ContactCache, ContactQuery, Inside, Start, Surface, find_penetrations},
     report::{Counts, EffectCost},
     scene::Scene,
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
     state::State,
 };
 use std::{cell::Cell, ops::Range, sync::Arc};
@@ -124,9 +124,9 @@ impl Scratch {
         }
     }
 
-    /// Constrains the vertices of a sleeping body or net.
-    pub fn constrain_sleeping(&mut self, vertices: &Range<usize>) {
-        self.masked_inverse_mass[2 * vertices.start..2 * vertices.end].fill(0.0);
+    /// Constrains a sleeping body or net, whose numbers in the state these are.
+    pub fn constrain_sleeping(&mut self, numbers: &Range<usize>) {
+        self.masked_inverse_mass[numbers.clone()].fill(0.0);
     }
 
     /// Reduces the displacement bound by the greatest displacement in a step of length h [s]: that of the lightest
@@ -137,8 +137,12 @@ impl Scratch {
             if speed <= State::LIMIT { self.displacement_bound - 1.000_001 * h * speed } else { -1.0 };
     }
 
-    /// The uniform force, if no other force acts beside the elements and effects are not timed.
+    /// The uniform force, if no other force acts beside the elements, all elements have an Euler update, and effects are not
+    /// timed.
     pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
+        if !self.plan.elements.iter().all(|number| scene.effects[*number].has_euler_update()) {
+            return None;
+        }
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
         let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].uniform_force());
         let all = acting.try_fold(UniformForce::default(), |all, next| all.and(next?));
@@ -183,7 +187,7 @@ pub(super) struct System<'a> {
 impl System<'_> {
     fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
-        Motion { x, v, mass, inverse_mass, grab: self.grab }
+        Motion { dimension: self.scene.dimension, x, v, mass, inverse_mass, grab: self.grab }
     }
 }
 
@@ -191,7 +195,7 @@ impl System<'_> {
     /// Records contacts and penetrations at the start of a step that ends at positions x.
     fn find_contacts(&mut self, start: &Start<'_>, x: &[f64], contact_cache: &mut ContactCache) {
         contact_cache.clear();
-        let swept_bounds = around(start.x, x);
+        let swept_bounds = Bounds::around(start.x, x);
         for turn in 0..self.scratch.plan.constraints.len() {
             let number = self.scratch.plan.constraints[turn];
             let effect = &self.scene.effects[number];
@@ -203,7 +207,7 @@ impl System<'_> {
         }
         if contact_cache.is_inside() {
             // All obstacles may block depenetration. Penetration is rare, so that an allocation is acceptable.
-            let anywhere = [[-State::LIMIT; 2], [State::LIMIT; 2]];
+            let anywhere = Bounds::up_to(State::LIMIT);
             let mut obstacles = Vec::new();
             for number in &self.scratch.plan.constraints {
                 let effect = &self.scene.effects[*number];
@@ -224,7 +228,14 @@ impl System<'_> {
     /// Updates the statistics of a step in which elements update the vertices themselves.
     pub fn count_euler_update(&mut self, x: &[f64], v: &[f64]) {
         let scene = self.scene;
-        let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        let motion = Motion {
+            dimension: scene.dimension,
+            x,
+            v,
+            mass: &scene.mass,
+            inverse_mass: &scene.inverse_mass,
+            grab: self.grab,
+        };
         let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
         counts.force_evaluations += 1;
         for number in &plan.sleeping {
@@ -243,7 +254,14 @@ impl System<'_> {
 impl Dynamics for System<'_> {
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
-        let motion = Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: self.grab };
+        let motion = Motion {
+            dimension: scene.dimension,
+            x,
+            v,
+            mass: &scene.mass,
+            inverse_mass: &scene.inverse_mass,
+            grab: self.grab,
+        };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
         for number in &self.scratch.plan.sleeping {
@@ -309,10 +327,14 @@ impl Dynamics for System<'_> {
         let scene = self.scene;
         let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
         let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
-        let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
+        let motion = Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
+    }
+
+    fn block_size(&self) -> usize {
+        self.scene.dimension
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
@@ -321,7 +343,7 @@ impl Dynamics for System<'_> {
         }
     }
 
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         let motion = self.motion(x, v);
         for effect in awake(self.scene, &self.scratch.plan) {
             effect.add_stiffness(motion, weights, matrix);
@@ -401,14 +423,14 @@ impl Dynamics for System<'_> {
             }
             let number = self.scratch.plan.constraints[turn % count];
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
-            if cost.auto && effect.is_clear(*swept_bounds.get_or_insert_with(|| around(before_x, x))) {
+            if cost.auto && effect.is_clear(*swept_bounds.get_or_insert_with(|| Bounds::around(before_x, x))) {
                 if turn < count {
                     cost.pass_over(NO_OBSTACLE_NEAR);
                 }
                 quiet += 1;
                 continue;
             }
-            let motion = Motion { x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
+            let motion = Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
             let elements = (turn < count).then(|| effect.elements(motion));
             start.effect = number;
             let touched = self.scratch.call_effect(number, elements, |_| effect.constrain(&start, x, v));

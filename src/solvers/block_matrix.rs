@@ -1,6 +1,7 @@
-//! Symmetric sparse matrix of 2 x 2 blocks.
+//! Symmetric sparse matrix of square blocks.
 
-use nalgebra::Matrix2;
+use nalgebra::SMatrix;
+use std::any::Any;
 
 /// Factors of the entries of a stiffness matrix that is added to a [`BlockMatrix`]: an implicit step with `x = x^ + ax
 /// z, v = v^ + av z` needs `M + ax (-df/dx) + av (-df/dv)`.
@@ -28,16 +29,51 @@ pub enum Tangent {
     Absolute,
 }
 
-/// A symmetric sparse matrix of 2 x 2 blocks.
+/// A symmetric sparse matrix of square blocks, for callers that see flat vectors alone.
+///
+/// Whoever adds to its blocks knows their size: see [`blocks`](#method.blocks).
+pub trait SparseMatrix {
+    /// Adds a value to every number of the diagonal.
+    fn add_to_diagonal(&mut self, value: &dyn Fn(usize) -> f64);
+
+    /// The matrix with its size of blocks.
+    fn as_any(&mut self) -> &mut dyn Any;
+}
+
+impl dyn SparseMatrix + '_ {
+    /// The matrix as one of D x D blocks; `None` if its blocks have another size.
+    pub fn blocks<const D: usize>(&mut self) -> Option<&mut BlockMatrix<D>> {
+        self.as_any().downcast_mut()
+    }
+}
+
+impl<const D: usize> SparseMatrix for BlockMatrix<D> {
+    fn add_to_diagonal(&mut self, value: &dyn Fn(usize) -> f64) {
+        for (vertex, block) in self.diagonal.iter_mut().enumerate() {
+            for axis in 0..D {
+                block[(axis, axis)] += value(D * vertex + axis);
+            }
+        }
+    }
+
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+}
+
+/// A block.
+pub type Block<const D: usize> = SMatrix<f64, D, D>;
+
+/// A symmetric sparse matrix of D x D blocks, one block row a vertex.
 ///
 /// The sparsity pattern is fixed at construction, by a list of vertex pairs; repeated pairs share a block. Assembly
 /// follows the same list in the same order: the n-th [`Self::off_diagonal`] after [`Self::clear`] adds to the block of
 /// the n-th pair, without a search. Each block is stored once, with the lower of its two vertices as the column.
 #[derive(Clone, Debug, Default)]
-pub struct BlockMatrix {
-    diagonal: Vec<Matrix2<f64>>,
+pub struct BlockMatrix<const D: usize> {
+    diagonal: Vec<Block<D>>,
     /// One for each different pair, in the order of `pattern`.
-    blocks: Vec<Matrix2<f64>>,
+    blocks: Vec<Block<D>>,
     /// The different pairs, (row, column) with row > column, sorted by row.
     pattern: Vec<[u32; 2]>,
     /// For each pair of the list the number of its block, doubled; odd where the pair has the lower vertex first.
@@ -45,7 +81,7 @@ pub struct BlockMatrix {
     cursor: usize,
 }
 
-impl BlockMatrix {
+impl<const D: usize> BlockMatrix<D> {
     /// A zero matrix for a number of vertices and a list of pairs. A pair of a vertex with itself belongs to the
     /// diagonal.
     pub fn new(vertices: usize, listed: &[[u32; 2]]) -> Self {
@@ -58,7 +94,7 @@ impl BlockMatrix {
             2 * block + u32::from(pair[0] < pair[1])
         };
         let slots = listed.iter().map(slot).collect();
-        let (diagonal, blocks) = (vec![Matrix2::zeros(); vertices], vec![Matrix2::zeros(); pattern.len()]);
+        let (diagonal, blocks) = (vec![Block::zeros(); vertices], vec![Block::zeros(); pattern.len()]);
         Self { diagonal, blocks, pattern, slots, cursor: 0 }
     }
 
@@ -73,21 +109,21 @@ impl BlockMatrix {
 
     /// Sets every entry to zero and returns to the first pair.
     pub fn clear(&mut self) {
-        self.diagonal.fill(Matrix2::zeros());
-        self.blocks.fill(Matrix2::zeros());
+        self.diagonal.fill(Block::zeros());
+        self.blocks.fill(Block::zeros());
         self.cursor = 0;
     }
 
     /// Adds to the block of a vertex with itself; only its symmetric part is used.
     #[inline]
-    pub fn diagonal(&mut self, vertex: usize, block: &Matrix2<f64>) {
+    pub fn diagonal(&mut self, vertex: usize, block: &Block<D>) {
         self.diagonal[vertex] += block;
     }
 
     /// Adds to the block of the next pair (a, b) of the list: the derivative of a by b, and by symmetry the transpose.
     /// Extra blocks are ignored, which [`Self::is_full`] tells.
     #[inline]
-    pub fn off_diagonal(&mut self, block: &Matrix2<f64>) {
+    pub fn off_diagonal(&mut self, block: &Block<D>) {
         if let Some(slot) = self.slots.get(self.cursor) {
             let into = &mut self.blocks[(slot >> 1) as usize];
             if slot & 1 == 0 {
@@ -99,6 +135,74 @@ impl BlockMatrix {
         self.cursor += 1;
     }
 
+    /// Replaces rows and columns of numbers with 1/weight zero by those of the identity.
+    pub fn fix(&mut self, inverse_weight: &[f64]) {
+        if inverse_weight.iter().all(|weight| *weight > 0.0) {
+            return;
+        }
+        let weights = inverse_weight.as_chunks::<D>().0;
+        for (block, weight) in self.diagonal.iter_mut().zip(weights) {
+            for axis in (0..D).filter(|axis| weight[*axis] == 0.0) {
+                block.fill_row(axis, 0.0);
+                block.fill_column(axis, 0.0);
+                block[(axis, axis)] = 1.0;
+            }
+        }
+        for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
+            for axis in 0..D {
+                if weights[*row as usize][axis] == 0.0 {
+                    block.fill_row(axis, 0.0);
+                }
+                if weights[*column as usize][axis] == 0.0 {
+                    block.fill_column(axis, 0.0);
+                }
+            }
+        }
+    }
+
+    /// Whether as many pairs were added as were listed.
+    pub fn is_full(&self) -> bool {
+        self.cursor == self.slots.len()
+    }
+
+    /// Number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    /// The diagonal blocks.
+    pub fn diagonals(&self) -> &[Block<D>] {
+        &self.diagonal
+    }
+
+    /// The off-diagonal blocks, each once.
+    pub fn blocks(&self) -> &[Block<D>] {
+        &self.blocks
+    }
+
+    /// Row and column of each off-diagonal block: row > column, in ascending order.
+    pub fn pattern(&self) -> &[[u32; 2]] {
+        &self.pattern
+    }
+
+    /// Adds the product with a flat vector to another one.
+    pub fn add_product(&self, vector: &[f64], product: &mut [f64]) {
+        let (vector, product) = (vector.as_chunks::<D>().0, product.as_chunks_mut::<D>().0);
+        let mut add = |row: usize, block: &Block<D>, column: usize| {
+            let of_block = times(block, &vector[column]);
+            product[row].iter_mut().zip(of_block).for_each(|(sum, value)| *sum += value);
+        };
+        for (vertex, block) in self.diagonal.iter().enumerate() {
+            add(vertex, block, vertex);
+        }
+        for ([row, column], block) in self.pattern.iter().zip(&self.blocks) {
+            add(*row as usize, block, *column as usize);
+            add(*column as usize, &block.transpose(), *row as usize);
+        }
+    }
+}
+
+impl BlockMatrix<2> {
     /// Adds the six blocks of a triangle, each column by column: those of its corners with themselves, and those of the
     /// next three pairs of the list, (first, second), (first, third) and (second, third). Extra pairs are ignored.
     #[inline(always)]
@@ -123,7 +227,7 @@ impl BlockMatrix {
         let turned = |vertex: usize| axes[2 * vertex..2 * vertex + 2] != [1.0, 0.0];
         let q = |vertex: usize| {
             let (c, s) = (axes[2 * vertex], axes[2 * vertex + 1]);
-            Matrix2::new(c, -s, s, c)
+            Block::<2>::new(c, -s, s, c)
         };
         for (vertex, block) in self.diagonal.iter_mut().enumerate().filter(|(vertex, _)| turned(*vertex)) {
             *block = q(vertex).transpose() * *block * q(vertex);
@@ -135,69 +239,11 @@ impl BlockMatrix {
             }
         }
     }
+}
 
-    /// Replaces rows and columns of numbers with 1/weight zero by those of the identity.
-    pub fn fix(&mut self, inverse_weight: &[f64]) {
-        if inverse_weight.iter().all(|weight| *weight > 0.0) {
-            return;
-        }
-        for (block, weight) in self.diagonal.iter_mut().zip(inverse_weight.chunks_exact(2)) {
-            for axis in (0..2).filter(|axis| weight[*axis] == 0.0) {
-                block.fill_row(axis, 0.0);
-                block.fill_column(axis, 0.0);
-                block[(axis, axis)] = 1.0;
-            }
-        }
-        for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
-            for axis in 0..2 {
-                if inverse_weight[2 * *row as usize + axis] == 0.0 {
-                    block.fill_row(axis, 0.0);
-                }
-                if inverse_weight[2 * *column as usize + axis] == 0.0 {
-                    block.fill_column(axis, 0.0);
-                }
-            }
-        }
-    }
-
-    /// Whether as many pairs were added as were listed.
-    pub fn is_full(&self) -> bool {
-        self.cursor == self.slots.len()
-    }
-
-    /// Number of vertices.
-    pub fn vertices(&self) -> usize {
-        self.diagonal.len()
-    }
-
-    /// The diagonal blocks.
-    pub fn diagonals(&self) -> &[Matrix2<f64>] {
-        &self.diagonal
-    }
-
-    /// The off-diagonal blocks, each once.
-    pub fn blocks(&self) -> &[Matrix2<f64>] {
-        &self.blocks
-    }
-
-    /// Row and column of each off-diagonal block: row > column, in ascending order.
-    pub fn pattern(&self) -> &[[u32; 2]] {
-        &self.pattern
-    }
-
-    /// Adds the product with a flat vector to another one.
-    pub fn add_product(&self, vector: &[f64], product: &mut [f64]) {
-        let mut add = |row: usize, block: &Matrix2<f64>, column: usize| {
-            let (x, y) = (vector[2 * column], vector[2 * column + 1]);
-            product[2 * row] += block.m11 * x + block.m12 * y;
-            product[2 * row + 1] += block.m21 * x + block.m22 * y;
-        };
-        for (vertex, block) in self.diagonal.iter().enumerate() {
-            add(vertex, block, vertex);
-        }
-        for ([row, column], block) in self.pattern.iter().zip(&self.blocks) {
-            add(*row as usize, block, *column as usize);
-            add(*column as usize, &block.transpose(), *row as usize);
-        }
-    }
+/// Product of a block and a vector.
+#[inline(always)]
+pub(super) fn times<const D: usize>(block: &Block<D>, x: &[f64; D]) -> [f64; D] {
+    let row = |row: usize| (1..D).fold(block[(row, 0)] * x[0], |sum, column| sum + block[(row, column)] * x[column]);
+    std::array::from_fn(row)
 }

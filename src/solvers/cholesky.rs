@@ -2,11 +2,11 @@
 
 use super::{
     BlockMatrix,
+    block_matrix::Block,
     dense::{Columns, add_products, dot, eliminate},
     elimination::{Elimination, Front},
 };
 use crate::simd::{SPARE, lined};
-use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Time of a multiplication and subtraction in factorisation, and of a block of L in one factorisation and solve [ns].
@@ -22,7 +22,7 @@ const ENTRY: f64 = 9.0;
 /// update matrix waits on a stack for the parent front. The bits must be the same on every processor; faer's own
 /// kernels use whatever vector and fused operations the machine has.
 #[derive(Clone, Debug)]
-pub struct Factor {
+pub struct Factor<const D: usize> {
     elimination: Elimination,
     /// The panels.
     values: Vec<f64>,
@@ -32,16 +32,16 @@ pub struct Factor {
     below: Vec<f64>,
 }
 
-impl Factor {
+impl<const D: usize> Factor<D> {
     /// Symbolic factorisation. `None` if L does not fit in memory.
-    pub fn new(matrix: &BlockMatrix) -> Option<Self> {
+    pub fn new(matrix: &BlockMatrix<D>) -> Option<Self> {
         let elimination = Elimination::new(matrix)?;
         let buffer = |size: usize| vec![0.0; size + SPARE];
         let deepest = elimination.fronts.iter().map(Front::update_stride).max().unwrap_or(0);
         Some(Self {
             values: buffer(elimination.size),
             stacks: elimination.stacks.map(buffer),
-            solution: vec![0.0; 2 * matrix.vertices()],
+            solution: vec![0.0; D * matrix.vertices()],
             below: buffer(deepest),
             elimination,
         })
@@ -49,7 +49,7 @@ impl Factor {
 
     /// Factorises `A + shift W`. Rows and columns of numbers with 1/W zero are taken as those of the identity. Returns
     /// whether the matrix was positive definite; if not, nothing can be solved.
-    pub fn factorise(&mut self, matrix: &BlockMatrix, inverse_weight: &[f64], shift: f64) -> bool {
+    pub fn factorise(&mut self, matrix: &BlockMatrix<D>, inverse_weight: &[f64], shift: f64) -> bool {
         let all = inverse_weight.iter().all(|weight| *weight > 0.0);
         Arch::new().dispatch(Factorise { of: self, matrix, inverse_weight, shift, all })
     }
@@ -73,20 +73,21 @@ impl Factor {
 
     /// Number of blocks of L, including the diagonal and explicit zeros.
     pub fn entries(&self) -> usize {
-        self.elimination.fronts.iter().map(|front| front.width * (front.width + 2 + 2 * front.depth()) / 8).sum()
+        let of_front = |[width, depth]: [usize; 2]| width * (width + 1) / 2 + width * depth;
+        self.elimination.fronts.iter().map(|front| of_front([front.width / D, front.depth() / D])).sum()
     }
 }
 
-struct Factorise<'a> {
-    of: &'a mut Factor,
-    matrix: &'a BlockMatrix,
+struct Factorise<'a, const D: usize> {
+    of: &'a mut Factor<D>,
+    matrix: &'a BlockMatrix<D>,
     inverse_weight: &'a [f64],
     shift: f64,
     /// Whether no number is fixed.
     all: bool,
 }
 
-impl WithSimd for Factorise<'_> {
+impl<const D: usize> WithSimd for Factorise<'_, D> {
     type Output = bool;
 
     #[inline(always)]
@@ -121,16 +122,18 @@ impl WithSimd for Factorise<'_> {
 
 /// Copies a front's entries of the matrix into its panel.
 #[inline(always)]
-fn fill(
+fn fill<const D: usize>(
     panel: &mut [f64],
     elimination: &Elimination,
     front: &Front,
-    (matrix, inverse_weight, shift, all): (&BlockMatrix, &[f64], f64, bool),
+    (matrix, inverse_weight, shift, all): (&BlockMatrix<D>, &[f64], f64, bool),
 ) {
     let stride = front.stride();
-    let mut put = |at: usize, block: &Matrix2<f64>| {
-        (panel[at], panel[at + 1]) = (block.m11, block.m21);
-        (panel[at + stride], panel[at + stride + 1]) = (block.m12, block.m22);
+    let mut put = |at: usize, block: &Block<D>| {
+        for (column, entries) in block.column_iter().enumerate() {
+            let at = at + column * stride;
+            panel[at..at + D].iter_mut().zip(&entries).for_each(|(into, entry)| *into = *entry);
+        }
     };
     for entry in &elimination.entries[front.entries.clone()] {
         let number = (entry.block >> 1) as usize;
@@ -141,14 +144,16 @@ fn fill(
         }
         put(entry.to as usize, &if entry.block & 1 == 0 { block } else { block.transpose() });
     }
-    for column in (0..front.width).step_by(2) {
-        let vertex = elimination.vertex_at[front.first / 2 + column / 2] as usize;
+    for column in (0..front.width).step_by(D) {
+        let vertex = elimination.vertex_at[(front.first + column) / D] as usize;
         let own = free(inverse_weight, vertex);
         let mut block = masked(&matrix.diagonals()[vertex], own, own);
         for (axis, free) in own.into_iter().enumerate() {
-            block[(axis, axis)] += if free { shift / inverse_weight[2 * vertex + axis] } else { 1.0 };
+            block[(axis, axis)] += if free { shift / inverse_weight[D * vertex + axis] } else { 1.0 };
         }
-        block.m21 = 0.5 * (block.m12 + block.m21);
+        for (row, column) in (1..D).flat_map(|row| (0..row).map(move |column| (row, column))) {
+            block[(row, column)] = 0.5 * (block[(column, row)] + block[(row, column)]);
+        }
         put(column * (stride + 1), &block);
     }
 }
@@ -186,12 +191,12 @@ fn extend_add(
     }
 }
 
-struct Solve<'a> {
-    of: &'a mut Factor,
+struct Solve<'a, const D: usize> {
+    of: &'a mut Factor<D>,
     b: &'a mut [f64],
 }
 
-impl WithSimd for Solve<'_> {
+impl<const D: usize> WithSimd for Solve<'_, D> {
     type Output = ();
 
     #[inline(always)]
@@ -199,9 +204,9 @@ impl WithSimd for Solve<'_> {
         let Self { of: Factor { elimination, values, solution, below, .. }, b } = self;
         let values = &*lined(values);
         let below = lined(below);
-        for (value, vertex) in solution.as_chunks_mut::<2>().0.iter_mut().zip(&elimination.vertex_at) {
-            let at = 2 * *vertex as usize;
-            *value = [b[at], b[at + 1]];
+        let b = b.as_chunks_mut::<D>().0;
+        for (value, vertex) in solution.as_chunks_mut::<D>().0.iter_mut().zip(&elimination.vertex_at) {
+            *value = b[*vertex as usize];
         }
         for front in &elimination.fronts {
             let (panel, stride) = (&values[front.panel..front.panel + front.width * front.stride()], front.stride());
@@ -216,17 +221,17 @@ impl WithSimd for Solve<'_> {
             let below = &mut below[..front.depth()];
             below.fill(0.0);
             add_products(below, panel, stride, front.top(), own);
-            for (below, place) in below.chunks_exact(2).zip(&elimination.rows[front.below.clone()]) {
-                solution[2 * *place as usize] -= below[0];
-                solution[2 * *place as usize + 1] -= below[1];
+            let solution = solution.as_chunks_mut::<D>().0;
+            for (below, place) in below.as_chunks::<D>().0.iter().zip(&elimination.rows[front.below.clone()]) {
+                solution[*place as usize].iter_mut().zip(below).for_each(|(value, below)| *value -= below);
             }
         }
         for front in elimination.fronts.iter().rev() {
             let (panel, stride) = (&values[front.panel..front.panel + front.width * front.stride()], front.stride());
             let below = &mut below[..front.depth()];
-            for (below, place) in below.chunks_exact_mut(2).zip(&elimination.rows[front.below.clone()]) {
-                below[0] = solution[2 * *place as usize];
-                below[1] = solution[2 * *place as usize + 1];
+            let places = &elimination.rows[front.below.clone()];
+            for (below, place) in below.as_chunks_mut::<D>().0.iter_mut().zip(places) {
+                *below = solution.as_chunks::<D>().0[*place as usize];
             }
             let own = &mut solution[front.first..front.first + front.width];
             for (column, values) in panel.chunks_exact(stride).enumerate().rev() {
@@ -235,24 +240,23 @@ impl WithSimd for Solve<'_> {
                 own[column] = (own[column] - lower - beside) * values[column];
             }
         }
-        for (value, vertex) in solution.as_chunks::<2>().0.iter().zip(&elimination.vertex_at) {
-            let at = 2 * *vertex as usize;
-            [b[at], b[at + 1]] = *value;
+        for (value, vertex) in solution.as_chunks::<D>().0.iter().zip(&elimination.vertex_at) {
+            b[*vertex as usize] = *value;
         }
     }
 }
 
-/// Which of a vertex's two numbers are free.
+/// Which of a vertex's numbers are free.
 #[inline]
-fn free(inverse_weight: &[f64], vertex: usize) -> [bool; 2] {
-    [inverse_weight[2 * vertex] > 0.0, inverse_weight[2 * vertex + 1] > 0.0]
+fn free<const D: usize>(inverse_weight: &[f64], vertex: usize) -> [bool; D] {
+    std::array::from_fn(|axis| inverse_weight[D * vertex + axis] > 0.0)
 }
 
 /// The block with zeros in the rows and columns that are not free.
 #[inline]
-fn masked(block: &Matrix2<f64>, rows: [bool; 2], columns: [bool; 2]) -> Matrix2<f64> {
-    if rows == [true; 2] && columns == [true; 2] {
+fn masked<const D: usize>(block: &Block<D>, rows: [bool; D], columns: [bool; D]) -> Block<D> {
+    if rows == [true; D] && columns == [true; D] {
         return *block;
     }
-    Matrix2::from_fn(|row, column| if rows[row] && columns[column] { block[(row, column)] } else { 0.0 })
+    Block::from_fn(|row, column| if rows[row] && columns[column] { block[(row, column)] } else { 0.0 })
 }

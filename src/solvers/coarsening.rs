@@ -1,7 +1,6 @@
 //! Aggregation of coupled vertices for the two-level preconditioner.
 
-use super::BlockMatrix;
-use nalgebra::Matrix2;
+use super::{BlockMatrix, block_matrix::Block};
 
 /// Weight of the neighbours in the smoothed prolongation (Vaněk, Mandel and Brezina, *Algebraic multigrid by smoothed
 /// aggregation for second and fourth order elliptic problems*, Computing 56, 1996): it leaves least of a vector that
@@ -27,7 +26,7 @@ pub struct Coarsening {
 
 impl Coarsening {
     /// Builds the groups of a matrix.
-    pub fn new(matrix: &BlockMatrix) -> Self {
+    pub fn new<const D: usize>(matrix: &BlockMatrix<D>) -> Self {
         let around = Neighbours::new(matrix);
         let (group_of, groups) = groups(&around);
         let mut coarsening = Self { groups, starts: vec![0], shares: Vec::new() };
@@ -56,7 +55,7 @@ impl Coarsening {
     }
 
     /// A zero matrix for the groups.
-    pub fn matrix(&self, fine: &BlockMatrix) -> BlockMatrix {
+    pub fn matrix<const D: usize>(&self, fine: &BlockMatrix<D>) -> BlockMatrix<D> {
         let mut listed = Vec::new();
         for vertex in 0..fine.vertices() {
             let shares = self.of(vertex);
@@ -73,12 +72,12 @@ impl Coarsening {
     }
 
     /// Galerkin product: sets `coarse`, made by [`Self::matrix`], to `Pᵀ A P`. Numbers with 1/weight zero are left out.
-    pub fn project(&self, fine: &BlockMatrix, inverse_weight: &[f64], coarse: &mut BlockMatrix) {
+    pub fn project<const D: usize>(&self, fine: &BlockMatrix<D>, inverse_weight: &[f64], coarse: &mut BlockMatrix<D>) {
         coarse.clear();
         for (vertex, block) in fine.diagonals().iter().enumerate() {
             let shares = self.of(vertex);
             let mut block = *block;
-            for axis in (0..2).filter(|axis| inverse_weight[2 * vertex + axis] == 0.0) {
+            for axis in (0..D).filter(|axis| inverse_weight[D * vertex + axis] == 0.0) {
                 block[(axis, axis)] = 0.0;
             }
             for (number, (a, share)) in shares.iter().enumerate() {
@@ -87,7 +86,7 @@ impl Coarsening {
             }
         }
         for ([row, column], block) in fine.pattern().iter().zip(fine.blocks()) {
-            let both: Matrix2<f64> = block + block.transpose();
+            let both: Block<D> = block + block.transpose();
             for (a, share) in self.of(*row as usize) {
                 for (b, other) in self.of(*column as usize) {
                     if a == b {
@@ -101,26 +100,22 @@ impl Coarsening {
     }
 
     /// Restriction, `coarse = Pᵀ fine`.
-    pub fn gather(&self, fine: &[f64], coarse: &mut [f64]) {
+    pub fn gather<const D: usize>(&self, fine: &[[f64; D]], coarse: &mut [f64]) {
         coarse.fill(0.0);
-        let coarse = coarse.as_chunks_mut::<2>().0;
-        for (vertex, [x, y]) in fine.as_chunks().0.iter().enumerate() {
+        let coarse = coarse.as_chunks_mut::<D>().0;
+        for (vertex, fine) in fine.iter().enumerate() {
             for (group, share) in self.of(vertex) {
-                let into = &mut coarse[*group as usize];
-                into[0] += share * x;
-                into[1] += share * y;
+                coarse[*group as usize].iter_mut().zip(fine).for_each(|(into, fine)| *into += share * fine);
             }
         }
     }
 
     /// Prolongation, `fine += P coarse`.
-    pub fn spread(&self, coarse: &[f64], fine: &mut [f64]) {
-        let coarse = coarse.as_chunks::<2>().0;
-        for (vertex, [x, y]) in fine.as_chunks_mut().0.iter_mut().enumerate() {
+    pub fn spread<const D: usize>(&self, coarse: &[f64], fine: &mut [[f64; D]]) {
+        let coarse = coarse.as_chunks::<D>().0;
+        for (vertex, fine) in fine.iter_mut().enumerate() {
             for (group, share) in self.of(vertex) {
-                let from = coarse[*group as usize];
-                *x += share * from[0];
-                *y += share * from[1];
+                fine.iter_mut().zip(coarse[*group as usize]).for_each(|(into, coarse)| *into += share * coarse);
             }
         }
     }
@@ -133,7 +128,7 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn new(matrix: &BlockMatrix) -> Self {
+    fn new<const D: usize>(matrix: &BlockMatrix<D>) -> Self {
         let mut starts = vec![0; matrix.vertices() + 1];
         for vertex in matrix.pattern().as_flattened() {
             starts[*vertex as usize + 1] += 1;

@@ -34,8 +34,8 @@ pub enum SolveOutcome {
 ///
 /// No step allocates: all buffers are made with the sparsity pattern.
 #[derive(Clone, Debug)]
-pub struct Iterative {
-    levels: TwoLevel,
+pub struct Iterative<const D: usize> {
+    levels: TwoLevel<D>,
     /// Time of an iteration and of a rebuild of the coarse matrix, as fractions of a factorisation and solve of the
     /// whole matrix.
     iteration: f64,
@@ -51,19 +51,19 @@ pub struct Iterative {
     product: Vec<f64>,
 }
 
-impl Iterative {
+impl<const D: usize> Iterative<D> {
     /// Makes a solver for a matrix, if it is faster than factorisation by the estimated times.
-    pub fn by_size(matrix: &BlockMatrix, factor: &Factor) -> Option<Self> {
+    pub fn by_size(matrix: &BlockMatrix<D>, factor: &Factor<D>) -> Option<Self> {
         let [iteration, refreshment] = times(matrix, None);
         let worth = factor.time() > GAIN * (refreshment + USUAL * iteration);
         if worth { Self::new(matrix, factor) } else { None }
     }
 
     /// Makes a solver for any matrix. `None` if it does not fit in memory.
-    pub fn new(matrix: &BlockMatrix, factor: &Factor) -> Option<Self> {
+    pub fn new(matrix: &BlockMatrix<D>, factor: &Factor<D>) -> Option<Self> {
         let levels = TwoLevel::new(matrix)?;
         let [iteration, refreshment] = times(matrix, Some(&levels)).map(|time| time / factor.time());
-        let [r, z, direction, product] = [(); 4].map(|()| vec![0.0; 2 * matrix.vertices()]);
+        let [r, z, direction, product] = [(); 4].map(|()| vec![0.0; D * matrix.vertices()]);
         Some(Self { levels, iteration, refreshment, made: None, is_off: false, r, z, direction, product })
     }
 
@@ -75,7 +75,7 @@ impl Iterative {
     /// Solves `A x = -g`. Rows and columns of numbers with 1/weight zero become those of the identity.
     pub fn solve(
         &mut self,
-        (matrix, tangent, inverse_weight): (&mut BlockMatrix, Tangent, &[f64]),
+        (matrix, tangent, inverse_weight): (&mut BlockMatrix<D>, Tangent, &[f64]),
         (g, x): (&[f64], &mut [f64]),
         tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
@@ -118,7 +118,7 @@ impl Iterative {
 
     fn iterate(
         &mut self,
-        matrix: &BlockMatrix,
+        matrix: &BlockMatrix<D>,
         (g, x): (&[f64], &mut [f64]),
         tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
@@ -140,7 +140,7 @@ impl Iterative {
                 return SolveOutcome::Indefinite;
             }
             let share = (size / first).sqrt();
-            let enough = tolerance.share.max(tolerance.error / greatest(x));
+            let enough = tolerance.share.max(tolerance.error / greatest(x, D));
             if share <= enough && iteration > 0 {
                 return SolveOutcome::Solved(share);
             }
@@ -189,14 +189,14 @@ const USUAL: f64 = 5.0;
 
 /// Estimated time of an iteration and of a rebuild of the coarse matrix [ns], in the unit of [`Factor::time`]; without
 /// levels, for the groups of a usual mesh.
-fn times(matrix: &BlockMatrix, levels: Option<&TwoLevel>) -> [f64; 2] {
+fn times<const D: usize>(matrix: &BlockMatrix<D>, levels: Option<&TwoLevel<D>>) -> [f64; 2] {
     let entries = levels.map_or(2.2 * matrix.vertices() as f64, |levels| levels.entries() as f64);
     let blocks = matrix.pattern().len() as f64;
     [12.0 * blocks + 8.0 * entries, 10.0 * blocks + 18.0 * entries]
 }
 
-/// Greatest Euclidean norm of the vector of any vertex, which is invariant under rotation.
-pub fn greatest(values: &[f64]) -> f64 {
-    let squares = values.chunks(2).map(|vector| vector.iter().map(|value| value * value).sum());
+/// Greatest Euclidean norm of the vector of any vertex, of `size` numbers, which is invariant under rotation.
+pub fn greatest(values: &[f64], size: usize) -> f64 {
+    let squares = values.chunks(size).map(|vector| vector.iter().map(|value| value * value).sum());
     squares.fold(0.0, f64::max).sqrt()
 }

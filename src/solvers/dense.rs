@@ -35,21 +35,15 @@ pub fn eliminate<S: Simd>(
             let done = &done[begin * stride..end.min(first) * stride];
             let start = first / LANES * LANES;
             let to = &mut rest[..(width - first).min(COLUMNS) * stride];
-            let is_two = width - first < COLUMNS;
-            if is_two {
-                subtract::<S, 2>(set, to, stride, (done, stride), (first, start, start, height));
-            } else {
-                subtract::<S, COLUMNS>(set, to, stride, (done, stride), (first, start, start, height));
-            }
-            if first < end {
-                let is_positive = if is_two {
-                    pivot::<S, 2>(set, to, stride, (first, start, height))
-                } else {
-                    pivot::<S, COLUMNS>(set, to, stride, (first, start, height))
-                };
-                if !is_positive {
-                    return false;
-                }
+            let rows = (first, start, height);
+            let is_positive = match width - first {
+                1 => columns::<S, 1>(set, to, stride, done, (rows, first < end)),
+                2 => columns::<S, 2>(set, to, stride, done, (rows, first < end)),
+                3 => columns::<S, 3>(set, to, stride, done, (rows, first < end)),
+                _ => columns::<S, COLUMNS>(set, to, stride, done, (rows, first < end)),
+            };
+            if !is_positive {
+                return false;
             }
         }
         let done = &panel.values[begin * stride..end * stride];
@@ -57,14 +51,29 @@ pub fn eliminate<S: Simd>(
             let start = first / LANES * LANES;
             let to = &mut update.values[first * update.stride..];
             let rows = (top + first, start, top + start, height);
-            if depth - first < COLUMNS {
-                subtract::<S, 2>(set, to, update.stride, (done, stride), rows);
-            } else {
-                subtract::<S, COLUMNS>(set, to, update.stride, (done, stride), rows);
+            match depth - first {
+                1 => subtract::<S, 1>(set, to, update.stride, (done, stride), rows),
+                2 => subtract::<S, 2>(set, to, update.stride, (done, stride), rows),
+                3 => subtract::<S, 3>(set, to, update.stride, (done, stride), rows),
+                _ => subtract::<S, COLUMNS>(set, to, update.stride, (done, stride), rows),
             }
         }
     }
     true
+}
+
+/// Subtracts the products of the columns `done` from C columns of the same panel and then, if `is_own`, eliminates these
+/// among themselves. Returns whether all pivots were positive.
+#[inline(always)]
+fn columns<S: Simd, const C: usize>(
+    set: S,
+    to: &mut [f64],
+    stride: usize,
+    done: &[f64],
+    ((first, start, height), is_own): ((usize, usize, usize), bool),
+) -> bool {
+    subtract::<S, C>(set, to, stride, (done, stride), (first, start, start, height));
+    !is_own || pivot::<S, C>(set, to, stride, (first, start, height))
 }
 
 /// Subtracts `a bᵀ` from C columns for each column of a panel: a are its rows from `from` to `height`, which go to rows
@@ -181,11 +190,15 @@ fn pivot<S: Simd, const C: usize>(
 #[inline(always)]
 pub fn add_products(sums: &mut [f64], columns: &[f64], stride: usize, top: usize, y: &[f64]) {
     for (pair, y) in columns.chunks(2 * stride).zip(y.chunks(2)) {
-        let (Some(one), Some(two)) = (pair.get(top..), pair.get(stride + top..)) else { return };
-        if let [y0, y1] = *y {
-            for ((sum, one), two) in sums.iter_mut().zip(one).zip(two) {
-                *sum = *sum + one * y0 + two * y1;
+        let one = &pair[top.min(pair.len())..];
+        match (y, pair.get(stride + top..)) {
+            (&[y0, y1], Some(two)) => {
+                for ((sum, one), two) in sums.iter_mut().zip(one).zip(two) {
+                    *sum = *sum + one * y0 + two * y1;
+                }
             }
+            // The last of an odd number of columns.
+            _ => sums.iter_mut().zip(one).for_each(|(sum, one)| *sum += one * y[0]),
         }
     }
 }
@@ -289,7 +302,9 @@ mod tests {
 
     #[test]
     fn panels_in_lanes_have_the_bits_of_one_number_after_another() {
-        for (width, depth) in [(2, 0), (2, 2), (4, 6), (6, 10), (10, 30), (66, 2), (70, 50), (150, 74)] {
+        for (width, depth) in
+            [(2, 0), (1, 0), (3, 6), (9, 3), (75, 15), (2, 2), (4, 6), (6, 10), (10, 30), (66, 2), (70, 50), (150, 74)]
+        {
             let matrix = matrix(width + depth);
             let expected = plain(matrix.clone(), width);
             let [mut one, mut wide] = [(); 2].map(|()| Front::new(&matrix, width));

@@ -17,7 +17,7 @@ const RELAX: &[(usize, f64)] = &[(4, 0.8), (16, 0.2), (48, 0.1), (usize::MAX, 0.
 
 /// Front: vertices that are eliminated together. Their columns of L have the same rows below and form one dense panel.
 ///
-/// All counts are of single numbers, two for each vertex. A panel is stored column by column, first the rows of the
+/// All counts are of single numbers, D for each vertex. A panel is stored column by column, first the rows of the
 /// vertices themselves, then those below; each is padded to whole SIMD vectors.
 #[derive(Clone, Debug)]
 pub struct Front {
@@ -27,6 +27,8 @@ pub struct Front {
     pub width: usize,
     /// Range of the vertices below in [`Elimination::rows`].
     pub below: Range<usize>,
+    /// Number of rows below.
+    depth: usize,
     /// Start of its panel in the values.
     pub panel: usize,
     /// Its entries of the matrix, in [`Elimination::entries`].
@@ -42,10 +44,11 @@ pub struct Front {
 
 impl Front {
     /// Makes a front of these places, and those below, without storage.
-    const fn new(places: Range<usize>, below: Range<usize>) -> Self {
+    const fn new<const D: usize>(places: Range<usize>, below: Range<usize>) -> Self {
         Self {
-            first: 2 * places.start,
-            width: 2 * (places.end - places.start),
+            first: D * places.start,
+            width: D * (places.end - places.start),
+            depth: D * (below.end - below.start),
             below,
             panel: 0,
             entries: 0..0,
@@ -58,7 +61,7 @@ impl Front {
 
     /// Number of rows below.
     pub const fn depth(&self) -> usize {
-        2 * (self.below.end - self.below.start)
+        self.depth
     }
 
     /// First row below in the panel.
@@ -120,7 +123,7 @@ pub struct Elimination {
 
 impl Elimination {
     /// Analyses the pattern of a matrix; `None` if L does not fit in memory.
-    pub fn new(matrix: &BlockMatrix) -> Option<Self> {
+    pub fn new<const D: usize>(matrix: &BlockMatrix<D>) -> Option<Self> {
         let count = matrix.vertices();
         let (starts, indices) = upper_columns(matrix);
         let pattern = SymbolicSparseColMatRef::new_checked(count, count, &starts, None, &indices);
@@ -140,7 +143,7 @@ impl Elimination {
             let below = rows.len();
             rows.extend_from_slice(pattern);
             rows[below..].sort_unstable();
-            fronts.push(Front::new(places, below..rows.len()));
+            fronts.push(Front::new::<D>(places, below..rows.len()));
         };
         match symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(lower) => {
@@ -218,7 +221,7 @@ impl Elimination {
     }
 
     /// Computes the positions of entries of the matrix and of rows of updates.
-    fn place(&mut self, matrix: &BlockMatrix, place_of: &[u32]) {
+    fn place<const D: usize>(&mut self, matrix: &BlockMatrix<D>, place_of: &[u32]) {
         let mut columns = vec![Vec::new(); matrix.vertices()];
         for (block, [a, b]) in matrix.pattern().iter().enumerate() {
             let (a, b) = (place_of[*a as usize], place_of[*b as usize]);
@@ -228,17 +231,17 @@ impl Elimination {
         let mut row_of = vec![0; matrix.vertices()];
         for number in 0..self.fronts.len() {
             let front = self.fronts[number].clone();
-            let places = front.first / 2..front.first / 2 + front.width / 2;
+            let places = front.first / D..(front.first + front.width) / D;
             for (row, place) in places.clone().enumerate() {
-                row_of[place] = 2 * row;
+                row_of[place] = D * row;
             }
             for (row, place) in self.rows[front.below.clone()].iter().enumerate() {
-                row_of[*place as usize] = front.top() + 2 * row;
+                row_of[*place as usize] = front.top() + D * row;
             }
             let begin = self.entries.len();
             for (column, place) in places.enumerate() {
                 let entry = |(row, block): &(u32, u32)| Entry {
-                    to: (2 * column * front.stride() + row_of[*row as usize]) as u32,
+                    to: (D * column * front.stride() + row_of[*row as usize]) as u32,
                     block: *block,
                 };
                 self.entries.extend(columns[place].iter().map(entry));
@@ -247,10 +250,10 @@ impl Elimination {
             for child in self.children[front.children].iter().map(|child| *child as usize) {
                 let begin = self.runs.len();
                 for (row, place) in self.rows[self.fronts[child].below.clone()].iter().enumerate() {
-                    let (from, to) = (2 * row as u32, row_of[*place as usize] as u32);
+                    let (from, to) = ((D * row) as u32, row_of[*place as usize] as u32);
                     match self.runs[begin..].last_mut() {
-                        Some(run) if run.to + run.count == to => run.count += 2,
-                        _ => self.runs.push(RowRun { from, to, count: 2 }),
+                        Some(run) if run.to + run.count == to => run.count += D as u32,
+                        _ => self.runs.push(RowRun { from, to, count: D as u32 }),
                     }
                 }
                 self.fronts[child].runs = begin..self.runs.len();
@@ -260,7 +263,7 @@ impl Elimination {
 }
 
 /// The upper triangle by columns, with the diagonal: starts of the columns, and rows.
-fn upper_columns(matrix: &BlockMatrix) -> (Vec<u32>, Vec<u32>) {
+fn upper_columns<const D: usize>(matrix: &BlockMatrix<D>) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0];
     let mut indices = Vec::with_capacity(matrix.pattern().len() + matrix.vertices());
     let mut pattern = matrix.pattern().iter().peekable();

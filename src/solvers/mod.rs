@@ -1,5 +1,5 @@
-//! Sparse systems of equations with a symmetric matrix of 2 x 2 blocks, one block row a vertex: direct and iterative
-//! solvers, and Newton's method. This module is independent of the meaning of the numbers.
+//! Sparse systems of equations with a symmetric matrix of small square blocks, one block row a vertex: direct and
+//! iterative solvers, and Newton's method. This module is independent of the meaning of the numbers.
 
 mod block_matrix;
 mod cholesky;
@@ -8,10 +8,11 @@ mod conjugate;
 mod counts;
 mod dense;
 mod elimination;
+mod linear_system;
 mod newton;
 mod two_level;
 
-pub use block_matrix::{BlockMatrix, Tangent, Weights};
+pub use block_matrix::{Block, BlockMatrix, SparseMatrix, Tangent, Weights};
 pub use cholesky::Factor;
 pub use counts::NewtonCounts;
 pub use newton::{Equations, LinearSolver, Newton};

@@ -1,8 +1,9 @@
 //! Newton's method with line search.
 
 use super::{
-    BlockMatrix, Factor, NewtonCounts, Tangent,
-    conjugate::{Iterative, SolveOutcome, SolveTolerance, greatest},
+    NewtonCounts, SparseMatrix, Tangent,
+    conjugate::{SolveOutcome, SolveTolerance, greatest},
+    linear_system::{LinearSystem, analyse},
 };
 
 /// Equations `g(z) = 0` with a symmetric matrix of derivatives, or one that is taken as symmetric.
@@ -10,8 +11,11 @@ pub trait Equations {
     /// Writes g(z); zero for fixed numbers.
     fn residual(&mut self, z: &[f64], g: &mut [f64]);
 
+    /// Number of numbers of a vertex, which is the size of the blocks of the matrix: 1, 2 or 3.
+    fn block_size(&self) -> usize;
+
     /// Adds dg/dz, with the tangent's change of eigenvalues, to a cleared matrix.
-    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix);
+    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut dyn SparseMatrix);
 
     /// Sparsity pattern of the derivative: its vertex pairs, in the order in which it adds them.
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
@@ -67,7 +71,8 @@ pub enum LinearSolver {
 /// Computing 17, 1996, choice 2), and the whole no further than a thousandth of the error of the equations themselves.
 #[derive(Default)]
 pub struct Newton {
-    system: Option<System>,
+    system: Option<Box<dyn LinearSystem>>,
+    block_size: usize,
     linear_solver: LinearSolver,
     /// Norm of g at the last step, and the forcing term of that step.
     forced: Option<(f64, f64)>,
@@ -131,7 +136,7 @@ impl Newton {
             let solve_tolerance = self.solve_tolerance(equations, z);
             let Some(regularisation) = self.find_step(equations, z, least, solve_tolerance, &mut counts) else { break };
             counts.iterations += 1;
-            let size = greatest(&self.step);
+            let size = greatest(&self.step, self.block_size);
             let tolerance = if self.left > 0.0 && regularisation == Regularisation::EXACT {
                 Self::loose(equations, z)
             } else {
@@ -173,7 +178,8 @@ impl Newton {
 
     fn prepare(&mut self, equations: &dyn Equations, count: usize) {
         if self.system.is_none() || std::mem::take(&mut self.is_stale) {
-            self.system = analyse(self.system.take(), equations, count / 2, self.linear_solver);
+            self.block_size = equations.block_size();
+            self.system = analyse(self.system.take(), equations, count, self.linear_solver);
         }
         for buffer in [&mut self.g, &mut self.trial, &mut self.trial_g, &mut self.step] {
             buffer.resize(count, 0.0);
@@ -181,8 +187,8 @@ impl Newton {
         self.sizes.clear();
         self.sizes.reserve(Self::ITERATIONS);
         self.forced = None;
-        if let Some(iterative) = self.system.as_mut().and_then(|system| system.iterative.as_mut()) {
-            iterative.begin();
+        if let Some(system) = &mut self.system {
+            system.begin();
         }
     }
 
@@ -235,7 +241,7 @@ impl Newton {
         solve_tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
     ) -> Option<Regularisation> {
-        let System { matrix, factor, iterative } = self.system.as_mut()?;
+        let system = self.system.as_mut()?;
         if !z.iter().all(|z| z.is_finite()) {
             return None;
         }
@@ -243,18 +249,17 @@ impl Newton {
         for regularisation in (least.0..=Regularisation::MOST).map(Regularisation) {
             let tangent = regularisation.tangent();
             if filled.replace(tangent) != Some(tangent) {
-                matrix.clear();
-                equations.derivative(z, tangent, matrix);
+                equations.derivative(z, tangent, system.cleared());
             }
             let weight = equations.inverse_weight();
-            if let Some(iterative) = iterative.as_mut().filter(|_| !regularisation.shifts()) {
+            if !regularisation.shifts() {
                 let error = Self::INNER * equations.tolerance(z);
                 let solve_tolerance = if regularisation == Regularisation::EXACT {
                     solve_tolerance
                 } else {
                     SolveTolerance { error, ..solve_tolerance }
                 };
-                match iterative.solve((matrix, tangent, weight), (&self.g, &mut self.step), solve_tolerance, counts) {
+                match system.iterate((tangent, weight), (&self.g, &mut self.step), solve_tolerance, counts) {
                     SolveOutcome::Solved(share) => {
                         self.left = share;
                         return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
@@ -268,9 +273,9 @@ impl Newton {
             }
             self.left = 0.0;
             counts.factorisations += 1;
-            if factor.factorise(matrix, weight, regularisation.shift() * heaviest(matrix, weight)) {
+            if system.factorise(weight, regularisation.shift()) {
                 self.step.iter_mut().zip(&self.g).for_each(|(step, g)| *step = -g);
-                factor.solve(&mut self.step);
+                system.solve(&mut self.step);
                 return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
             }
             counts.indefinite += 1;
@@ -351,41 +356,6 @@ impl Regularisation {
             _ => Self(self.0.max(Self::ABSOLUTE.0)),
         }
     }
-}
-
-/// The matrix, its factor, and an iterative solver where it is faster.
-struct System {
-    matrix: BlockMatrix,
-    factor: Factor,
-    iterative: Option<Iterative>,
-}
-
-/// Builds the system for the sparsity pattern of the equations, or keeps the one before if the pattern is the same.
-fn analyse(
-    before: Option<System>,
-    equations: &dyn Equations,
-    vertices: usize,
-    linear_solver: LinearSolver,
-) -> Option<System> {
-    let mut pattern = Vec::new();
-    equations.sparsity_pattern(&mut |a, b| pattern.push([a, b]));
-    if let Some(before) = before.filter(|system| system.matrix.is_for(vertices, &pattern)) {
-        return Some(before);
-    }
-    let matrix = BlockMatrix::new(vertices, &pattern);
-    let factor = Factor::new(&matrix)?;
-    let iterative = match linear_solver {
-        LinearSolver::Chosen => Iterative::by_size(&matrix, &factor),
-        LinearSolver::Direct => None,
-        LinearSolver::Iterative => Iterative::new(&matrix, &factor),
-    };
-    Some(System { matrix, factor, iterative })
-}
-
-/// The greatest entry of the diagonal over its weight.
-fn heaviest(matrix: &BlockMatrix, inverse_weight: &[f64]) -> f64 {
-    let diagonals = matrix.diagonals().iter().flat_map(|block| [block.m11, block.m22]);
-    diagonals.zip(inverse_weight).fold(0.0, |greatest, (entry, inverse)| greatest.max(entry * inverse))
 }
 
 /// `sum g²/weight`.

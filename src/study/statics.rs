@@ -3,10 +3,9 @@
 use crate::{
     effects::Motion,
     scene::Scene,
-    solvers::{BlockMatrix, Equations, Newton, NewtonCounts, Tangent, Weights},
+    solvers::{Equations, Newton, NewtonCounts, SparseMatrix, Tangent, Weights},
     stability::largest_eigenvalue,
 };
-use nalgebra::Matrix2;
 
 /// Static equilibrium from the start by Newton's method, and the counts of the solver. Walls are ignored.
 ///
@@ -65,8 +64,8 @@ impl<'a> Balance<'a> {
     }
 
     fn motion(&self) -> Motion<'_> {
-        let Scene { mass, inverse_mass, .. } = self.scene;
-        Motion { x: &self.x, v: &self.still, mass, inverse_mass, grab: None }
+        let Scene { dimension, mass, inverse_mass, .. } = self.scene;
+        Motion { dimension: *dimension, x: &self.x, v: &self.still, mass, inverse_mass, grab: None }
     }
 }
 
@@ -84,16 +83,17 @@ impl Equations for Balance<'_> {
         }
     }
 
-    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut BlockMatrix) {
+    fn block_size(&self) -> usize {
+        self.scene.dimension
+    }
+
+    fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut dyn SparseMatrix) {
         self.move_to(z);
         let weights = Weights { position: 1.0, velocity: 0.0, tangent };
         for effect in &self.scene.effects {
             effect.add_stiffness(self.motion(), weights, matrix);
         }
-        for (vertex, mass) in self.scene.mass.chunks_exact(2).enumerate() {
-            let [a, b] = [self.holding * mass[0], self.holding * mass[1]];
-            matrix.diagonal(vertex, &Matrix2::new(a, 0.0, 0.0, b));
-        }
+        matrix.add_to_diagonal(&|number| self.holding * self.scene.mass[number]);
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {

@@ -4,7 +4,7 @@ use gingerbread::{
     effects::Motion,
     integrators::Dynamics,
     scene::Scene,
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
 };
 
 /// The effects of a scene, and a floor.
@@ -23,7 +23,7 @@ impl<'a> Physics<'a> {
 }
 
 fn motion<'a>(scene: &'a Scene, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
-    Motion { x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None }
+    Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None }
 }
 
 impl Dynamics for Physics<'_> {
@@ -48,11 +48,15 @@ impl Dynamics for Physics<'_> {
         }
     }
 
+    fn block_size(&self) -> usize {
+        self.scene.dimension
+    }
+
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         self.scene.effects.iter().for_each(|effect| effect.sparsity_pattern(add));
     }
 
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         self.scene.effects.iter().for_each(|effect| effect.add_stiffness(motion(self.scene, x, v), weights, matrix));
     }
 

@@ -7,7 +7,7 @@ use gingerbread::{
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
-    solvers::{BlockMatrix, Weights},
+    solvers::{SparseMatrix, Weights},
     state::State,
     toys::ToyKind,
 };
@@ -58,11 +58,17 @@ impl Dynamics for Oscillator {
         product[1] += force.y;
     }
 
+    fn block_size(&self) -> usize {
+        2
+    }
+
     fn sparsity_pattern(&self, _: &mut dyn FnMut(u32, u32)) {}
 
-    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut BlockMatrix) {
+    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         let damping = Matrix2::from_diagonal_element(weights.velocity * MASS * self.damping);
-        matrix.diagonal(0, &(self.stiffness(x) * weights.position + damping));
+        if let Some(matrix) = matrix.blocks::<2>() {
+            matrix.diagonal(0, &(self.stiffness(x) * weights.position + damping));
+        }
     }
 }
 

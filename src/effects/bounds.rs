@@ -1,0 +1,129 @@
+//! Boxes around the vertices of a scene in the plane, in which constraints may be skipped.
+
+/// Least and greatest corner of a box [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds(pub [[f64; 2]; 2]);
+
+/// Enlargement of a box in powers of two of its size: greatest and least exponent.
+const POWERS: (i32, i32) = (4, -8);
+
+impl Bounds {
+    /// Box up to a distance from the origin along each axis [m].
+    pub const fn up_to(distance: f64) -> Self {
+        Self([[-distance; 2], [distance; 2]])
+    }
+
+    /// Box around the positions of all vertices before and after a step.
+    pub fn around(before: &[f64], after: &[f64]) -> Self {
+        let (mut least, mut greatest) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+        for (a, b) in before.chunks_exact(2).zip(after.chunks_exact(2)) {
+            for (axis, value) in [a[0], a[1], b[0], b[1]].into_iter().enumerate() {
+                least[axis] = if value < least[axis] { value } else { least[axis] };
+                greatest[axis] = if value > greatest[axis] { value } else { greatest[axis] };
+            }
+        }
+        Self([
+            [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
+            [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
+        ])
+    }
+
+    /// Box around flat points.
+    pub fn of(values: &[f64]) -> Self {
+        let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for pair in values.as_chunks::<2>().0 {
+            for axis in 0..2 {
+                bounds[0][axis] = if pair[axis] < bounds[0][axis] { pair[axis] } else { bounds[0][axis] };
+                bounds[1][axis] = if pair[axis] > bounds[1][axis] { pair[axis] } else { bounds[1][axis] };
+            }
+        }
+        Self(bounds)
+    }
+
+    /// Whether every one of these flat points lies in the box, its sides included.
+    pub fn contains(self, x: &[f64]) -> bool {
+        // Sums of numbers instead of conditions are vectorised.
+        const COUNT: usize = 16;
+        let [least, greatest] = self.0.map(|corner| std::array::from_fn::<f64, COUNT, _>(|number| corner[number % 2]));
+        let beyond = |x: f64, least: f64, greatest: f64| {
+            // NaN fails both comparisons.
+            let (low, high) = (if x >= least { 0.0 } else { 1.0 }, if x <= greatest { 0.0 } else { 1.0 });
+            low + high
+        };
+        let (chunks, rest) = x.as_chunks::<COUNT>();
+        let outside = pulp::Arch::new().dispatch(|| {
+            let mut outside = [0.0; COUNT];
+            for chunk in chunks {
+                for (number, sum) in outside.iter_mut().enumerate() {
+                    *sum += beyond(chunk[number], least[number], greatest[number]);
+                }
+            }
+            outside
+        });
+        let rest = rest.iter().zip(least.iter().zip(&greatest));
+        outside.iter().sum::<f64>() == 0.0
+            && rest.map(|(x, (least, greatest))| beyond(*x, *least, *greatest)).sum::<f64>() == 0.0
+    }
+
+    /// Greatest magnitude of a coordinate of its corners.
+    pub fn farthest(self) -> f64 {
+        self.0.as_flattened().iter().fold(0.0, |most, along| along.abs().max(most))
+    }
+
+    /// Length of its longer side, at least the smallest positive number.
+    fn size(self) -> f64 {
+        let Self([least, greatest]) = self;
+        (0..2).map(|axis| greatest[axis] - least[axis]).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// The box with all its sides moved outwards by a length.
+    #[must_use]
+    pub fn grown(self, by: f64) -> Self {
+        self.with_sides([true; 4], by)
+    }
+
+    /// The box with some of its sides (left, bottom, right, top) moved outwards by a length.
+    fn with_sides(self, [left, bottom, right, top]: [bool; 4], by: f64) -> Self {
+        let Self([least, greatest]) = self;
+        let moved = |side: bool| if side { by } else { 0.0 };
+        Self([
+            [least[0] - moved(left), least[1] - moved(bottom)],
+            [greatest[0] + moved(right), greatest[1] + moved(top)],
+        ])
+    }
+
+    /// The box enlarged as far as it stays clear, by powers of two of the size of the box `inner`.
+    #[must_use]
+    pub fn enlarged(self, inner: Self, is_clear: impl Fn(Self) -> bool) -> Self {
+        let size = inner.size();
+        let one = |side: usize| std::array::from_fn(|other| other == side);
+        let mut bounds = self;
+        for sides in std::iter::once([true; 4]).chain((0..4).map(one)) {
+            for power in (POWERS.1..=POWERS.0).rev() {
+                let larger = bounds.with_sides(sides, libm::ldexp(size, power));
+                if is_clear(larger) {
+                    bounds = larger;
+                }
+            }
+        }
+        bounds
+    }
+
+    /// A box much larger than this one, up to a distance from the origin, so that nothing leaves it soon; its corners are
+    /// still exact to a small fraction of this one.
+    #[must_use]
+    pub fn surroundings(self, limit: f64) -> Self {
+        let Self([least, greatest]) = self;
+        let size = (0..2).map(|axis| greatest[axis] - least[axis]).fold(0.0, f64::max);
+        let outer = self.grown(libm::ldexp(size, 20) + libm::ldexp(self.farthest(), -16));
+        Self(outer.0.map(|corner| corner.map(|along| along.clamp(-limit, limit))))
+    }
+
+    /// Least distance that a point of this box can move without leaving the outer one, less a fraction for round-off in
+    /// many steps.
+    pub fn displacement_bound(self, outer: Self) -> f64 {
+        let (Self(inner), Self(sides)) = (self, outer);
+        let room = [0, 1].map(|axis| (inner[0][axis] - sides[0][axis]).min(sides[1][axis] - inner[1][axis]));
+        room[0].min(room[1]) - 1e-6 * outer.farthest()
+    }
+}

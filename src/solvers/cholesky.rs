@@ -15,12 +15,11 @@ const ENTRY: f64 = 9.0;
 
 /// The factorisation `A = L Lᵀ` of a symmetric positive definite [`BlockMatrix`].
 ///
-/// The elimination order (approximate minimum degree) and the structure of L come from faer, once for a topology. The
+/// The elimination order (approximate minimum degree) and the structure of L are found once for a topology. The
 /// numeric factorisation is multifrontal (Duff and Reid, *The multifrontal solution of indefinite sparse symmetric
 /// linear systems*, ACM Transactions on Mathematical Software 9, 1983; Davis, *Direct Methods for Sparse Linear
 /// Systems*, section 4.8): columns of L with the same rows form one dense panel, which is processed with SIMD, and its
-/// update matrix waits on a stack for the parent front. The bits must be the same on every processor; faer's own
-/// kernels use whatever vector and fused operations the machine has.
+/// update matrix waits on a stack for the parent front. The bits are the same on every processor.
 #[derive(Clone, Debug)]
 pub struct Factor<const D: usize> {
     elimination: Elimination,

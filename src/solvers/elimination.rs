@@ -1,19 +1,8 @@
 //! Elimination order and fill of a sparse factorisation.
 
-use super::BlockMatrix;
+use super::{BlockMatrix, supernodes::Supernodes};
 use crate::simd::LANES;
-use faer::sparse::{
-    SymbolicSparseColMatRef,
-    linalg::{
-        SupernodalThreshold, SymbolicSupernodalParams,
-        cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky},
-    },
-};
 use std::ops::Range;
-
-/// Relaxed supernodes: columns of L with nearly the same rows are merged, with explicit zeros: up to this many columns
-/// while the fraction of zeros is below the bound.
-const RELAX: &[(usize, f64)] = &[(4, 0.8), (16, 0.2), (48, 0.1), (usize::MAX, 0.05)];
 
 /// Front: vertices that are eliminated together. Their columns of L have the same rows below and form one dense panel.
 ///
@@ -125,17 +114,7 @@ impl Elimination {
     /// Analyses the pattern of a matrix; `None` if L does not fit in memory.
     pub fn new<const D: usize>(matrix: &BlockMatrix<D>) -> Option<Self> {
         let count = matrix.vertices();
-        let (starts, indices) = upper_columns(matrix);
-        let pattern = SymbolicSparseColMatRef::new_checked(count, count, &starts, None, &indices);
-        let parameters = CholeskySymbolicParams {
-            // Below zero, so that supernodes are used for a diagonal matrix too, which has zero operations.
-            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
-            supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
-            ..CholeskySymbolicParams::default()
-        };
-        let order = SymmetricOrdering::Amd;
-        let symbolic = factorize_symbolic_cholesky(pattern, faer::Side::Upper, order, parameters).ok()?;
-        let (vertex_at, place_of) = symbolic.perm()?.arrays();
+        let supernodes = Supernodes::new(matrix)?;
         let mut own = vec![0; count];
         let (mut rows, mut fronts) = (Vec::new(), Vec::new());
         let mut add = |places: Range<usize>, pattern: &[u32]| {
@@ -145,17 +124,9 @@ impl Elimination {
             rows[below..].sort_unstable();
             fronts.push(Front::new::<D>(places, below..rows.len()));
         };
-        match symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(lower) => {
-                for (number, (begin, end)) in lower.supernode_begin().iter().zip(lower.supernode_end()).enumerate() {
-                    add(*begin as usize..*end as usize, lower.supernode(number).pattern());
-                }
-            }
-            SymbolicCholeskyRaw::Simplicial(_) if count == 0 => {}
-            SymbolicCholeskyRaw::Simplicial(_) => return None,
-        }
+        supernodes.iter().for_each(|(places, pattern)| add(places, pattern));
         let mut elimination = Self {
-            vertex_at: vertex_at.to_vec(),
+            vertex_at: supernodes.vertex_at,
             fronts,
             rows,
             entries: Vec::new(),
@@ -165,7 +136,7 @@ impl Elimination {
             stacks: [0; 2],
         };
         elimination.order(&own);
-        elimination.place(matrix, place_of);
+        elimination.place(matrix, &supernodes.place_of);
         Some(elimination)
     }
 
@@ -260,19 +231,4 @@ impl Elimination {
             }
         }
     }
-}
-
-/// The upper triangle by columns, with the diagonal: starts of the columns, and rows.
-fn upper_columns<const D: usize>(matrix: &BlockMatrix<D>) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0];
-    let mut indices = Vec::with_capacity(matrix.pattern().len() + matrix.vertices());
-    let mut pattern = matrix.pattern().iter().peekable();
-    for column in 0..matrix.vertices() as u32 {
-        while let Some([_, row]) = pattern.next_if(|pair| pair[0] == column) {
-            indices.push(*row);
-        }
-        indices.push(column);
-        starts.push(indices.len() as u32);
-    }
-    (starts, indices)
 }

@@ -10,6 +10,7 @@ mod dense;
 mod elimination;
 mod linear_system;
 mod newton;
+mod supernodes;
 mod two_level;
 
 pub use block_matrix::{Block, BlockMatrix, SparseMatrix, Tangent, Weights};

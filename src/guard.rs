@@ -228,7 +228,5 @@ pub(crate) fn negligible(scene: &Scene) -> f64 {
 
 /// Energy scale of the elements of a scene, at a strain of one [J].
 fn scale(scene: &Scene) -> f64 {
-    let bodies = scene.bodies.iter().map(|body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>());
-    let links = scene.nets.iter().flat_map(|net| net.springs.links());
-    bodies.sum::<f64>() + links.map(|link| link.stiffness * link.rest * link.rest).sum::<f64>()
+    scene.parts.iter().map(|part| part.energy_scales()[0]).sum()
 }

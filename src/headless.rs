@@ -244,7 +244,7 @@ pub fn check(path: &Path) -> Result<String, HeadlessError> {
         "{}: ok, {}{} vertices, {} pinned",
         path.display(),
         elements(scene),
-        scene.rest.len() / 2,
+        scene.vertices(),
         scene.pins.len()
     );
     line = terminal::line(&line);

@@ -30,8 +30,8 @@
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | triangle meshes: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`nets`] | particles and springs: chains, sheets, lists |
+//! | [`solvers`] | sparse matrices of small blocks, their factorisation, conjugate gradients, Newton's method |
 //! | [`obstacles`] | contact with rigid obstacles; the only module that uses parry2d |
-//! | [`solvers`] | sparse matrices of 2 x 2 blocks, their factorisation, conjugate gradients, Newton's method |
 //! | [`effects`] and [`elements`] | forces and constraints: gravity, damping, walls, and the triangles and springs |
 //! | [`state`] | positions and velocities |
 //! | [`integrators`] | time integration, independent of physics |
@@ -71,9 +71,9 @@ pub mod simd;
 pub mod materials;
 pub mod meshes;
 pub mod nets;
-pub mod obstacles;
-
 pub mod solvers;
+
+pub mod obstacles;
 
 pub mod effects;
 pub mod elements;

@@ -260,10 +260,7 @@ impl Sandbox {
     /// Least and greatest x of the first body at rest [m].
     fn sides(&self) -> [f64; 2] {
         let scene = self.simulation.scene();
-        scene
-            .bodies
-            .first()
-            .map_or([0.0; 2], |body| extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], 0).into())
+        scene.bodies.first().map_or([0.0; 2], |body| extent(&scene.rest[scene.numbers(&body.vertices)], 0).into())
     }
 
     fn effect_mode(&self, document: &Document) -> RunMode {
@@ -326,7 +323,7 @@ impl Sandbox {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
         }
-        if 2 * vertex >= self.simulation.state().v.len() || !target.iter().all(|coordinate| coordinate.is_finite()) {
+        if vertex >= self.simulation.scene().vertices() || !target.iter().all(|coordinate| coordinate.is_finite()) {
             return Err(Refused::NotHere("there is no such vertex or point to pull"));
         }
         self.simulation.set_grab(Some(Grab { vertex, target }));
@@ -352,8 +349,8 @@ impl Sandbox {
         };
         let ([x, y], [from_x, from_y]) = (source.place.offset.get(), listed.place.offset.get());
         let rest = scene.listed(&scene.rest);
-        let rest = rest[2 * shown.vertices.start..2 * shown.vertices.end].chunks_exact(2);
-        rest.map_while(|point| Point::new([point[0] + x - from_x, point[1] + y - from_y]).ok()).collect()
+        let rest = rest[scene.numbers(&shown.vertices)].as_chunks().0.iter();
+        rest.map_while(|[at, up]| Point::new([at + x - from_x, up + y - from_y]).ok()).collect()
     }
 
     /// The document: the level, and how a test level is shown.

@@ -257,7 +257,7 @@ impl Sandbox {
             let shape = body.elements.diagnose_with_energy(energy, field, x, &mut snapshot.values);
             snapshot.min_j = snapshot.min_j.min(shape.least);
             snapshot.inverted += shape.inverted;
-            if snapshot.exploded.is_none() && scene.has_exploded(number, shape.energy, shape.inverted) {
+            if snapshot.exploded.is_none() && scene.has_exploded(number, shape.energy, x) {
                 snapshot.exploded = Some((body.name.clone(), shape.energy));
             }
             let triangles = first..first + body.elements.corners().len();
@@ -273,7 +273,7 @@ impl Sandbox {
             energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
         for (number, net) in snapshot.nets.iter().enumerate() {
-            if snapshot.exploded.is_none() && scene.has_exploded(scene.bodies.len() + number, net.energy, 0) {
+            if snapshot.exploded.is_none() && scene.has_exploded(scene.bodies.len() + number, net.energy, x) {
                 snapshot.exploded = Some((net.name.clone(), net.energy));
             }
         }
@@ -288,7 +288,7 @@ impl Sandbox {
 
     fn body(&self, body: &Body, triangles: Range<usize>, shape: Diagnostics) -> BodySnapshot {
         let x = &self.simulation.state().x;
-        let own = &x[2 * body.vertices.start..2 * body.vertices.end];
+        let own = &x[self.simulation.scene().numbers(&body.vertices)];
         let (bottom, top) = extent(own, 1);
         let height_ratio = (top - bottom) / body.rest_height;
         let test = self.document.level.test.is_some();

@@ -5,7 +5,7 @@ mod common;
 
 use common::{
     named,
-    systems::{Oscillator, Rate, advance, built, particle, run, swinging, without_control},
+    systems::{Oscillator, Rate, advance, assert_order, built, particle, run, swinging, without_control},
 };
 use gingerbread::{
     files,
@@ -15,15 +15,6 @@ use gingerbread::{
     state::State,
 };
 use nalgebra::Matrix2;
-
-/// Declared order against the slope over four halvings, by position errors at a fixed time.
-fn assert_order(kind: &IntegratorKind, what: &str, error: impl Fn(u64) -> f64) {
-    let errors: Vec<f64> = (0..5).map(|halvings| error(1 << halvings)).collect();
-    let slope = (errors[0] / errors[4]).log2() / 4.0;
-    let declared = f64::from(kind.kind().order());
-    println!("{what} {}: order {slope:.3}, declared {declared}; {:.1e} to {:.1e}", kind.name(), errors[0], errors[4]);
-    assert!((slope - declared).abs() < 0.15, "{what} {}: order {slope}, errors {errors:?}", kind.name());
-}
 
 /// It is tested with and without damping.
 #[test]

@@ -50,7 +50,7 @@ impl EffectParameters for Gravity {
     }
 }
 
-/// Acceleration [m/s²].
+/// Acceleration along x and y [m/s²]; none along a third axis.
 struct Field([f64; 2]);
 
 impl Effect for Field {
@@ -68,7 +68,7 @@ impl Effect for Field {
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
         let [gx, gy] = self.0;
-        let points = motion.x.chunks_exact(2).zip(motion.mass.chunks_exact(2));
+        let points = motion.x.chunks_exact(motion.dimension).zip(motion.mass.chunks_exact(motion.dimension));
         points.map(|(x, m)| -m[0] * (gx * x[0] + gy * x[1])).sum()
     }
 
@@ -77,7 +77,7 @@ impl Effect for Field {
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
-        for (force, mass) in force.chunks_exact_mut(2).zip(motion.mass.chunks_exact(2)) {
+        for (force, mass) in force.chunks_exact_mut(motion.dimension).zip(motion.mass.chunks_exact(motion.dimension)) {
             force[0] += mass[0] * self.0[0];
             force[1] += mass[1] * self.0[1];
         }

@@ -23,7 +23,23 @@ pub use spring::Springs;
 pub(crate) use tangent::Isotropic;
 pub use triangle::Triangles;
 
-use std::sync::Arc;
+use crate::effects::Effect;
+use std::{ops::Range, sync::Arc};
+
+/// All elements of one body or net: an effect whose energy is elastic.
+pub trait ElasticElements: Effect {
+    /// Scene numbers of their vertices.
+    fn vertices(&self) -> Range<usize>;
+
+    /// Energy scale of a strain of one in all elements [J]: for shear alone, and for any strain. Energies are small or
+    /// large by this measure.
+    fn energy_scales(&self) -> [f64; 2];
+
+    /// How many elements are inverted at these positions [m], and how many can be.
+    fn inverted(&self, _x: &[f64]) -> [usize; 2] {
+        [0; 2]
+    }
+}
 
 /// All elements of a scene, for effects that act on them.
 #[derive(Clone, Debug, Default)]

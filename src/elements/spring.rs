@@ -1,7 +1,7 @@
 //! Spring elements.
 
 use super::{
-    Accumulator, Adding, EulerUpdate,
+    Accumulator, Adding, ElasticElements, EulerUpdate,
     corners::{Corners, RUN_BLOCKS},
     gather::{Gather, pairs, scratch_size},
 };
@@ -273,6 +273,17 @@ impl WithSimd for Pulls<'_> {
                 }
             }
         }
+    }
+}
+
+impl<const D: usize> ElasticElements for Springs<D> {
+    fn vertices(&self) -> Range<usize> {
+        self.vertices.clone()
+    }
+
+    /// Both are the sum of k L² over all springs of length L at rest.
+    fn energy_scales(&self) -> [f64; 2] {
+        [self.links.iter().map(|link| link.stiffness * link.rest * link.rest).sum(); 2]
     }
 }
 

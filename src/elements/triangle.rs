@@ -1,7 +1,7 @@
 //! Linear triangle elements.
 
 use super::{
-    Accumulator, Adding, EulerUpdate,
+    Accumulator, Adding, ElasticElements, EulerUpdate,
     blocks::{self, Blocks, Both, Elastic, StressModel},
     partitions::Partitions,
 };
@@ -283,6 +283,22 @@ fn until_flat(edges: &Matrix2<f64>, change: &Matrix2<f64>, least: f64) -> f64 {
     let root = square.sqrt();
     let greatest = if b <= 0.0 { (root - b) / (2.0 * c) } else { -2.0 * a / (b + root) };
     if greatest > 0.0 { 1.0 / greatest } else { f64::INFINITY }
+}
+
+impl ElasticElements for Triangles {
+    fn vertices(&self) -> Range<usize> {
+        self.vertices.clone()
+    }
+
+    /// mu A, and (2 mu + lambda) A, for the rest area A.
+    fn energy_scales(&self) -> [f64; 2] {
+        let area: f64 = self.rest_areas().sum();
+        [self.lame.mu * area, (2.0 * self.lame.mu + self.lame.lambda) * area]
+    }
+
+    fn inverted(&self, x: &[f64]) -> [usize; 2] {
+        [self.volume_ratios(x).filter(|ratio| *ratio <= 0.0).count(), self.corners.len()]
+    }
 }
 
 impl Effect for Triangles {

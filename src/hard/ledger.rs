@@ -1,6 +1,6 @@
 //! Energy balance of a run.
 
-use crate::{report::Energies, scene::Scene};
+use crate::{guard::negligible, report::Energies, scene::Scene};
 
 /// Energy balance of a run. Between two changes from outside nothing in a scene supplies energy.
 ///
@@ -14,15 +14,10 @@ pub struct Ledger {
     gain: f64,
 }
 
-/// Energy that counts as round-off, as a share of the elastic energy at a stretch of one.
-const NEGLIGIBLE: f64 = 1e-12;
-
 impl Ledger {
     /// Starts the balance with a scene and its energies.
     pub fn new(scene: &Scene, energies: Energies) -> Self {
-        let elastic = |body: &crate::scene::Body| body.elements.lame().mu * body.elements.rest_areas().sum::<f64>();
-        let scale = NEGLIGIBLE * scene.bodies.iter().map(elastic).sum::<f64>();
-        let mut ledger = Self { put_in: energies.total(), scale, gain: 0.0 };
+        let mut ledger = Self { put_in: energies.total(), scale: negligible(scene), gain: 0.0 };
         ledger.record(energies);
         ledger
     }

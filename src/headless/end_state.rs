@@ -39,13 +39,8 @@ impl Beginning {
     /// Start state of a simulation before its first step.
     pub fn of(simulation: &Simulation) -> Self {
         let scene = simulation.scene();
-        let bodies = scene.bodies.iter().map(|body| {
-            let lame = body.elements.lame();
-            (lame.lambda + 2.0 * lame.mu) * body.elements.rest_areas().sum::<f64>()
-        });
-        let links = scene.nets.iter().flat_map(|net| net.springs.links());
-        let springs = links.map(|link| 0.5 * link.stiffness * link.rest * link.rest);
-        Self { ratios: ratios(simulation), energies: simulation.energies(), scale: bodies.chain(springs).sum() }
+        let scale = scene.parts.iter().map(|part| part.energy_scales()[1]).sum();
+        Self { ratios: ratios(simulation), energies: simulation.energies(), scale }
     }
 }
 

@@ -115,7 +115,7 @@ impl RunReport {
             inverted,
             wound: Tangle::of_all(scene, &state.x).wound,
             triangles,
-            vertices: scene.rest.len() / 2,
+            vertices: scene.vertices(),
             step_seconds: scene.step,
             paces: substep_reports(simulation),
             steps,

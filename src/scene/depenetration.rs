@@ -1,6 +1,6 @@
 //! Depenetration parameters of each body and net.
 
-use super::{Scene, extent};
+use super::{Scene, range};
 use crate::{nets::Link, obstacles::Depenetration};
 use std::ops::Range;
 
@@ -23,13 +23,14 @@ impl Scene {
     pub(super) fn depenetrations(&self) -> Vec<Depenetration> {
         let bodies = self.bodies.iter().map(|body| {
             let area: f64 = body.elements.rest_areas().sum();
-            let mass: f64 = self.mass[numbers(&body.vertices)].iter().step_by(2).sum();
+            let mass: f64 = self.mass[self.numbers(&body.vertices)].iter().step_by(self.dimension).sum();
             let waves = (body.elements.lame().mu * area / mass).sqrt();
             (&body.vertices, waves, (2.0 * area / body.elements.corners().len() as f64).sqrt())
         });
         let nets = self.nets.iter().map(|net| {
             let links = net.springs.links();
-            let speed = |link: &Link| link.rest * (link.stiffness / self.mass[2 * link.ends[0] as usize]).sqrt();
+            let speed =
+                |link: &Link| link.rest * (link.stiffness / self.mass[self.dimension * link.ends[0] as usize]).sqrt();
             let length = links.iter().map(|link| link.rest).sum::<f64>() / links.len().max(1) as f64;
             (&net.vertices, links.iter().map(speed).fold(0.0, f64::max), length)
         });
@@ -44,14 +45,11 @@ impl Scene {
 
     /// The diagonal of the box around some vertices at rest [m].
     pub fn size(&self, vertices: &Range<usize>) -> f64 {
-        let own = &self.rest[numbers(vertices)];
-        let [(left, right), (bottom, top)] = [0, 1].map(|axis| extent(own, axis));
-        let (width, height) = (right - left, top - bottom);
-        (width * width + height * height).sqrt()
+        let own = &self.rest[self.numbers(vertices)];
+        let length = |axis: usize| {
+            let (least, greatest) = range(own.iter().skip(axis).step_by(self.dimension));
+            greatest - least
+        };
+        (0..self.dimension).map(length).map(|length| length * length).sum::<f64>().sqrt()
     }
-}
-
-/// Their range in flat vectors.
-fn numbers(vertices: &Range<usize>) -> Range<usize> {
-    2 * vertices.start..2 * vertices.end
 }

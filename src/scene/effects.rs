@@ -3,7 +3,7 @@
 use super::{Scene, SceneError};
 use crate::{
     effects::{DuplicatePolicy, Effect},
-    elements::Elements,
+    elements::{ElasticElements, Elements},
     level::{EffectLevel, Level, RunMode, Switch, When},
     obstacles::Surface,
 };
@@ -17,9 +17,9 @@ impl Scene {
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
             boundary: Arc::clone(&self.boundary),
         };
-        self.effects.extend(elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn Effect>));
-        self.effects.extend(elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn Effect>));
-        self.auto = vec![true; self.effects.len()];
+        let bodies = elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn ElasticElements>);
+        let nets = elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn ElasticElements>);
+        self.set_parts(bodies.chain(nets).collect());
         self.messages.extend(examined(&level.effects)?);
         let mut touching = Touching::default();
         for listed in &level.effects {
@@ -40,7 +40,7 @@ impl Scene {
     /// the edges: zero inside bodies, and NaN for the particles of nets, which have no inside.
     pub fn outward(&self, x: &[f64], outward: &mut Vec<f64>) {
         outward.clear();
-        outward.resize(2 * self.bodies.last().map_or(0, |body| body.vertices.end), 0.0);
+        outward.resize(self.dimension * self.bodies.last().map_or(0, |body| body.vertices.end), 0.0);
         outward.resize(x.len(), f64::NAN);
         for [a, b] in self.boundary.iter().map(|edge| edge.map(|vertex| 2 * vertex as usize)) {
             let right = [x[b + 1] - x[a + 1], x[a] - x[b]];

@@ -18,9 +18,9 @@ pub use sub_scene::SubScene;
 
 use crate::{
     effects::{Effect, Motion},
-    elements::Triangles,
+    elements::{ElasticElements, Triangles},
     integrators::{IntegratorKind, Scheme},
-    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Toggle},
+    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
     obstacles::Depenetration,
     quantity::Point,
@@ -56,6 +56,8 @@ pub struct Scene {
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Edges of all boundaries, with the body on their left.
     pub boundary: Arc<Vec<[u32; 2]>>,
+    /// Elements of each body and then each net, which are also the first effects.
+    pub parts: Vec<Arc<dyn ElasticElements>>,
     /// Depenetration parameters of bodies and then nets.
     pub depenetrations: Vec<Depenetration>,
     /// All effects, elasticity first.
@@ -178,27 +180,12 @@ impl Scene {
     pub fn build(level: &Level, mode: RunMode, files: &dyn Files, previous: Option<&Self>) -> Result<Self, SceneError> {
         check_kind(level)?;
         let mut scene = Self {
-            bodies: Vec::new(),
-            nets: Vec::new(),
             toy: level.toy.clone(),
-            dimension: 2,
-            rest: Vec::new(),
-            start: State::default(),
-            mass: Vec::new(),
-            inverse_mass: Vec::new(),
-            pins: Arc::default(),
-            rollers: Arc::default(),
-            triangles: Arc::default(),
-            boundary: Arc::default(),
-            depenetrations: Vec::new(),
-            effects: Vec::new(),
-            auto: Vec::new(),
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
             guard: level.guard == Toggle::On,
             sleep: level.sleep == Toggle::On,
-            sub_scenes: Vec::new(),
-            messages: Vec::new(),
+            ..Self::empty(2)
         };
         for body in &level.bodies {
             scene.add_body(body, files, previous).map_err(|why| SceneError::Body { name: body.name.clone(), why })?;
@@ -217,6 +204,82 @@ impl Scene {
         Ok(scene)
     }
 
+    /// A scene without anything in it.
+    fn empty(dimension: usize) -> Self {
+        Self {
+            bodies: Vec::new(),
+            nets: Vec::new(),
+            toy: None,
+            dimension,
+            rest: Vec::new(),
+            start: State::default(),
+            mass: Vec::new(),
+            inverse_mass: Vec::new(),
+            pins: Arc::default(),
+            rollers: Arc::default(),
+            triangles: Arc::default(),
+            boundary: Arc::default(),
+            parts: Vec::new(),
+            depenetrations: Vec::new(),
+            effects: Vec::new(),
+            auto: Vec::new(),
+            integrator: IntegratorKind::default(),
+            step: Substeps::default().step(),
+            guard: true,
+            sleep: true,
+            sub_scenes: Vec::new(),
+            messages: Vec::new(),
+        }
+    }
+
+    /// A scene of elements of any kind, in any number of dimensions: `rest` are the positions at rest [m], flat, and
+    /// `mass` the masses of the vertices [kg]. It starts at rest, without pins and other effects, and no file can hold
+    /// it: it has no bodies and nets with names. What else there is to say is set afterwards.
+    ///
+    /// ```
+    /// use gingerbread::{elements::Springs, nets::{Link, Role}, scene::Scene, simulation::Simulation};
+    /// use std::sync::Arc;
+    ///
+    /// // Two particles in space on a stretched spring.
+    /// let link = Link { ends: [0, 1], role: Role::Structural, rest: 1.0, stiffness: 10.0 };
+    /// let spring = Arc::new(Springs::<3>::of_links(vec![link], 0..2));
+    /// let mut scene = Scene::of_elements(3, vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &[1.0, 1.0], vec![spring]);
+    /// scene.start.x[3] = 1.5;
+    /// scene.pin(&[0]);
+    /// let start = scene.start.clone();
+    /// let mut simulation = Simulation::new(scene, start);
+    /// simulation.advance(10, &mut || true);
+    /// assert!(simulation.state().v[3] < 0.0);
+    /// ```
+    pub fn of_elements(dimension: usize, rest: Vec<f64>, mass: &[f64], parts: Vec<Arc<dyn ElasticElements>>) -> Self {
+        let start = State { v: vec![0.0; rest.len()], x: rest.clone(), ..State::default() };
+        let mass = mass.iter().flat_map(|mass| std::iter::repeat_n(*mass, dimension)).collect();
+        let mut scene = Self { rest, start, mass, ..Self::empty(dimension) };
+        scene.set_parts(parts);
+        scene.finish_masses();
+        scene
+    }
+
+    /// Makes elements the first effects.
+    fn set_parts(&mut self, parts: Vec<Arc<dyn ElasticElements>>) {
+        self.effects.extend(parts.iter().map(|part| Arc::clone(part) as Arc<dyn Effect>));
+        self.auto = vec![true; self.effects.len()];
+        self.parts = parts;
+    }
+
+    /// Pins vertices of a scene made in code.
+    pub fn pin(&mut self, vertices: &[u32]) {
+        Arc::make_mut(&mut self.pins).extend(vertices);
+        Arc::make_mut(&mut self.pins).sort_unstable();
+        self.finish_masses();
+    }
+
+    /// Adds an effect that is built already. It acts on all bodies and nets together, without multirate stepping.
+    pub fn add_effect(&mut self, effect: Arc<dyn Effect>) {
+        self.effects.push(effect);
+        self.auto.push(true);
+    }
+
     /// The saved state of a level, or the start.
     ///
     /// # Errors
@@ -224,7 +287,7 @@ impl Scene {
     pub fn first_state(&self, saved: Option<&SavedState>) -> Result<State, SceneError> {
         let Some(saved) = saved else { return Ok(self.start.clone()) };
         let vertices = self.vertices();
-        if saved.positions.len() != vertices || saved.velocities.len() != self.start.v.len() / 2 {
+        if saved.positions.len() != vertices || saved.velocities.len() != self.start.v.len() / self.dimension {
             let (positions, velocities) = (saved.positions.len(), saved.velocities.len());
             return Err(SceneError::State { positions, velocities, vertices });
         }
@@ -271,8 +334,8 @@ impl Scene {
     }
 
     /// Number of effects, from the first, that are elements: their energy is elastic.
-    pub fn element_count(&self) -> usize {
-        self.bodies.len() + self.nets.len()
+    pub const fn element_count(&self) -> usize {
+        self.parts.len()
     }
 
     fn add_body(&mut self, level: &BodyLevel, files: &dyn Files, previous: Option<&Self>) -> Result<(), String> {
@@ -285,10 +348,10 @@ impl Scene {
             Arc::new(renumbering::mesh(mesh))
         };
         let numbering = mesh.numbering();
-        let first = self.rest.len() / 2;
+        let first = self.rest.len() / self.dimension;
         let vertices = first..first + mesh.points().len();
         self.rest.extend(placed(level, &mesh));
-        let rest = &self.rest[2 * first..];
+        let rest = &self.rest[self.numbers(&vertices)];
         if !rest.iter().all(|coordinate| coordinate.abs() <= State::LIMIT) {
             return Err(format!("its place puts it beyond {:e} m", State::LIMIT));
         }
@@ -326,9 +389,9 @@ impl Scene {
 
     fn finish_masses(&mut self) {
         self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
-        let pinned = self.pins.iter().flat_map(|&pin| [(pin, 0), (pin, 1)]);
+        let pinned = self.pins.iter().flat_map(|&pin| (0..self.dimension).map(move |axis| (pin, axis)));
         for (vertex, axis) in pinned.chain(self.rollers.iter().copied()) {
-            let number = 2 * vertex as usize + axis;
+            let number = self.dimension * vertex as usize + axis;
             self.inverse_mass[number] = 0.0;
             self.start.v[number] = 0.0;
         }
@@ -361,9 +424,13 @@ pub fn check_toy_integrator(integrator: &IntegratorKind) -> Result<(), SceneErro
     Err(SceneError::ToyIntegrator { integrator: integrator.kind().title(), instead })
 }
 
-/// Least and greatest of one coordinate (0 or 1) of flat points.
+/// Least and greatest of one coordinate (0 or 1) of flat points in the plane.
 pub fn extent(points: &[f64], axis: usize) -> (f64, f64) {
-    let along = points.iter().skip(axis).step_by(2);
+    range(points.iter().skip(axis).step_by(2))
+}
+
+/// Least and greatest of some numbers.
+fn range<'a>(along: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     along.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), &value| (value.min(least), value.max(greatest)))
 }
 

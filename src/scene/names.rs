@@ -54,11 +54,12 @@ impl Scene {
     fn rearranged<'a>(&self, values: &'a [f64], way: impl Fn([usize; 2]) -> [usize; 2]) -> Cow<'a, [f64]> {
         let mut values = Cow::Borrowed(values);
         for (_, vertices, numbering) in self.owners().filter(|(_, _, numbering)| !numbering.is_as_listed()) {
-            let before = values[2 * vertices.start..2 * vertices.end].to_vec();
-            let now = &mut values.to_mut()[2 * vertices.start..2 * vertices.end];
+            let before = values[self.numbers(&vertices)].to_vec();
+            let now = &mut values.to_mut()[self.numbers(&vertices)];
             for vertex in 0..vertices.len() {
                 let [from, to] = way([vertex, numbering.name(vertex as u32) as usize]);
-                now[2 * to..2 * to + 2].copy_from_slice(&before[2 * from..2 * from + 2]);
+                let [from, to] = [from, to].map(|vertex| self.numbers(&(vertex..vertex + 1)));
+                now[to].copy_from_slice(&before[from]);
             }
         }
         values

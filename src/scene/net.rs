@@ -20,7 +20,7 @@ pub struct Net {
 impl Scene {
     pub(super) fn add_net(&mut self, level: &NetLevel) -> Result<(), String> {
         let net = renumbering::net(level.net.kind().build().map_err(|error| error.to_string())?);
-        let first = self.rest.len() / 2;
+        let first = self.rest.len() / self.dimension;
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();
         let pins = pinned(&level.pins, points, net.numbering())?;
@@ -28,7 +28,7 @@ impl Scene {
         self.rest.extend(points);
         self.start.x.extend(points);
         self.start.v.extend(vertices.clone().flat_map(|_| [vx, vy]));
-        self.mass.extend(std::iter::repeat_n(level.mass.get(), 2 * vertices.len()));
+        self.mass.extend(std::iter::repeat_n(level.mass.get(), self.dimension * vertices.len()));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         self.messages.extend(net.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let springs = Arc::new(Springs::new(&net, vertices.clone()));

@@ -279,7 +279,7 @@ fn turned(scene: &Scene, state: &State, side: Side, angle: f64) -> State {
     let mut state = state.clone();
     let Some(body) = scene.bodies.first() else { return state };
     let (axis, greatest) = side.across();
-    let (low, high) = extent(&scene.rest[2 * body.vertices.start..2 * body.vertices.end], axis);
+    let (low, high) = extent(&scene.rest[scene.numbers(&body.vertices)], axis);
     let edge = if greatest { high } else { low };
     let pins = scene.pins.iter().map(|pin| *pin as usize).filter(|pin| body.vertices.contains(pin));
     let on_edge: Vec<_> = pins.filter(|pin| (scene.rest[2 * pin + axis] - edge).abs() <= 1e-9 * (high - low)).collect();

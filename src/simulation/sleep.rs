@@ -17,8 +17,8 @@
 //! Velocities of a sleeping body are zero; its positions keep every bit, asleep and on waking.
 
 use super::{BATCH, Simulation};
-use crate::scene::Scene;
-use std::ops::Range;
+use crate::{elements::ElasticElements, scene::Scene, state::State};
+use std::{ops::Range, sync::Arc};
 
 /// tau: time below the sleep threshold before sleep [s].
 const WINDOW: f64 = 0.5;
@@ -65,18 +65,18 @@ pub(super) struct Islands {
 impl Islands {
     /// Makes those of a scene, all awake.
     pub fn new(scene: &Scene) -> Self {
-        let ranges = scene.bodies.iter().map(|body| &body.vertices).chain(scene.nets.iter().map(|net| &net.vertices));
-        let island = |vertices: &Range<usize>| {
-            let numbers = scene.numbers(vertices);
+        let island = |part: &Arc<dyn ElasticElements>| {
+            let vertices = part.vertices();
+            let numbers = scene.numbers(&vertices);
             let masses = scene.mass[numbers.clone()].iter().zip(&scene.inverse_mass[numbers.clone()]);
             let mass = masses.filter(|(_, inverse)| **inverse != 0.0).map(|(mass, _)| mass).sum::<f64>();
             let mass = mass / scene.dimension as f64;
-            Island { vertices: vertices.clone(), numbers, size: scene.size(vertices), mass }
+            Island { numbers, size: scene.size(&vertices), vertices, mass }
         };
         let every = BATCH * (1.0 / (CHECK_RATE * scene.step * BATCH as f64)).round().max(1.0) as u64;
         let checks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
         let possible = scene.sleep && scene.toy.is_none() && scene.effects.iter().all(|effect| effect.is_steady());
-        Self { all: ranges.map(island).collect(), possible, asleep: 0, every, checks, force: Vec::new() }
+        Self { all: scene.parts.iter().map(island).collect(), possible, asleep: 0, every, checks, force: Vec::new() }
     }
 }
 
@@ -124,13 +124,12 @@ impl Simulation {
         if !self.islands.possible || slow_checks.len() != self.islands.all.len() {
             slow_checks.clear();
         }
-        for (number, slow_checks) in
-            slow_checks.iter_mut().enumerate().filter(|(_, slow_checks)| **slow_checks == ASLEEP)
-        {
-            if self.scene.has_exploded_at(number, &self.state.x) {
-                *slow_checks = 0;
+        for number in 0..self.state.slow_checks.len() {
+            if self.state.slow_checks[number] == ASLEEP && has_exploded(&self.scene, number, &self.state) {
+                self.state.slow_checks[number] = 0;
             }
         }
+        let slow_checks = &self.state.slow_checks;
         self.islands.asleep = slow_checks.iter().filter(|slow_checks| **slow_checks == ASLEEP).count();
         self.scratch.set_sleeping(&self.scene, slow_checks.iter().map(|slow_checks| *slow_checks == ASLEEP));
         for (island, _) in self.islands.all.iter().zip(&*slow_checks).filter(|(_, slow_checks)| **slow_checks == ASLEEP)
@@ -201,7 +200,7 @@ impl Simulation {
         for (number, island) in islands.iter().enumerate() {
             let slow_checks = self.checkpoint.state.slow_checks[number];
             if slow_checks >= checks && slow_checks != ASLEEP {
-                let exploded = self.scene.has_exploded_at(number, &self.checkpoint.state.x);
+                let exploded = has_exploded(&self.scene, number, &self.checkpoint.state);
                 let rests = !exploded && self.rests(number, island);
                 self.checkpoint.state.slow_checks[number] = if rests { ASLEEP } else { 0 };
                 if rests {
@@ -258,6 +257,12 @@ impl Simulation {
         let balanced = outside == 0.0 || net_force <= (BALANCE * outside).max(island.mass * round_off);
         squares <= limit * limit * island.mass && balanced
     }
+}
+
+/// Whether a body or net has exploded in a state.
+fn has_exploded(scene: &Scene, number: usize, state: &State) -> bool {
+    let energy = scene.parts[number].energy(scene.motion(state, None));
+    scene.has_exploded(number, energy, &state.x)
 }
 
 /// Reason for skipping all effects.

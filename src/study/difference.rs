@@ -9,6 +9,8 @@ use std::{borrow::Cow, ops::Range};
 
 /// Places of the vertices of one scene in another scene of the same level: equal vertices, or points inside triangles.
 pub struct Correspondence {
+    /// Number of coordinates of a vertex.
+    dimension: usize,
     /// One place for each vertex, in order. `None` if both scenes have the same vertices.
     places: Option<Vec<Place>>,
 }
@@ -23,14 +25,14 @@ enum Place {
 impl Correspondence {
     /// Locates the vertices of `a` in the rest shape of `b`. `None` if the scenes differ in their bodies, nets or toy.
     pub fn new(a: &Scene, b: &Scene) -> Option<Self> {
-        let counts = |scene: &Scene| (scene.bodies.len(), scene.nets.len(), scene.toy.is_some());
+        let counts = |scene: &Scene| (scene.dimension, scene.bodies.len(), scene.nets.len(), scene.toy.is_some());
         if counts(a) != counts(b) {
             return None;
         }
         if a.rest == b.rest {
-            return Some(Self { places: None });
+            return Some(Self { dimension: a.dimension, places: None });
         }
-        let mut places = Vec::with_capacity(a.rest.len() / 2);
+        let mut places = Vec::with_capacity(a.vertices());
         for (a_body, b_body) in a.bodies.iter().zip(&b.bodies) {
             let locator = Locator::new(points(b, &b_body.vertices), b_body.mesh.triangles());
             places.extend(points(a, &a_body.vertices).iter().map(|point| inside(&locator, b_body, *point)));
@@ -41,25 +43,27 @@ impl Correspondence {
             }
             places.extend(b_net.vertices.clone().map(Place::Vertex));
         }
-        Some(Self { places: Some(places) })
+        Some(Self { dimension: a.dimension, places: Some(places) })
     }
 
     /// Positions in `b` of the material points at the vertices of `a` [m]. `x` holds the positions of all vertices of
     /// `b`.
     pub fn seen<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
         let Some(places) = &self.places else { return Cow::Borrowed(x) };
-        let position = |place: &Place| match place {
-            Place::Vertex(vertex) => [x[2 * vertex], x[2 * vertex + 1]],
-            Place::Inside(corners, weights) => [0, 1].map(|axis| {
-                corners.iter().zip(weights).map(|(corner, weight)| weight * x[2 * corner + axis]).sum::<f64>()
-            }),
+        let coordinate = |place: &Place, axis: usize| match place {
+            Place::Vertex(vertex) => x[self.dimension * vertex + axis],
+            Place::Inside(corners, weights) => {
+                let weighted = |(corner, weight): (&usize, &f64)| weight * x[self.dimension * corner + axis];
+                corners.iter().zip(weights).map(weighted).sum()
+            }
         };
+        let position = |place| (0..self.dimension).map(move |axis| coordinate(place, axis));
         Cow::Owned(places.iter().flat_map(position).collect())
     }
 }
 
 fn points<'a>(scene: &'a Scene, vertices: &Range<usize>) -> &'a [[f64; 2]] {
-    scene.rest[2 * vertices.start..2 * vertices.end].as_chunks().0
+    scene.rest[scene.numbers(vertices)].as_chunks().0
 }
 
 fn inside(locator: &Locator, body: &Body, point: [f64; 2]) -> Place {
@@ -81,8 +85,8 @@ pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
         Owner::Body(number) => to.bodies.get(number)?.vertices.clone(),
         Owner::Net(number) => to.nets.get(number)?.vertices.clone(),
     };
-    let point = [from.rest[2 * vertex], from.rest[2 * vertex + 1]];
-    Some(vertices.start + nearest_vertex(&to.rest[2 * vertices.start..2 * vertices.end], point)?)
+    let point = points(from, &(vertex..vertex + 1)).first()?;
+    Some(vertices.start + nearest_vertex(&to.rest[to.numbers(&vertices)], *point)?)
 }
 
 /// Difference of two runs at one time.
@@ -100,6 +104,8 @@ pub struct Difference {
     correspondence: Option<Correspondence>,
     /// Start positions of the first run [m].
     start: Vec<f64>,
+    /// Number of coordinates of a vertex.
+    dimension: usize,
     /// Greatest RMS motion of the first run so far [m].
     farthest: f64,
 }
@@ -109,23 +115,23 @@ impl Difference {
     pub fn new(a: &Simulation, b: &Simulation) -> Self {
         let (scene, other) = (a.scene(), b.scene());
         let start = positions(scene, &scene.start.x).into_owned();
-        Self { correspondence: Correspondence::new(scene, other), start, farthest: 0.0 }
+        Self { correspondence: Correspondence::new(scene, other), start, dimension: scene.dimension, farthest: 0.0 }
     }
 
     /// Difference of the runs, both at the same time. `None` if the scenes have no [`Correspondence`].
     pub fn measure(&mut self, a: &Simulation, b: &Simulation) -> Option<Apart> {
         let correspondence = self.correspondence.as_ref()?;
         let (a, b) = (positions(a.scene(), &a.state().x), positions(b.scene(), &b.state().x));
-        self.farthest = self.farthest.max(rms(&a, &self.start));
-        let metres = rms(&a, &correspondence.seen(&b));
+        self.farthest = self.farthest.max(rms(&a, &self.start, self.dimension));
+        let metres = rms(&a, &correspondence.seen(&b), self.dimension);
         Some(Apart { metres, relative: if metres == 0.0 { 0.0 } else { metres / self.farthest } })
     }
 }
 
 /// Root mean square distance of points [m].
-fn rms(a: &[f64], b: &[f64]) -> f64 {
+fn rms(a: &[f64], b: &[f64], dimension: usize) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-    (2.0 * sum / a.len().max(1) as f64).sqrt()
+    (dimension as f64 * sum / a.len().max(1) as f64).sqrt()
 }
 
 /// Positions [m]. The state of a toy is translated into the place where it is drawn.

@@ -82,7 +82,7 @@ fn finite(number: f64) -> String {
 fn head_of(trial: &Trial, threads: usize, more: &[(&str, String)]) -> String {
     let mut about = vec![
         ("start_hash", format!("{:016x}", trial.start.hash())),
-        ("vertices", (trial.start.x.len() / 2).to_string()),
+        ("vertices", trial.scene.vertices().to_string()),
         ("triangles", trial.scene.triangles.len().to_string()),
         ("simulated_seconds", trial.seconds().to_string()),
     ];

@@ -264,7 +264,7 @@ impl MeshStudy {
 
     /// Whether a point is the level's own mesh.
     pub fn is_current(&self, point: &MeshPoint) -> bool {
-        point.vertices == self.trial.start.x.len() / 2 && point.triangles == self.trial.scene.triangles.len()
+        point.vertices == self.trial.scene.vertices() && point.triangles == self.trial.scene.triangles.len()
     }
 
     /// Reference value, or the reason why there is none. `None` until all meshes have run.
@@ -380,7 +380,7 @@ impl Slot {
         };
         let count = scene.triangles.len();
         let area: f64 = scene.bodies.iter().flat_map(|body| body.elements.rest_areas()).sum();
-        (self.point.triangles, self.point.vertices) = (count, scene.rest.len() / 2);
+        (self.point.triangles, self.point.vertices) = (count, scene.vertices());
         self.point.size = (2.0 * area / count as f64).sqrt();
         if plan.moment == MeshMoment::AtTheEnd {
             return RunState::Marching(march(&scene, trial, own_limit));

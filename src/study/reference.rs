@@ -242,8 +242,8 @@ impl ReferenceJob {
         let difference = if failed { f64::INFINITY } else { self.difference(trial) };
         let per_step = counts.force_evaluations as f64 / counts.steps.max(1) as f64;
         let steps = 2.0 * f64::from(self.fine.substeps.get()) * f64::from(trial.frames);
-        let affordable = steps * per_step * (trial.start.x.len() / 2) as f64 <= MOST_WORK
-            && self.fine.substeps.get() < Substeps::MAX;
+        let affordable =
+            steps * per_step * trial.scene.vertices() as f64 <= MOST_WORK && self.fine.substeps.get() < Substeps::MAX;
         let helps = difference < 0.7 * self.before || difference > 1e-2;
         if difference > self.wanted && affordable && helps && !self.is_still(trial) {
             let next = Recorded::new(trial, &self.integrator, self.fine.substeps.doubled());
@@ -276,7 +276,7 @@ impl ReferenceJob {
         if self.coarse.failed() {
             return f64::INFINITY;
         }
-        let mut deviation = Deviation::default();
+        let mut deviation = Deviation::new(trial.scene.dimension);
         for (coarse, fine) in self.coarse.frames.iter().zip(&self.fine.frames) {
             deviation.add(coarse, fine, &trial.start.x);
         }
@@ -286,7 +286,7 @@ impl ReferenceJob {
 
 /// Root mean square of the motion over the frames, and greatest coordinate at the start [m].
 fn sizes(frames: &[Vec<f64>], trial: &Trial) -> (f64, f64) {
-    let (mut deviation, start) = (Deviation::default(), &trial.start.x);
+    let (mut deviation, start) = (Deviation::new(trial.scene.dimension), &trial.start.x);
     for frame in frames {
         deviation.add(frame, frame, start);
     }

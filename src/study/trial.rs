@@ -115,8 +115,10 @@ pub(super) const DIVERGED: f64 = 10.0;
 const SMALL: f64 = 1e-3;
 
 /// Sums of squares for a relative RMS error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Deviation {
+    /// Number of coordinates of a vertex.
+    dimension: usize,
     error: f64,
     size: f64,
     /// Greatest sum of squared errors of one moment [m²].
@@ -127,6 +129,16 @@ pub(super) struct Deviation {
 }
 
 impl Deviation {
+    /// Sums over no moments yet, in so many dimensions.
+    pub const fn new(dimension: usize) -> Self {
+        Self { dimension, error: 0.0, size: 0.0, greatest: 0.0, moments: 0.0, coordinates: 0.0 }
+    }
+
+    /// Sums over no moments, in the same number of dimensions.
+    pub const fn anew(self) -> Self {
+        Self::new(self.dimension)
+    }
+
     /// Adds one moment: positions, exact positions and start positions [m].
     pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) {
         let error = x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
@@ -144,12 +156,12 @@ impl Deviation {
 
     /// Root mean square of the motion over all moments and vertices [m].
     pub fn motion(self) -> f64 {
-        (2.0 * self.size / (self.coordinates * self.moments).max(1.0)).sqrt()
+        (self.dimension as f64 * self.size / (self.coordinates * self.moments).max(1.0)).sqrt()
     }
 
     /// Root mean square of the error over all moments and vertices [m].
     fn metres(self) -> f64 {
-        (2.0 * self.error / (self.coordinates * self.moments).max(1.0)).sqrt()
+        (self.dimension as f64 * self.error / (self.coordinates * self.moments).max(1.0)).sqrt()
     }
 
     /// Largest error of a moment, over the same motion as the [relative](Self::relative) error.
@@ -173,7 +185,8 @@ pub struct TrialRun {
 impl TrialRun {
     /// Prepares a run of a trial with a setting.
     pub fn new(trial: &Trial, setting: &Setting) -> Self {
-        Self { march: trial.march(setting), deviation: Deviation::default(), diverged: false }
+        let deviation = Deviation::new(trial.scene.dimension);
+        Self { march: trial.march(setting), deviation, diverged: false }
     }
 
     /// Works for about `budget`. Returns the outcome when the run is over.

@@ -41,7 +41,6 @@ pub struct Twin {
 }
 
 /// Statistics of the live simulation's error.
-#[derive(Default)]
 struct Tally {
     /// Sums over all comparisons.
     all: Deviation,
@@ -54,9 +53,14 @@ struct Tally {
 }
 
 impl Tally {
+    /// No comparisons yet, in so many dimensions.
+    const fn new(dimension: usize) -> Self {
+        Self { all: Deviation::new(dimension), moments: 0.0, error: None, time: None }
+    }
+
     /// Adds a comparison of positions with exact ones at a time [s]. The motion is measured from `origin`.
     fn note(&mut self, x: &[f64], exact: &[f64], origin: &[f64], time: f64) {
-        let mut now = Deviation::default();
+        let mut now = self.all.anew();
         now.add(x, exact, origin);
         self.all.add(x, exact, origin);
         self.moments += 1.0;
@@ -114,8 +118,8 @@ impl Twin {
             seen: start.steps,
             start,
             legs: VecDeque::new(),
-            live: Tally::default(),
-            own: Deviation::default(),
+            live: Tally::new(live.scene().dimension),
+            own: Deviation::new(live.scene().dimension),
             spent: Duration::ZERO,
             simulated: 0.0,
         }

@@ -128,3 +128,12 @@ pub fn advance(simulation: &mut Simulation, steps: u64) {
     assert_eq!(simulation.advance(steps, &mut || true), steps, "{:?}", simulation.fault());
     assert_eq!(simulation.counts().unconverged, 0);
 }
+
+/// Declared order against the slope over four halvings, by position errors at a fixed time.
+pub fn assert_order(kind: &IntegratorKind, what: &str, error: impl Fn(u64) -> f64) {
+    let errors: Vec<f64> = (0..5).map(|halvings| error(1 << halvings)).collect();
+    let slope = (errors[0] / errors[4]).log2() / 4.0;
+    let declared = f64::from(kind.kind().order());
+    println!("{what} {}: order {slope:.3}, declared {declared}; {:.1e} to {:.1e}", kind.name(), errors[0], errors[4]);
+    assert!((slope - declared).abs() < 0.15, "{what} {}: order {slope}, errors {errors:?}", kind.name());
+}

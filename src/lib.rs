@@ -22,7 +22,7 @@
 //! |---|---|
 //! | [`text`] | decoding of text files |
 //! | [`quantity`] | physical quantities with unit and valid range |
-//! | `registry` | the macro behind every list of kinds |
+//! | [`registry`] | the lists of kinds, and own kinds from outside |
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
 //! | [`table`] | tables as CSV |
 //! | `random` | pseudo-random numbers with a fixed seed |
@@ -59,7 +59,7 @@
 pub mod text;
 
 pub mod quantity;
-mod registry;
+pub mod registry;
 
 pub mod table;
 pub mod terminal;

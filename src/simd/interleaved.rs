@@ -1,6 +1,6 @@
 //! Interleaved evaluation of one formula for two arguments, instruction by instruction.
 
-use super::{Mat2, Real};
+use super::{Mat2, Real, Split, logarithm};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Values of two evaluations of one formula: each operation is done for both before the next.
@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 #[derive(Clone, Copy, Debug)]
 pub struct Interleaved<R>(pub R, pub R);
 
-impl<R: Real> Neg for Interleaved<R> {
+impl<R: Split> Neg for Interleaved<R> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -20,7 +20,7 @@ impl<R: Real> Neg for Interleaved<R> {
 /// An operator between both values, and between them and a constant.
 macro_rules! operator {
     ($Trait:ident, $function:ident) => {
-        impl<R: Real> $Trait for Interleaved<R> {
+        impl<R: Split> $Trait for Interleaved<R> {
             type Output = Self;
             #[inline(always)]
             fn $function(self, other: Self) -> Self {
@@ -28,7 +28,7 @@ macro_rules! operator {
             }
         }
 
-        impl<R: Real> $Trait<f64> for Interleaved<R> {
+        impl<R: Split> $Trait<f64> for Interleaved<R> {
             type Output = Self;
             #[inline(always)]
             fn $function(self, other: f64) -> Self {
@@ -43,7 +43,7 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl<R: Real> Real for Interleaved<R> {
+impl<R: Split> Real for Interleaved<R> {
     #[inline(always)]
     fn of(self, constant: f64) -> Self {
         Self(self.0.of(constant), self.1.of(constant))
@@ -66,13 +66,30 @@ impl<R: Real> Real for Interleaved<R> {
     }
 
     #[inline(always)]
+    fn logarithm(self) -> Self {
+        logarithm::log(self)
+    }
+
+    #[inline(always)]
+    fn logarithm_of_normal(self) -> Self {
+        logarithm::of_normal(self)
+    }
+
+    #[inline(always)]
+    fn exponential(self) -> Self {
+        Self(self.0.exponential(), self.1.exponential())
+    }
+}
+
+impl<R: Split> Split for Interleaved<R> {
+    #[inline(always)]
     fn split(self) -> (Self, Self) {
         let ((m, k), (of_other, also)) = (self.0.split(), self.1.split());
         (Self(m, of_other), Self(k, also))
     }
 }
 
-impl<R: Real> Mat2<Interleaved<R>> {
+impl<R: Split> Mat2<Interleaved<R>> {
     /// Interleaves two matrices.
     #[inline(always)]
     pub const fn abreast(one: Mat2<R>, other: Mat2<R>) -> Self {

@@ -1,6 +1,6 @@
 //! Natural logarithm without branches.
 
-use super::Real;
+use super::Split;
 
 /// ln 2 in two parts. The high part has few digits, so that small multiples of it are exact.
 const LN2: [f64; 2] = [f64::from_bits(0x3fe6_2e42_fee0_0000), f64::from_bits(0x3dea_39ef_3579_3c76)];
@@ -31,7 +31,7 @@ pub const fn split(bits: u64) -> [u64; 2] {
 
 /// ln x for every number: NaN below 0, -inf at 0.
 #[inline(always)]
-pub fn log<R: Real>(x: R) -> R {
+pub fn log<R: Split>(x: R) -> R {
     let zero = x.of(0.0);
     // Subnormal numbers are scaled up.
     let least = x.of(f64::MIN_POSITIVE);
@@ -45,7 +45,7 @@ pub fn log<R: Real>(x: R) -> R {
 
 /// ln x for positive normal numbers, with the same bits as [`log`]; undefined for others.
 #[inline(always)]
-pub fn of_normal<R: Real>(x: R) -> R {
+pub fn of_normal<R: Split>(x: R) -> R {
     let (m, k) = x.split();
     of_split(m, k)
 }
@@ -54,7 +54,7 @@ pub fn of_normal<R: Real>(x: R) -> R {
 ///
 /// With f = m - 1, `s = f/(2 + f)` gives `ln m = ln((1 + s)/(1 - s)) = f - f²/2 + s (f²/2 + R(s²))`.
 #[inline(always)]
-fn of_split<R: Real>(m: R, k: R) -> R {
+fn of_split<R: Split>(m: R, k: R) -> R {
     let f = m - 1.0;
     let half_square = f * 0.5 * f;
     let s = f / (f + 2.0);

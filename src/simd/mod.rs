@@ -5,6 +5,7 @@
 //! lane therefore has the bits of `f64`, and a run is equal on every processor.
 
 mod interleaved;
+mod jet;
 mod lines;
 mod logarithm;
 mod mat2;
@@ -12,6 +13,7 @@ mod sets;
 mod wide;
 
 pub use interleaved::Interleaved;
+pub use jet::Jet;
 pub use lines::{INDEXED16, Indexed16, SPARE, lined, vector};
 pub use mat2::Mat2;
 pub use sets::{sets, width};
@@ -47,22 +49,30 @@ pub trait Real:
     #[must_use]
     fn all_less(self, than: Self) -> bool;
 
-    /// m and k with `self = m 2^k` and m from sqrt(1/2) to sqrt(2), for positive normal numbers; undefined for others.
-    fn split(self) -> (Self, Self);
-
     /// Natural logarithm, bit for bit that of `libm`: below 1 unit in the last place.
-    #[inline(always)]
     #[must_use]
-    fn logarithm(self) -> Self {
-        logarithm::log(self)
-    }
+    fn logarithm(self) -> Self;
 
     /// Faster natural logarithm for positive normal numbers, with the same bits; undefined for others.
+    #[must_use]
+    fn logarithm_of_normal(self) -> Self;
+
+    /// Exponential function, bit for bit that of `libm`. It is computed lane by lane.
+    #[must_use]
+    fn exponential(self) -> Self;
+
+    /// `self` to a power; NaN for negative numbers.
     #[inline(always)]
     #[must_use]
-    fn logarithm_of_normal(self) -> Self {
-        logarithm::of_normal(self)
+    fn power(self, exponent: f64) -> Self {
+        (self.logarithm() * exponent).exponential()
     }
+}
+
+/// Real numbers whose bits can be taken apart.
+pub trait Split: Real {
+    /// m and k with `self = m 2^k` and m from sqrt(1/2) to sqrt(2), for positive normal numbers; undefined for others.
+    fn split(self) -> (Self, Self);
 }
 
 /// Polynomial `c0 + c1 x + c2 x² + ...` by a fourth-order Horner scheme.
@@ -115,6 +125,23 @@ impl Real for f64 {
         self < than
     }
 
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        logarithm::log(self)
+    }
+
+    #[inline(always)]
+    fn logarithm_of_normal(self) -> Self {
+        logarithm::of_normal(self)
+    }
+
+    #[inline(always)]
+    fn exponential(self) -> Self {
+        libm::exp(self)
+    }
+}
+
+impl Split for f64 {
     #[inline(always)]
     fn split(self) -> (Self, Self) {
         let [m, k] = logarithm::split(self.to_bits());

@@ -1,6 +1,6 @@
 //! SIMD vectors of eight numbers.
 
-use super::{Real, logarithm};
+use super::{Real, Split, logarithm};
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -134,6 +134,26 @@ impl<S: Simd> Real for Wide<S> {
         self.set.first_true_m64s(self.set.not_m64s(less)) == S::F64_LANES
     }
 
+    #[inline(always)]
+    fn logarithm(self) -> Self {
+        logarithm::log(self)
+    }
+
+    #[inline(always)]
+    fn logarithm_of_normal(self) -> Self {
+        logarithm::of_normal(self)
+    }
+
+    #[inline(always)]
+    fn exponential(mut self) -> Self {
+        for bits in numbers(&mut self.values) {
+            *bits = libm::exp(f64::from_bits(*bits)).to_bits();
+        }
+        self
+    }
+}
+
+impl<S: Simd> Split for Wide<S> {
     #[inline(always)]
     fn split(self) -> (Self, Self) {
         let (mut m, mut k) = (self, self);

@@ -1,0 +1,137 @@
+//! Materials by their energy alone.
+
+use super::{Material, Moduli, Parts};
+use crate::simd::{Jet, Mat2, Real};
+use nalgebra::{Matrix2, Matrix4};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// The energy density of an isotropic material as a function of its principal stretches. [`Principal`] makes a
+/// [`Material`] of it: stress and stiffness follow by differentiation.
+///
+/// ```
+/// use gingerbread::{
+///     materials::{Lame, Material as _, Principal, PrincipalEnergy},
+///     simd::Real,
+/// };
+/// use nalgebra::Matrix2;
+///
+/// /// Hencky: Hooke's law in logarithmic strain.
+/// #[derive(Clone, Copy, Debug)]
+/// struct Logarithmic(Lame);
+///
+/// impl PrincipalEnergy for Logarithmic {
+///     const TITLE: &'static str = "Logarithmic";
+///     const BARRIER: bool = true;
+///
+///     fn psi<R: Real>(&self, stretches: [R; 3]) -> R {
+///         let [a, b, c] = stretches.map(Real::logarithm);
+///         (a * a + b * b + c * c) * self.0.mu + (a + b + c) * (a + b + c) * (0.5 * self.0.lambda)
+///     }
+/// }
+///
+/// let material = Principal(Logarithmic(Lame { mu: 2.0, lambda: 3.0 }));
+/// let stress = material.stress(&Matrix2::new(1.01, 0.0, 0.0, 1.0));
+/// assert!((stress.m11 - 0.07).abs() < 2e-3, "near rest it is Hooke's law, (2 mu + lambda) e");
+/// ```
+pub trait PrincipalEnergy: Copy + Send + Sync {
+    /// Name as it is said, such as `Ogden`.
+    const TITLE: &'static str;
+    /// The energy density in plain characters, for tooltips.
+    const FORMULA: &'static str = "";
+    /// Whether the energy tends to infinity as a triangle becomes flat.
+    const BARRIER: bool = false;
+
+    /// Energy density [J/m³] of the principal stretches s1 >= s2 in the plane and s3 through the thickness, which is 1.
+    /// It must be zero at rest and must not change when s1 and s2 are exchanged. An inverted triangle has a negative s2.
+    fn psi<R: Real>(&self, stretches: [R; 3]) -> R;
+}
+
+/// The material of an energy density.
+///
+/// With `s1 = (p + q)/sqrt 2` and `s2 = (p - q)/sqrt 2` of [`Parts`], the stress is
+/// `P = (dpsi/dp) U + (dpsi/dq) M`.
+#[derive(Clone, Copy, Debug)]
+pub struct Principal<E>(pub E);
+
+/// Below this q/p the modulus (dpsi/dq)/q is its limit, the second derivative; it is off by the square of that.
+const ROUND: f64 = 1e-5;
+
+impl<E: PrincipalEnergy> Principal<E> {
+    /// psi with its derivatives by p and q.
+    #[inline(always)]
+    fn jet<R: Real>(&self, parts: &Parts<R>) -> Jet<R> {
+        let (p, q) = (Jet::variable(parts.p, 0), Jet::variable(parts.q, 1));
+        self.0.psi([(p + q) * FRAC_1_SQRT_2, (p - q) * FRAC_1_SQRT_2, p.of(1.0)])
+    }
+
+    /// P22 of the diagonal gradient with these stretches, and its derivative by the second.
+    fn across(&self, stretch: f64, width: f64) -> [f64; 2] {
+        let second = Jet::variable(width, 0);
+        let jet = self.0.psi([second.of(stretch), second, second.of(1.0)]);
+        [jet.first[0], jet.second[0]]
+    }
+}
+
+impl<E: PrincipalEnergy> Material for Principal<E> {
+    const TITLE: &'static str = E::TITLE;
+    const LETTER: &'static str = "";
+    const FORMULA: &'static str = E::FORMULA;
+    const BARRIER: bool = E::BARRIER;
+
+    #[inline(always)]
+    fn psi<R: Real>(&self, f: Mat2<R>) -> R {
+        let parts = Parts::of(f);
+        let (sum, difference) = (parts.p * FRAC_1_SQRT_2, parts.q * FRAC_1_SQRT_2);
+        self.0.psi([sum + difference, sum - difference, sum.of(1.0)])
+    }
+
+    #[inline(always)]
+    fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
+        let parts = Parts::of(f);
+        let ([by_p, by_q], [c, s], [d, t]) = (self.jet(&parts).first, parts.turned, parts.mirrored);
+        let by_p = parts.if_decided(by_p);
+        Mat2::new(c * by_p + d * by_q, t * by_q - s * by_p, s * by_p + t * by_q, c * by_p - d * by_q)
+    }
+
+    fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        let parts = Parts::of(Mat2::from(f));
+        let moduli = self.moduli(&parts);
+        let mut stiffness = Matrix4::zeros();
+        for (number, mut column) in stiffness.column_iter_mut().enumerate() {
+            let mut df = Matrix2::zeros();
+            df[number] = 1.0;
+            column.copy_from_slice(Matrix2::from(moduli.change(&parts, Mat2::from(&df))).as_slice());
+        }
+        stiffness
+    }
+
+    #[inline(always)]
+    fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
+        let Jet { first: [by_p, by_q], second: sizes, .. } = self.jet(parts);
+        let flip = parts.q.if_less(parts.p * ROUND, sizes[2], by_q / parts.q);
+        Moduli { twist: parts.if_decided(by_p / parts.p), flip, sizes }
+    }
+
+    /// The derivative by s3.
+    #[inline(always)]
+    fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
+        let parts = Parts::of(f);
+        let (sum, difference) = (parts.p * FRAC_1_SQRT_2, parts.q * FRAC_1_SQRT_2);
+        let third = Jet::variable(sum.of(1.0), 0);
+        self.0.psi([Jet::constant(sum + difference), Jet::constant(sum - difference), third]).first[0]
+    }
+
+    /// By Newton's method on the logarithm of the width, no step of which is longer than 1.
+    fn free_width(&self, stretch: f64) -> Option<f64> {
+        let mut width = 1.0;
+        for _ in 0..100 {
+            let [stress, slope] = self.across(stretch, width);
+            let change = -stress / (slope * width + stress).max(1e-3 * slope.abs() * width);
+            width *= libm::exp(change.clamp(-1.0, 1.0));
+            if change.abs() < 1e-14 {
+                return Some(width);
+            }
+        }
+        None
+    }
+}

@@ -1,9 +1,6 @@
 //! Faults: why stepping stopped, as a message.
 
-use crate::{
-    elements::Field, guard::Guard, integrators::Class, materials::Model, scene::Scene, stability::critical_step,
-    state::State,
-};
+use crate::{elements::Field, guard::Guard, integrators::Class, scene::Scene, stability::critical_step, state::State};
 
 /// A step that could not be taken. The simulation rests on the last finite state.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +50,8 @@ pub enum Cause {
         /// Longest stable step [s].
         limit: f64,
     },
-    /// A triangle lost its area under a material whose energy is not defined there.
-    Crushed(Model),
+    /// A triangle lost its area under a material of this name, whose energy is not defined there.
+    Crushed(&'static str),
     /// Positions or speeds exceeded all bounds.
     Overflow,
     /// Unexplained energy, even in far shorter steps.
@@ -86,7 +83,7 @@ impl Fault {
 }
 
 /// The first triangle without a finite stress, else the most deformed one, with its model if that has no energy there.
-fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model>)> {
+fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<&'static str>)> {
     let mut worst = None;
     let mut greatest = f64::NEG_INFINITY;
     for body in &scene.bodies {
@@ -102,7 +99,7 @@ fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<Model
         }
     }
     let (body, number, volume_ratio, undefined) = worst?;
-    let crushed = (undefined && volume_ratio <= 0.0).then(|| body.elements.model());
+    let crushed = (undefined && volume_ratio <= 0.0).then(|| body.elements.material().title());
     let number = body.mesh.numbering().element_name(number);
     Some((Culprit::Triangle { body: body.name.clone(), number, volume_ratio }, crushed))
 }
@@ -157,8 +154,7 @@ impl std::fmt::Display for Fault {
             Cause::Crushed(model) => {
                 write!(
                     out,
-                    "It was inverted (inside out), where the energy of {} is not defined. Take shorter steps, or choose a model that is defined there, such as stable neo-Hookean.",
-                    model.title()
+                    "It was inverted (inside out), where the energy of {model} is not defined. Take shorter steps, or choose a model that is defined there, such as stable neo-Hookean."
                 )
             }
             Cause::Unsolved => {

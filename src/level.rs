@@ -14,6 +14,7 @@ pub use steps::{SubstepMode, Substeps};
 
 use crate::{
     effects::EffectKind,
+    elements::OwnMaterial,
     integrators::IntegratorKind,
     materials::MaterialParameters,
     meshes::MeshKind,
@@ -21,7 +22,7 @@ use crate::{
     quantity::{Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Spin, Velocity},
     toys::ToyKind,
 };
-use serde::{Deserialize, Deserializer, Serialize, de::Error};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 /// Everything a file says about a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -86,6 +87,9 @@ pub struct BodyLevel {
     pub place: Place,
     /// What it is made of.
     pub material: MaterialParameters,
+    /// A material from outside the crate in place of the model. The elastic moduli stay those of `material`.
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none", serialize_with = "refuse")]
+    pub own_material: Option<OwnMaterial>,
     /// How heavy it is.
     pub mass: MassLevel,
     /// Factors in x and y applied at the start about the middle of its bottom edge: the body starts out of its rest shape.
@@ -341,6 +345,11 @@ pub struct StretchTest {
     pub stretched: Factor,
     /// Height factor of the compressed shape (key Down).
     pub compressed: Factor,
+}
+
+/// A file cannot hold what another crate made.
+fn refuse<S: Serializer>(own: &Option<OwnMaterial>, _: S) -> Result<S::Ok, S::Error> {
+    Err(serde::ser::Error::custom(format!("a level file cannot hold the material {own:?}, which is made in code")))
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {

@@ -3,11 +3,10 @@
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
-    elements::{Diagnostics, Springs},
+    elements::{BodyMaterial, Diagnostics, Springs},
     fault::Fault,
     guard::negligible,
     level::Level,
-    materials::{Model, StripWarning},
     meshes::Mesh,
     obstacles::Inside,
     report::EffectCost,
@@ -117,8 +116,8 @@ pub struct Snapshot {
 pub struct BodySnapshot {
     /// Name from the level.
     pub name: String,
-    /// Its constitutive model.
-    pub model: Model,
+    /// Its material.
+    pub material: BodyMaterial,
     /// Its rest mesh with icing (own vertex numbers, own coordinates: `place` is not applied).
     pub mesh: Arc<Mesh>,
     /// Its vertices in the scene.
@@ -294,7 +293,7 @@ impl Sandbox {
         let test = self.document.level.test.is_some();
         BodySnapshot {
             name: body.name.clone(),
-            model: body.elements.model(),
+            material: body.elements.material().clone(),
             mesh: Arc::clone(&body.mesh),
             vertices: body.vertices.clone(),
             triangles,
@@ -304,7 +303,7 @@ impl Sandbox {
             mid_width: if test { body.width_at(own, 0.5 * (bottom + top)) } else { 0.0 },
             top_force: if test { body.holding_force(x) } else { 0.0 },
             height_ratio,
-            strip_warning: test.then(|| body.elements.visit(StripWarning(height_ratio))).flatten(),
+            strip_warning: test.then(|| body.elements.material().strip_warning(height_ratio)).flatten(),
         }
     }
 

@@ -34,6 +34,20 @@ impl State {
         bounds.map_or_else(|| is_valid(&self.x), |bounds| bounds.contains(&self.x)) && is_valid(&self.v)
     }
 
+    /// Copies positions and then velocities to a vector of that length.
+    pub fn copy_to(&self, flat: &mut [f64]) {
+        let (x, v) = flat.split_at_mut(self.x.len());
+        x.copy_from_slice(&self.x);
+        v.copy_from_slice(&self.v);
+    }
+
+    /// Copies positions and velocities from what [`Self::copy_to`] writes.
+    pub fn copy_from(&mut self, flat: &[f64]) {
+        let (x, v) = flat.split_at(self.x.len());
+        self.x.copy_from_slice(x);
+        self.v.copy_from_slice(v);
+    }
+
     /// Hash of every bit of positions and velocities (FNV-1a, 64 bit): equal states have equal hashes.
     pub fn hash(&self) -> u64 {
         let numbers = self.x.iter().chain(&self.v);

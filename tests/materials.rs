@@ -5,8 +5,9 @@ mod common;
 
 use common::{Random, rotation};
 use gingerbread::{
-    materials::{Lame, Material, MaterialParameters, Model, Plane, Visitor},
+    materials::{Hencky, Lame, Material, MaterialParameters, Model, Plane, Principal, PrincipalEnergy, Visitor},
     quantity::{Poisson, Young},
+    simd::{Mat2, Real},
 };
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
@@ -56,6 +57,50 @@ fn for_every_model(check: fn(&dyn Probe)) {
     // The same LAME is that of plane stress here.
     for model in SHEETS {
         model.visit_in(Plane::StressExact, LAME, Check(check));
+    }
+    check(&Principal(Logarithmic(LAME)));
+}
+
+/// Hencky's energy, from which stress and stiffness are derived by differentiation.
+#[derive(Clone, Copy)]
+struct Logarithmic(Lame);
+
+impl PrincipalEnergy for Logarithmic {
+    const TITLE: &'static str = "Logarithmic";
+    const BARRIER: bool = true;
+
+    fn psi<R: Real>(&self, stretches: [R; 3]) -> R {
+        let [a, b, c] = stretches.map(Real::logarithm);
+        (a * a + b * b + c * c) * self.0.mu + (a + b + c) * (a + b + c) * (0.5 * self.0.lambda)
+    }
+}
+
+#[test]
+fn differentiated_energy_matches_written_formulas() {
+    let (own, listed) = (Principal(Logarithmic(LAME)), Hencky::new(LAME));
+    let mut random = Random(8);
+    for number in 0..300 {
+        // Near a rotation too, where both stretches are equal.
+        let size = if number % 3 == 0 { 1e-7 } else { 0.5 };
+        let f = common::rotation(f64::from(number)) * (Matrix2::identity() + random.gradient(-1.0, 1.0) * size);
+        if f.determinant() < 0.05 {
+            continue;
+        }
+        let near = |found: f64, expected: f64, size: f64| {
+            assert!((found - expected).abs() <= 1e-9 * size, "{found:e} is not {expected:e} at {f}");
+        };
+        let energies = [Material::energy(&own, &f), Material::energy(&listed, &f)];
+        near(energies[0], energies[1], 1.0 + energies[1]);
+        let stiffness = Material::stiffness(&listed, &f);
+        let size = stiffness.norm();
+        near((Material::stress(&own, &f) - Material::stress(&listed, &f)).norm(), 0.0, size);
+        near((Material::stiffness(&own, &f) - stiffness).norm(), 0.0, size);
+        let thickness = |of: f64, expected: f64| near(of, expected, size);
+        thickness(own.thickness_stress(Mat2::from(&f)), listed.thickness_stress(Mat2::from(&f)));
+    }
+    for stretch in [0.4, 1.0, 2.2] {
+        let [own, listed] = [Material::free_width(&own, stretch), Material::free_width(&listed, stretch)];
+        assert!((own.unwrap() - listed.unwrap()).abs() < 1e-12);
     }
 }
 

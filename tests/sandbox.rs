@@ -80,7 +80,7 @@ fn choosing_a_model_starts_over_and_can_be_undone() {
     for model in [Model::StVenantKirchhoff, Model::NeoHookean] {
         sandbox.apply(Command::SetModel(model)).unwrap();
         let now = seen(&sandbox);
-        assert!(now.bodies.iter().all(|body| body.model == model));
+        assert!(now.bodies.iter().all(|body| body.material.model() == Some(model)));
         assert!(now.positions == *now.start && now.energies.kinetic == 0.0 && now.time == 0.0);
         run(&mut sandbox, 10);
     }
@@ -88,7 +88,7 @@ fn choosing_a_model_starts_over_and_can_be_undone() {
         sandbox.apply(Command::Undo).unwrap();
     }
     let back = seen(&sandbox);
-    assert_eq!((back.positions, back.bodies[0].model), (moved.positions, Model::Corotated));
+    assert_eq!((back.positions, back.bodies[0].material.model()), (moved.positions, Some(Model::Corotated)));
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn a_slider_acts_at_once_and_one_gesture_is_one_undo() {
     }
     sandbox.apply(Command::EndGesture).unwrap();
     sandbox.apply(Command::SetMaterial(0, material(500.0))).unwrap();
-    let lame = |sandbox: &Sandbox| sandbox.simulation().scene().bodies[0].elements.lame().mu;
+    let lame = |sandbox: &Sandbox| sandbox.simulation().scene().bodies[0].elements.material().lame().mu;
     assert!((lame(&sandbox) - 500.0 / 2.4).abs() < 1e-12, "mu = E / (2 (1 + nu)) at once");
     assert_eq!(seen(&sandbox).positions, before, "a slider does not move anything");
     sandbox.apply(Command::Undo).unwrap();

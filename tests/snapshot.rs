@@ -116,8 +116,10 @@ fn colours_and_counts_match_single_triangles() {
         let elements = &scene.bodies[0].elements;
         // All sizes of J from -1 to 2, none of them special.
         let x: Vec<f64> = scene.rest.iter().enumerate().map(|(i, x)| x + 0.17 * (7.3 * i as f64).sin()).collect();
-        let each: Vec<_> =
-            elements.gradients(&x).map(|(f, area)| (elements.visit(SubScene(f, plane != "Strain")), area)).collect();
+        let each: Vec<_> = elements
+            .gradients(&x)
+            .map(|(f, area)| (elements.material().visit(SubScene(f, plane != "Strain")).unwrap(), area))
+            .collect();
         for (place, field) in [Field::EnergyDensity, Field::VonMises, Field::Volume].into_iter().enumerate() {
             let mut values = Vec::new();
             let found = elements.diagnose(field, &x, &mut values);

@@ -36,8 +36,8 @@ impl Plain {
             (corners, Mat2::from(&edges.try_inverse().unwrap()), 0.5 * edges.determinant())
         };
         Self {
-            model: scene.bodies[0].elements.model(),
-            lame: scene.bodies[0].elements.lame(),
+            model: scene.bodies[0].elements.material().model().unwrap(),
+            lame: scene.bodies[0].elements.material().lame(),
             triangles: scene.triangles.iter().map(triangle).collect(),
             x: pairs(&scene.start.x),
             v: pairs(&scene.start.v),

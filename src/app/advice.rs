@@ -171,7 +171,7 @@ impl Facts {
             class: level.integrator.kind().class(),
             multirate: !now.substep_plans.is_empty(),
             guard: level.guard == Toggle::On,
-            weak: !compression && now.bodies.iter().any(|body| body.model == Model::StVenantKirchhoff),
+            weak: !compression && now.bodies.iter().any(|body| body.material.model() == Some(Model::StVenantKirchhoff)),
             side_by_side: now.side_by_side,
             better_start: now.inverted > 0 && inverted_at_start() < now.inverted,
             coarser: coarser(now),
@@ -434,7 +434,7 @@ mod tests {
         let faults = [
             TOO_LONG,
             fault::Cause::StepTooLong { step: 1e-3, limit: 0.0 },
-            fault::Cause::Crushed(Model::Hencky),
+            fault::Cause::Crushed("Hencky"),
             fault::Cause::Overflow,
             fault::Cause::Energy,
             fault::Cause::Unsolved,

@@ -97,7 +97,7 @@ struct Resistance {
 
 impl Resistance {
     fn density(&self, body: &Triangles) -> Squeezed {
-        Squeezed(self.strength * (2.0 * body.lame().mu + body.lame().lambda))
+        Squeezed(self.strength * (2.0 * body.material().lame().mu + body.material().lame().lambda))
     }
 }
 

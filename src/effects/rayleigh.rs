@@ -159,7 +159,7 @@ impl Effect for Damping {
             *force -= self.alpha * mass * v;
         }
         for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
-            let viscous = Viscous::new(self.beta, body.lame());
+            let viscous = Viscous::new(self.beta, body.material().lame());
             let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
             body.assemble(viscous, &mut forces, &mut scratch[..body.scratch()]);
         }
@@ -187,7 +187,7 @@ impl Effect for Damping {
             _ => Weights { position: 0.0, ..weights },
         };
         for body in &self.bodies {
-            let lame = body.lame();
+            let lame = body.material().lame();
             let (mu, lambda) = (self.beta * lame.mu, self.beta * lame.lambda);
             body.add_tangent(motion.x, 1.0, matrix, |number, f| {
                 viscous_tangent(f, &body.gradient_of(motion.v, number), weights, [mu, lambda])

@@ -5,7 +5,7 @@ use super::{
     triangle::{Rest, edges},
 };
 use crate::{
-    materials::{Material, Visitor, WHOLE},
+    materials::{Material, WHOLE},
     simd::{LANES, Lanes, Mat2, Real, Wide},
 };
 use pulp::{Arch, Simd, WithSimd};
@@ -42,15 +42,19 @@ impl Triangles {
         x: &[f64],
         values: &mut Vec<f64>,
     ) -> Diagnostics {
-        struct Visit<'a>(&'a Triangles, Option<f64>, Field, &'a [f64], &'a mut Vec<f64>);
-        impl Visitor for Visit<'_> {
-            type Output = Diagnostics;
-            fn visit<M: Material>(self, material: &M) -> Diagnostics {
-                let Self(of, energy, field, x, out) = self;
-                Arch::new().dispatch(DiagnosticsKernel { of, material, energy, field, x, out })
-            }
-        }
-        self.visit(Visit(self, energy, field, x, values))
+        self.material().law().diagnose(self, energy, field, x, values)
+    }
+
+    /// The same for a material of known type.
+    pub(super) fn diagnose_as(
+        &self,
+        material: &impl Material,
+        energy: Option<f64>,
+        field: Field,
+        x: &[f64],
+        out: &mut Vec<f64>,
+    ) -> Diagnostics {
+        Arch::new().dispatch(DiagnosticsKernel { of: self, material, energy, field, x, out })
     }
 }
 
@@ -126,7 +130,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
                         Field::None => continue,
                         Field::Volume => j,
                         Field::EnergyDensity => material.psi(f),
-                        Field::VonMises => von_mises(material, f, of.plane_stress()),
+                        Field::VonMises => von_mises(material, f, of.material().plane().is_stress()),
                     };
                     value.store(&mut values, part);
                 }

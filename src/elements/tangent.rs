@@ -7,7 +7,7 @@ use super::{
     triangle::{Rest, edges},
 };
 use crate::{
-    materials::{Material, Moduli, Parts, Visitor},
+    materials::{Material, Moduli, Parts},
     simd::{LANES, Lanes, Mat2, Order, Quads, Real, Wide},
     solvers::{BlockMatrix, Tangent, Weights},
 };
@@ -26,7 +26,7 @@ pub trait Isotropic: Copy + Send + Sync {
 
 /// The density of a material.
 #[derive(Clone, Copy)]
-struct Stored<'a, M>(&'a M);
+pub struct Stored<'a, M>(pub &'a M);
 
 impl<M: Material> Isotropic for Stored<'_, M> {
     #[inline(always)]
@@ -59,18 +59,6 @@ impl Triangles {
         }
     }
 
-    /// Adds the elastic stiffness at x, geometric part included, times a displacement d [m] to `product` [N]; both flat.
-    pub(crate) fn add_elastic_change(&self, moving: [&[f64]; 2], scratch: &mut [f64], product: &mut [f64]) {
-        struct Visit<'a>(&'a Triangles, [&'a [f64]; 2], &'a mut [f64], &'a mut [f64]);
-        impl Visitor for Visit<'_> {
-            type Output = ();
-            fn visit<M: Material>(self, material: &M) {
-                self.0.add_energy_change(self.1, self.2, self.3, Stored(material));
-            }
-        }
-        self.visit(Visit(self, moving, scratch, product));
-    }
-
     /// Adds d²E/dx² at x times a displacement d [m] to `product` [N], for the energy E of an isotropic density.
     pub(crate) fn add_energy_change(
         &self,
@@ -80,11 +68,6 @@ impl Triangles {
         density: impl Isotropic,
     ) {
         self.assemble(Change(density), &mut Adding { x, v: d, force: product }, scratch);
-    }
-
-    /// Adds the elastic stiffness, geometric part included: the second derivative of the energy, or its positive part.
-    pub(crate) fn add_elastic_tangent(&self, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
-        self.visit(Elastic { of: self, x, weights, matrix });
     }
 
     /// Adds blocks for every triangle from the second derivative of an isotropic energy density by F, projected as the
@@ -147,20 +130,6 @@ impl Rest {
             (c00 * (a[0] * b[0]) + c01 * (a[0] * b[1]) + c10 * (a[1] * b[0]) + c11 * (a[1] * b[1])) * scale
         };
         [block(g1, g1), block(g2, g2), block(g1, g2)]
-    }
-}
-
-struct Elastic<'a> {
-    of: &'a Triangles,
-    x: &'a [f64],
-    weights: Weights,
-    matrix: &'a mut BlockMatrix<2>,
-}
-
-impl Visitor for Elastic<'_> {
-    type Output = ();
-    fn visit<M: Material>(self, material: &M) {
-        self.of.add_energy_tangent(self.x, self.weights, self.matrix, Stored(material));
     }
 }
 

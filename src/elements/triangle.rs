@@ -2,19 +2,20 @@
 
 use super::{
     Accumulator, Adding, ElasticElements, EulerUpdate,
-    blocks::{self, Blocks, Both, Elastic, StressModel},
+    blocks::{self, Blocks, StressModel},
+    material::BodyMaterial,
     partitions::Partitions,
 };
 use crate::{
-    effects::{Effect, Motion, Viscous},
-    materials::{Lame, Material, Model, Plane, Visitor},
+    effects::{Effect, Motion},
+    materials::Material,
     meshes::{Fan, Mesh},
     simd::Order,
     solvers::{SparseMatrix, Weights},
 };
 use nalgebra::Matrix2;
 use pulp::Arch;
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 /// The linear triangles of one body, of one material and unit thickness.
 ///
@@ -24,8 +25,15 @@ use std::ops::Range;
 ///
 /// Forces are computed for two triangles that share an edge at a time ([`Fan`]), so that their four vertices are read
 /// and written once.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Triangles {
+    shape: Arc<Shape>,
+    material: BodyMaterial,
+}
+
+/// Everything but the material.
+#[derive(Debug)]
+struct Shape {
     vertices: Range<usize>,
     /// The corner in the middle of its fan comes first.
     corners: Vec<[u32; 3]>,
@@ -34,9 +42,6 @@ pub struct Triangles {
     /// The rest shapes of the fans.
     blocks: Blocks,
     partitions: Partitions,
-    model: Model,
-    lame: Lame,
-    plane: Plane,
 }
 
 /// The rest shape of a triangle.
@@ -61,7 +66,7 @@ impl Triangles {
     /// The elements of a body, whose vertices are these of the scene, with the triangles of a mesh.
     ///
     /// `rest` is flat, two numbers for each vertex of the whole scene [m].
-    pub fn new(rest: &[f64], vertices: Range<usize>, mesh: &Mesh, material: (Model, Lame, Plane)) -> Self {
+    pub fn new(rest: &[f64], vertices: Range<usize>, mesh: &Mesh, material: BodyMaterial) -> Self {
         let first = vertices.start as u32;
         let mut corners: Vec<_> = mesh.triangles().iter().map(|corners| corners.map(|corner| corner + first)).collect();
         let mut slots = vec![0; corners.len()];
@@ -90,18 +95,20 @@ impl Triangles {
         (fans, shapes): (Vec<[u32; 4]>, Vec<[Rest; 2]>),
         vertices: Range<usize>,
         (corners, slots): (Vec<[u32; 3]>, Vec<u32>),
-        (model, lame, plane): (Model, Lame, Plane),
+        material: BodyMaterial,
         set: Arch,
     ) -> Self {
         let fans: Vec<_> = fans.iter().map(|fan| fan.map(|corner| corner - vertices.start as u32)).collect();
         let partitions = Partitions::new(&fans, (vertices.start, vertices.len()), &Order::of_pairs(set));
-        Self { corners, slots, blocks: Blocks::new(&shapes, set), partitions, model, lame, plane, vertices }
+        let shape = Shape { corners, slots, blocks: Blocks::new(&shapes, set), partitions, vertices };
+        Self { shape: Arc::new(shape), material }
     }
 
     /// The vertices of each fan, as [`Fan::corners`] has them.
     fn fans(&self) -> Vec<[u32; 4]> {
-        let mut fans = vec![[0; 4]; self.blocks.fans()];
-        let of_side = |side| self.slots.iter().zip(&self.corners).filter(move |(slot, _)| **slot % 2 == side);
+        let mut fans = vec![[0; 4]; self.shape.blocks.fans()];
+        let of_side =
+            |side| self.shape.slots.iter().zip(&self.shape.corners).filter(move |(slot, _)| **slot % 2 == side);
         for (slot, &[middle, from, across]) in of_side(0) {
             fans[*slot as usize / 2] = [middle, from, across, from];
         }
@@ -115,72 +122,63 @@ impl Triangles {
     #[must_use]
     pub fn in_set(&self, set: Arch) -> Self {
         let fans = self.fans();
-        let shapes = (0..fans.len()).map(|fan| self.blocks.fan(fan)).collect();
-        let (material, of) = ((self.model, self.lame, self.plane), (self.corners.clone(), self.slots.clone()));
-        Self::of_fans((fans, shapes), self.vertices.clone(), of, material, set)
+        let shapes = (0..fans.len()).map(|fan| self.shape.blocks.fan(fan)).collect();
+        let of = (self.shape.corners.clone(), self.shape.slots.clone());
+        Self::of_fans((fans, shapes), self.shape.vertices.clone(), of, self.material.clone(), set)
+    }
+
+    /// The same triangles of another material. Shapes are shared.
+    #[must_use]
+    pub fn with_material(&self, material: BodyMaterial) -> Self {
+        Self { shape: Arc::clone(&self.shape), material }
     }
 
     /// The instruction set that forces, energies and stiffness are computed with.
-    pub(super) const fn set(&self) -> Arch {
-        self.blocks.set()
+    pub(super) fn set(&self) -> Arch {
+        self.shape.blocks.set()
     }
 
     /// Scene numbers of the body's vertices.
-    pub const fn vertices(&self) -> &Range<usize> {
-        &self.vertices
+    pub fn vertices(&self) -> &Range<usize> {
+        &self.shape.vertices
     }
 
     /// Scene vertex numbers of each triangle's corners, counter-clockwise at rest.
     pub fn corners(&self) -> &[[u32; 3]] {
-        &self.corners
+        &self.shape.corners
     }
 
-    /// The constitutive model.
-    pub const fn model(&self) -> Model {
-        self.model
-    }
-
-    /// Lame's parameters [Pa].
-    pub const fn lame(&self) -> Lame {
-        self.lame
-    }
-
-    /// Runs a visitor on the material of the triangles.
-    pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
-        self.model.visit_in(self.plane, self.lame, visitor)
+    /// The material.
+    pub const fn material(&self) -> &BodyMaterial {
+        &self.material
     }
 
     /// Slot of a triangle among those of all fans, two each.
     #[inline]
     pub(super) fn slot(&self, triangle: usize) -> usize {
-        self.slots[triangle] as usize
+        self.shape.slots[triangle] as usize
     }
 
     /// Number of slots, including empty ones of fans with one triangle.
-    pub(super) const fn slots(&self) -> usize {
-        2 * self.blocks.fans()
+    pub(super) fn slots(&self) -> usize {
+        2 * self.shape.blocks.fans()
     }
 
     /// The rest shape of a triangle.
     #[inline]
     pub(super) fn rest(&self, triangle: usize) -> Rest {
         let slot = self.slot(triangle);
-        self.blocks.rest(slot / 2, slot % 2)
-    }
-
-    /// Whether the faces of the sheet are free of stress.
-    pub(super) const fn plane_stress(&self) -> bool {
-        self.plane.is_stress()
+        self.shape.blocks.rest(slot / 2, slot % 2)
     }
 
     /// Area of each triangle at rest [m²].
     pub fn rest_areas(&self) -> impl Iterator<Item = f64> {
-        (0..self.corners.len()).map(|triangle| self.rest(triangle).area)
+        (0..self.shape.corners.len()).map(|triangle| self.rest(triangle).area)
     }
 
     /// The deformation gradient of each triangle, with its rest area [m²].
     pub fn gradients(&self, x: &[f64]) -> impl Iterator<Item = (Matrix2<f64>, f64)> {
-        self.corners.iter().enumerate().map(|(number, &triangle)| {
+        self.shape.corners.iter().enumerate().map(|(number, &triangle)| {
             let Rest { inverse, area } = self.rest(number);
             (edge_matrix(x, triangle) * inverse, area)
         })
@@ -188,46 +186,19 @@ impl Triangles {
 
     /// Adds the elastic forces on this body's vertices to `force` [N].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
-        self.scatter(&mut Adding { x, v: &[], force }, scratch);
-    }
-
-    /// Assembles the elastic forces on this body's vertices.
-    fn scatter(&self, accumulator: &mut impl Accumulator, scratch: &mut [f64]) -> f64 {
-        struct Visit<'a, T>(&'a Triangles, &'a mut T, &'a mut [f64]);
-        impl<T: Accumulator> Visitor for Visit<'_, T> {
-            type Output = f64;
-            fn visit<M: Material>(self, material: &M) -> f64 {
-                self.0.assemble(Elastic(*material), self.1, self.2)
-            }
-        }
-        self.visit(Visit(self, accumulator, scratch))
-    }
-
-    /// Updates this body's vertices with elastic and viscous forces, both of which need scratch.
-    fn euler_update_damped(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) -> f64 {
-        struct Visit<'a, 'b>(&'a Triangles, &'a mut EulerUpdate<'b>, &'a mut [f64]);
-        impl Visitor for Visit<'_, '_> {
-            type Output = f64;
-            fn visit<M: Material>(self, material: &M) -> f64 {
-                let viscous = Viscous::new(self.1.uniform_force.stiffness_damping, self.0.lame);
-                self.0.assemble(Both(Elastic(*material), viscous), self.1, self.2)
-            }
-        }
-        self.visit(Visit(self, vertices, scratch))
+        self.material.law().add_force(self, &mut Adding { x, v: &[], force }, scratch);
     }
 
     /// Stored energy at these positions [J].
     pub fn elastic_energy(&self, x: &[f64]) -> f64 {
-        struct Visit<'a>(&'a Triangles, &'a [f64]);
-        impl Visitor for Visit<'_> {
-            type Output = f64;
-            fn visit<M: Material>(self, material: &M) -> f64 {
-                let Self(Triangles { vertices, partitions, blocks, .. }, x) = self;
-                let corners = partitions.corners();
-                blocks.set().dispatch(blocks::Energy { material, corners, blocks, x: &x[2 * vertices.start..] })
-            }
-        }
-        self.visit(Visit(self, x))
+        self.material.law().energy(self, x)
+    }
+
+    /// The same for a material of known type.
+    pub(super) fn energy_of(&self, material: &impl Material, x: &[f64]) -> f64 {
+        let Shape { vertices, partitions, blocks, .. } = &*self.shape;
+        let corners = partitions.corners();
+        blocks.set().dispatch(blocks::Energy { material, corners, blocks, x: &x[2 * vertices.start..] })
     }
 
     /// Assembles the forces of stresses on this body's vertices, `[f1 f2] = -A P D0⁻ᵀ`, into an accumulator. Each
@@ -238,18 +209,18 @@ impl Triangles {
         accumulator: &mut impl Accumulator<N>,
         scratch: &mut [f64],
     ) -> f64 {
-        let mut own = accumulator.view(self.vertices.clone());
-        self.partitions.assemble(model, &self.blocks, &mut own, scratch)
+        let mut own = accumulator.view(self.shape.vertices.clone());
+        self.shape.partitions.assemble(model, &self.shape.blocks, &mut own, scratch)
     }
 
     /// Number of partitions for parallel assembly.
-    pub const fn partitions(&self) -> usize {
-        self.partitions.count()
+    pub fn partitions(&self) -> usize {
+        self.shape.partitions.count()
     }
 
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
-        edge_matrix(field, self.corners[number]) * self.rest(number).inverse
+        edge_matrix(field, self.shape.corners[number]) * self.rest(number).inverse
     }
 }
 
@@ -287,17 +258,18 @@ fn until_flat(edges: &Matrix2<f64>, change: &Matrix2<f64>, least: f64) -> f64 {
 
 impl ElasticElements for Triangles {
     fn vertices(&self) -> Range<usize> {
-        self.vertices.clone()
+        self.shape.vertices.clone()
     }
 
     /// mu A, and (2 mu + lambda) A, for the rest area A.
     fn energy_scales(&self) -> [f64; 2] {
         let area: f64 = self.rest_areas().sum();
-        [self.lame.mu * area, (2.0 * self.lame.mu + self.lame.lambda) * area]
+        let lame = self.material.lame();
+        [lame.mu * area, (2.0 * lame.mu + lame.lambda) * area]
     }
 
     fn inverted(&self, x: &[f64]) -> [usize; 2] {
-        [self.volume_ratios(x).filter(|ratio| *ratio <= 0.0).count(), self.corners.len()]
+        [self.volume_ratios(x).filter(|ratio| *ratio <= 0.0).count(), self.shape.corners.len()]
     }
 }
 
@@ -307,11 +279,11 @@ impl Effect for Triangles {
     }
 
     fn elements(&self, _: Motion<'_>) -> usize {
-        self.corners.len()
+        self.shape.corners.len()
     }
 
     fn scratch(&self) -> usize {
-        self.partitions.scratch()
+        self.shape.partitions.scratch()
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
@@ -327,28 +299,18 @@ impl Effect for Triangles {
     }
 
     fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
-        let size = self.scratch();
-        vertices.twice_kinetic += if vertices.uniform_force.stiffness_damping == 0.0 {
-            self.scatter(vertices, &mut scratch[..size])
-        } else {
-            self.euler_update_damped(vertices, &mut scratch[..2 * size])
-        };
+        let damped = vertices.uniform_force.stiffness_damping != 0.0;
+        let size = if damped { 2 * self.scratch() } else { self.scratch() };
+        self.material.law().euler_update(self, vertices, &mut scratch[..size]);
     }
 
     /// If the material has a barrier and no triangle is inverted, none may invert.
     fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
-        struct Barrier;
-        impl Visitor for Barrier {
-            type Output = bool;
-            fn visit<M: Material>(self, _: &M) -> bool {
-                M::BARRIER
-            }
-        }
-        if !self.visit(Barrier) {
+        if !self.material.law().has_barrier() {
             return f64::INFINITY;
         }
         let mut longest = f64::INFINITY;
-        for (number, &triangle) in self.corners.iter().enumerate() {
+        for (number, &triangle) in self.shape.corners.iter().enumerate() {
             let (edges, change) = (edge_matrix(x, triangle), edge_matrix(d, triangle));
             if edges.determinant() <= 0.0 {
                 return f64::INFINITY;
@@ -359,7 +321,7 @@ impl Effect for Triangles {
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], scratch: &mut [f64], product: &mut [f64]) {
-        self.add_elastic_change([motion.x, d], scratch, product);
+        self.material.law().stiffness_times(self, [motion.x, d], scratch, product);
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
@@ -368,7 +330,7 @@ impl Effect for Triangles {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         if let Some(matrix) = matrix.blocks::<2>() {
-            self.add_elastic_tangent(motion.x, weights, matrix);
+            self.material.law().add_stiffness(self, motion.x, weights, matrix);
         }
     }
 }

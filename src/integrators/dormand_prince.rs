@@ -1,6 +1,6 @@
 //! Dormand-Prince method of order 5(4) with error control.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, memory, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, memory};
 use crate::{
     quantity::{AbsoluteTolerance, Quantity, RelativeTolerance},
     state::State,
@@ -87,9 +87,9 @@ const MOST: u64 = 10_000;
 
 impl FirstOrder for DormandPrince {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, .. } = workspace;
-        let [start, x, next, mut rates @ ..]: [&mut [f64]; 10] = parts(numbers, state.x.len() + state.v.len());
-        gather(state, start);
+        let ([start, x, next, mut rates @ ..], spare): ([&mut [f64]; 10], _) =
+            workspace.vectors(state.x.len() + state.v.len());
+        state.copy_to(start);
         x.copy_from_slice(start);
         let known = memory::is_known(state, TAG, 2);
         let past = memory::open(state, TAG, 0.0, 2);
@@ -132,7 +132,7 @@ impl FirstOrder for DormandPrince {
         }
         memory::own(&mut state.memory).copy_from_slice(&[length, before]);
         system.apply_constraints(start, x, spare);
-        scatter(x, state);
+        state.copy_from(x);
         counts
     }
 }

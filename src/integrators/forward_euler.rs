@@ -1,6 +1,6 @@
 //! Forward Euler method.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -41,15 +41,14 @@ impl Integrator for ForwardEuler {
 
 impl FirstOrder for ForwardEuler {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, .. } = workspace;
-        let [x, next, rate] = parts(numbers, state.x.len() + state.v.len());
-        gather(state, x);
+        let ([x, next, rate], spare) = workspace.vectors(state.x.len() + state.v.len());
+        state.copy_to(x);
         system.rate(x, rate);
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
         }
         system.apply_constraints(x, next, spare);
-        scatter(next, state);
+        state.copy_from(next);
         StepCounts::ONE
     }
 }

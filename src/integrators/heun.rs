@@ -1,6 +1,6 @@
 //! Heun's method.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -40,9 +40,8 @@ impl Integrator for Heun {
 
 impl FirstOrder for Heun {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, .. } = workspace;
-        let [x, next, rate, end_rate] = parts(numbers, state.x.len() + state.v.len());
-        gather(state, x);
+        let ([x, next, rate, end_rate], spare) = workspace.vectors(state.x.len() + state.v.len());
+        state.copy_to(x);
         system.rate(x, rate);
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
@@ -52,7 +51,7 @@ impl FirstOrder for Heun {
             *next = x + 0.5 * h * (rate + end_rate);
         }
         system.apply_constraints(x, next, spare);
-        scatter(next, state);
+        state.copy_from(next);
         StepCounts::ONE
     }
 }

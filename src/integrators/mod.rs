@@ -147,6 +147,11 @@ impl Workspace {
         Self { newton: Newton::new(linear_solver), ..Self::default() }
     }
 
+    /// Vectors of equal length, whose content is undefined, and scratch for [`Ode::apply_constraints`].
+    pub fn vectors<const COUNT: usize>(&mut self, length: usize) -> ([&mut [f64]; COUNT], &mut Vec<f64>) {
+        (parts(&mut self.numbers, length), &mut self.spare)
+    }
+
     /// Invalidates the sparsity pattern, for a new scene.
     pub fn forget(&mut self) {
         self.newton.forget();
@@ -180,17 +185,4 @@ fn parts<const COUNT: usize>(numbers: &mut Vec<f64>, length: usize) -> [&mut [f6
         rest = others;
         part
     })
-}
-
-/// X = (x, v).
-fn gather(state: &State, x: &mut [f64]) {
-    let (positions, velocities) = x.split_at_mut(state.x.len());
-    positions.copy_from_slice(&state.x);
-    velocities.copy_from_slice(&state.v);
-}
-
-fn scatter(x: &[f64], state: &mut State) {
-    let (positions, velocities) = x.split_at(state.x.len());
-    state.x.copy_from_slice(positions);
-    state.v.copy_from_slice(velocities);
 }

@@ -1,7 +1,7 @@
 //! Position Verlet method.
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory, parts, system::apply_constraints,
+    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory, system::apply_constraints,
 };
 use crate::{
     obstacles::is_touched,
@@ -89,9 +89,8 @@ const UNKNOWN: f64 = -1.0;
 
 impl SecondOrder for PositionVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, .. } = workspace;
         let count = state.x.len();
-        let [before, before_v, force] = parts(numbers, count);
+        let ([before, before_v, force], spare) = workspace.vectors(count);
         let goes_on = memory::is_current(state, TAG, h, 2 * count + 1);
         let loads = f64::from(system.load_fingerprint());
         memory::open(state, TAG, h, 2 * count + 1);

@@ -1,6 +1,6 @@
 //! Classical Runge-Kutta method of order 4.
 
-use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace, gather, parts, scatter};
+use super::{Class, FirstOrder, Integrator, Ode, Scheme, StepCounts, Workspace};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -42,9 +42,8 @@ impl Integrator for RungeKutta4 {
 
 impl FirstOrder for RungeKutta4 {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, .. } = workspace;
-        let [x, next, stage, rate] = parts(numbers, state.x.len() + state.v.len());
-        gather(state, x);
+        let ([x, next, stage, rate], spare) = workspace.vectors(state.x.len() + state.v.len());
+        state.copy_to(x);
         next.copy_from_slice(x);
         // Weight of each rate in the result, and how far along it the next one is taken.
         for (number, (weight, along)) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)].into_iter().enumerate() {
@@ -55,7 +54,7 @@ impl FirstOrder for RungeKutta4 {
             }
         }
         system.apply_constraints(x, next, spare);
-        scatter(next, state);
+        state.copy_from(next);
         StepCounts::ONE
     }
 }

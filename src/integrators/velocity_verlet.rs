@@ -1,8 +1,6 @@
 //! Velocity Verlet method.
 
-use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, parts, system::apply_constraints,
-};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, system::apply_constraints};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -43,8 +41,7 @@ impl Integrator for VelocityVerlet {
 
 impl SecondOrder for VelocityVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, .. } = workspace;
-        let [before, before_v, predicted, force, end_force] = parts(numbers, state.x.len());
+        let ([before, before_v, predicted, force, end_force], spare) = workspace.vectors(state.x.len());
         let constrains = system.constrains();
         if constrains {
             before.copy_from_slice(&state.x);

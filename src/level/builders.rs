@@ -75,6 +75,7 @@ impl BodyLevel {
             mesh: mesh.into(),
             place: super::Place::default(),
             material,
+            own_material: None,
             mass,
             stretch: unstretched(),
             start: super::StartShape::default(),

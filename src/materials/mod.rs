@@ -57,7 +57,7 @@ pub const WHOLE: f64 = 0.25;
 /// A hyperelastic material in two dimensions, per unit thickness.
 ///
 /// `f` is the deformation gradient F (2 x 2, no unit): column j is where the rest direction j went.
-pub trait Material: Copy + Send + Sync {
+pub trait Material: Copy + Send + Sync + 'static {
     /// Name as it is said, such as `St. Venant-Kirchhoff`.
     const TITLE: &'static str;
     /// The letter on its button.

@@ -33,7 +33,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// let stress = material.stress(&Matrix2::new(1.01, 0.0, 0.0, 1.0));
 /// assert!((stress.m11 - 0.07).abs() < 2e-3, "near rest it is Hooke's law, (2 mu + lambda) e");
 /// ```
-pub trait PrincipalEnergy: Copy + Send + Sync {
+pub trait PrincipalEnergy: Copy + Send + Sync + 'static {
     /// Name as it is said, such as `Ogden`.
     const TITLE: &'static str;
     /// The energy density in plain characters, for tooltips.

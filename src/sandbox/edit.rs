@@ -20,6 +20,7 @@ impl Sandbox {
                 document.level.state = None;
                 for body in &mut document.level.bodies {
                     body.material = body.material.try_with_model(model)?;
+                    body.own_material = None;
                 }
                 then = Then::Restart;
             }

@@ -24,7 +24,7 @@ impl Scene {
         let bodies = self.bodies.iter().map(|body| {
             let area: f64 = body.elements.rest_areas().sum();
             let mass: f64 = self.mass[self.numbers(&body.vertices)].iter().step_by(self.dimension).sum();
-            let waves = (body.elements.lame().mu * area / mass).sqrt();
+            let waves = (body.elements.material().lame().mu * area / mass).sqrt();
             (&body.vertices, waves, (2.0 * area / body.elements.corners().len() as f64).sqrt())
         });
         let nets = self.nets.iter().map(|net| {

@@ -360,9 +360,15 @@ impl Scene {
         if total > MOST_TRIANGLES {
             return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
-        let material = &level.material;
-        let stuff = (material.model(), material.lame(), material.plane());
-        let elements = Arc::new(Triangles::new(&self.rest, vertices.clone(), &mesh, stuff));
+        let material = level.own_material.as_ref().map_or(level.material.into(), |own| own.with(level.material));
+        let is_same = |body: &&Body| Arc::ptr_eq(&body.mesh, &mesh) && body.vertices == vertices;
+        let same = previous.and_then(|scene| Some((scene, scene.bodies.iter().find(is_same)?)));
+        // Blocks are kept while a slider changes the material.
+        let elements = match same.filter(|(scene, _)| scene.rest.get(self.numbers(&vertices)) == Some(rest)) {
+            Some((_, body)) => body.elements.with_material(material),
+            None => Triangles::new(&self.rest, vertices.clone(), &mesh, material),
+        };
+        let elements = Arc::new(elements);
         if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
             let flat = numbering.element_name(flat);
             return Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"));

@@ -80,11 +80,7 @@ impl<R: Real> Mul for Jet<R> {
         Self {
             value: x * y,
             first: [a * y + x * c, b * y + x * d],
-            second: [
-                aa * y + a * c * 2.0 + x * cc,
-                ab * y + a * d + b * c + x * cd,
-                bb * y + b * d * 2.0 + x * dd,
-            ],
+            second: [aa * y + a * c * 2.0 + x * cc, ab * y + a * d + b * c + x * cd, bb * y + b * d * 2.0 + x * dd],
         }
     }
 }
@@ -191,7 +187,8 @@ mod tests {
         for (x, y) in [(0.7, 1.3), (1.9, 0.4)] {
             let jet = formula(Jet::variable(x, 0), Jet::variable(y, 1));
             let at = |a: f64, b: f64| formula(x + a * h, y + b * h);
-            let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");
+            let near =
+                |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");
             near(jet.value, at(0.0, 0.0));
             near(jet.first[0], (at(1.0, 0.0) - at(-1.0, 0.0)) / (2.0 * h));
             near(jet.first[1], (at(0.0, 1.0) - at(0.0, -1.0)) / (2.0 * h));

@@ -2,7 +2,6 @@
 
 use super::exact::only;
 use crate::{
-    materials::{Material, Visitor},
     scene::{Body, Scene, extent},
     state::State,
 };
@@ -41,7 +40,7 @@ pub(super) fn at_rest(scene: &Scene, state: &State) -> Option<(String, Vec<f64>)
         _ => return None,
     };
     let stretch = (high - low) / (top - bottom);
-    let width = body.elements.visit(FreeWidth(stretch))?;
+    let width = body.elements.material().free_width(stretch)?;
     let moved = |point: &[f64]| [anchor + width * (point[0] - fixed), low + stretch * (point[1] - bottom)];
     let words = format!("strip at rest, {stretch:.4} times as high and {width:.4} times as wide");
     Some((words, scene.rest.chunks_exact(2).flat_map(moved).collect()))
@@ -54,13 +53,4 @@ fn is_strip(body: &Body, rest: &[f64], held: impl Fn(u32) -> bool) -> bool {
         let [a, b] = edge.map(|i| i as usize + body.vertices.start);
         (rest[2 * a] - rest[2 * b]).abs() <= slack || (held(a as u32) && held(b as u32))
     })
-}
-
-struct FreeWidth(f64);
-
-impl Visitor for FreeWidth {
-    type Output = Option<f64>;
-    fn visit<M: Material>(self, material: &M) -> Option<f64> {
-        material.free_width(self.0)
-    }
 }

@@ -217,7 +217,7 @@ pub const MODES: [RunMode; 2] = [RunMode::Simulate, RunMode::Collide];
 /// Energy of the first body, and the forces `[f1 f2] = -A P D0⁻ᵀ` of one triangle after another.
 pub fn one_by_one(simulation: &Simulation, x: &[f64]) -> (f64, Vec<f64>) {
     let elements = &simulation.scene().bodies[0].elements;
-    elements.visit(OneByOne(simulation, x))
+    elements.material().visit(OneByOne(simulation, x)).unwrap()
 }
 
 struct OneByOne<'a>(&'a Simulation, &'a [f64]);

@@ -106,7 +106,7 @@ fn a_weak_model_is_mended_by_another_one_or_by_compression() {
         assert!(offered(&window, "Shorter steps").is_none() && offered(&window, "Longer steps").is_none());
         take(&mut window, words);
         let now = window.state().snapshot();
-        assert_eq!((now.bodies[0].model, substeps(&window)), (mended, 100));
+        assert_eq!((now.bodies[0].material.model().unwrap(), substeps(&window)), (mended, 100));
         let compression = now.level.effects.iter().any(|listed| matches!(listed.effect, EffectKind::Compression(_)));
         assert_eq!(compression, mended == Model::StVenantKirchhoff);
         let mut worst = 0;

@@ -87,7 +87,7 @@ fn a_model_is_for_the_chosen_pane_and_both_start_over() {
     window.run_steps(10);
     press(&mut window, Key::Space);
     press(&mut window, Key::N);
-    let models = |window: &Window| seen(window).map(|seen| seen.bodies[0].model);
+    let models = |window: &Window| seen(window).map(|seen| seen.bodies[0].material.model().unwrap());
     assert_eq!(models(&window), [Model::Corotated, Model::NeoHookean]);
     assert_eq!(seen(&window).map(|seen| seen.time), [0.0, 0.0]);
     click(&mut window, "Edit pane A");

@@ -85,7 +85,7 @@ pub fn pull(window: &mut Window, number: usize, by: Vec2) -> Pos2 {
 }
 
 pub fn lame(window: &Window) -> Lame {
-    window.state().sandbox().simulation().scene().bodies[0].elements.lame()
+    window.state().sandbox().simulation().scene().bodies[0].elements.material().lame()
 }
 
 #[derive(Debug)]

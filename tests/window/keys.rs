@@ -12,7 +12,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
     let now = window.state().snapshot();
     let what = format!("{} in {:?}", binding.label, before.mode);
     let models = |model: Model| {
-        assert!(now.bodies.iter().all(|body| body.model == model), "{what}");
+        assert!(now.bodies.iter().all(|body| body.material.model() == Some(model)), "{what}");
         assert!(now.time < before.time || before.time == 0.0, "{what} must start over");
     };
     match (binding.label, before.mode) {

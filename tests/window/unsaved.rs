@@ -47,7 +47,7 @@ fn changed() -> Window {
 }
 
 fn model(window: &Window) -> Model {
-    window.state().snapshot().bodies[0].model
+    window.state().snapshot().bodies[0].material.model().unwrap()
 }
 
 fn type_path(window: &mut Window, path: &Path, button: &str) {

@@ -44,7 +44,7 @@ pub struct Stage {
 pub fn settings(seen: &Snapshot) -> Vec<String> {
     let level = &seen.level;
     let mut all = vec![level.integrator.kind().title().to_owned(), si(level.substeps.step(), "s")];
-    let mut models: Vec<&str> = seen.bodies.iter().map(|body| body.model.title()).collect();
+    let mut models: Vec<&str> = seen.bodies.iter().map(|body| body.material.title()).collect();
     models.dedup();
     match models.as_slice() {
         [] => {}

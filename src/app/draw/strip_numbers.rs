@@ -58,7 +58,7 @@ fn middle(view: View, snapshot: &Snapshot, body: &BodySnapshot) -> Option<f32> {
 
 /// Title above a body's numbers.
 fn name(body: &BodySnapshot, models: bool) -> String {
-    let model = body.model.title();
+    let model = body.material.title();
     if models { model.to_owned() } else { format!("{}: {model}", body.name) }
 }
 

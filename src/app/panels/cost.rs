@@ -171,7 +171,7 @@ fn size(ui: &mut Ui, now: &Snapshot) {
         if continued > 0 {
             let rules = now.bodies.iter().filter(|body| body.continued > 0);
             let rules: BTreeSet<_> =
-                rules.map(|body| format!("\n{}: {}.", body.model.title(), body.model.continuation())).collect();
+                rules.map(|body| format!("\n{}: {}.", body.material.title(), body.material.continuation())).collect();
             let help = "Triangles so compressed, or inverted, that the formula of their model is replaced by its continuation.".to_owned();
             row(ui, "Outside model range", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
         }

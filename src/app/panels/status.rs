@@ -224,7 +224,7 @@ fn strip_warning(now: &Snapshot) -> Option<Warning> {
     let (body, details) = now.bodies.iter().find_map(|body| Some((body, body.strip_warning.clone()?)))?;
     let text = details.split([':', '.', ';']).next().unwrap_or_default().to_owned();
     let text = if text.len() < 12 { details.clone() } else { text };
-    let possible = body.model != Model::NeoHookean && !now.side_by_side;
+    let possible = body.material.model().is_some_and(|model| model != Model::NeoHookean) && !now.side_by_side;
     let advice = possible.then(|| Advice::just(Cause::Crushed, Remedy::Model(Model::NeoHookean)));
     Some(Warning { kind: "caution", text, details, advice })
 }

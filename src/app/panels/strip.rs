@@ -154,7 +154,7 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
             text: model.letter(),
             name: model.title(),
             about,
-            on: now.bodies.iter().all(|body| body.model == *model),
+            on: now.bodies.iter().all(|body| body.material.model() == Some(*model)),
         })
         .collect();
     let clicked = segmented(ui, "model", &parts, false)?;

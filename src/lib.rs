@@ -24,7 +24,7 @@
 //! | [`quantity`] | physical quantities with unit and valid range |
 //! | [`registry`] | the lists of kinds, and own kinds from outside |
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
-//! | [`table`] | tables as CSV |
+//! | `table` | tables as CSV; feature `csv` |
 //! | `random` | pseudo-random numbers with a fixed seed |
 //! | [`simd`] | SIMD vectors: formulas for one number or for several at once, with the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
@@ -51,7 +51,7 @@
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
 //! | `app` | the window; the only module that uses egui; feature `window` |
 //!
-//! Without both features the crate is the simulation alone.
+//! Without these features the crate is the simulation alone.
 
 #![forbid(unsafe_code)]
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -61,6 +61,7 @@ pub mod text;
 pub mod quantity;
 pub mod registry;
 
+#[cfg(feature = "csv")]
 pub mod table;
 pub mod terminal;
 

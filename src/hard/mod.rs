@@ -17,6 +17,7 @@ mod ledger;
 mod method;
 mod run;
 mod sweep;
+#[cfg(feature = "csv")]
 mod table;
 mod verdict;
 
@@ -26,5 +27,6 @@ pub use ledger::Ledger;
 pub use method::Method;
 pub use run::Run;
 pub use sweep::{Entry, Sweep, Trial};
+#[cfg(feature = "csv")]
 pub use table::{COLUMNS, row};
 pub use verdict::{AREA, Failure, Numbers, OUTSIDE, Verdict};

@@ -13,6 +13,7 @@
 mod difference;
 mod drift;
 mod exact;
+#[cfg(feature = "csv")]
 mod export;
 mod locking;
 mod march;
@@ -36,6 +37,7 @@ mod workers;
 pub use difference::{Apart, Correspondence, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Invariant, Moment};
 pub use exact::ClosedForm;
+#[cfg(feature = "csv")]
 pub use export::{Origin, head, is_time_column, price_in_words};
 pub use locking::{Locking, LockingNumber, MeshKindOf};
 pub use measure::Measure;

@@ -1,5 +1,17 @@
 //! Commands: every user action on a sandbox as data. The sandbox changes by commands alone, so that a list of commands
 //! is a replay, a bug report and the unit of undo.
+//!
+//! ```
+//! use gingerbread::{command::Command, files, levels, materials::Model, meshes::NoFiles, sandbox::Sandbox};
+//!
+//! let level = files::parse(levels::built_in("gingerbread").ok_or("there is no such level")?, "gingerbread.ron")?;
+//! let mut sandbox = Sandbox::new(level, Box::new(NoFiles))?;
+//! for command in [Command::SetModel(Model::NeoHookean), Command::Undo] {
+//!     sandbox.apply(command)?;
+//! }
+//! assert_eq!(sandbox.document().level.bodies[0].material.model(), Model::Corotated);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{
     effects::EffectKind,

@@ -1,4 +1,13 @@
 //! The editable document: a level and the state of its stretch test, with undo.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, sandbox::Sandbox};
+//!
+//! let level = files::parse(levels::built_in("gingerbread").ok_or("there is no such level")?, "gingerbread.ron")?;
+//! let sandbox = Sandbox::new(level, Box::new(NoFiles))?;
+//! assert_eq!(sandbox.document().shown().bodies.len(), sandbox.simulation().scene().bodies.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{
     command::Pose,

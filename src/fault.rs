@@ -1,4 +1,19 @@
 //! Faults: why stepping stopped, as a message.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, simulation::Simulation};
+//!
+//! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! let mut state = scene.start.clone();
+//! state.v[0] = 1e300;
+//! let mut simulation = Simulation::new(scene, state);
+//! simulation.advance(1, &mut || true);
+//! let fault = simulation.fault().ok_or("no step can be taken")?;
+//! assert_eq!(fault.step, 1);
+//! println!("{fault}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{elements::Field, guard::Guard, integrators::Class, scene::Scene, stability::critical_step, state::State};
 

@@ -1,4 +1,14 @@
 //! Reads and writes levels; errors name file, line and column.
+//!
+//! ```
+//! use gingerbread::{files, level::Level};
+//!
+//! let level = Level::new("Empty");
+//! assert_eq!(files::parse(&files::write(&level)?, "empty.ron")?, level);
+//! let error = files::parse("(name: \"a\", bodys: [])", "a.ron").unwrap_err().to_string();
+//! assert!(error.starts_with("a.ron:1:"), "{error}");
+//! # Ok::<(), files::FileError>(())
+//! ```
 
 mod output;
 mod slips;

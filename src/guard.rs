@@ -1,4 +1,18 @@
 //! Guard: detects unstable steps by their energy.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, simulation::Simulation, stability};
+//!
+//! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! // Three times the longest stable step.
+//! let step = 3.0 * stability::critical_step(&scene, &scene.start).ok_or("it has stiffness")?;
+//! let state = scene.start.clone();
+//! let mut simulation = Simulation::new(Scene { step, ..scene }, state);
+//! simulation.advance(100, &mut || true);
+//! assert!(simulation.fault().is_none() && simulation.guard_substeps() > 1, "steps are divided");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{level::SavedGuard, report::Energies, scene::Scene};
 

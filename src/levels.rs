@@ -1,4 +1,14 @@
 //! The levels and the hard cases that come with the program: every file of `levels/` and `levels/hard/`, found when the program is built.
+//!
+//! ```
+//! use gingerbread::{files, levels};
+//!
+//! for name in [levels::FIRST, "chain"] {
+//!     let text = levels::built_in(name).ok_or("there is no such level")?;
+//!     files::parse(text, name)?;
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 include!(concat!(env!("OUT_DIR"), "/levels.rs"));
 

@@ -1,5 +1,14 @@
 //! Physical quantities with a checked value. Each type has its name, unit, allowed range and slider.
 //! Level files and panels share these types, so an invalid number is refused in both.
+//!
+//! ```
+//! use gingerbread::quantity::{Quantity as _, Young};
+//!
+//! let young = Young::new(1e5)?;
+//! assert_eq!((young.get(), young.spec().unit), (1e5, "Pa"));
+//! assert!(Young::new(-1.0).is_err());
+//! # Ok::<(), gingerbread::quantity::OutOfRange>(())
+//! ```
 
 use std::ops::Bound;
 

@@ -108,6 +108,11 @@ impl<T: ?Sized + 'static> PartialEq for Own<T> {
     }
 }
 
+/// Serialises no own kind: no file could be read again.
+pub(crate) fn refuse<T: ?Sized, S: serde::Serializer>(own: &Own<T>, _: S) -> Result<S::Ok, S::Error> {
+    Err(serde::ser::Error::custom(format_args!("a level file cannot hold {}, which is made in code", own.name)))
+}
+
 /// Declares the enum of all kinds of a module.
 ///
 /// `enum Name: dyn Trait { Kind(Type), .. }` holds the parameters of a kind. `kind()` and `kind_mut()` return the
@@ -121,7 +126,7 @@ macro_rules! registry {
         $vis enum $Name {
             $(#[doc = concat!("See [`", stringify!($Type), "`].")] $Kind($Type),)+
             /// A kind from outside the crate.
-            #[serde(skip)]
+            #[serde(skip_deserializing, serialize_with = "crate::registry::refuse")]
             Own($crate::registry::Own<dyn $Trait>),
         }
 

@@ -1,4 +1,16 @@
 //! Step statistics: counts, which are reproducible, and times, which are not.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, simulation::Simulation};
+//!
+//! let level = files::parse(levels::built_in("chain").ok_or("there is no such level")?, "chain.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! let mut simulation = Simulation::open(scene, &level, level.mode)?;
+//! simulation.advance(20, &mut || true);
+//! assert_eq!(simulation.counts().steps, 20);
+//! assert!(simulation.costs().iter().any(|cost| cost.name == "Gravity"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::integrators::StepCounts;
 use std::time::Duration;

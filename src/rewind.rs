@@ -1,4 +1,21 @@
 //! Rewind buffer: states of the last seconds.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, rewind::Rewind, scene::Scene, simulation::Simulation};
+//!
+//! let level = files::parse(levels::built_in("chain").ok_or("there is no such level")?, "chain.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! let mut simulation = Simulation::open(scene, &level, level.mode)?;
+//! let mut rewind = Rewind::default();
+//! for _ in 0..60 {
+//!     rewind.keep(&simulation);
+//!     simulation.advance(u64::from(level.substeps.get()), &mut || true);
+//! }
+//! let before = rewind.back(simulation.state().time, 0.5).ok_or("it is in the buffer")?;
+//! simulation.resume(&before);
+//! assert!((simulation.state().time - 0.5).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::simulation::{Restart, Simulation};
 use std::collections::VecDeque;

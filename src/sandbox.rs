@@ -1,4 +1,15 @@
 //! Sandbox: the document, its running simulation and the history of edits.
+//!
+//! ```
+//! use gingerbread::{command::{Command, Mode}, files, levels, meshes::NoFiles, sandbox::Sandbox};
+//!
+//! let level = files::parse(levels::built_in("gingerbread").ok_or("there is no such level")?, "gingerbread.ron")?;
+//! let mut sandbox = Sandbox::new(level, Box::new(NoFiles))?;
+//! sandbox.apply(Command::SetMode(Mode::Simulate))?;
+//! sandbox.advance(10, &mut || true);
+//! assert_eq!(sandbox.simulation().state().steps, 10);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod edit;
 

@@ -1,5 +1,17 @@
 //! Simulation: a scene with its state, steps, statistics, checkpoints and faults. No state that it returns contains NaN
 //! or infinity.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, simulation::Simulation};
+//!
+//! let level = files::parse(levels::built_in("chain").ok_or("there is no such level")?, "chain.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! let mut simulation = Simulation::open(scene, &level, level.mode)?;
+//! let before = simulation.energies().total();
+//! assert_eq!(simulation.advance(100, &mut || true), 100, "{:?}", simulation.fault());
+//! assert!((simulation.energies().total() - before).abs() < 0.01 * before.abs().max(1.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod checkpoint;
 mod displacement_bound;

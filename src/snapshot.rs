@@ -1,4 +1,15 @@
 //! Snapshot: a copy of everything that the window shows.
+//!
+//! ```
+//! use gingerbread::{elements::Field, files, levels, meshes::NoFiles, sandbox::Sandbox, snapshot::Snapshot};
+//!
+//! let level = files::parse(levels::built_in("gingerbread").ok_or("there is no such level")?, "gingerbread.ron")?;
+//! let sandbox = Sandbox::new(level, Box::new(NoFiles))?;
+//! let mut snapshot = Snapshot::default();
+//! sandbox.snapshot(Field::VonMises, &mut snapshot);
+//! assert_eq!((snapshot.time, snapshot.values.len()), (0.0, snapshot.triangles.len()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{
     command::{Mode, Pose},

@@ -1,4 +1,15 @@
 //! Stability limit: the highest natural frequency, by Lanczos iteration on the stiffness.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, stability};
+//!
+//! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! let state = scene.first_state(level.state.as_ref())?;
+//! let limit = stability::critical_step(&scene, &state).ok_or("it has stiffness")?;
+//! assert!(scene.step < limit, "the level runs in stable steps");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{elements::reserve_scratch, random::irregular, scene::Scene, state::State};
 

@@ -1,4 +1,11 @@
 //! State: positions, velocities and everything else that is needed to continue a scene exactly.
+//!
+//! ```
+//! use gingerbread::state::State;
+//!
+//! let state = State { x: vec![1.0, 2.0], v: vec![0.0, f64::NAN], ..State::default() };
+//! assert!(!state.is_finite());
+//! ```
 
 use crate::effects::Bounds;
 

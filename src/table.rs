@@ -1,4 +1,12 @@
 //! Tables as CSV. Names with commas, quotes or line ends are quoted.
+//!
+//! ```
+//! use gingerbread::table::Table;
+//!
+//! let mut table = Table::new("# a table\n".to_owned(), &["name", "value"]);
+//! table.row(["a, b", "1"]);
+//! assert_eq!(table.text(), "# a table\nname,value\n\"a, b\",1\n");
+//! ```
 
 use csv::{QuoteStyle, Writer, WriterBuilder};
 

@@ -1,4 +1,10 @@
 //! Text of files: decoding of bytes, and line ends.
+//!
+//! ```
+//! use gingerbread::text::decode;
+//!
+//! assert_eq!(decode(vec![0xEF, 0xBB, 0xBF, b'a', b'\r', b'\n']), "a\n");
+//! ```
 
 use std::borrow::Cow;
 

@@ -3,6 +3,18 @@
 //! Inverted triangles have restoring forces, and most tangled bodies recover by themselves. A body may also end in a
 //! local minimum of its energy without inverted triangles: a vertex whose triangles go round it twice, which no small
 //! motion can undo. [`untangled`] replaces such a shape.
+//!
+//! ```
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, untangle::Tangle};
+//!
+//! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
+//! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+//! assert!(!Tangle::of_all(&scene, &scene.rest).is_some());
+//! // Mirrored, every triangle is inverted.
+//! let mirrored: Vec<f64> = scene.rest.chunks(2).flat_map(|point| [-point[0], point[1]]).collect();
+//! assert_eq!(Tangle::of_all(&scene, &mirrored).inverted, scene.triangles.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::{
     materials::nearest_rotation,

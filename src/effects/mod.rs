@@ -1,5 +1,17 @@
 //! Effects: forces and constraints on bodies beside their elasticity. Each effect is one file with two types: its
 //! parameters, which a level lists, and the built effect, which takes part in a step. [`EffectKind`] lists them all.
+//!
+//! ```
+//! use gingerbread::{effects::{Drag, EffectParameters as _, Motion}, elements::Elements};
+//!
+//! let drag = Drag::default().build(&Elements::default())?;
+//! let (x, v) = ([0.0, 0.0], [2.0, 0.0]);
+//! let motion = Motion { dimension: 2, x: &x, v: &v, mass: &[1.0; 2], inverse_mass: &[1.0; 2], grab: None };
+//! let mut force = [0.0; 2];
+//! drag.force(motion, &mut [], &mut force);
+//! assert_eq!(force, [-0.2, 0.0]);
+//! # Ok::<(), String>(())
+//! ```
 
 mod boundary;
 mod bounds;

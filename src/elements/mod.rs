@@ -1,4 +1,20 @@
 //! Elements: triangles and springs, which store elastic energy. An element is an effect like any other to a step.
+//!
+//! ```
+//! use gingerbread::{
+//!     elements::{ElasticElements as _, Triangles},
+//!     materials::MaterialParameters,
+//!     meshes::Mesh,
+//! };
+//!
+//! let mesh = Mesh::new(vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vec![[0, 1, 2]])?;
+//! let rest = mesh.points().as_flattened();
+//! let triangle = Triangles::new(rest, 0..3, &mesh, MaterialParameters::default().into());
+//! assert_eq!(triangle.elastic_energy(rest), 0.0);
+//! // Inside out.
+//! assert_eq!(triangle.inverted(&[0.0, 0.0, 0.0, 1.0, 1.0, 0.0]), [1, 1]);
+//! # Ok::<(), gingerbread::meshes::MeshError>(())
+//! ```
 
 mod accumulator;
 mod blocks;

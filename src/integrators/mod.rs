@@ -1,5 +1,30 @@
 //! Time integration. An integrator is independent of physics and dimension: it works on flat vectors and calls an
 //! [`Ode`] for rates or a [`Dynamics`] for forces. Each scheme is one file; [`IntegratorKind`] lists them all.
+//!
+//! ```
+//! use gingerbread::{
+//!     integrators::{IntegratorKind, Ode, RungeKutta4, Scheme, Workspace},
+//!     state::State,
+//! };
+//!
+//! /// dX/dt = -X.
+//! struct Decay;
+//!
+//! impl Ode for Decay {
+//!     fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+//!         rate.iter_mut().zip(x).for_each(|(rate, x)| *rate = -x);
+//!     }
+//! }
+//!
+//! let kind: IntegratorKind = RungeKutta4::default().into();
+//! let mut state = State { x: vec![1.0], ..State::default() };
+//! if let Scheme::First(scheme) = kind.kind().scheme() {
+//!     for _ in 0..10 {
+//!         scheme.step(&mut Decay, &mut state, &mut Workspace::default(), 0.1);
+//!     }
+//! }
+//! assert!((state.x[0] - (-1.0_f64).exp()).abs() < 1e-6);
+//! ```
 
 mod bdf2;
 mod dormand_prince;

@@ -56,12 +56,23 @@ pub struct Principal<E>(pub E);
 /// Below this q/p the modulus (dpsi/dq)/q is its limit, the second derivative; it is off by the square of that.
 const ROUND: f64 = 1e-5;
 
+/// The principal stretches s1 >= s2 in the plane.
+#[inline(always)]
+fn stretches<R: Real>(f: Mat2<R>) -> [R; 2] {
+    let size = |x: R, y: R| (x * x + y * y).sqrt() * 0.5;
+    let (even, odd) = (size(f.m11 + f.m22, f.m21 - f.m12), size(f.m11 - f.m22, f.m21 + f.m12));
+    [even + odd, even - odd]
+}
+
 impl<E: PrincipalEnergy> Principal<E> {
-    /// psi with its derivatives by p and q.
+    /// The derivatives of psi by p and q.
     #[inline(always)]
-    fn jet<R: Real>(&self, parts: &Parts<R>) -> Jet<R> {
-        let (p, q) = (Jet::variable(parts.p, 0), Jet::variable(parts.q, 1));
-        self.0.psi([(p + q) * FRAC_1_SQRT_2, (p - q) * FRAC_1_SQRT_2, p.of(1.0)])
+    fn by_parts<R: Real>(&self, f: Mat2<R>) -> ([R; 2], [R; 3]) {
+        let [first, second] = stretches(f);
+        let (first, second) = (Jet::variable(first, 0), Jet::variable(second, 1));
+        let Jet { first: [a, b], second: [aa, ab, bb], .. } = self.0.psi([first, second, first.of(1.0)]);
+        let (mean, apart) = ((aa + bb) * 0.5, (aa - bb) * 0.5);
+        ([(a + b) * FRAC_1_SQRT_2, (a - b) * FRAC_1_SQRT_2], [mean + ab, apart, mean - ab])
     }
 
     /// P22 of the diagonal gradient with these stretches, and its derivative by the second.
@@ -80,15 +91,14 @@ impl<E: PrincipalEnergy> Material for Principal<E> {
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {
-        let parts = Parts::of(f);
-        let (sum, difference) = (parts.p * FRAC_1_SQRT_2, parts.q * FRAC_1_SQRT_2);
-        self.0.psi([sum + difference, sum - difference, sum.of(1.0)])
+        let [first, second] = stretches(f);
+        self.0.psi([first, second, first.of(1.0)])
     }
 
     #[inline(always)]
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let parts = Parts::of(f);
-        let ([by_p, by_q], [c, s], [d, t]) = (self.jet(&parts).first, parts.turned, parts.mirrored);
+        let (([by_p, by_q], _), [c, s], [d, t]) = (self.by_parts(f), parts.turned, parts.mirrored);
         let by_p = parts.if_decided(by_p);
         Mat2::new(c * by_p + d * by_q, t * by_q - s * by_p, s * by_p + t * by_q, c * by_p - d * by_q)
     }
@@ -107,7 +117,7 @@ impl<E: PrincipalEnergy> Material for Principal<E> {
 
     #[inline(always)]
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
-        let Jet { first: [by_p, by_q], second: sizes, .. } = self.jet(parts);
+        let ([by_p, by_q], sizes) = self.by_parts(parts.f);
         let flip = parts.q.if_less(parts.p * ROUND, sizes[2], by_q / parts.q);
         Moduli { twist: parts.if_decided(by_p / parts.p), flip, sizes }
     }
@@ -115,10 +125,9 @@ impl<E: PrincipalEnergy> Material for Principal<E> {
     /// The derivative by s3.
     #[inline(always)]
     fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
-        let parts = Parts::of(f);
-        let (sum, difference) = (parts.p * FRAC_1_SQRT_2, parts.q * FRAC_1_SQRT_2);
-        let third = Jet::variable(sum.of(1.0), 0);
-        self.0.psi([Jet::constant(sum + difference), Jet::constant(sum - difference), third]).first[0]
+        let [first, second] = stretches(f);
+        let third = Jet::variable(first.of(1.0), 0);
+        self.0.psi([Jet::constant(first), Jet::constant(second), third]).first[0]
     }
 
     /// By Newton's method on the logarithm of the width, no step of which is longer than 1.

@@ -1,5 +1,15 @@
 //! Nets of particles and springs. Each kind is one file; [`NetKind`] lists them all.
 //! Every net passes through [`Net::new`], which refuses invalid nets.
+//!
+//! ```
+//! use gingerbread::nets::{Link, Net, Role};
+//!
+//! let spring = Link { ends: [0, 1], stiffness: 10.0, rest: 1.0, role: Role::Structural };
+//! let net = Net::new(vec![[0.0, 0.0], [1.5, 0.0]], vec![spring])?;
+//! assert_eq!(net.links()[0].length(net.points().as_flattened()), 1.5);
+//! assert!(Net::new(vec![[0.0, 0.0]], vec![spring]).is_err(), "there is no second particle");
+//! # Ok::<(), gingerbread::nets::NetError>(())
+//! ```
 
 mod chain;
 mod links;

@@ -6,6 +6,17 @@
 //! corner of an obstacle, at any speed. Conservative advancement finds the time of the first touch and never passes it
 //! (Mirtich, *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3). All motion is relative to an
 //! obstacle that moves.
+//!
+//! ```
+//! use gingerbread::obstacles::{Ball, ObstacleParameters as _};
+//!
+//! // A ball at (0.5, 0.2) of radius 0.1, with a margin of 0.01.
+//! let ball = Ball::default().build()?;
+//! let contact = ball.contact([0.5, 0.305]).ok_or("it is within the margin")?;
+//! assert!((contact.distance - 0.005).abs() < 1e-12 && contact.normal == [0.0, 1.0]);
+//! assert!(ball.contact([0.5, 0.32]).is_none());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod active_set;
 mod advance;

@@ -3,6 +3,19 @@
 //!
 //! Only operations with a unique IEEE 754 rounding are used (`+ - * /` and the square root, no contraction). Every
 //! lane therefore has the bits of `f64`, and a run is equal on every processor.
+//!
+//! ```
+//! use gingerbread::simd::{Jet, Real};
+//!
+//! /// For one number, for several in the lanes of a register, and for a number with its derivatives.
+//! fn square_root_of_twice<R: Real>(x: R) -> R {
+//!     (x * 2.0).sqrt()
+//! }
+//!
+//! assert_eq!(square_root_of_twice(8.0), 4.0);
+//! let jet = square_root_of_twice(Jet::variable(8.0, 0));
+//! assert_eq!((jet.value, jet.first[0]), (4.0, 0.25));
+//! ```
 
 mod interleaved;
 mod jet;

@@ -1,4 +1,12 @@
 //! Toys: small first-order systems with closed-form solutions. Each kind is one file; [`ToyKind`] lists them all.
+//!
+//! ```
+//! use gingerbread::toys::{Circle, Toy as _};
+//!
+//! let circle = Circle::default();
+//! let [a, b] = [circle.exact(0.0), circle.exact(circle.period())];
+//! assert!((a[0] - b[0]).abs() < 1e-12 && (a[1] - b[1]).abs() < 1e-12);
+//! ```
 
 mod circle;
 mod pendulum;

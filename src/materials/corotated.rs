@@ -1,6 +1,6 @@
 //! Corotated linear model.
 
-use super::{Lame, Material, Moduli, Parts, outer};
+use super::{Lame, Material, Moduli, Parts, PlaneStress, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
@@ -85,6 +85,13 @@ impl Material for Corotated {
     const LETTER: &'static str = "C";
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 (R:F − 2)²";
     const CONTINUATION: &'static str = "R:F = 0: every rotation is equally near, and R = I is taken";
+    const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
+
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {

@@ -1,7 +1,7 @@
 //! Fixed corotated model.
 
 use super::{
-    COFACTOR, Corotated, Lame, Material, Moduli, Parts,
+    COFACTOR, Corotated, FixedCorotatedSheet, Lame, Material, Moduli, Parts, PlaneStress,
     corotated::{turn, with_rotation},
     nearest_rotation, outer,
 };
@@ -35,6 +35,13 @@ impl Material for FixedCorotated {
     const LETTER: &'static str = "F";
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 (J − 1)²,  J = det F";
     const CONTINUATION: &'static str = Corotated::CONTINUATION;
+    const PLANE_STRESS: PlaneStress = PlaneStress::Solved;
+
+    type Sheet = FixedCorotatedSheet;
+
+    fn sheet(&self) -> FixedCorotatedSheet {
+        FixedCorotatedSheet::new(self.lame)
+    }
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {

@@ -1,6 +1,6 @@
 //! Hencky model (logarithmic strain).
 
-use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
+use super::{COFACTOR, Lame, Material, Moduli, Parts, PlaneStress, outer};
 use crate::simd::{Mat2, Real, polynomial};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -128,6 +128,13 @@ impl Material for Hencky {
     const LETTER: &'static str = "H";
     const FORMULA: &'static str = "ψ = μ (ln² s₁ + ln² s₂) + λ/2 ln² J,  J = s₁ s₂";
     const BARRIER: bool = true;
+    const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
+
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {

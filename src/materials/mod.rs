@@ -70,6 +70,15 @@ pub trait Material: Copy + Send + Sync + 'static {
     /// Where and how the formula is continued, if it is: see [`Self::is_continued`].
     const CONTINUATION: &'static str = "";
 
+    /// How the faces of a sheet stay free of stress at large strain.
+    const PLANE_STRESS: PlaneStress = PlaneStress::Approximate;
+
+    /// The model whose thickness solves P33 = 0, for [`PlaneStress::Solved`]; otherwise the model itself.
+    type Sheet: Material;
+
+    /// The same material with its thickness solved for.
+    fn sheet(&self) -> Self::Sheet;
+
     /// Energy density psi [J/m²]; zero at rest.
     fn psi<R: Real>(&self, f: Mat2<R>) -> R;
 
@@ -121,6 +130,19 @@ pub trait Material: Copy + Send + Sync + 'static {
     }
 }
 
+/// How the faces of a sheet stay free of stress: `lambda` of Hooke's law in plane stress, put into the formula of plane
+/// strain, leaves none at small strain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaneStress {
+    /// It leaves exactly none at any strain: the thickness strain of Hooke's law is also that of the model, in its own
+    /// measure of strain.
+    Exact,
+    /// It leaves some at large strain; [`Material::Sheet`] leaves none.
+    Solved,
+    /// It leaves some at large strain, and there is no other.
+    Approximate,
+}
+
 /// An operation on a material of a type known at compile time.
 pub trait Visitor {
     /// Result of the operation.
@@ -163,17 +185,31 @@ impl Model {
 
     /// Runs the visitor on the model as it is in this plane, with Lame's parameters of that plane.
     pub fn visit_in<V: Visitor>(self, plane: Plane, lame: Lame, visitor: V) -> V::Output {
-        match (self, plane) {
-            (Self::NeoHookean, Plane::StressExact) => visitor.visit(&NeoHookeanSheet::new(lame)),
-            (Self::FixedCorotated, Plane::StressExact) => visitor.visit(&FixedCorotatedSheet::new(lame)),
-            _ => self.visit(lame, visitor),
+        struct InPlane<V>(Plane, V);
+        impl<V: Visitor> Visitor for InPlane<V> {
+            type Output = V::Output;
+            fn visit<M: Material>(self, material: &M) -> V::Output {
+                let Self(plane, visitor) = self;
+                if plane == Plane::StressExact && M::PLANE_STRESS == PlaneStress::Solved {
+                    visitor.visit(&material.sheet())
+                } else {
+                    visitor.visit(material)
+                }
+            }
         }
+        self.visit(lame, InPlane(plane, visitor))
     }
 
-    /// Whether `lambda` of plane stress, put into the plane strain formula, leaves exactly no stress through the thickness:
-    /// where the thickness strain that Hooke's law has is also that of the model, in its own measure of strain.
-    pub const fn is_exact_in_stress(self) -> bool {
-        matches!(self, Self::Corotated | Self::StVenantKirchhoff | Self::Hencky)
+    /// See [`Material::PLANE_STRESS`].
+    pub fn plane_stress(self) -> PlaneStress {
+        struct Kind;
+        impl Visitor for Kind {
+            type Output = PlaneStress;
+            fn visit<M: Material>(self, _: &M) -> PlaneStress {
+                M::PLANE_STRESS
+            }
+        }
+        self.visit(Lame { mu: 1.0, lambda: 0.0 }, Kind)
     }
 
     /// See [`Material::strip_warning`].

@@ -1,6 +1,6 @@
 //! Compressible neo-Hookean model.
 
-use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
+use super::{COFACTOR, Lame, Material, Moduli, NeoHookeanSheet, Parts, PlaneStress, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::LN_10;
@@ -69,6 +69,13 @@ impl Material for NeoHookean {
     const FORMULA: &'static str = "ψ = μ/2 (|F|² − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
     const BARRIER: bool = true;
     const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series, below −0.1 as a straight line";
+    const PLANE_STRESS: PlaneStress = PlaneStress::Solved;
+
+    type Sheet = NeoHookeanSheet;
+
+    fn sheet(&self) -> NeoHookeanSheet {
+        NeoHookeanSheet::new(self.lame)
+    }
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {

@@ -1,6 +1,6 @@
 //! Material parameters of a level.
 
-use super::Model;
+use super::{Model, PlaneStress};
 use crate::quantity::{OutOfRange, Poisson, Young};
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub enum Plane {
     /// models leave some.
     Stress,
     /// The faces of the sheet are free at every strain: the thickness of each triangle solves P33 = 0. The same as
-    /// [`Self::Stress`] for models that have no stress through the thickness there ([`Model::is_exact_in_stress`]).
+    /// [`Self::Stress`] for models that have no stress through the thickness there ([`Model::plane_stress`]).
     StressExact,
 }
 
@@ -69,8 +69,7 @@ pub enum BadMaterial {
     },
     /// The model has no usable answer in this plane.
     #[error(
-        "{} has no exact plane stress (StressExact): a triangle that is squeezed flat would lose its thickness and not be pushed \
-         back. Choose plane stress (Stress) or another model",
+        "{} has no exact plane stress (StressExact). Choose plane stress (Stress) or another model",
         .0.title()
     )]
     NotExact(Model),
@@ -94,12 +93,13 @@ impl MaterialParameters {
         if plane == Plane::Strain && poisson.get() >= 0.5 {
             return Err(BadMaterial::Poisson(poisson.get()));
         }
-        if plane == Plane::StressExact && !model.is_exact_in_stress() {
-            if model == Model::StableNeoHookean {
-                return Err(BadMaterial::NotExact(model));
-            }
-            if poisson.get() < 0.0 {
-                return Err(BadMaterial::Thickness { model, poisson: poisson.get() });
+        if plane == Plane::StressExact {
+            match model.plane_stress() {
+                PlaneStress::Approximate => return Err(BadMaterial::NotExact(model)),
+                PlaneStress::Solved if poisson.get() < 0.0 => {
+                    return Err(BadMaterial::Thickness { model, poisson: poisson.get() });
+                }
+                PlaneStress::Solved | PlaneStress::Exact => {}
             }
         }
         Ok(Self { model, young, poisson, plane })

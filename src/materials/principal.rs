@@ -89,6 +89,12 @@ impl<E: PrincipalEnergy> Material for Principal<E> {
     const FORMULA: &'static str = E::FORMULA;
     const BARRIER: bool = E::BARRIER;
 
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
+
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let [first, second] = stretches(f);

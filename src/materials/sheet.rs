@@ -138,6 +138,12 @@ impl Material for NeoHookeanSheet {
     const BARRIER: bool = NeoHookean::BARRIER;
     const CONTINUATION: &'static str = CONTINUATION;
 
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
+
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         (f.norm_squared() - 2.0) * (0.5 * self.mu) + self.area(f.determinant())[0]
@@ -224,6 +230,12 @@ impl Material for FixedCorotatedSheet {
     const LETTER: &'static str = FixedCorotated::LETTER;
     const FORMULA: &'static str = "ψ = μ (|F − R|² + (t − 1)²) + λ/2 (J t − 1)²,  P₃₃ = 0,  J = det F ≥ 0.1";
     const CONTINUATION: &'static str = CONTINUATION;
+
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {

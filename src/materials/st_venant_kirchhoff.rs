@@ -1,6 +1,6 @@
 //! St. Venant-Kirchhoff model.
 
-use super::{Lame, Material, Moduli, Parts, outer};
+use super::{Lame, Material, Moduli, Parts, PlaneStress, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -41,6 +41,13 @@ impl Material for StVenantKirchhoff {
     const TITLE: &'static str = "St. Venant-Kirchhoff";
     const LETTER: &'static str = "V";
     const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (F^T F − I)/2";
+    const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
+
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
 
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {

@@ -48,6 +48,12 @@ impl Material for StableNeoHookean {
     const LETTER: &'static str = "S";
     const FORMULA: &'static str = "ψ = 3μ/4 (I − 2 − ln((I + 1)/3)) + (λ/2 + μ/3)(J − 1)² − μ (J − 1),  I = |F|²";
 
+    type Sheet = Self;
+
+    fn sheet(&self) -> Self {
+        *self
+    }
+
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let above = f.norm_squared() - 2.0;

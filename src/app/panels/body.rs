@@ -8,7 +8,7 @@ use super::{
 use crate::{
     command::Command,
     level::MassLevel,
-    materials::{MaterialParameters, Plane},
+    materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
     quantity::{Cells, Density, Mass, OutOfRange, Rings, Tolerance, Triangles},
     snapshot::Snapshot,
@@ -60,7 +60,7 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     if let Some(clicked) = segmented(ui, "plane", &parts, true).filter(|clicked| (*clicked == 1) != stress) {
         plane = if clicked == 0 { Plane::Strain } else { Plane::Stress };
     }
-    if stress && !material.model().is_exact_in_stress() {
+    if stress && material.model().plane_stress() != PlaneStress::Exact {
         let mut exact = plane == Plane::StressExact;
         let help = "Off: λ of Hooke's law is put into the formula of plane strain. The faces are free of stress at small strain; at \
                     large strain this model keeps some stress through the thickness.\n\

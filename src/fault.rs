@@ -6,7 +6,7 @@
 //! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
 //! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
 //! let mut state = scene.start.clone();
-//! state.v[0] = 1e300;
+//! state.v[0] = f64::NAN;
 //! let mut simulation = Simulation::new(scene, state);
 //! simulation.advance(1, &mut || true);
 //! let fault = simulation.fault().ok_or("no step can be taken")?;

@@ -1,7 +1,7 @@
 //! Text for a terminal. Control characters are escaped, and a stream that cannot be written never causes a panic.
 //!
 //! ```
-//! assert_eq!(gingerbread::terminal::line("a\tb\u{1b}"), "a\\tb\\u{1b}");
+//! assert_eq!(gingerbread::terminal::line("a\tb\u{1b}"), "a\\u{9}b\\u{1b}");
 //! ```
 
 use std::{

@@ -13,16 +13,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod checkpoint;
 mod displacement_bound;
 mod energies;
 mod multirate;
 mod restart;
 mod script;
 mod sleep;
-mod statistics;
 mod system;
-mod toy;
 
 use crate::{
     effects::Grab,
@@ -34,15 +31,14 @@ use crate::{
     scene::Scene,
     state::State,
 };
-use checkpoint::Checkpoint;
 use energies::Elastic;
 use multirate::Multirate;
+use restart::Checkpoint;
 pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
 use std::cell::RefCell;
-use system::{Scratch, System};
-use toy::ToySystem;
+use system::{Scratch, System, ToySystem};
 
 /// A running scene.
 pub struct Simulation {

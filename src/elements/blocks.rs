@@ -1,7 +1,7 @@
 //! Blocks of eight fans of two triangles, one fan in each SIMD lane, for passes over a whole mesh.
 
 use super::{
-    corners::{Corners, RUN_BLOCKS},
+    gather::{Corners, RUN_BLOCKS},
     triangle::Rest,
 };
 use crate::{

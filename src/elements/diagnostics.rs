@@ -1,7 +1,7 @@
-//! Diagnostics of triangles: energy, least det F and fields.
+//! Diagnostics of triangles: energy, least det F, and fields for their colour.
 
 use super::{
-    Field, Triangles,
+    Triangles,
     triangle::{Rest, edges},
 };
 use crate::{
@@ -169,4 +169,49 @@ fn von_mises<M: Material, R: Real>(material: &M, f: Mat2<R>, plane_stress: bool)
     let thickness = if plane_stress { j.of(0.0) } else { material.thickness_stress(f) / j };
     let differences = (x - y) * (x - y) + (y - thickness) * (y - thickness) + (thickness - x) * (thickness - x);
     (differences * 0.5 + xy * xy * 3.0).sqrt()
+}
+
+/// Field that triangles are coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Field {
+    /// Plain gingerbread.
+    #[default]
+    None,
+    /// Elastic energy density psi [J/m²].
+    EnergyDensity,
+    /// Von Mises equivalent of the Cauchy stress [Pa].
+    VonMises,
+    /// J = det F: area over rest area.
+    Volume,
+}
+
+impl Field {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 4] = [Self::None, Self::EnergyDensity, Self::VonMises, Self::Volume];
+
+    /// Name in the menu.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::None => "Gingerbread",
+            Self::EnergyDensity => "Energy density",
+            Self::VonMises => "Von Mises stress",
+            Self::Volume => "Area ratio J",
+        }
+    }
+
+    /// Unit symbol.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::None | Self::Volume => "",
+            Self::EnergyDensity => "J/m²",
+            Self::VonMises => "Pa",
+        }
+    }
+}
+
+impl Triangles {
+    /// det F of each triangle.
+    pub fn volume_ratios(&self, x: &[f64]) -> impl Iterator<Item = f64> {
+        self.gradients(x).map(|(f, _)| f.determinant())
+    }
 }

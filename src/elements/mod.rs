@@ -18,22 +18,17 @@
 
 mod accumulator;
 mod blocks;
-mod corners;
 mod diagnostics;
-mod euler_update;
-mod fields;
 mod gather;
 mod material;
 mod partitions;
 mod spring;
-mod stages;
 mod tangent;
 mod triangle;
 
 pub use accumulator::{Accumulator, Adding, EulerUpdate, Scatter, UniformForce};
 pub(crate) use blocks::StressLaw;
-pub use diagnostics::Diagnostics;
-pub use fields::Field;
+pub use diagnostics::{Diagnostics, Field};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use material::{BodyMaterial, OwnMaterial};
 pub(crate) use partitions::is_unpartitioned;

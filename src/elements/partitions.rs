@@ -7,7 +7,7 @@
 use super::{
     Accumulator, Scatter,
     blocks::{Block, Blocks, Collected, Forces, StressModel},
-    corners::{Corners, RUN_BLOCKS},
+    gather::{Corners, RUN_BLOCKS},
     gather::{Gather, STAGE, STAGE_ELEMENTS, pairs, scratch_size},
 };
 use crate::simd::{INDEXED16, LANES, Order, Pairs};

@@ -2,7 +2,7 @@
 
 use super::{
     Accumulator, Adding, ElasticElements, EulerUpdate,
-    corners::{Corners, RUN_BLOCKS},
+    gather::{Corners, RUN_BLOCKS},
     gather::{Gather, pairs, scratch_size},
 };
 use crate::{

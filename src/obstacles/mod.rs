@@ -32,7 +32,6 @@ mod plane;
 mod polygon;
 mod resolve;
 mod solid;
-mod surface;
 mod swept_motion;
 
 pub use active_set::{ActiveSet, WallReactions, is_touched};
@@ -48,8 +47,7 @@ pub use penetration::{
 };
 pub use plane::{Plane, STEEP, free_region};
 pub use polygon::Polygon;
-pub use resolve::push_out_vertex;
-pub use surface::Surface;
+pub use resolve::{Surface, push_out_vertex};
 pub use swept_motion::{Rigid, SweptMotion};
 
 use crate::{quantity::Quantity, registry::registry};

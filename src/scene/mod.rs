@@ -1,19 +1,16 @@
 //! Scene: topology, rest shapes, masses and effects of a level, built for stepping. A scene does not change while time
 //! runs; a changed level builds a new one, which reuses unchanged meshes.
 
-mod constrained;
+mod checks;
 mod depenetration;
 mod effects;
-mod exploded;
-mod names;
 mod net;
-mod renumbering;
+mod numbering;
 mod start;
 mod sub_scene;
-mod warnings;
 
-use constrained::{on_edge, pinned, sliding};
 pub use net::Net;
+use start::{on_edge, pinned, sliding};
 pub use sub_scene::SubScene;
 
 use crate::{
@@ -345,7 +342,7 @@ impl Scene {
             Arc::clone(&body.mesh)
         } else {
             let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            Arc::new(renumbering::mesh(mesh))
+            Arc::new(numbering::mesh(mesh))
         };
         let numbering = mesh.numbering();
         let first = self.rest.len() / self.dimension;

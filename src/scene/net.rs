@@ -1,6 +1,6 @@
 //! Builds the nets of a scene.
 
-use super::{Scene, pinned, renumbering};
+use super::{Scene, numbering, pinned};
 use crate::{elements::Springs, level::NetLevel, meshes::Numbering};
 use std::{ops::Range, sync::Arc};
 
@@ -19,7 +19,7 @@ pub struct Net {
 
 impl Scene {
     pub(super) fn add_net(&mut self, level: &NetLevel) -> Result<(), String> {
-        let net = renumbering::net(level.net.kind().build().map_err(|error| error.to_string())?);
+        let net = numbering::net(level.net.kind().build().map_err(|error| error.to_string())?);
         let first = self.rest.len() / self.dimension;
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();

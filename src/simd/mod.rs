@@ -19,18 +19,14 @@
 
 mod interleaved;
 mod jet;
-mod lines;
 mod logarithm;
 mod mat2;
-mod sets;
 mod wide;
 
 pub use interleaved::Interleaved;
 pub use jet::Jet;
-pub use lines::{INDEXED16, Indexed16, SPARE, lined, vector};
 pub use mat2::Mat2;
-pub use sets::{sets, width};
-pub use wide::{LANES, Lanes, Order, Pairs, Quads, Wide};
+pub use wide::{INDEXED16, Indexed16, LANES, Lanes, Order, Pairs, Quads, SPARE, Wide, lined, sets, vector, width};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

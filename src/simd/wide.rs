@@ -1,4 +1,4 @@
-//! SIMD vectors of eight numbers.
+//! SIMD vectors of eight numbers, their instruction sets, and memory aligned for them.
 
 use super::{Real, Split, logarithm};
 use pulp::{Arch, Simd, WithSimd, bytemuck};
@@ -227,4 +227,56 @@ impl Order {
         }
         order
     }
+}
+
+/// Instruction sets of this processor, the narrowest first and the best, [`Arch::new`], last. All give the same bits.
+pub fn sets() -> Vec<Arch> {
+    let mut sets = vec![Arch::Scalar];
+    #[cfg(target_arch = "x86_64")]
+    {
+        sets.extend(pulp::x86::V3::try_new().map(Arch::V3));
+        sets.extend(pulp::x86::V4::try_new().map(Arch::V4));
+    }
+    let best = Arch::new();
+    if sets.iter().all(|set| width(*set) != width(best)) {
+        sets.push(best);
+    }
+    sets
+}
+
+/// Number of lanes of a vector register.
+pub fn width(set: Arch) -> usize {
+    struct Count;
+    impl WithSimd for Count {
+        type Output = usize;
+        fn with_simd<S: Simd>(self, _: S) -> usize {
+            S::F64_LANES
+        }
+    }
+    set.dispatch(Count)
+}
+
+/// Bytes in a cache line.
+const LINE: usize = 64;
+
+/// Additional numbers that a buffer for [`lined`] needs.
+pub const SPARE: usize = LINE / size_of::<f64>();
+
+/// Part of a buffer from the first aligned number on. A SIMD load then lies in one cache line instead of two.
+pub fn lined(values: &mut [f64]) -> &mut [f64] {
+    let skip = values.as_ptr().align_offset(LINE).min(SPARE).min(values.len());
+    &mut values[skip..]
+}
+
+/// Array that 16-bit indices address without a bounds check.
+pub type Indexed16 = [f64; INDEXED16];
+
+/// Length of [`Indexed16`]. A vector can begin at the greatest index.
+pub const INDEXED16: usize = u16::MAX as usize + 2;
+
+/// Vector at an index.
+#[inline(always)]
+pub fn vector(numbers: &Indexed16, place: u16) -> [f64; 2] {
+    let place = usize::from(place);
+    [numbers[place], numbers[place + 1]]
 }

@@ -1,14 +1,15 @@
-//! A scene as a system of second order for integrators.
+//! A scene, or a toy, as a system for integrators, with the scratch and the statistics of its steps.
 
 use crate::{
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
-    integrators::{Class, Dynamics, Workspace, symplectic_euler_update},
+    integrators::{Class, Dynamics, Ode, Workspace, symplectic_euler_update},
     obstacles::{ContactCache, ContactQuery, Inside, Start, Surface, find_penetrations},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{SparseMatrix, Weights},
     state::State,
+    toys::Toy,
 };
 use std::{cell::Cell, ops::Range, sync::Arc};
 use web_time::Instant;
@@ -453,5 +454,53 @@ impl Dynamics for System<'_> {
         }
         (self.scratch.outward, self.scratch.masked_inverse_mass, self.scratch.contact_cache) =
             (outward, masked_inverse_mass, contact_cache);
+    }
+}
+
+impl Scratch {
+    /// Begins a step of several sub-scenes: effects that none of them calls belong to sleeping ones.
+    pub fn begin_statistics(&mut self) {
+        for cost in &mut self.costs {
+            cost.idle = Some(ASLEEP);
+        }
+    }
+
+    /// Counts steps of the scene; triangles of sleeping bodies were not computed.
+    pub fn count_steps(&mut self, steps: u64) {
+        self.counts.steps += steps;
+        self.counts.triangle_steps += steps * self.plan.triangles as u64;
+        for number in &self.plan.sleeping {
+            self.costs[*number].slept += steps;
+        }
+    }
+
+    /// Merges and resets the statistics of a sub-scene; `effects` are the numbers of its effects in the scene.
+    pub fn merge(&mut self, one: &mut Self, effects: &[usize]) {
+        for (cost, &number) in one.costs.iter_mut().zip(effects) {
+            let whole = &mut self.costs[number];
+            whole.time += cost.time;
+            whole.calls += cost.calls;
+            whole.elements += cost.elements;
+            whole.skipped += cost.skipped;
+            // Called if any sub-scene called it.
+            whole.idle = whole.idle.and(cost.idle);
+            *cost = EffectCost { idle: cost.idle, ..EffectCost::none(cost.name, cost.auto) };
+        }
+        self.counts.merge(&std::mem::take(&mut one.counts));
+    }
+}
+
+/// A toy problem; evaluations of its rate count as force evaluations.
+pub(super) struct ToySystem<'a> {
+    pub toy: &'a dyn Toy,
+    pub counts: &'a mut Counts,
+}
+
+impl Ode for ToySystem<'_> {
+    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+        self.counts.force_evaluations += 1;
+        if let &[a, b] = x {
+            rate.copy_from_slice(&self.toy.rate([a, b]));
+        }
     }
 }

@@ -20,9 +20,7 @@
 
 mod block_matrix;
 mod cholesky;
-mod coarsening;
 mod conjugate;
-mod counts;
 mod dense;
 mod elimination;
 mod linear_system;
@@ -32,5 +30,4 @@ mod two_level;
 
 pub use block_matrix::{Block, BlockMatrix, SparseMatrix, Tangent, Weights};
 pub use cholesky::Factor;
-pub use counts::NewtonCounts;
-pub use newton::{Equations, LinearSolver, Newton};
+pub use newton::{Equations, LinearSolver, Newton, NewtonCounts};

@@ -1,6 +1,10 @@
 //! Triangle mesh with checked topology.
 
-use super::{Fan, Locator, MeshError, Numbering, Stroke, error::MOST_TRIANGLES, fans::fans, topology::Topology};
+use super::{
+    Fan, Locator, MeshError, Numbering, Stroke,
+    error::MOST_TRIANGLES,
+    topology::{Topology, fans},
+};
 
 /// Smallest area of a triangle relative to its longest side squared. Below it the rest shape has no usable inverse.
 const FLATTEST: f64 = 1e-12;

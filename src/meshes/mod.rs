@@ -4,20 +4,13 @@
 //! Kinds that define only an outline share `triangulate`, which fills it with nearly equilateral triangles.
 
 mod count;
-mod delaunay;
 mod disk;
+mod embedded;
 mod error;
-mod fans;
-mod flatness;
 mod gingerbread;
-mod gingerbread_icing;
-mod gingerbread_shape;
-mod icing;
-mod locate;
 mod mesh;
 mod numbering;
 mod obj;
-mod ordering;
 mod outline;
 mod points;
 mod polygon;
@@ -27,11 +20,9 @@ mod triangulate;
 
 pub use count::{CountError, Whole};
 pub use disk::Disk;
+pub use embedded::{Embedded, IcingColor, Locator, Stroke};
 pub use error::{MOST_TRIANGLES, MeshError};
-pub use fans::Fan;
 pub use gingerbread::Gingerbread;
-pub use icing::{Embedded, IcingColor, Stroke};
-pub use locate::Locator;
 pub use mesh::Mesh;
 pub(crate) use mesh::{NEAR, size};
 pub use numbering::Numbering;
@@ -40,6 +31,7 @@ pub use outline::Outline;
 pub use points::Points;
 pub(crate) use polygon::merged;
 pub use rectangle::{Diagonals, Rectangle};
+pub use topology::Fan;
 
 use crate::{quantity::Quantity, registry::registry};
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 use super::{
     Files, Mesh, MeshError, MeshSource, Whole,
     mesh::{NEAR, size, squared_distance},
-    ordering, polygon, triangulate,
+    numbering, polygon, triangulate,
 };
 use crate::quantity::{Coordinate, Point, Quantity, Tolerance, Triangles};
 
@@ -108,7 +108,7 @@ impl MeshSource for Outline {
             return Err(MeshError::Recipe(reason));
         }
         let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
-        let (points, triangles) = ordering::by_place(&points, &triangles);
+        let (points, triangles) = numbering::by_place(&points, &triangles);
         // The given points are distinct. In a sharp corner, added points may be near each other.
         let mesh =
             Mesh::counted_from((0, 0.0), points.clone(), triangles).map_err(|error| named(error, &points, &given))?;

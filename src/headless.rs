@@ -3,25 +3,19 @@
 //! `run` steps a level and writes results. `check` reads files and reports errors. `study` measures accuracy and
 //! cost. `hard` runs the hard cases.
 
-mod end_state;
 mod ending;
 mod hard;
-mod interrupt;
-mod outputs;
 mod progress;
 mod report;
 mod study;
-mod substep_report;
 
-pub use end_state::{Beginning, EndState, GREATEST_GAIN, GREATEST_J};
-pub use ending::{EXIT_CODES, Ending};
+pub use ending::{EXIT_CODES, Ending, Outputs};
 pub use hard::{Hard, hard};
-pub use interrupt::Interrupt;
-pub use outputs::Outputs;
-pub use progress::{PER_CENT, Progress, ProgressOptions};
-pub use report::{EffectReport, EnergyReport, RunReport};
+pub use progress::{Interrupt, PER_CENT, Progress, ProgressOptions};
+pub use report::{
+    Beginning, EffectReport, EndState, EnergyReport, GREATEST_GAIN, GREATEST_J, RunReport, SubstepReport,
+};
 pub use study::{Study, study};
-pub use substep_report::SubstepReport;
 
 use crate::{
     files::{self, FileError},

@@ -12,20 +12,14 @@
 //!   differs by more than [`AREA`].
 
 mod case;
-mod fence;
-mod ledger;
-mod method;
 mod run;
 mod sweep;
 #[cfg(feature = "csv")]
 mod table;
 mod verdict;
 
-pub use case::{Cannot, Case, Expects, Lasts};
-pub use fence::Fence;
-pub use ledger::Ledger;
-pub use method::Method;
-pub use run::Run;
+pub use case::{Cannot, Case, Expects, Lasts, Method};
+pub use run::{Fence, Ledger, Run};
 pub use sweep::{Entry, Sweep, Trial};
 #[cfg(feature = "csv")]
 pub use table::{COLUMNS, row};

@@ -1,11 +1,16 @@
-//! One run of a hard case with one model and one integrator.
+//! One run of a hard case with one model and one method: its steps, boundaries and energy balance.
 
-use super::{AREA, Case, Expects, Fence, Lasts, Ledger, Method, Numbers, Verdict};
+use super::{AREA, Case, Expects, Lasts, Method, Numbers, Verdict};
 use crate::{
-    level::{Level, Substeps, Toggle, frame},
+    effects::EffectKind,
+    guard::negligible,
+    level::{Level, RunMode, Substeps, Switch, Toggle, When, frame},
     materials::Model,
     meshes::NoFiles,
-    scene::{Scene, SceneError},
+    obstacles::Obstacle,
+    quantity::Point,
+    report::Energies,
+    scene::{Scene, SceneError, extent},
     simulation::Simulation,
     stability::StabilityProbe,
     untangle::{Tangle, untangled},
@@ -147,5 +152,96 @@ impl Run {
         let before = self.simulation.energies();
         change(&mut self.simulation);
         self.ledger.changed(before, self.simulation.energies());
+    }
+}
+
+/// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
+pub struct Fence {
+    obstacles: Vec<Box<dyn Obstacle>>,
+    /// Lower left and upper right corners [m].
+    boxes: Vec<[[f64; 2]; 2]>,
+    /// Longest side of the bounding boxes of the bodies at rest [m].
+    size: f64,
+}
+
+impl Fence {
+    /// Boundaries of a level, and an additional box.
+    pub fn new(level: &Level, scene: &Scene, within: Option<(Point, Point)>) -> Self {
+        let mut obstacles = Vec::new();
+        let mut boxes: Vec<_> = within.iter().map(|(least, greatest)| [least.get(), greatest.get()]).collect();
+        let acts = |when: When| when == When::Always || level.mode == RunMode::Collide;
+        for listed in level.effects.iter().filter(|listed| listed.switch == Switch::On && acts(listed.when)) {
+            match &listed.effect {
+                EffectKind::Boundary(edges) => boxes.push([edges.least.get(), edges.greatest.get()]),
+                // A wall that cannot be built also prevents the scene.
+                EffectKind::Walls(walls) => {
+                    obstacles.extend(walls.obstacles.iter().filter_map(|kind| kind.kind().build().ok()));
+                }
+                _ => {}
+            }
+        }
+        let sides = scene.bodies.iter().flat_map(|body| {
+            let rest = &scene.rest[2 * body.vertices.start..2 * body.vertices.end];
+            [0, 1].map(|axis| extent(rest, axis)).map(|(least, greatest)| greatest - least)
+        });
+        Self { obstacles, boxes, size: sides.fold(0.0, f64::max) }
+    }
+
+    /// Greatest distance of the points (flat, [m]) beyond the boundaries, as a share of the size of the bodies.
+    pub fn beyond(&self, x: &[f64]) -> f64 {
+        let mut farthest = 0.0_f64;
+        for point in x.chunks_exact(2) {
+            for [least, greatest] in &self.boxes {
+                for axis in 0..2 {
+                    farthest = farthest.max(least[axis] - point[axis]).max(point[axis] - greatest[axis]);
+                }
+            }
+            for obstacle in &self.obstacles {
+                let depth = obstacle.contact([point[0], point[1]]).map_or(0.0, |contact| -contact.distance);
+                farthest = farthest.max(depth);
+            }
+        }
+        farthest / self.size
+    }
+}
+
+/// Energy balance of a run. Between two changes from outside nothing in a scene supplies energy.
+///
+/// With the mechanical energy M and the potential P, `M + P` cannot exceed the energy put in. That is the energy at
+/// the start plus the gain or loss by every change from outside. Energy dissipated before a change is subtracted, so
+/// that it cannot hide an excess. The excess is relative to the greatest possible M, `put in - P`.
+#[derive(Clone, Debug)]
+pub struct Ledger {
+    put_in: f64,
+    scale: f64,
+    gain: f64,
+}
+
+impl Ledger {
+    /// Starts the balance with a scene and its energies.
+    pub fn new(scene: &Scene, energies: Energies) -> Self {
+        let mut ledger = Self { put_in: energies.total(), scale: negligible(scene), gain: 0.0 };
+        ledger.record(energies);
+        ledger
+    }
+
+    /// Records a change from outside.
+    pub fn changed(&mut self, before: Energies, after: Energies) {
+        self.record(before);
+        self.put_in = self.put_in.min(before.total()) + after.total() - before.total();
+        self.record(after);
+    }
+
+    /// Records the present energies.
+    pub fn record(&mut self, energies: Energies) {
+        self.scale = self.scale.max(self.put_in - energies.potential);
+        let gain = (energies.total() - self.put_in) / self.scale;
+        // NaN counts as an infinite excess.
+        self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
+    }
+
+    /// Greatest excess over the energy put in, relative to the greatest possible mechanical energy.
+    pub const fn gain(&self) -> f64 {
+        self.gain
     }
 }

@@ -2,11 +2,9 @@
 
 use super::{
     Limits, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, Trial,
-    march::{Deadline, March},
+    march::{Deadline, March, spread},
     measured_order,
-    setting::limit,
-    trial::DIVERGED,
-    workers::spread,
+    trial::{DIVERGED, limit},
 };
 use crate::{
     fault::Fault,

@@ -1,6 +1,6 @@
 //! Measures volumetric locking of linear triangles.
 
-use super::{Measure, Progress, StudyError, refine::with_triangles, statics};
+use super::{Measure, Progress, StudyError, mesh_study::with_triangles, solutions};
 use crate::{
     level::Level,
     materials::{MaterialParameters, Plane},
@@ -125,7 +125,7 @@ impl Locking {
     /// Solves the next equilibrium.
     pub fn advance(&mut self) -> Progress {
         if let Some(scene) = self.scenes.get(self.tips.len()) {
-            let rest = statics::rest(scene).filter(|(_, counts)| counts.unconverged == 0);
+            let rest = solutions::rest(scene).filter(|(_, counts)| counts.unconverged == 0);
             self.tips.push(rest.map(|(x, _)| Measure::TipDeflection.of(scene, &x)));
         }
         let (done, all) = (self.tips.len(), self.scenes.len());

@@ -1,7 +1,11 @@
-//! Advances a simulation frame by frame and measures its time.
+//! Runs of a study and their time: steps frame by frame, processor time, repetitions, threads.
+//!
+//! Processor time is that of a thread, which excludes other programs. It is wall time where the system does not state it.
 
-use super::{Setting, stopwatch::Stopwatch};
+use super::Setting;
 use crate::{scene::Scene, simulation::Simulation, state::State};
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::{Mutex, PoisonError};
 use std::{ops::ControlFlow, time::Duration};
 use web_time::Instant;
 
@@ -101,5 +105,144 @@ impl March {
     pub fn ms_per_second(&self) -> f64 {
         let seconds = (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / 60.0;
         if seconds > 0.0 { self.spent.as_secs_f64() * 1e3 / seconds } else { 0.0 }
+    }
+}
+
+/// Kind of the measured times, in plain words.
+pub const CLOCK: &str =
+    if cfg!(target_arch = "wasm32") { "wall time" } else { "processor time of the thread that computes" };
+
+/// Stopwatch. It is started and read in the same thread.
+pub(super) struct Stopwatch {
+    wall: Instant,
+    #[cfg(not(target_arch = "wasm32"))]
+    processor: Option<cpu_time::ThreadTime>,
+}
+
+impl Stopwatch {
+    /// Starts the stopwatch.
+    pub fn start() -> Self {
+        Self {
+            wall: Instant::now(),
+            #[cfg(not(target_arch = "wasm32"))]
+            processor: cpu_time::ThreadTime::try_now().ok(),
+        }
+    }
+
+    /// Time since the start.
+    pub fn elapsed(&self) -> Duration {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(elapsed) = self.processor.and_then(|processor| processor.try_elapsed().ok()) {
+            return elapsed;
+        }
+        self.wall.elapsed()
+    }
+}
+
+/// Rounds of repetitions after the first runs.
+const ROUNDS: u32 = 4;
+/// Budget of all repetitions, as a share of the processor time of the first runs; and the least budget.
+const SHARE: f64 = 0.4;
+const LEAST: Duration = Duration::from_millis(100);
+
+/// Greatest number of runs of one setting. The stated time is the least of them.
+pub const MOST_RUNS: u32 = 1 + ROUNDS;
+
+/// Repetition rounds of one study.
+#[derive(Default)]
+pub(super) struct Repetitions {
+    round: u32,
+    /// Time budget of the remaining rounds. `None` before the first round.
+    budget: Option<Duration>,
+}
+
+impl Repetitions {
+    /// Runs to repeat in the next round, the shortest first. Empty after the last round.
+    /// `costs` holds the time of each run, `first` the time of all first runs. A round takes at most half of the
+    /// remaining budget, the last round all of it.
+    pub fn next(&mut self, costs: &[Option<Duration>], first: Duration) -> Vec<usize> {
+        if self.round == ROUNDS {
+            return Vec::new();
+        }
+        self.round += 1;
+        let budget = self.budget.unwrap_or_else(|| first.mul_f64(SHARE).max(LEAST));
+        let most = if self.round == ROUNDS { budget } else { budget / 2 };
+        let mut known: Vec<_> =
+            costs.iter().enumerate().filter_map(|(number, cost)| Some((number, (*cost)?))).collect();
+        known.sort_by_key(|(_, cost)| *cost);
+        let mut spent = Duration::ZERO;
+        let chosen = known.iter().take_while(|(_, cost)| {
+            let fits = spent + *cost <= most;
+            spent += if fits { *cost } else { Duration::ZERO };
+            fits
+        });
+        let chosen: Vec<_> = chosen.map(|(number, _)| *number).collect();
+        self.budget = Some(budget.saturating_sub(spent));
+        chosen
+    }
+
+    /// Share of the rounds that have begun.
+    pub fn done(&self) -> f64 {
+        f64::from(self.round) / f64::from(ROUNDS)
+    }
+}
+
+/// Number of threads that this machine runs at once; 1 in a browser.
+pub fn threads() -> usize {
+    #[cfg(target_arch = "wasm32")]
+    return 1;
+    #[cfg(not(target_arch = "wasm32"))]
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// Shares the partitions of large bodies among several cores, wherever this thread steps them.
+/// This thread becomes the first of a pool of `threads` threads. The bits do not depend on their number. Call it once
+/// per process; further calls change nothing. Elsewhere, step inside of [`rayon::ThreadPool::install`].
+pub fn share_partitions(threads: usize) {
+    if threads > 1 {
+        // If no threads are available, or in a second call, the existing threads are used.
+        let _as_it_is = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global();
+    }
+}
+
+/// Runs tasks in order, each on the next free thread. `work` returns false to start no further task.
+/// Tasks are independent, so the result does not depend on the number of threads.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn spread<T: Send>(threads: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
+    if threads <= 1 || tasks.len() <= 1 {
+        tasks.into_iter().all(work);
+        return;
+    }
+    let helpers = threads.min(tasks.len());
+    let queue = Mutex::new(tasks.into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    std::thread::scope(|scope| {
+        for _ in 0..helpers {
+            scope.spawn(|| while next().is_some_and(&work) {});
+        }
+    });
+}
+
+/// Runs tasks in order. `work` returns false to stop.
+#[cfg(target_arch = "wasm32")]
+pub fn spread<T: Send>(_: usize, tasks: Vec<T>, work: impl Fn(T) -> bool + Sync) {
+    tasks.into_iter().all(work);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repetitions_are_bounded_by_time_and_by_number() {
+        let ms = Duration::from_millis;
+        let costs = [Some(ms(400)), None, Some(ms(10)), Some(ms(100))];
+        let (mut repetitions, mut runs) = (Repetitions::default(), [0; 4]);
+        for _ in 0..10 {
+            for number in repetitions.next(&costs, ms(1000)) {
+                runs[number] += 1;
+            }
+        }
+        assert_eq!(runs, [0, 0, 4, 3], "at most 0.4 s, the shortest most often");
     }
 }

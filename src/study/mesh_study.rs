@@ -1,21 +1,16 @@
 //! Mesh study: convergence of a quantity under refinement.
 
 use super::{
-    Limits, Measure, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,
-    march::{Deadline, March},
-    measured_order,
-    refine::with_triangles,
-    repetition::Repetitions,
-    setting::limit,
-    statics,
-    stopwatch::Stopwatch,
-    threads,
-    workers::spread,
+    Limits, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,
+    march::{Deadline, March, Repetitions, Stopwatch, spread},
+    measured_order, solutions, threads,
+    trial::limit,
 };
 use crate::{
     integrators::Class,
-    level::{Level, Substeps},
+    level::{Level, Pin, Substeps},
     meshes::{Files, NoFiles},
+    quantity::{Cells, Rings, Triangles},
     scene::Scene,
     state::State,
 };
@@ -386,7 +381,7 @@ impl Slot {
             return RunState::Marching(march(&scene, trial, own_limit));
         }
         let stopwatch = Stopwatch::start();
-        let rest = statics::rest(&scene);
+        let rest = solutions::rest(&scene);
         self.spent = stopwatch.elapsed();
         (self.point.ms, self.point.runs) = (self.spent.as_secs_f64() * 1e3, 1);
         match rest {
@@ -414,7 +409,7 @@ impl Slot {
             march.ms_per_second()
         } else {
             let stopwatch = Stopwatch::start();
-            statics::rest(scene);
+            solutions::rest(scene);
             stopwatch.elapsed().as_secs_f64() * 1e3
         };
         self.point.ms = self.point.ms.min(ms);
@@ -437,4 +432,74 @@ fn scaled(setting: &Setting, factor: f64) -> Setting {
         Class::Implicit | Class::ErrorControlled => setting.substeps,
     };
     Setting { substeps, ..setting.clone() }
+}
+
+/// Quantity that is compared between meshes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Measure {
+    /// Greatest displacement of any vertex from its rest position along x or y [m]: the tip deflection of a bar.
+    #[default]
+    TipDeflection,
+    /// Elastic energy of all elements [J].
+    ElasticEnergy,
+}
+
+impl Measure {
+    /// All quantities.
+    pub const ALL: [Self; 2] = [Self::TipDeflection, Self::ElasticEnergy];
+
+    /// Name in plain words.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::TipDeflection => "tip deflection",
+            Self::ElasticEnergy => "elastic energy",
+        }
+    }
+
+    /// Unit.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::TipDeflection => "m",
+            Self::ElasticEnergy => "J",
+        }
+    }
+
+    /// Value at given positions of a scene.
+    pub fn of(self, scene: &Scene, x: &[f64]) -> f64 {
+        match self {
+            Self::TipDeflection => x.iter().zip(&scene.rest).map(|(x, rest)| (x - rest).abs()).fold(0.0, f64::max),
+            Self::ElasticEnergy => scene.bodies.iter().map(|body| body.elements.elastic_energy(x)).sum(),
+        }
+    }
+}
+
+/// Level with about `share` times as many triangles, as nearly as its meshes allow.
+/// Numbers of triangles are scaled by `share`, numbers of cells and rings by its square root.
+pub fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
+    let mut level = level.clone();
+    let mut refined = false;
+    for body in &mut level.bodies {
+        let mut own = false;
+        for parameter in body.mesh.kind_mut().parameters() {
+            let factor = match parameter.spec().name {
+                name if name == Triangles::SPEC.name => share,
+                name if name == Cells::SPEC.name || name == Rings::SPEC.name => share.sqrt(),
+                _ => continue,
+            };
+            let (slider, value) = (parameter.spec(), parameter.get());
+            let wanted = (value * factor).round();
+            // A number below the least allowed value becomes that value.
+            if parameter.set(wanted.max(1.0)).is_err() && wanted < slider.slider.0 {
+                let _ = parameter.set(100.0);
+            }
+            own = true;
+        }
+        if own && body.pins.iter().any(|pin| matches!(pin, Pin::Vertex(_))) {
+            return Err(StudyError::NotHere(
+                "a pin names a vertex by number, and another mesh has that number elsewhere: pin an edge, or the vertex nearest to a point",
+            ));
+        }
+        refined |= own;
+    }
+    if refined { Ok(level) } else { Err(StudyError::NotHere("no mesh of this level has a resolution to vary")) }
 }

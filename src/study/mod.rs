@@ -12,48 +12,35 @@
 
 mod difference;
 mod drift;
-mod exact;
 #[cfg(feature = "csv")]
 mod export;
 mod locking;
 mod march;
-mod measure;
 mod mesh_study;
-mod order;
 mod reference;
-mod refine;
-mod repetition;
 mod savings;
-mod setting;
-mod statics;
-mod stopwatch;
-mod strip;
-mod suggestion;
-mod sweep;
+mod solutions;
 mod trial;
 mod twin;
-mod workers;
+mod work_precision;
 
 pub use difference::{Apart, Correspondence, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Invariant, Moment};
-pub use exact::ClosedForm;
 #[cfg(feature = "csv")]
 pub use export::{Origin, head, is_time_column, price_in_words};
 pub use locking::{Locking, LockingNumber, MeshKindOf};
-pub use measure::Measure;
-pub use mesh_study::{MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshStudy, NoMeshReference};
-pub use order::{Limits, MeasuredOrder, NoOrder, Sample, measured_order, order_in_words};
-pub use reference::{ErrorNote, Reference, ReferenceJob, Source};
-pub use repetition::MOST_RUNS;
+pub use march::{CLOCK, MOST_RUNS, share_partitions, threads};
+pub(crate) use march::{Deadline, spread};
+pub(crate) use mesh_study::with_triangles;
+pub use mesh_study::{Measure, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshStudy, NoMeshReference};
+pub use reference::{
+    ErrorNote, Limits, MeasuredOrder, NoOrder, Reference, ReferenceJob, Sample, Source, measured_order, order_in_words,
+};
 pub use savings::{Saving, Savings};
-pub use setting::{Setting, ladder};
-pub use stopwatch::CLOCK;
-pub use suggestion::{NoErrors, Price, Suggestion, USUAL_ERRORS};
-pub use sweep::{Curve, Plan, Point, WorkPrecision};
-pub use trial::{Outcome, Status, Trial, TrialRun};
+pub use solutions::ClosedForm;
+pub use trial::{Outcome, Setting, Status, Trial, TrialRun, ladder};
 pub use twin::Twin;
-pub use workers::{share_partitions, threads};
-pub(crate) use {march::Deadline, refine::with_triangles, workers::spread};
+pub use work_precision::{Curve, NoErrors, Plan, Point, Price, Suggestion, USUAL_ERRORS, WorkPrecision};
 
 use crate::{fault::Fault, scene::SceneError};
 

@@ -1,6 +1,9 @@
 //! Time saved by skipping inactive effects.
 
-use super::{Progress, StudyError, march::Deadline, stopwatch::Stopwatch};
+use super::{
+    Progress, StudyError,
+    march::{Deadline, Stopwatch},
+};
 use crate::{
     level::{Level, Switch},
     meshes::Files,

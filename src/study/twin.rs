@@ -3,11 +3,9 @@
 
 use super::{
     ClosedForm,
-    march::Deadline,
+    march::{Deadline, Stopwatch},
     reference::{STILL, finest},
-    setting::limit,
-    stopwatch::Stopwatch,
-    trial::Deviation,
+    trial::{Deviation, limit},
 };
 use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};

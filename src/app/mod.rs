@@ -2,7 +2,6 @@
 //! the requests for the next frame. Nothing drawn holds a reference into the simulation.
 
 mod advice;
-mod camera;
 mod canvas;
 mod clock;
 mod colour;

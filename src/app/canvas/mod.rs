@@ -6,21 +6,15 @@ mod scenery;
 mod tests;
 
 use super::{
-    camera::Camera,
     colour::{self, Scale},
     draw::{
-        View, arrow,
+        Camera, View,
         body::Bodies,
-        colour_bar,
-        fill::Fill,
-        net,
-        night::{self, Snow},
-        picked::Picked,
-        pins::Pins,
-        rollers,
-        shape_buffer::ShapeBuffer,
-        strip_numbers,
-        toy::Trail,
+        house::{self, Snow},
+        legends,
+        marks::{self, Picked, Pins},
+        net::{self, Trail},
+        shape_buffer::{Fill, ShapeBuffer},
     },
     theme::Theme,
 };
@@ -170,10 +164,10 @@ impl Canvas {
         let Frame { snapshot, options, canvas, view, .. } = *frame;
         let pixels_per_point = painter.pixels_per_point();
         self.behind.clear(pixels_per_point);
-        night::sky(&mut self.behind, canvas, view);
+        house::sky(&mut self.behind, canvas, view);
         self.snow.draw(&mut self.behind, canvas, view);
         painter.add(self.behind.finish());
-        night::square(painter, view, 1.0 - self.scenery.room_presence());
+        house::square(painter, view, 1.0 - self.scenery.room_presence());
         painter.add(self.scenery.draw(pixels_per_point, canvas, view, options.pointed));
 
         self.middle.clear(pixels_per_point);
@@ -186,7 +180,7 @@ impl Canvas {
         // would move the large mesh to a larger buffer in every frame.
         let mut painter = painter.clone();
         painter.set_clip_rect(painter.clip_rect().expand(0.01));
-        strip_numbers::strip_numbers(&painter, view, canvas, snapshot);
+        legends::strip_numbers(&painter, view, canvas, snapshot);
         self.draw_front(&painter, frame, pointer);
     }
 
@@ -196,22 +190,22 @@ impl Canvas {
         self.front.clear(painter.pixels_per_point());
         let free = pointer.filter(|_| self.pointer_state.is_free());
         self.picked.draw(&mut self.front, view, points, free);
-        rollers::rollers(&mut self.front, view, snapshot, points);
+        marks::rollers(&mut self.front, view, snapshot, points);
         self.pins.draw(&mut self.front, view, points, now);
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, *points.get(pull.vertex)?)));
         if let Some((pull, from)) = pull {
-            arrow::arrow(&mut self.front, view, from, pull);
+            marks::arrow(&mut self.front, view, from, pull);
         }
         if options.field != Field::None && options.field == snapshot.field && !snapshot.triangles.is_empty() {
-            colour_bar::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
+            legends::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
             let under = free.and_then(|at| Some((at, self.bodies.value_at(snapshot, at)?)));
             if let Some((at, value)) = under {
-                colour_bar::reading(painter, view, canvas, at, snapshot.field, colour::reading(snapshot, value));
+                legends::reading(painter, view, canvas, at, snapshot.field, colour::reading(snapshot, value));
             }
         }
         painter.add(self.front.finish());
         if let Some((pull, from)) = pull {
-            arrow::force(painter, view, canvas, from, pull);
+            marks::pull_force(painter, view, canvas, from, pull);
         }
     }
 }
@@ -231,7 +225,7 @@ fn describe(response: &Response, snapshot: &Snapshot, name: &str) {
 
 /// Camera of a stage that fills `canvas`; tests use it to point at vertices from outside.
 pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
-    Camera::new(canvas, snapshot.width.max(1.0) as f32, strip_numbers::height(snapshot, canvas))
+    Camera::new(canvas, snapshot.width.max(1.0) as f32, legends::strip_height(snapshot, canvas))
 }
 
 /// Makes two canvases show equal values in equal colours.

@@ -1,7 +1,7 @@
 //! State of the pointer: a press pins in edit mode and pulls in the other modes.
 
 use crate::{
-    app::camera::Camera,
+    app::draw::Camera,
     command::{Command, Mode},
     snapshot::Snapshot,
 };

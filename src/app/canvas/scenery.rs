@@ -1,7 +1,7 @@
 //! Scenery: the shapes of the active effects, drawn behind the bodies. It rarely changes, so its drawing is cached.
 
 use crate::{
-    app::draw::{View, candy, house, shape_buffer::ShapeBuffer},
+    app::draw::{View, house, shape_buffer::ShapeBuffer},
     command::Mode,
     effects::Shape,
     level::{EffectLevel, Switch, When},
@@ -85,9 +85,9 @@ impl Scenery {
         });
         for (number, (shape, presence)) in shapes.into_iter().enumerate() {
             match shape {
-                Shape::Edges(least, greatest) => candy::edges(&mut self.buffer, view, [*least, *greatest], presence),
+                Shape::Edges(least, greatest) => house::edges(&mut self.buffer, view, [*least, *greatest], presence),
                 Shape::Room(room) => house::house(&mut self.buffer, view, canvas, room, presence),
-                Shape::Solid(outline) => candy::gumdrop(&mut self.buffer, view, outline, number, presence),
+                Shape::Solid(outline) => house::gumdrop(&mut self.buffer, view, outline, number, presence),
             }
         }
         let pointed = pointed.and_then(|[effect, solid]| {
@@ -97,7 +97,7 @@ impl Scenery {
             Some((solids.nth(solid)?, *presence))
         });
         if let Some((outline, presence)) = pointed {
-            candy::ring(&mut self.buffer, view, outline, presence);
+            house::ring(&mut self.buffer, view, outline, presence);
         }
         self.buffer.finish()
     }

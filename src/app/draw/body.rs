@@ -1,17 +1,15 @@
-//! Draws bodies: filled triangles, rim, icing and mesh lines.
+//! Draws bodies: filled triangles, rim, icing that moves with the body, and mesh lines.
 
 use super::{
     View,
-    fill::{Detail, Fill},
-    icing::{self, IcingStyle},
-    shape_buffer::ShapeBuffer,
+    shape_buffer::{Detail, Fill, ShapeBuffer},
 };
 use crate::{
     app::{canvas::Options, colour::Scale},
-    meshes::Embedded,
+    meshes::{Embedded, IcingColor, Mesh},
     snapshot::{BodySnapshot, Field, Snapshot},
 };
-use eframe::egui::{Color32, Pos2};
+use eframe::egui::{Color32, Pos2, vec2};
 
 /// Width of the baked rim [m].
 const RIM: f32 = 0.016;
@@ -118,9 +116,9 @@ impl Bodies {
             if inverted * CRUMBLED > body.triangles.len() {
                 // Icing would hide the rest of the body.
             } else if body.mesh.icing().is_empty() {
-                icing::edge(buffer, view, &constant_part.loops, points, &mut self.line, style);
+                icing_edge(buffer, view, &constant_part.loops, points, &mut self.line, style);
             } else {
-                icing::strokes(buffer, view, &body.mesh, points, &mut self.line, style);
+                icing_strokes(buffer, view, &body.mesh, points, &mut self.line, style);
             }
             if options.vertices {
                 vertices(buffer, view, points);
@@ -194,7 +192,7 @@ impl ConstantPart {
         let size = view.size(0.0022, 0.7, 4.0);
         for (number, speck) in self.specks.iter().enumerate() {
             let color = if number % 3 == 0 { view.theme.icing.gamma_multiply(0.35) } else { view.theme.crust };
-            buffer.dot(icing::place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
+            buffer.dot(place(speck, body.mesh.triangles(), points), size, color.gamma_multiply(0.8));
         }
     }
 }
@@ -216,7 +214,7 @@ fn specks(body: &BodySnapshot) -> Vec<Embedded> {
 }
 
 /// Copies the points of a loop to `line`.
-pub(super) fn gather(line: &mut Vec<Pos2>, points: &[Pos2], vertices: &[u32]) {
+fn gather(line: &mut Vec<Pos2>, points: &[Pos2], vertices: &[u32]) {
     line.clear();
     line.extend(vertices.iter().filter_map(|&vertex| points.get(vertex as usize)));
 }
@@ -248,5 +246,76 @@ fn vertices(buffer: &mut ShapeBuffer, view: View, points: &[Pos2]) {
     let size = view.size(0.0028, 1.7, 6.0);
     for &point in points {
         buffer.dot(point, size, view.theme.annotation);
+    }
+}
+
+/// Point of a body on the screen, from its vertices on the screen.
+fn place(point: &Embedded, triangles: &[[u32; 3]], points: &[Pos2]) -> Pos2 {
+    let mut sum = vec2(0.0, 0.0);
+    for (&vertex, &weight) in triangles[point.triangle as usize].iter().zip(&point.weights) {
+        sum += points[vertex as usize].to_vec2() * weight as f32;
+    }
+    sum.to_pos2()
+}
+
+/// Style of a body's icing.
+#[derive(Clone, Copy, Debug)]
+struct IcingStyle {
+    /// Opacity: 1 hides what is below, 0 hides the icing.
+    pub opacity: f32,
+    /// Scale from the mesh to the world.
+    pub scale: f32,
+}
+
+/// Draws the icing strokes of the mesh, each with a small shadow below.
+fn icing_strokes(
+    buffer: &mut ShapeBuffer,
+    view: View,
+    mesh: &Mesh,
+    points: &[Pos2],
+    line: &mut Vec<Pos2>,
+    style: IcingStyle,
+) {
+    let theme = view.theme;
+    let lift = vec2(0.0, view.size(0.0025 * style.scale, 0.7, 6.0));
+    let shade = theme.crust.gamma_multiply(0.7 * style.opacity);
+    for stroke in mesh.icing() {
+        let color = match stroke.color {
+            IcingColor::White => theme.icing,
+            IcingColor::Red => theme.candy[0],
+            IcingColor::Green => theme.candy[1],
+        };
+        line.clear();
+        line.extend(stroke.points.iter().map(|point| place(point, mesh.triangles(), points) + lift));
+        let width = view.camera.length(stroke.width as f32 * style.scale).max(1.5);
+        for (color, back) in [(shade, vec2(0.0, 0.0)), (color.gamma_multiply(style.opacity), -lift)] {
+            for point in line.iter_mut() {
+                *point += back;
+            }
+            if stroke.filled {
+                buffer.area(line, color);
+            } else {
+                buffer.line(line, stroke.closed, width, color);
+            }
+        }
+    }
+}
+
+/// Draws a plain line of icing along the boundary of a body without icing strokes.
+fn icing_edge(
+    buffer: &mut ShapeBuffer,
+    view: View,
+    loops: &[Vec<u32>],
+    points: &[Pos2],
+    line: &mut Vec<Pos2>,
+    style: IcingStyle,
+) {
+    let (inset, half, pixel) =
+        (view.size(0.016 * style.scale, 3.0, 60.0), view.size(0.003 * style.scale, 0.9, 12.0), buffer.pixel());
+    for vertices in loops {
+        gather(line, points, vertices);
+        let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
+        let color = view.theme.icing.gamma_multiply(style.opacity);
+        buffer.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
     }
 }

@@ -1,17 +1,19 @@
-//! Draws the gingerbread house; its inner faces are the contact surfaces.
+//! Draws the surroundings of bodies: the gingerbread house with its roof, obstacles, the domain boundary, sky and snow.
+//!
+//! The inner faces of the house are the contact surfaces.
 
-use super::{View, roof, shape_buffer::ShapeBuffer};
-use eframe::egui::{Color32, Pos2, Rect, lerp, pos2};
+use super::{View, scatter, shape_buffer::ShapeBuffer};
+use eframe::egui::{Color32, CornerRadius, Painter, Pos2, Rect, Stroke, StrokeKind, lerp, pos2, vec2};
 
 /// Thickness of walls, floor and roof [m].
-pub const THICKNESS: f64 = 0.05;
+const THICKNESS: f64 = 0.05;
 
 /// Depths below the floor of the snow behind and in front of the house [m].
 const HILLS: [f64; 2] = [0.03, 0.055];
 
 /// Kind of an edge of the room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+enum Kind {
     /// Lower edge.
     Floor,
     /// Side edge.
@@ -24,7 +26,7 @@ pub enum Kind {
 
 /// One edge of the room, counter-clockwise.
 #[derive(Clone, Copy, Debug)]
-pub struct Side {
+struct Side {
     /// Kind of the edge.
     pub kind: Kind,
     /// Ends on the inner face [m].
@@ -36,7 +38,7 @@ pub struct Side {
 }
 
 /// Draws in world coordinates with the colours of the theme.
-pub struct Baker<'a> {
+struct Baker<'a> {
     pub(super) buffer: &'a mut ShapeBuffer,
     pub(super) view: View,
     pub(super) presence: f32,
@@ -76,12 +78,12 @@ impl Baker<'_> {
 }
 
 /// Point between two others, or beyond them.
-pub(super) fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
+fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
 
 /// Point moved along a direction.
-pub(super) fn moved(point: [f64; 2], direction: [f64; 2], by: f64) -> [f64; 2] {
+fn moved(point: [f64; 2], direction: [f64; 2], by: f64) -> [f64; 2] {
     [point[0] + by * direction[0], point[1] + by * direction[1]]
 }
 
@@ -93,13 +95,13 @@ pub fn house(buffer: &mut ShapeBuffer, view: View, canvas: Rect, room: &[[f64; 2
     if let Some(floor) = floor {
         ground(&mut baker, canvas, floor - HILLS[0], 0.4);
     }
-    roof::chimney(&mut baker, &sides);
+    chimney(&mut baker, &sides);
     inside(&mut baker, room);
     windows(&mut baker, room, &sides);
     for kind in [Kind::Floor, Kind::Wall] {
         sides.iter().filter(|side| side.kind == kind).for_each(|side| wall(&mut baker, side));
     }
-    roof::roof(&mut baker, &sides);
+    roof(&mut baker, &sides);
     seam(&mut baker, &sides);
     if let Some(floor) = floor {
         ground(&mut baker, canvas, floor - HILLS[1], 2.6);
@@ -226,9 +228,232 @@ fn wall(baker: &mut Baker<'_>, side: &Side) {
     }
 }
 
+/// Overhang of the roof beyond the walls [m].
+const EAVES: f64 = 0.055;
+
+/// Distance of scallops [m].
+const SCALLOP: f64 = 0.052;
+
+/// Slope of the roof on the inner face, from its lower to its upper end, with its outward direction.
+struct Slope {
+    low: [f64; 2],
+    high: [f64; 2],
+    out: [f64; 2],
+    /// Whether the upper end is a ridge between two slopes.
+    ridge: bool,
+}
+
+fn slopes(sides: &[Side]) -> impl Iterator<Item = Slope> {
+    let count = sides.len();
+    (0..count).filter(|&i| sides[i].kind == Kind::Roof).map(move |i| {
+        let (before, here, after) = (&sides[(i + count - 1) % count], &sides[i], &sides[(i + 1) % count]);
+        // In counter-clockwise order the right slope ascends and the left one descends.
+        let climbs = here.ends[0][1] <= here.ends[1][1];
+        let (low, high) = if climbs { (here.ends[0], here.ends[1]) } else { (here.ends[1], here.ends[0]) };
+        let next = if climbs { after } else { before };
+        Slope { low, high, out: here.out, ridge: next.kind == Kind::Roof }
+    })
+}
+
+/// Draws all slopes and the decoration on the ridge.
+fn roof(baker: &mut Baker<'_>, sides: &[Side]) {
+    let theme = baker.view.theme;
+    let ends: Vec<Slope> = slopes(sides).collect();
+    for slope in &ends {
+        boards(baker, slope);
+    }
+    for (color, lower) in [(theme.icing_shade, 0.006), (theme.icing, 0.0)] {
+        for slope in &ends {
+            blanket(baker, slope, color, lower);
+        }
+    }
+    for slope in &ends {
+        gumdrops(baker, slope);
+    }
+    if let Some(ridge) = ends.iter().find(|slope| slope.ridge) {
+        let top = [ridge.high[0], ridge.high[1] + THICKNESS + 0.006];
+        baker.disc(top, 0.026, theme.icing);
+        baker.button([top[0], top[1] + 0.017], 0.02, theme.candy[0]);
+    }
+}
+
+impl Slope {
+    /// Point along the slope (0 at the wall, 1 at the top), moved outwards by a share of the thickness.
+    fn at(&self, along: f64, out: f64) -> [f64; 2] {
+        moved(between(self.low, self.high, along), self.out, out * THICKNESS)
+    }
+
+    fn length(&self) -> f64 {
+        (self.high[0] - self.low[0]).hypot(self.high[1] - self.low[1]).max(1e-9)
+    }
+
+    /// Lower end of the roof, as a position along the slope.
+    fn eaves(&self) -> f64 {
+        -(EAVES + THICKNESS) / self.length()
+    }
+
+    /// Upper end at a share of the thickness: the slopes meet above the ridge.
+    fn top(&self, out: f64) -> [f64; 2] {
+        if self.ridge {
+            [self.high[0], self.high[1] + out * THICKNESS / self.out[1].max(0.3)]
+        } else {
+            self.at(1.0, out)
+        }
+    }
+}
+
+/// Draws the dough.
+fn boards(baker: &mut Baker<'_>, slope: &Slope) {
+    let theme = baker.view.theme;
+    baker.area(
+        &[slope.at(slope.eaves(), 0.0), slope.at(slope.eaves(), 1.0), slope.top(1.0), slope.top(0.0)],
+        theme.wall,
+    );
+    baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
+}
+
+/// Draws the icing on top, with scallops of uneven length; `wider` extends it on all sides for its rim [m].
+fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
+    let low = slope.eaves() - 0.004;
+    baker.line(&[slope.at(low, 1.05), slope.top(1.05)], 0.03 + wider, icing);
+    let count = ((1.0 - low) * slope.length() / SCALLOP).round().max(1.0);
+    for i in 0..=count as usize {
+        let along = low + (1.0 - low) * i as f64 / count;
+        let (radius, drop) = if i % 2 == 0 { (0.019, 0.82) } else { (0.0165, 0.92) };
+        if along < 1.0 - 0.02 / slope.length() {
+            baker.disc(slope.at(along, drop), radius + 0.5 * wider, icing);
+        }
+    }
+}
+
+/// Draws candy in the icing.
+fn gumdrops(baker: &mut Baker<'_>, slope: &Slope) {
+    let candy = baker.view.theme.candy;
+    let low = slope.eaves();
+    let count = ((1.0 - low) * slope.length() / (2.0 * SCALLOP)).floor().max(1.0);
+    for i in 0..count as usize {
+        let along = low + (1.0 - low) * (i as f64 + 0.35) / count;
+        baker.button(slope.at(along, 1.12), 0.0095, candy[i % 2]);
+    }
+}
+
+/// Draws a chimney on the right slope, behind the roof.
+fn chimney(baker: &mut Baker<'_>, sides: &[Side]) {
+    let theme = baker.view.theme;
+    let Some(slope) = slopes(sides).find(|slope| slope.ridge && slope.out[0] > 0.2) else { return };
+    let [x, y] = slope.at(0.45, 1.0);
+    let (half, top) = (0.042, y + 0.12);
+    baker.area(&[[x - half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x - half, top]], theme.wall);
+    baker.area(
+        &[[x + 0.4 * half, y - 0.08], [x + half, y - 0.08], [x + half, top], [x + 0.4 * half, top]],
+        theme.wall_shade,
+    );
+    for (color, wider) in [(theme.icing_shade, 0.0045), (theme.icing, 0.0)] {
+        baker.line(&[[x - half, top], [x + half, top]], 0.026 + wider, color);
+        for (at, drop) in [(-0.7, 0.014), (0.0, 0.022), (0.75, 0.012)] {
+            baker.disc([x + at * half, top - drop], 0.012 + 0.5 * wider, color);
+        }
+    }
+}
+
+/// Draws a solid as a gumdrop: lighter on top, with sugar and a dark foot. `number` selects its colour.
+pub fn gumdrop(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], number: usize, presence: f32) {
+    let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
+    if points.len() < 3 {
+        return;
+    }
+    let color = |color| view.theme.present(color, presence);
+    let candy = view.theme.candy[number % 2];
+    let bounds = Rect::from_points(&points);
+    let (bright, dark) = (candy.lerp_to_gamma(Color32::WHITE, 0.22), candy.lerp_to_gamma(Color32::BLACK, 0.3));
+    buffer.shaded(&points, |at| color(bright.lerp_to_gamma(dark, (at.y - bounds.top()) / bounds.height().max(1.0))));
+    buffer.line(&points, true, view.size(0.005, 1.5, 20.0), color(dark));
+    sugar(buffer, view, &points, bounds, color(candy.lerp_to_gamma(Color32::WHITE, 0.75)));
+}
+
+/// Draws a line around a highlighted solid.
+pub fn ring(buffer: &mut ShapeBuffer, view: View, outline: &[[f64; 2]], presence: f32) {
+    let points: Vec<Pos2> = outline.iter().map(|&point| view.camera.screen_from_world(point)).collect();
+    buffer.line(&points, true, view.size(0.009, 3.0, 20.0), view.theme.accent_line.gamma_multiply(presence));
+}
+
+/// Draws sugar grains inside an outline.
+fn sugar(buffer: &mut ShapeBuffer, view: View, outline: &[Pos2], bounds: Rect, color: Color32) {
+    let size = view.size(0.0028, 0.8, 8.0);
+    let world = view.camera.length(1.0);
+    let count = (1800.0 * bounds.area() / (world * world)).clamp(8.0, 300.0) as usize;
+    for grain in 0..count {
+        let at = bounds.min + vec2(scatter(grain, 11), scatter(grain, 12)) * bounds.size();
+        if is_inside(outline, at) {
+            buffer.disc(at, size * (0.6 + 0.6 * scatter(grain, 13)), color.gamma_multiply(0.8));
+        }
+    }
+}
+
+/// Whether a point lies inside an outline, by the number of edges to its right.
+fn is_inside(outline: &[Pos2], at: Pos2) -> bool {
+    let mut inside = false;
+    for (i, a) in outline.iter().enumerate() {
+        let b = outline[(i + 1) % outline.len()];
+        if (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x) {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+/// Draws the boundary of the domain as a thread of icing.
+pub fn edges(buffer: &mut ShapeBuffer, view: View, [least, greatest]: [[f64; 2]; 2], presence: f32) {
+    let corners = [least, [greatest[0], least[1]], greatest, [least[0], greatest[1]]];
+    let points = corners.map(|corner| view.camera.screen_from_world(corner));
+    let color = view.theme.world_edge.gamma_multiply(presence);
+    buffer.line(&points, true, view.size(0.003, 1.5, 8.0), color);
+}
+
+/// Slow sparse snow, which falls only while simulated time runs.
+#[derive(Debug, Default)]
+pub struct Snow {
+    /// Time that the snow has fallen [s].
+    time: f32,
+}
+
+impl Snow {
+    /// Advances the snow by a time [s].
+    pub fn fall(&mut self, dt: f32) {
+        self.time += dt;
+    }
+
+    /// Draws the flakes.
+    pub fn draw(&self, buffer: &mut ShapeBuffer, canvas: Rect, view: View) {
+        let count = (canvas.area() / 9000.0).clamp(24.0, 240.0) as usize;
+        let unit = (canvas.height() / 700.0).clamp(0.8, 2.5);
+        for flake in 0..count {
+            let near = scatter(flake, 1);
+            let across = scatter(flake, 2) + 0.012 * (self.time * (0.3 + 0.4 * near) + 40.0 * near).sin();
+            let down = (scatter(flake, 3) + self.time * (0.006 + 0.016 * near)).fract();
+            let at = pos2(canvas.left() + canvas.width() * across, canvas.top() + canvas.height() * down);
+            buffer.disc(at, unit * (0.7 + 1.5 * near * near), view.theme.snow.gamma_multiply(0.2 + 0.55 * near));
+        }
+    }
+}
+
+/// Draws the sky.
+pub fn sky(buffer: &mut ShapeBuffer, canvas: Rect, view: View) {
+    buffer.gradient(canvas, view.theme.sky);
+}
+
+/// Draws the world square, where there is no house.
+pub fn square(painter: &Painter, view: View, presence: f32) {
+    let (theme, corner) = (view.theme, CornerRadius::same(2));
+    let world = view.camera.world();
+    painter.rect_filled(world, corner, theme.world.gamma_multiply(presence));
+    let edge = Stroke::new(1.0, theme.world_edge.gamma_multiply(presence));
+    painter.rect_stroke(world, corner, edge, StrokeKind::Inside);
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Kind, sides};
+    use super::*;
 
     #[test]
     fn knows_floor_walls_roof_and_where_the_world_ends() {

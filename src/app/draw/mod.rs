@@ -1,25 +1,14 @@
-//! Drawing of the stage: one file for each thing on it.
+//! Drawing of the stage: one file for each kind of thing on it, and the camera, which maps between world and screen.
 
-pub mod arrow;
 pub mod body;
-pub mod candy;
-pub mod colour_bar;
-mod ears;
-pub mod fill;
 pub mod house;
-mod icing;
+pub mod legends;
+pub mod marks;
 pub mod net;
-pub mod night;
-pub mod picked;
-pub mod pins;
-pub mod rollers;
-mod roof;
 pub mod shape_buffer;
-pub mod strip_numbers;
-pub mod toy;
 
-use super::{camera::Camera, theme::Theme};
-use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
+use super::theme::Theme;
+use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, pos2, vec2};
 
 /// Camera and theme of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,4 +46,81 @@ fn scatter(seed: usize, salt: u32) -> f32 {
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x2C1B_3C6D);
     hash = (hash ^ (hash >> 12)).wrapping_mul(0x297A_2D39);
     (hash ^ (hash >> 15)) as f32 / u32::MAX as f32
+}
+
+/// Margins beside, above and below the world square, relative to its side: room for the eaves, the roof and the ground.
+const MARGINS: [f32; 3] = [0.085, 0.105, 0.065];
+
+/// Largest screen coordinate [points]. Larger ones are limited to it, so that an exploding body does not break the drawing.
+const FARTHEST: f32 = 1e5;
+
+/// Maps the world, y up [m], to the screen, y down [points].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// World origin on the screen.
+    origin: Pos2,
+    /// Scale [points/m].
+    scale: f32,
+    /// Width of the world [m].
+    width: f32,
+}
+
+impl Camera {
+    /// Creates a camera that shows the world as large as possible in the middle of a canvas. The world is `width` [m] wide about
+    /// x = 1/2 and 1 m high. The lowest `below` points of the canvas stay free.
+    pub fn new(canvas: Rect, width: f32, below: f32) -> Self {
+        let [beside, above, under] = MARGINS;
+        let height = canvas.height() - below;
+        let scale = (canvas.width() / (width + 2.0 * beside)).min(height / (1.0 + above + under)).max(1.0);
+        let spare = 0.5 * (height - scale * (1.0 + above + under));
+        Self {
+            origin: pos2(canvas.center().x - 0.5 * scale, canvas.top() + spare + scale * (1.0 + above)),
+            scale,
+            width,
+        }
+    }
+
+    /// Maps a point of the world [m] to the screen.
+    pub fn screen_from_world(&self, [x, y]: [f64; 2]) -> Pos2 {
+        let place = |from: f32, metres: f64| (from + self.scale * metres as f32).clamp(-FARTHEST, FARTHEST);
+        pos2(place(self.origin.x, x), place(self.origin.y, -y))
+    }
+
+    /// Maps a point of the screen to the world [m].
+    pub fn world_from_screen(&self, point: Pos2) -> [f64; 2] {
+        let scale = f64::from(self.scale);
+        [f64::from(point.x - self.origin.x) / scale, f64::from(self.origin.y - point.y) / scale]
+    }
+
+    /// Maps a length of the world [m] to the screen.
+    pub fn length(&self, metres: f32) -> f32 {
+        self.scale * metres
+    }
+
+    /// The world on the screen: a square, unless it is wider than 1 m.
+    pub fn world(&self) -> Rect {
+        let beside = 0.5 * (f64::from(self.width) - 1.0);
+        Rect::from_two_pos(self.screen_from_world([-beside, 0.0]), self.screen_from_world([1.0 + beside, 1.0]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Rect, pos2};
+
+    #[test]
+    fn goes_there_and_back() {
+        let canvas = Rect::from_min_max(pos2(240.0, 50.0), pos2(960.0, 770.0));
+        for width in [1.0, 2.0] {
+            let camera = Camera::new(canvas, width, 40.0);
+            assert!(canvas.contains_rect(camera.world()));
+            assert!((camera.world().width() - width * camera.world().height()).abs() < 1e-3);
+            for point in [[0.0, 0.0], [1.0, 1.0], [0.3, -0.7]] {
+                let back = camera.world_from_screen(camera.screen_from_world(point));
+                assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6, "{point:?} {back:?}");
+            }
+            assert!(camera.screen_from_world([0.0, 1.0]).y < camera.screen_from_world([0.0, 0.0]).y);
+        }
+    }
 }

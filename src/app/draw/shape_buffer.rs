@@ -1,6 +1,5 @@
-//! Shape buffer: collects smooth shapes in one triangle mesh, which egui copies unchanged.
+//! Shape buffer: collects smooth shapes in one triangle mesh, which egui copies unchanged; and a limit of the filled area.
 
-use super::ears;
 use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, epaint::Vertex, vec2};
 use std::{f32::consts::TAU, sync::Arc};
 
@@ -122,7 +121,7 @@ impl ShapeBuffer {
         for &point in outline {
             self.vertex(point, color(point));
         }
-        ears::cut(outline, |[a, b, c]| self.mesh.add_triangle(first + a, first + b, first + c));
+        cut_ears(outline, |[a, b, c]| self.mesh.add_triangle(first + a, first + b, first + c));
         if let Some(&point) = outline.first() {
             self.line(outline, true, self.pixel, color(point));
         }
@@ -222,5 +221,138 @@ impl ShapeBuffer {
             let cosine = if before == Vec2::ZERO || after == Vec2::ZERO { 1.0 } else { along.dot(before).abs() };
             self.across.push(along.rot90() / cosine.max(0.45));
         }
+    }
+}
+
+/// Calls `triangle` with point numbers of triangles that fill an outline of either direction. An outline that crosses itself
+/// is also filled, but not in a defined way.
+fn cut_ears(outline: &[Pos2], mut triangle: impl FnMut([u32; 3])) {
+    let mut left: Vec<u32> = (0..outline.len() as u32).collect();
+    let at = |i: u32| outline[i as usize];
+    let turned: f32 = (0..outline.len()).map(|i| cross(Pos2::ZERO, outline[i], outline[(i + 1) % outline.len()])).sum();
+    let sign = if turned < 0.0 { -1.0 } else { 1.0 };
+    let mut start = 0;
+    while left.len() > 3 {
+        let count = left.len();
+        let corner = |i: usize| [left[(i + count - 1) % count], left[i % count], left[(i + 1) % count]];
+        let is_ear = |i: usize| {
+            let [a, b, c] = corner(i).map(at);
+            sign * cross(a, b, c) >= 0.0
+                && !left.iter().any(|&p| !corner(i).contains(&p) && is_inside(at(p), [a, b, c], sign))
+        };
+        let ear = (start..start + count).find(|&i| is_ear(i)).unwrap_or(start);
+        triangle(corner(ear));
+        left.remove(ear % count);
+        // Continuing behind the ear avoids that all triangles share one corner.
+        start = ear % count;
+    }
+    if let [a, b, c] = left[..] {
+        triangle([a, b, c]);
+    }
+}
+
+fn cross(a: Pos2, b: Pos2, c: Pos2) -> f32 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
+}
+
+fn is_inside(point: Pos2, [a, b, c]: [Pos2; 3], sign: f32) -> bool {
+    [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| sign * cross(from, to, point) > 0.0)
+}
+
+/// Maximum area that bodies and nets fill in a frame, relative to the area of the stage.
+const MOST: f32 = 4.0;
+
+/// Level of detail of a body or net.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// Everything.
+    Full,
+    /// The outline alone.
+    Outline,
+    /// A point for each vertex.
+    Points,
+}
+
+/// Remaining area that can be filled in a frame.
+pub struct Fill {
+    stage: Rect,
+    left: f32,
+}
+
+impl Fill {
+    /// The area for a whole frame.
+    pub fn new(stage: Rect) -> Self {
+        Self { stage, left: MOST * stage.area() }
+    }
+
+    /// Returns the first detail whose area fits into the remaining area, and subtracts it. Points always fit.
+    pub fn choose(&mut self, areas: [f32; 2]) -> Detail {
+        for (detail, area) in [Detail::Full, Detail::Outline].into_iter().zip(areas) {
+            if area <= self.left {
+                self.left -= area;
+                return detail;
+            }
+        }
+        Detail::Points
+    }
+
+    /// Upper bound of the area of triangles on the stage [square points].
+    pub fn triangles(&self, points: &[Pos2], triangles: &[[u32; 3]]) -> f32 {
+        let area = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|corner| points[corner as usize]);
+            let (u, v) = (b - a, c - a);
+            let seen = Rect::from_points(&[a, b, c]).intersect(self.stage);
+            if seen.is_negative() { 0.0 } else { (0.5 * (u.x * v.y - u.y * v.x)).abs().min(seen.area()) }
+        };
+        triangles.iter().map(area).sum()
+    }
+
+    /// Upper bound of the area of lines of a width on the stage [square points].
+    pub fn lines(&self, points: &[Pos2], lines: impl IntoIterator<Item = [u32; 2]>, width: f32) -> f32 {
+        let length = |ends: [u32; 2]| {
+            let [a, b] = ends.map(|end| points[end as usize]);
+            let seen = Rect::from_two_pos(a, b).intersect(self.stage);
+            if seen.is_negative() { 0.0 } else { seen.size().length() }
+        };
+        width * lines.into_iter().map(length).sum::<f32>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{pos2, vec2};
+
+    #[test]
+    fn fills_an_arrow_head() {
+        let outline = [pos2(0.0, 0.0), pos2(2.0, 3.0), pos2(4.0, 0.0), pos2(2.0, 1.0)];
+        let mut area = 0.0;
+        cut_ears(&outline, |corners| {
+            let [a, b, c] = corners.map(|i| outline[i as usize]);
+            area += 0.5 * cross(a, b, c).abs();
+        });
+        assert!((area - 4.0).abs() < 1e-6, "{area}");
+    }
+
+    const STAGE: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(100.0, 100.0));
+
+    #[test]
+    fn areas_are_clipped_to_the_stage() {
+        let fill = Fill::new(STAGE);
+        let points = [pos2(10.0, 10.0), pos2(30.0, 10.0), pos2(10.0, 40.0), pos2(1e5, -1e5), pos2(-1e5, 1e5)];
+        assert_eq!(fill.triangles(&points, &[[0, 1, 2]]), 300.0);
+        assert!(fill.triangles(&points, &[[0, 3, 4]]) <= STAGE.area());
+        let aside = points.map(|point| point + vec2(200.0, 0.0));
+        assert_eq!(fill.triangles(&aside, &[[0, 1, 2]]), 0.0);
+        assert_eq!(fill.lines(&points, [[0, 1]], 2.0), 40.0);
+        assert!(fill.lines(&points, [[3, 4]], 2.0) <= 2.0 * STAGE.size().length() + 1e-3);
+    }
+
+    #[test]
+    fn a_spent_budget_leaves_outlines_and_then_points() {
+        let mut fill = Fill::new(STAGE);
+        assert_eq!(fill.choose([30_000.0, 100.0]), Detail::Full);
+        assert_eq!(fill.choose([30_000.0, 100.0]), Detail::Outline);
+        assert_eq!(fill.choose([30_000.0, 20_000.0]), Detail::Points);
     }
 }

@@ -6,10 +6,9 @@ mod canvas;
 mod clock;
 mod colour;
 pub mod compare;
-mod dialogs;
 mod draw;
+mod files;
 mod gallery;
-mod handle_files;
 mod jobs;
 pub mod keys;
 mod meshing;
@@ -17,7 +16,6 @@ mod meter;
 mod numbers;
 mod panels;
 mod theme;
-mod unsaved;
 
 use crate::{
     command::Command,
@@ -33,9 +31,9 @@ use crate::{
 use canvas::Canvas;
 use clock::{Clock, Spent};
 use compare::{Comparison, Pane, PaneRequest, Split};
-use dialogs::Dialogs;
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
+use files::Dialogs;
 use gallery::Gallery;
 use jobs::Jobs;
 use meshing::Meshing;

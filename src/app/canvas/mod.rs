@@ -1,7 +1,6 @@
 //! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
 mod pointer_state;
-mod scenery;
 #[cfg(test)]
 mod tests;
 
@@ -20,13 +19,14 @@ use super::{
 };
 use crate::{
     command::{Command, Mode},
+    effects::Shape,
+    level::{EffectLevel, Switch, When},
     snapshot::{Field, Snapshot},
 };
 use eframe::egui::{
     self, Align2, Area, CursorIcon, Order, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2,
 };
 use pointer_state::PointerState;
-use scenery::Scenery;
 use std::time::Duration;
 
 /// Maximum frame length for animations [s].
@@ -238,5 +238,108 @@ impl Canvas {
     /// Scales the colours by the canvas's own values alone.
     pub fn unshare_scale(&mut self) {
         self.scale.heed(None);
+    }
+}
+
+/// Duration of a cross-fade [s].
+const FADE: f32 = 0.2;
+
+/// Presence in edit mode of effects that act only in collide mode.
+const PALE: f32 = 0.72;
+
+/// State of the scenery.
+#[derive(Default)]
+pub struct Scenery {
+    generation: Option<u64>,
+    /// The shapes of each effect, and their presence from 0 to 1.
+    effects: Vec<(Vec<Shape>, f32)>,
+    moving: bool,
+    buffer: ShapeBuffer,
+    /// Content of the buffer; it is drawn again when this differs.
+    drawn: Option<(View, Rect, u32, Option<[usize; 2]>)>,
+    changed: bool,
+}
+
+impl Scenery {
+    /// Updates the presence of each effect, which fades in and out.
+    pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
+        let known = self.generation == Some(snapshot.generation);
+        self.generation = Some(snapshot.generation);
+        self.moving = false;
+        if self.effects.len() != snapshot.level.effects.len() {
+            self.effects.resize_with(snapshot.level.effects.len(), || (Vec::new(), 0.0));
+            self.changed = true;
+        }
+        for (effect, (shapes, presence)) in snapshot.level.effects.iter().zip(&mut self.effects) {
+            let now = effect.effect.kind().shapes(snapshot.time);
+            let wanted = if now.is_empty() { 0.0 } else { wanted(effect, snapshot.mode) };
+            let step = if known { dt / FADE } else { 1.0 };
+            let next = *presence + (wanted - *presence).clamp(-step, step);
+            self.changed |= *shapes != now || *presence != next;
+            self.moving |= next != wanted;
+            (*shapes, *presence) = (now, next);
+        }
+    }
+
+    /// Whether an effect is fading.
+    pub fn is_moving(&self) -> bool {
+        self.moving
+    }
+
+    /// Presence of a room, which replaces the plain world square.
+    pub fn room_presence(&self) -> f32 {
+        let rooms =
+            self.effects.iter().filter(|(shapes, _)| shapes.iter().any(|shape| matches!(shape, Shape::Room(_))));
+        rooms.map(|effect| effect.1).fold(0.0, f32::max)
+    }
+
+    /// Returns the drawing, made again only if something has changed. The solid `pointed` is highlighted.
+    pub fn draw(
+        &mut self,
+        pixels_per_point: f32,
+        canvas: Rect,
+        view: View,
+        pointed: Option<[usize; 2]>,
+    ) -> egui::Shape {
+        let wanted = Some((view, canvas, pixels_per_point.to_bits(), pointed));
+        if !self.changed && self.drawn == wanted {
+            return self.buffer.again();
+        }
+        (self.drawn, self.changed) = (wanted, false);
+        self.buffer.clear(pixels_per_point);
+        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.02);
+        let mut shapes: Vec<(&Shape, f32)> =
+            there.flat_map(|(shapes, presence)| shapes.iter().map(move |shape| (shape, *presence))).collect();
+        shapes.sort_by_key(|(shape, _)| match shape {
+            Shape::Edges(..) => 0,
+            Shape::Room(_) => 1,
+            Shape::Solid(_) => 2,
+        });
+        for (number, (shape, presence)) in shapes.into_iter().enumerate() {
+            match shape {
+                Shape::Edges(least, greatest) => house::edges(&mut self.buffer, view, [*least, *greatest], presence),
+                Shape::Room(room) => house::house(&mut self.buffer, view, canvas, room, presence),
+                Shape::Solid(outline) => house::gumdrop(&mut self.buffer, view, outline, number, presence),
+            }
+        }
+        let pointed = pointed.and_then(|[effect, solid]| {
+            let (shapes, presence) = self.effects.get(effect)?;
+            let mut solids =
+                shapes.iter().filter_map(|shape| if let Shape::Solid(outline) = shape { Some(outline) } else { None });
+            Some((solids.nth(solid)?, *presence))
+        });
+        if let Some((outline, presence)) = pointed {
+            house::ring(&mut self.buffer, view, outline, presence);
+        }
+        self.buffer.finish()
+    }
+}
+
+/// Target presence of an effect in a mode.
+fn wanted(effect: &EffectLevel, mode: Mode) -> f32 {
+    match (effect.switch, effect.when, mode) {
+        (Switch::Off, ..) | (_, When::Collide, Mode::Simulate) => 0.0,
+        (_, When::Collide, Mode::Edit) => PALE,
+        _ => 1.0,
     }
 }

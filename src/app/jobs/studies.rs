@@ -1,17 +1,19 @@
-//! The studies of the window and their results.
+//! The studies of the window and their results; and runs of hard cases.
 
-use super::job::Task;
+use super::Task;
 use crate::{
     files::Disk,
+    hard::{self, COLUMNS, Case, Entry, Method, Sweep, row},
     integrators::IntegratorKind,
     level::Level,
+    materials::Model,
     study::{
         Curve, Drift, Invariant, Limits, Locking, LockingNumber, Measure, MeasuredOrder, MeshMoment, MeshPlan,
         MeshPoint, MeshReference, MeshStudy, NoErrors, NoMeshReference, Plan, Price, Progress, Reference, Saving,
         Savings, Setting, Status, StudyError, Suggestion, Trial, USUAL_ERRORS, WorkPrecision,
     },
 };
-use std::time::Duration;
+use std::{path::Path, sync::Arc, time::Duration};
 
 /// Target errors for which the cheapest setting is searched.
 pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
@@ -263,5 +265,80 @@ impl Task for Savings {
 
     fn results(&self) -> Saved {
         Saved { each: self.each(), whole: self.whole() }
+    }
+}
+
+/// Selection of runs of hard cases; a field without a value selects all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Choice {
+    /// Name of a case.
+    pub case: Option<&'static str>,
+    /// Constitutive model.
+    pub model: Option<Model>,
+    /// Method of time integration.
+    pub method: Option<Method>,
+}
+
+impl Choice {
+    /// Whether a run is selected.
+    pub fn takes(&self, trial: &hard::Trial) -> bool {
+        self.case.is_none_or(|case| case == trial.name)
+            && self.model.is_none_or(|model| model == trial.model)
+            && self.method.is_none_or(|method| method == trial.method)
+    }
+}
+
+/// Results of the hard cases.
+#[derive(Clone, Default)]
+pub struct Known {
+    /// All runs that were started.
+    pub runs: Vec<(hard::Trial, Entry)>,
+}
+
+impl Known {
+    /// Table of all finished runs as comma-separated values.
+    pub fn csv(&self) -> String {
+        let over = self.runs.iter().filter_map(|(trial, entry)| match &entry.verdict {
+            Some(Ok(verdict)) => Some(row(trial, verdict)),
+            _ => None,
+        });
+        over.fold(COLUMNS.to_owned(), |text, line| text + "\n" + &line) + "\n"
+    }
+}
+
+/// Runs in progress, and the results of earlier runs.
+pub struct Hard {
+    before: Vec<(hard::Trial, Entry)>,
+    sweep: Sweep,
+}
+
+impl Hard {
+    /// Prepares the selected runs; other results stay.
+    pub fn new(choice: Choice, known: Known) -> Result<Self, StudyError> {
+        let mut trials = Vec::new();
+        for name in Case::names() {
+            let case = Case::read(Path::new(name)).map_err(|_| StudyError::NotHere("a hard case cannot be read"))?;
+            let case = Arc::new(case);
+            for (&model, method) in Model::ALL.iter().flat_map(|model| Method::ALL.map(|method| (model, method))) {
+                trials.push(hard::Trial { name: name.to_owned(), case: Arc::clone(&case), model, method });
+            }
+        }
+        trials.retain(|trial| choice.takes(trial));
+        let mut before = known.runs;
+        before.retain(|(trial, entry)| entry.verdict.is_some() && !choice.takes(trial));
+        Ok(Self { before, sweep: Sweep::new(trials, threads()) })
+    }
+}
+
+impl Task for Hard {
+    type Results = Known;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        Ok(self.sweep.advance(budget))
+    }
+
+    fn results(&self) -> Known {
+        let now = self.sweep.entries().map(|(trial, entry)| (trial.clone(), entry.clone()));
+        Known { runs: self.before.iter().cloned().chain(now).collect() }
     }
 }

@@ -1,7 +1,7 @@
 //! Exports plots: numbers as CSV, pictures as PNG.
 
 use super::{FileRequest, Notice, View};
-use crate::app::dialogs::stem;
+use crate::app::files::stem;
 use eframe::egui::{Button, ColorImage, Context, Rect, RichText, Ui, Vec2, style::ScrollAnimation};
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -1,7 +1,7 @@
 //! Text input where there are no native file dialogs.
 
 use super::View;
-use crate::app::dialogs::Purpose;
+use crate::app::files::Purpose;
 use eframe::egui::{self, Context, Id, Key, Modal, RichText, TextEdit, vec2};
 
 /// State of a text input.

@@ -12,7 +12,6 @@ mod gallery;
 mod jobs;
 pub mod keys;
 mod meshing;
-mod meter;
 mod numbers;
 mod panels;
 mod theme;
@@ -37,8 +36,7 @@ use files::Dialogs;
 use gallery::Gallery;
 use jobs::Jobs;
 use meshing::Meshing;
-use meter::Meter;
-use panels::{FileRequest, History, Notice, PanelContext, View};
+use panels::{FileRequest, History, Meter, Notice, PanelContext, View};
 use web_time::Instant;
 
 /// Time budget for steps in a frame [s]. The rest of 1/60 s is for drawing.

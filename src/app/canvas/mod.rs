@@ -249,7 +249,7 @@ const PALE: f32 = 0.72;
 
 /// State of the scenery.
 #[derive(Default)]
-pub struct Scenery {
+struct Scenery {
     generation: Option<u64>,
     /// The shapes of each effect, and their presence from 0 to 1.
     effects: Vec<(Vec<Shape>, f32)>,

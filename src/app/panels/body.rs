@@ -1,19 +1,18 @@
-//! Panel of a body: material, mass and mesh.
+//! Panels of the parts of a level: a body with material, mass and mesh; a net; a toy; and the controls of test levels.
 
 use super::{
-    Notice, View, apply_response, heading, net,
-    segmented::{Segment, segmented},
-    slider::{self, SliderOptions, SliderResponse},
+    Notice, View, apply_response, fixed, heading, row, sliders,
+    widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
-    command::Command,
-    level::MassLevel,
+    command::{Command, Pose},
+    level::{MassLevel, NetLevel},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
-    quantity::{Cells, Density, Mass, OutOfRange, Rings, Tolerance, Triangles},
+    quantity::{Cells, Density, Mass, OutOfRange, Quantity, Rings, Tolerance, Triangles},
     snapshot::Snapshot,
 };
-use eframe::egui::{ComboBox, Ui};
+use eframe::egui::{ComboBox, RichText, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     let level = &now.level;
@@ -42,14 +41,14 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
-            net::show(ui, number, listed, view, commands);
+            show_net(ui, number, listed, view, commands);
         }
     });
 }
 
 fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands: &mut Vec<Command>) {
     let (mut young, mut poisson, mut plane) = (material.young(), material.poisson(), material.plane());
-    let outcomes = [slider::quantity(ui, &mut young), slider::quantity(ui, &mut poisson)];
+    let outcomes = [widgets::quantity(ui, &mut young), widgets::quantity(ui, &mut poisson)];
     let mut changed = outcomes.iter().any(|outcome| outcome.changed);
     let part = |on, text, about| Segment { text, name: text, about, on };
     let stress = plane.is_stress();
@@ -102,8 +101,8 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, c
         }
     }
     let (outcome, new) = match mass {
-        MassLevel::Density(mut density) => (slider::quantity(ui, &mut density), MassLevel::Density(density)),
-        MassLevel::Total(mut total) => (slider::quantity(ui, &mut total), MassLevel::Total(total)),
+        MassLevel::Density(mut density) => (widgets::quantity(ui, &mut density), MassLevel::Density(density)),
+        MassLevel::Total(mut total) => (widgets::quantity(ui, &mut total), MassLevel::Total(total)),
     };
     apply_response(outcome, Some(Command::SetMass(view.body, new)), view, commands);
 }
@@ -123,7 +122,7 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
         let look =
             SliderOptions { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
         let value = number.get();
-        let outcome = slider::number(ui, &look, value, &mut |new| number.set(new).map_err(|error| error.to_string()));
+        let outcome = widgets::number(ui, &look, value, &mut |new| number.set(new).map_err(|error| error.to_string()));
         sum.changed |= outcome.changed;
         sum.ended |= outcome.ended;
         sum.refused = outcome.refused.or(sum.refused.take());
@@ -138,4 +137,49 @@ fn converted(mass: MassLevel, area: f64, to_density: bool) -> Result<MassLevel, 
         (MassLevel::Density(density), false) => MassLevel::Total(Mass::new(density.get() * area)?),
         (same, _) => same,
     })
+}
+
+/// Draws the sliders of a net: the mass of its particles and its parameters.
+fn show_net(ui: &mut Ui, number: usize, listed: &NetLevel, view: &mut View, commands: &mut Vec<Command>) {
+    let (mut net, mut mass) = (listed.net.clone(), listed.mass);
+    let springs = net.kind_mut().parameters();
+    let outcome = sliders(ui, std::iter::once(&mut mass as &mut dyn Quantity).chain(springs));
+    apply_response(outcome, Some(Command::SetNet(number, net, mass)), view, commands);
+}
+
+pub fn show_toy(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
+    let (Some(listed), Some(shown)) = (&now.level.toy, &now.toy) else { return };
+    heading(ui, listed.kind().title());
+    ui.label(RichText::new(listed.kind().about()).small().weak());
+    ui.add_space(4.0);
+    let mut toy = listed.clone();
+    let outcome = sliders(ui, toy.kind_mut().parameters());
+    apply_response(outcome, Some(Command::SetToy(toy)), view, commands);
+    for reading in &shown.readings {
+        row(ui, reading.name, &fixed(reading.value, reading.unit), reading.help);
+    }
+}
+
+pub fn show_test_pose(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    let Some(test) = now.level.test else { return };
+    heading(ui, "Stretch test");
+    let about = |key: &str, factor: f64| format!("Starts at {factor} x the rest height. [{key}]");
+    let (up, down) = (about("Up", test.stretched.get()), about("Down", test.compressed.get()));
+    let is_at = |pose, factor| match now.pose {
+        Some(now) => now == pose,
+        None => now.level.bodies.first().is_some_and(|body| body.stretch.1 == factor),
+    };
+    let part = |pose, factor, text, about| Segment { text, name: text, about, on: is_at(pose, factor) };
+    let parts = [
+        part(Pose::Stretched, test.stretched, "Stretched", &up),
+        part(Pose::Compressed, test.compressed, "Compressed", &down),
+    ];
+    if let Some(clicked) = segmented(ui, "pose", &parts, true) {
+        commands.push(Command::SetPose(if clicked == 0 { Pose::Stretched } else { Pose::Compressed }));
+    }
+    let mut together = now.side_by_side;
+    let help = "One body for each constitutive model, so that their answers can be compared.";
+    if ui.checkbox(&mut together, "All models side by side").on_hover_text(help).changed() {
+        commands.push(Command::SetSideBySide(together));
+    }
 }

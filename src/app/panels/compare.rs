@@ -1,14 +1,13 @@
 //! Panel of the comparison: which pane is edited, and the differences.
 
 use super::{
-    PanelContext, Side, View, axes,
-    energy::{marks, nice_range},
-    export::{self, Figure},
+    PanelContext, Side, View,
+    energy::{WINDOW, marks, nice_range},
     fixed, heading_here,
-    history::WINDOW,
+    plotting::{self, Figure},
     row,
     scheme::percent,
-    segmented::{HEIGHT, Segment, segmented},
+    widgets::{HEIGHT, Segment, segmented},
 };
 use crate::app::{
     compare::{Comparison, Moment, Pane, PaneRequest, Record, color},
@@ -72,7 +71,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     ui.horizontal(|ui| {
         heading_here(ui, "Difference B − A");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            export::buttons(ui, view, Figure::Difference, &context.now.level.name, || record.csv());
+            plotting::export_buttons(ui, view, Figure::Difference, &context.now.level.name, || record.csv());
         });
     });
     let Some(last) = record.last() else { return };
@@ -96,7 +95,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             value: &|of| Some(numbers::or_zero(of.energy, negligible)),
         },
     );
-    export::pose(ui, view, Figure::Difference, Rect::from_min_max(top, ui.min_rect().max));
+    plotting::pose(ui, view, Figure::Difference, Rect::from_min_max(top, ui.min_rect().max));
     costs(ui, record.prices());
     ui.add_space(4.0);
     ui.separator();
@@ -179,14 +178,14 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve<'_>) {
     let format = move |value: f64| {
         if unit.is_empty() { format!("{} %", numbers::si(value, "")) } else { numbers::si(value, unit) }
     };
-    let response = axes::still(curve.name, PLOT, theme)
+    let response = plotting::still(curve.name, PLOT, theme)
         .y_axis_min_width(58.0)
         .x_grid_spacer(move |input| {
             let mut marks = marks(input.bounds, span);
             marks.retain(|mark| mark.value < begin + 0.96 * span);
             marks
         })
-        .y_grid_spacer(|input| axes::heights(input.bounds, 0.62))
+        .y_grid_spacer(|input| plotting::heights(input.bounds, 0.62))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(move |mark, _| format(mark.value))
         .show(ui, |plot| {

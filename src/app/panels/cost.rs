@@ -2,9 +2,8 @@
 
 use super::{
     PanelContext, View, apply_response, count, fixed, heading, row,
-    segmented::{Segment, segmented},
-    slider::{self, SliderOptions},
     status::AT_REST,
+    widgets::{self, Segment, SliderOptions, segmented},
 };
 use crate::{
     command::Command,
@@ -119,7 +118,7 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         help: "Steps in 1/60 s of simulated time: h = 1/(60 n). More steps take more computing time and are more stable.\nAllowed: at least 1 and at most 100000.",
     };
     let mut chosen = now.level.substeps;
-    let outcome = slider::number(ui, &look, f64::from(chosen.get()), &mut |new| {
+    let outcome = widgets::number(ui, &look, f64::from(chosen.get()), &mut |new| {
         let whole = if new.is_finite() { new.round().clamp(0.0, f64::from(u32::MAX)) } else { 0.0 };
         chosen = Substeps::new(whole as u32)?;
         Ok(())

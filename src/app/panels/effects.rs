@@ -1,6 +1,6 @@
 //! Panel of effects: a switch and sliders for each.
 
-use super::{View, apply_response, heading, slider, sliders};
+use super::{View, apply_response, heading, sliders, widgets};
 use crate::{
     command::Command,
     effects::{EffectKind, Group},
@@ -76,7 +76,7 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
     if !on || groups.is_empty() {
         return;
     }
-    let mut sum = slider::SliderResponse::default();
+    let mut sum = widgets::SliderResponse::default();
     ui.indent("parameters", |ui| {
         for (number, Group { title, solid, numbers }) in groups.into_iter().enumerate() {
             let group = ui.push_id(number, |ui| {

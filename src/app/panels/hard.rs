@@ -2,8 +2,8 @@
 
 use super::{
     FileRequest, PanelContext, View,
-    export::Export,
-    segmented::{Segment, segmented},
+    plotting::Export,
+    widgets::{Segment, segmented},
 };
 use crate::{
     app::{

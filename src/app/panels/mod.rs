@@ -1,39 +1,27 @@
 //! Panels around the stage. A panel reads the snapshot, changes only the display settings ([`View`]), and returns commands.
 
-mod axes;
 mod banner;
 mod body;
 mod compare;
 mod cost;
-mod diagram;
-mod drift_plot;
 mod effects;
 mod energy;
-mod export;
 mod hard;
-mod help;
-mod history;
-mod icons;
 mod ledger;
-mod mesh_plot;
-mod meshing;
-mod net;
-mod prompt;
+mod overlays;
+mod plotting;
 mod scheme;
-mod segmented;
-mod slider;
 mod status;
 mod strip;
 mod studies;
-mod test_pose;
-mod toy;
-mod unsaved;
+mod study_plots;
+mod widgets;
 
 pub use compare::apart;
-pub use export::Export;
-pub use history::{History, WINDOW};
-pub use prompt::Prompt;
-pub use unsaved::{Choice, Unsaved};
+pub use energy::{History, WINDOW};
+pub use ledger::Meter;
+pub use overlays::{Choice, Prompt, Unsaved};
+pub use plotting::Export;
 
 use super::{
     canvas,
@@ -43,7 +31,6 @@ use super::{
     jobs::{JobRequest, Jobs},
     keys::{Binding, KeyAction},
     meshing::Progress,
-    meter::Meter,
     numbers,
     theme::Theme,
 };
@@ -85,7 +72,7 @@ pub struct View {
     /// Display settings of the studies.
     pub studies: studies::StudiesSettings,
     /// The plot whose picture is being taken.
-    pub sitting: Option<export::Sitting>,
+    pub sitting: Option<plotting::Sitting>,
     /// Requests for the two panes.
     pub panes: Vec<panes::PaneRequest>,
     /// Whether the ledger of effects is open. Effects are timed only then.
@@ -214,10 +201,10 @@ pub fn show(
     // Nothing may cover a plot while its picture is taken.
     if !view.is_posing() {
         banner::show(ui.ctx(), stage, context, view, commands);
-        help::show(ui.ctx(), context.now, view);
-        meshing::show(ui.ctx(), stage, view);
-        prompt::show(ui.ctx(), view);
-        unsaved::show(ui.ctx(), &context.now.level.name, view);
+        overlays::show_help(ui.ctx(), context.now, view);
+        overlays::show_meshing(ui.ctx(), stage, view);
+        overlays::show_prompt(ui.ctx(), view);
+        overlays::show_unsaved(ui.ctx(), &context.now.level.name, view);
     }
     if view.meant != view.stage.pointed {
         ui.ctx().request_repaint();
@@ -276,9 +263,9 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
             if !context.now.level.about.is_empty() {
                 ui.label(RichText::new(&context.now.level.about).small().weak());
             }
-            test_pose::show(ui, context.now, commands);
+            body::show_test_pose(ui, context.now, commands);
             body::show(ui, context.now, view, commands);
-            toy::show(ui, context.now, view, commands);
+            body::show_toy(ui, context.now, view, commands);
             effects::show(ui, context.now, view, commands);
         } else {
             compare::show(ui, context, view);
@@ -334,7 +321,7 @@ fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
 
 /// Applies the response of a slider: pushes its command, shows a refusal, and passes on the end of a gesture.
 fn apply_response(
-    response: slider::SliderResponse,
+    response: widgets::SliderResponse,
     command: Option<Command>,
     view: &mut View,
     commands: &mut Vec<Command>,
@@ -351,10 +338,10 @@ fn apply_response(
 }
 
 /// Draws sliders for quantities and returns their combined response.
-fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> slider::SliderResponse {
-    let mut sum = slider::SliderResponse::default();
+fn sliders<'a>(ui: &mut Ui, numbers: impl IntoIterator<Item = &'a mut dyn Quantity>) -> widgets::SliderResponse {
+    let mut sum = widgets::SliderResponse::default();
     for (index, number) in numbers.into_iter().enumerate() {
-        sum.add(ui.push_id(index, |ui| slider::quantity(ui, number)).inner);
+        sum.add(ui.push_id(index, |ui| widgets::quantity(ui, number)).inner);
     }
     sum
 }

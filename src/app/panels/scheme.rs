@@ -1,6 +1,6 @@
 //! Panel of time stepping: integrator, step and stability limit.
 
-use super::{PanelContext, View, apply_response, count, fixed, heading, row, slider};
+use super::{PanelContext, View, apply_response, count, fixed, heading, row, widgets};
 use crate::{
     app::{jobs::JobRequest, numbers, theme::Theme},
     command::Command,
@@ -43,9 +43,9 @@ fn choose(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) 
 
 fn parameters(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     let mut changed = context.now.level.integrator.clone();
-    let mut sum = slider::SliderResponse::default();
+    let mut sum = widgets::SliderResponse::default();
     for (number, parameter) in changed.kind_mut().parameters().into_iter().enumerate() {
-        let outcome = ui.push_id(("scheme", number), |ui| slider::quantity(ui, parameter)).inner;
+        let outcome = ui.push_id(("scheme", number), |ui| widgets::quantity(ui, parameter)).inner;
         sum.changed |= outcome.changed;
         sum.ended |= outcome.ended;
         sum.refused = outcome.refused.or(sum.refused.take());

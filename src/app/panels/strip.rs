@@ -2,8 +2,7 @@
 
 use super::{
     FileRequest, PanelContext, Side, View, compare,
-    icons::Icon,
-    segmented::{HEIGHT, Lit, Segment, icon_button, segmented},
+    widgets::{HEIGHT, Icon, Lit, Segment, icon_button, segmented},
 };
 use crate::{
     command::{Command, Mode},

@@ -2,10 +2,10 @@
 //! so far.
 
 use super::{
-    PanelContext, View, diagram, drift_plot,
-    export::{self, Figure},
-    heading, mesh_plot,
-    segmented::{Segment, segmented},
+    PanelContext, View, heading,
+    plotting::{self, Figure},
+    study_plots,
+    widgets::{Segment, segmented},
 };
 use crate::{
     app::{
@@ -24,11 +24,11 @@ pub struct StudiesSettings {
     /// Chosen topic.
     pub topic: Topic,
     /// Display settings of the accuracy diagram.
-    pub diagram: diagram::DiagramSettings,
+    pub diagram: study_plots::DiagramSettings,
     /// Display settings of the mesh plot.
-    pub meshes: mesh_plot::MeshPlotSettings,
+    pub meshes: study_plots::MeshPlotSettings,
     /// Display settings of the drift plot.
-    pub drift: drift_plot::DriftSettings,
+    pub drift: study_plots::DriftSettings,
 }
 
 /// Topics with short text, name and tooltip.
@@ -88,9 +88,9 @@ pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View, commands
         .show(ctx, |ui| {
             top(ui, context, view);
             match view.studies.topic {
-                Topic::Accuracy => diagram::show(ui, context, view, commands),
-                Topic::Meshes => mesh_plot::show(ui, context, view),
-                Topic::Drift => drift_plot::show(ui, context, view),
+                Topic::Accuracy => study_plots::show_accuracy(ui, context, view, commands),
+                Topic::Meshes => study_plots::show_meshes(ui, context, view),
+                Topic::Drift => study_plots::show_drift(ui, context, view),
             }
         });
     view.studies.open = open;
@@ -115,9 +115,9 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             return;
         }
         let (request, help) = match topic {
-            Topic::Accuracy => (JobRequest::Accuracy, diagram::HELP),
-            Topic::Meshes => (JobRequest::Meshes(view.studies.meshes.measure), mesh_plot::HELP),
-            Topic::Drift => (JobRequest::Drift(view.studies.drift.seconds()), drift_plot::HELP),
+            Topic::Accuracy => (JobRequest::Accuracy, study_plots::ACCURACY_HELP),
+            Topic::Meshes => (JobRequest::Meshes(view.studies.meshes.measure), study_plots::MESHES_HELP),
+            Topic::Drift => (JobRequest::Drift(view.studies.drift.seconds()), study_plots::DRIFT_HELP),
         };
         if ui.button("Measure").on_hover_text(help).clicked() {
             view.requests.push(request);
@@ -148,7 +148,7 @@ pub fn results<'a, R>(ui: &mut Ui, findings: Option<&'a Findings<R>>, invitation
 pub fn caption(ui: &mut Ui, view: &mut View, figure: Figure, text: &str, level: &str, table: &str) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            export::buttons(ui, view, figure, level, || table.to_owned());
+            plotting::export_buttons(ui, view, figure, level, || table.to_owned());
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add(eframe::egui::Label::new(RichText::new(text).small().weak()).wrap());
             });

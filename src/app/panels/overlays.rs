@@ -1,0 +1,179 @@
+//! Overlays: text input where there are no file dialogs, unsaved changes, progress of meshing, and the list of keys.
+
+use super::{
+    FileRequest, View, count,
+    widgets::{Icon, icon_button},
+};
+use crate::{
+    app::{
+        files::Purpose,
+        keys::{TABLE, When},
+    },
+    snapshot::Snapshot,
+};
+use eframe::egui::{
+    self, Align, Align2, Area, Button, Context, Frame, Grid, Id, Key, Layout, Modal, Order, Rect, RichText, ScrollArea,
+    Spinner, TextEdit, Ui, vec2,
+};
+
+/// State of a text input.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Prompt {
+    /// Purpose of the requested file.
+    pub purpose: Purpose,
+    /// Typed text.
+    pub text: String,
+    /// Whether the answer was confirmed.
+    pub answered: bool,
+}
+
+/// Whether files are named by a path. In a browser the text of the level itself is pasted.
+const PATHS: bool = cfg!(not(target_arch = "wasm32"));
+
+pub fn show_prompt(ctx: &Context, view: &mut View) {
+    let Some(prompt) = &mut view.prompt else { return };
+    let mut closed = false;
+    let modal = Modal::new(Id::unique("prompt")).show(ctx, |ui| {
+        ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
+        let verb = if prompt.purpose == Purpose::Open { "Open" } else { "Save" };
+        ui.label(RichText::new(prompt.purpose.title()).heading());
+        let question =
+            if PATHS { "There is no file dialog on this system. Path of the file:" } else { "Paste a level:" };
+        ui.label(question);
+        let edit = if PATHS { TextEdit::singleline(&mut prompt.text) } else { TextEdit::multiline(&mut prompt.text) };
+        let field = ui.add(edit.desired_width(f32::INFINITY).hint_text("my-level.ron")).accessible_name("File");
+        let entered = PATHS && field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        if !prompt.answered && ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            let ready = !prompt.text.trim().is_empty();
+            let button = egui::Button::new(verb).min_size(vec2(72.0, 26.0));
+            let pressed = ui.add_enabled(ready, button).clicked();
+            prompt.answered |= ready && (pressed || entered);
+            closed |= ui.button("Cancel").clicked();
+        });
+    });
+    if closed || modal.should_close() && !prompt.answered {
+        view.prompt = None;
+    }
+}
+
+/// Dialog about unsaved changes that a request would lose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unsaved {
+    /// Request that waits for the choice.
+    pub request: FileRequest,
+    /// Choice, once it is made.
+    pub choice: Option<Choice>,
+}
+
+/// Choices for unsaved changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// The changes are saved, then the request is carried out.
+    Save,
+    /// The changes are lost and the request is carried out.
+    Discard,
+    /// Nothing changes.
+    Cancel,
+}
+
+pub fn show_unsaved(ctx: &Context, name: &str, view: &mut View) {
+    let Some(unsaved) = view.unsaved.as_mut().filter(|unsaved| unsaved.choice.is_none()) else { return };
+    let modal = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
+        ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
+        ui.label(RichText::new("Save the changes?").heading());
+        let then = match unsaved.request {
+            FileRequest::Close => "If the window closes now, they are lost.",
+            _ => "If another level is opened now, they are lost.",
+        };
+        let name = if name.is_empty() { "This level" } else { name };
+        ui.label(format!("{name} has changes that are not saved. {then}"));
+        ui.add_space(6.0);
+        ui.horizontal(|ui| {
+            let choices = [
+                (Choice::Save, "Save", "Asks for a file, saves, and goes on. [Enter]"),
+                (Choice::Discard, "Discard", "Goes on without saving. [Tab, Enter]"),
+                (Choice::Cancel, "Cancel", "Everything stays as it is. [Esc]"),
+            ];
+            for (choice, words, help) in choices {
+                let button = ui.add(Button::new(words).min_size(vec2(84.0, 28.0))).on_hover_text(help);
+                if choice == Choice::Save && ui.memory(|memory| memory.focused().is_none()) {
+                    button.request_focus();
+                }
+                if button.clicked() {
+                    unsaved.choice = Some(choice);
+                }
+            }
+        });
+    });
+    if modal.should_close() && unsaved.choice.is_none() {
+        unsaved.choice = Some(Choice::Cancel);
+    }
+}
+
+pub fn show_meshing(ctx: &Context, stage: Rect, view: &mut View) {
+    let Some(progress) = &view.meshing else { return };
+    let text = format!("Meshing about {} triangles: {:.0} s", count(progress.triangles), progress.seconds);
+    let corner = stage.center_bottom() - vec2(0.0, 12.0);
+    let area = Area::new(Id::unique("meshing")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(corner);
+    area.constrain_to(stage).show(ctx, |ui| {
+        Frame::window(ui.style()).inner_margin(10).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.add(Spinner::new().size(18.0));
+                ui.label(text);
+                let help = "The mesh stays as it is. What is computed already is dropped.";
+                view.cancel_mesh = ui.button("Cancel meshing").on_hover_text(help).clicked();
+            });
+        });
+    });
+}
+
+pub fn show_help(ctx: &Context, now: &Snapshot, view: &mut View) {
+    if !view.help {
+        return;
+    }
+    let room = ctx.content_rect().size() - vec2(48.0, 96.0);
+    let modal = Modal::new(Id::unique("keys")).show(ctx, |ui| {
+        ui.set_width(room.x.min(460.0));
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Keys and mouse").heading());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if icon_button(ui, Icon::Close, "Close", "[Esc]", false).clicked() {
+                    view.help = false;
+                }
+            });
+        });
+        ui.separator();
+        ScrollArea::vertical()
+            .max_height(room.y)
+            .min_scrolled_height(room.y)
+            .auto_shrink([false, true])
+            .show(ui, |ui| key_table(ui, now, view));
+    });
+    if modal.backdrop_response.clicked() || ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
+    {
+        view.help = false;
+    }
+}
+
+fn key_table(ui: &mut Ui, now: &Snapshot, view: &mut View) {
+    for group in When::ALL {
+        ui.add_space(6.0);
+        ui.label(RichText::new(group.title()).strong());
+        Grid::new(group.title()).num_columns(2).min_col_width(72.0).spacing([12.0, 4.0]).show(ui, |ui| {
+            for binding in TABLE.iter().filter(|binding| binding.when == group) {
+                let cap = Button::new(RichText::new(binding.label).strong()).min_size(vec2(34.0, 22.0));
+                let usable = !binding.shortcuts.is_empty() && group.applies(now);
+                let cap = ui.add_enabled(usable, cap).accessible_name(format!("{}, {}", binding.label, binding.words));
+                if cap.clicked() {
+                    view.pressed.push(binding);
+                }
+                ui.label(binding.words);
+                ui.end_row();
+            }
+        });
+    }
+}

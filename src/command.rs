@@ -65,13 +65,13 @@ pub enum Command {
     StepOnce,
     /// Resets positions and velocities to the start.
     Reset,
-    /// Rewinds by a time [s], as far as the buffer reaches, and pauses; clears a fault.
+    /// Rewinds by a time \[s\], as far as the buffer reaches, and pauses; clears a fault.
     Rewind(f64),
     /// Resets tangled bodies to a shape without folds; time continues from there.
     Untangle,
-    /// Begins to pull a vertex (by its number in the scene) towards a point [m].
+    /// Begins to pull a vertex (by its number in the scene) towards a point \[m\].
     Grab(usize, [f64; 2]),
-    /// Moves the point that the grabbed vertex is pulled to [m].
+    /// Moves the point that the grabbed vertex is pulled to \[m\].
     Pull([f64; 2]),
     /// Ends the pull.
     Release,

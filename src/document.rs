@@ -26,7 +26,7 @@ pub struct Document {
     pub level: Level,
     /// Last pose of a test level.
     pub pose: Option<Pose>,
-    /// Least and greatest x of the first body at rest [m], while a test level shows one body for each model.
+    /// Least and greatest x of the first body at rest \[m\], while a test level shows one body for each model.
     pub side_by_side: Option<[f64; 2]>,
 }
 
@@ -193,7 +193,7 @@ impl Document {
     }
 
     /// Replaces the mesh of a body. Vertices that are pinned by number become pinned by place; `rest` are the old places of the
-    /// vertices [m].
+    /// vertices \[m\].
     pub fn set_mesh(&mut self, body: usize, mesh: MeshKind, rest: &[Point]) {
         let Some(body) = self.level.bodies.get_mut(body) else { return };
         for pin in &mut body.pins {

@@ -22,7 +22,7 @@ use crate::{elements::Field, guard::Guard, integrators::Class, scene::Scene, sta
 pub struct Fault {
     /// Number of the step that failed, counted from 1.
     pub step: u64,
-    /// Simulated time before it [s].
+    /// Simulated time before it \[s\].
     pub time: f64,
     /// Where the step failed.
     pub culprit: Culprit,
@@ -48,7 +48,7 @@ pub enum Culprit {
         net: String,
         /// Number of the spring in it.
         number: usize,
-        /// Its length before the step [m].
+        /// Its length before the step \[m\].
         length: f64,
     },
     /// The point of a toy.
@@ -60,9 +60,9 @@ pub enum Culprit {
 pub enum Cause {
     /// The step was longer than the stability limit.
     StepTooLong {
-        /// Length of the step [s].
+        /// Length of the step \[s\].
         step: f64,
-        /// Longest stable step [s].
+        /// Longest stable step \[s\].
         limit: f64,
     },
     /// A triangle lost its area under a material of this name, whose energy is not defined there.
@@ -77,7 +77,7 @@ pub enum Cause {
 
 impl Fault {
     /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier. `finite` is true if the failed step
-    /// left finite numbers. `step` is the length of the shortest steps of any body or net [s].
+    /// left finite numbers. `step` is the length of the shortest steps of any body or net \[s\].
     pub fn find(scene: &Scene, [state, before]: [&State; 2], step: f64, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))

@@ -34,13 +34,13 @@ use crate::{level::SavedGuard, report::Energies, scene::Scene};
 /// half since the last check.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guard {
-    /// Supplied energy so far [J]; computed when it is first needed.
+    /// Supplied energy so far \[J\]; computed when it is first needed.
     put_in: Option<f64>,
-    /// Energy at the start, and changes from outside since [J].
+    /// Energy at the start, and changes from outside since \[J\].
     start: f64,
-    /// Kinetic energy up to which no check is made [J].
+    /// Kinetic energy up to which no check is made \[J\].
     kinetic_threshold: f64,
-    /// Mechanical energy and total after the last step, while every step is checked [J].
+    /// Mechanical energy and total after the last step, while every step is checked \[J\].
     last: Option<[f64; 2]>,
     /// Refinement level: every step is divided into 2^level shorter ones.
     level: u32,
@@ -107,7 +107,7 @@ impl Guard {
         self.start = energies.total();
     }
 
-    /// Supplied energy so far, if it is known [J].
+    /// Supplied energy so far, if it is known \[J\].
     pub const fn put_in(&self) -> Option<f64> {
         self.put_in
     }
@@ -117,7 +117,7 @@ impl Guard {
         self.put_in = put_in;
     }
 
-    /// Adds work of moving obstacles [J].
+    /// Adds work of moving obstacles \[J\].
     pub fn supply(&mut self, work: f64) {
         if let Some(put_in) = &mut self.put_in {
             *put_in += work;
@@ -131,7 +131,7 @@ impl Guard {
         self.last = None;
     }
 
-    /// Whether a scene can have supplied energy up to this total [J]: at most 100 times the energy of its elements at a
+    /// Whether a scene can have supplied energy up to this total \[J\]: at most 100 times the energy of its elements at a
     /// strain of one, or the energy at the start.
     pub fn is_possible(&self, scene: &Scene, total: f64) -> bool {
         total <= 100.0 * scale(scene).max(self.start.abs())
@@ -154,7 +154,7 @@ impl Guard {
         (self.kinetic_threshold, self.last) = (0.0, None);
     }
 
-    /// Whether the kinetic energy after a step [J] requires a check of all energies.
+    /// Whether the kinetic energy after a step \[J\] requires a check of all energies.
     pub fn exceeds_threshold(&self, kinetic: f64) -> bool {
         self.last.is_some() || kinetic > self.kinetic_threshold
     }
@@ -235,12 +235,12 @@ impl From<&SavedGuard> for Guard {
     }
 }
 
-/// Energy that counts as round-off in a scene [J].
+/// Energy that counts as round-off in a scene \[J\].
 pub(crate) fn negligible(scene: &Scene) -> f64 {
     1e-12 * scale(scene)
 }
 
-/// Energy scale of the elements of a scene, at a strain of one [J].
+/// Energy scale of the elements of a scene, at a strain of one \[J\].
 fn scale(scene: &Scene) -> f64 {
     scene.parts.iter().map(|part| part.energy_scales()[0]).sum()
 }

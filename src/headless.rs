@@ -43,7 +43,7 @@ use web_time::Instant;
 pub struct RunRequest {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
-    /// Simulated time to run [s].
+    /// Simulated time to run \[s\].
     #[arg(long, conflicts_with = "steps", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Number of steps to take.

@@ -136,9 +136,9 @@ pub struct NetLevel {
 pub struct Place {
     /// Scale.
     pub scale: Factor,
-    /// Turn [degrees], counter-clockwise.
+    /// Turn \[degrees\], counter-clockwise.
     pub turn: Angle,
-    /// Move [m].
+    /// Move \[m\].
     pub offset: Point,
 }
 

@@ -276,7 +276,7 @@ quantities! {
 pub struct Point(pub Coordinate, pub Coordinate);
 
 impl Point {
-    /// Coordinates [m].
+    /// Coordinates \[m\].
     pub const fn get(self) -> [f64; 2] {
         [self.0.get(), self.1.get()]
     }

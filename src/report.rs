@@ -90,9 +90,9 @@ impl Counts {
 pub struct SubstepPlan {
     /// Number of substeps in a step of the scene.
     pub steps: u32,
-    /// Length of a substep [s].
+    /// Length of a substep \[s\].
     pub step: f64,
-    /// The longest stable step at rest of symplectic Euler [s], if anything in it is stiff.
+    /// The longest stable step at rest of symplectic Euler \[s\], if anything in it is stiff.
     pub limit: Option<f64>,
 }
 
@@ -137,7 +137,7 @@ impl EffectCost {
     }
 }
 
-/// Energies of a scene [J].
+/// Energies of a scene \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
     /// Kinetic energy.
@@ -149,7 +149,7 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// The sum [J].
+    /// The sum \[J\].
     pub fn total(self) -> f64 {
         self.kinetic + self.elastic + self.potential
     }

@@ -27,9 +27,9 @@ pub struct Rewind {
 }
 
 impl Rewind {
-    /// Length of the recorded time [s].
+    /// Length of the recorded time \[s\].
     pub const SECONDS: f64 = 10.0;
-    /// Time between two recorded states [s].
+    /// Time between two recorded states \[s\].
     pub const FRAME: f64 = 1.0 / 60.0;
     /// Maximum number of recorded values: 128 MB.
     const MOST: usize = 16_000_000;
@@ -55,7 +55,7 @@ impl Rewind {
         self.moments.push_back(kept);
     }
 
-    /// Returns the latest moment that is older than a time by at least this much [s], or the oldest one, and drops later moments. A moment
+    /// Returns the latest moment that is older than a time by at least this much \[s\], or the oldest one, and drops later moments. A moment
     /// later than the time is never returned.
     pub fn back(&mut self, now: f64, seconds: f64) -> Option<Restart> {
         let wanted = now - seconds + 1e-6 * Self::FRAME;
@@ -65,7 +65,7 @@ impl Rewind {
         self.moments.back().filter(|last| last.state.time <= now).cloned()
     }
 
-    /// Length of the recorded time before a time [s].
+    /// Length of the recorded time before a time \[s\].
     pub fn length(&self, now: f64) -> f64 {
         self.moments.front().map_or(0.0, |first| (now - first.state.time).max(0.0))
     }

@@ -268,7 +268,7 @@ impl Sandbox {
         Ok(())
     }
 
-    /// Least and greatest x of the first body at rest [m].
+    /// Least and greatest x of the first body at rest \[m\].
     fn sides(&self) -> [f64; 2] {
         let scene = self.simulation.scene();
         scene.bodies.first().map_or([0.0; 2], |body| extent(&scene.rest[scene.numbers(&body.vertices)], 0).into())
@@ -350,7 +350,7 @@ impl Sandbox {
         own
     }
 
-    /// Rest positions of a shown body's vertices [m], in the order of the level and at the place of the document's body.
+    /// Rest positions of a shown body's vertices \[m\], in the order of the level and at the place of the document's body.
     fn rest_points(&self, body: usize) -> Vec<Point> {
         let scene = self.simulation.scene();
         let source = self.document.level.bodies.get(self.document.source(body));
@@ -369,7 +369,7 @@ impl Sandbox {
         &self.document
     }
 
-    /// Length of a step [s].
+    /// Length of a step \[s\].
     pub const fn step_length(&self) -> f64 {
         self.simulation.scene().step
     }
@@ -415,7 +415,7 @@ impl Sandbox {
         taken
     }
 
-    /// Length of the rewind buffer [s].
+    /// Length of the rewind buffer \[s\].
     pub fn rewind_length(&self) -> f64 {
         self.rewind.length(self.simulation.state().time)
     }

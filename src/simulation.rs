@@ -311,7 +311,7 @@ impl Simulation {
         self.state.time = end;
     }
 
-    /// One step of the scheme, of length h, from one time to another [s].
+    /// One step of the scheme, of length h, from one time to another \[s\].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
         (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, Inside::Nothing, None);
         if self.multirate.is_active() {

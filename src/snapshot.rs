@@ -48,9 +48,9 @@ pub struct Snapshot {
     pub toy: Option<ToySnapshot>,
     /// Triangles of all bodies (scene vertex numbers), in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
-    /// Current positions, x and y of each vertex [m].
+    /// Current positions, x and y of each vertex \[m\].
     pub positions: Vec<f64>,
-    /// Start positions, x and y of each vertex [m].
+    /// Start positions, x and y of each vertex \[m\].
     pub start: Arc<Vec<f64>>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
@@ -64,7 +64,7 @@ pub struct Snapshot {
     pub values: Vec<f64>,
     /// Energies now.
     pub energies: Energies,
-    /// Energy that is at most round-off of the energy this scene can store [J].
+    /// Energy that is at most round-off of the energy this scene can store \[J\].
     pub negligible: f64,
     /// Least det F of all triangles; infinite if there are none.
     pub min_j: f64,
@@ -72,7 +72,7 @@ pub struct Snapshot {
     pub inverted: usize,
     /// Number of vertices whose triangles do not go round them exactly once: folds.
     pub wound: usize,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
     /// Steps taken.
     pub steps: u64,
@@ -84,7 +84,7 @@ pub struct Snapshot {
     pub pose: Option<Pose>,
     /// Whether all models are shown side by side.
     pub side_by_side: bool,
-    /// Width of the world about x = 1/2 [m]: 1, or the width of the strips of a test at their start.
+    /// Width of the world about x = 1/2 \[m\]: 1, or the width of the strips of a test at their start.
     pub width: f64,
     /// Whether any damping effect is switched on.
     pub damping: bool,
@@ -100,9 +100,9 @@ pub struct Snapshot {
     pub asleep: usize,
     /// Number of triangles of bodies that are awake: those that a step computes.
     pub computed: usize,
-    /// Name and elastic energy [J] of the first body or net that has exploded, if one has.
+    /// Name and elastic energy \[J\] of the first body or net that has exploded, if one has.
     pub exploded: Option<(String, f64)>,
-    /// Length of the rewind buffer [s].
+    /// Length of the rewind buffer \[s\].
     pub rewind_length: f64,
     /// Cost of each effect so far, elements first.
     pub costs: Vec<EffectCost>,
@@ -135,15 +135,15 @@ pub struct BodySnapshot {
     pub vertices: Range<usize>,
     /// Its triangles in the scene.
     pub triangles: Range<usize>,
-    /// Elastic energy [J].
+    /// Elastic energy \[J\].
     pub energy: f64,
     /// Least det F.
     pub min_j: f64,
     /// Number of its triangles in the continued range of the model's formula.
     pub continued: usize,
-    /// Width at mid height [m], in test levels.
+    /// Width at mid height \[m\], in test levels.
     pub mid_width: f64,
-    /// Vertical force that holds the top row [N], in test levels; positive pulls up.
+    /// Vertical force that holds the top row \[N\], in test levels; positive pulls up.
     pub top_force: f64,
     /// Height over rest height.
     pub height_ratio: f64,
@@ -160,11 +160,11 @@ pub struct NetSnapshot {
     pub vertices: Range<usize>,
     /// Its springs; their ends are scene vertex numbers.
     pub springs: Arc<Springs>,
-    /// Elastic energy [J].
+    /// Elastic energy \[J\].
     pub energy: f64,
 }
 
-/// The toy of a snapshot; all points in world coordinates [m].
+/// The toy of a snapshot; all points in world coordinates \[m\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToySnapshot {
     /// Computed position.
@@ -184,9 +184,9 @@ pub struct ToySnapshot {
 pub struct Pull {
     /// The vertex, by its number in the scene.
     pub vertex: usize,
-    /// Target of the pull [m].
+    /// Target of the pull \[m\].
     pub target: [f64; 2],
-    /// Force k |target - vertex| [N].
+    /// Force k |target - vertex| \[N\].
     pub force: f64,
 }
 
@@ -343,7 +343,7 @@ impl Sandbox {
 }
 
 impl Body {
-    /// Distance between the outermost crossings of the boundary with a height [m]; `own` are its flat positions.
+    /// Distance between the outermost crossings of the boundary with a height \[m\]; `own` are its flat positions.
     fn width_at(&self, own: &[f64], height: f64) -> f64 {
         let crossings = self.boundary.iter().filter_map(|&[a, b]| {
             let point = |i: u32| [own[2 * i as usize], own[2 * i as usize + 1]];
@@ -354,7 +354,7 @@ impl Body {
         (right - left).max(0.0)
     }
 
-    /// The vertical force that holds the top row against the elastic forces [N]; positive pulls up.
+    /// The vertical force that holds the top row against the elastic forces \[N\]; positive pulls up.
     fn holding_force(&self, x: &[f64]) -> f64 {
         let mut force = vec![0.0; x.len()];
         let mut scratch = vec![0.0; self.elements.scratch()];

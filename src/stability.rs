@@ -13,7 +13,7 @@
 
 use crate::{elements::reserve_scratch, random::irregular, scene::Scene, state::State};
 
-/// Longest stable step of symplectic Euler near a state [s], or `None` if there is no stiffness or it is NaN. The same value
+/// Longest stable step of symplectic Euler near a state \[s\], or `None` if there is no stiffness or it is NaN. The same value
 /// holds for both Verlet schemes without damping.
 pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
     longest_step(scene, state, largest_eigenvalue(scene, state)?)
@@ -56,7 +56,7 @@ pub struct StabilityProbe {
 }
 
 impl StabilityProbe {
-    /// The longest stable step at a state [s] after a number of further iterations, each of one product with the
+    /// The longest stable step at a state \[s\] after a number of further iterations, each of one product with the
     /// stiffness; `None` if there is no stiffness or it is NaN.
     pub fn refine(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
         longest_step(scene, state, self.largest_eigenvalue(scene, state, rounds.max(2))?)

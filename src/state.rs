@@ -12,11 +12,11 @@ use crate::effects::Bounds;
 /// Positions and velocities, flat: as many numbers a vertex as the scene has dimensions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// Positions [m].
+    /// Positions \[m\].
     pub x: Vec<f64>,
     /// Velocities [m/s].
     pub v: Vec<f64>,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
     /// Steps taken.
     pub steps: u64,
@@ -28,7 +28,7 @@ pub struct State {
 }
 
 impl State {
-    /// Greatest valid distance [m] and speed [m/s]; beyond, the body has exploded.
+    /// Greatest valid distance \[m\] and speed [m/s]; beyond, the body has exploded.
     pub const LIMIT: f64 = 1e15;
 
     /// Whether every position and velocity is finite and at most [`Self::LIMIT`].

@@ -15,7 +15,7 @@ pub fn line(text: &str) -> String {
     escape(text, |_| false)
 }
 
-/// Text for several lines of a terminal. Line ends and tabs stay; the rest is escaped as in [`line`].
+/// Text for several lines of a terminal. Line ends and tabs stay; the rest is escaped as in [`line()`].
 pub fn block(text: &str) -> String {
     escape(text, |c| matches!(c, '\n' | '\t'))
 }

@@ -34,7 +34,7 @@ pub struct Tangle {
 }
 
 impl Tangle {
-    /// Counts the inverted triangles and folds of a body at flat positions of the whole scene [m].
+    /// Counts the inverted triangles and folds of a body at flat positions of the whole scene \[m\].
     ///
     /// The winding number of a vertex is the number of crossings of a fixed ray from it by the edges of its triangles:
     /// plus one for each counter-clockwise crossing, minus one for each clockwise one.

@@ -17,7 +17,7 @@ use crate::{
     snapshot::{Field, Snapshot},
 };
 
-/// Time of stepping in a frame above which simulated time becomes slow [s].
+/// Time of stepping in a frame above which simulated time becomes slow \[s\].
 const MUCH: f64 = 0.009;
 
 /// Ratio of the steps computed to undivided steps above which the guard is the cause of slowness.
@@ -42,7 +42,7 @@ pub enum Trouble {
 /// Cost of stepping in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// Time spent on stepping in a frame [s].
+    /// Time spent on stepping in a frame \[s\].
     pub physics: f64,
     /// Ratio of the steps computed to undivided steps: above 1 the guard divides steps or takes them again.
     pub effort: f64,
@@ -55,7 +55,7 @@ pub enum Limit {
     Unknown,
     /// The scheme has no limit.
     Nothing,
-    /// The limit [s]; 0 if no step is stable.
+    /// The limit \[s\]; 0 if no step is stable.
     Step(f64),
 }
 
@@ -89,9 +89,9 @@ pub struct Facts {
 pub enum Cause {
     /// The step is above the stability limit.
     StepTooLong {
-        /// Length of the step [s].
+        /// Length of the step \[s\].
         step: f64,
-        /// Longest stable step [s].
+        /// Longest stable step \[s\].
         limit: f64,
     },
     /// The scheme is stable at no step.
@@ -190,7 +190,7 @@ impl Facts {
         }
     }
 
-    /// Remedy with steps so short that they are below a limit [s].
+    /// Remedy with steps so short that they are below a limit \[s\].
     fn shorter(&self, limit: f64) -> Option<Remedy> {
         let factor = (MARGIN * self.substeps.step() / limit).ceil().max(2.0);
         let fits = f64::from(self.substeps.get()) * factor <= f64::from(Substeps::MAX);

@@ -1,14 +1,14 @@
 //! Converts real time to steps. Simulated time slows down when the computer is too slow; steps are never skipped or lengthened.
 //! The module reads no system clock, so it can be tested with plain numbers.
 
-/// Bounds of the time that may be owed [s]. The limit is two frames of recent length. More is dropped, so that a stalled or hidden
+/// Bounds of the time that may be owed \[s\]. The limit is two frames of recent length. More is dropped, so that a stalled or hidden
 /// window does not catch up in a burst.
 const MOST_DEBT: (f64, f64) = (2.0 / 60.0, 0.1);
 
-/// Time constant of the shown rates [s].
+/// Time constant of the shown rates \[s\].
 const MEMORY: f64 = 0.4;
 
-/// Update interval of the shown rates, long enough to read them [s].
+/// Update interval of the shown rates, long enough to read them \[s\].
 const REFRESH: f64 = 0.25;
 
 /// The accumulator between real and simulated time.
@@ -33,9 +33,9 @@ pub struct Clock {
 pub struct Rates {
     /// Simulated time divided by real time.
     pub factor: f64,
-    /// Time of stepping in a frame [s].
+    /// Time of stepping in a frame \[s\].
     pub physics: f64,
-    /// Time that the program needs for a whole frame [s], without the time of the graphics card.
+    /// Time that the program needs for a whole frame \[s\], without the time of the graphics card.
     pub frame: f64,
     /// Frame rate from the time between frames, so that painting is included [1/s].
     pub frames: f64,
@@ -46,24 +46,24 @@ pub struct Rates {
 /// Data of a frame in which simulated time ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spent {
-    /// Real time since the last frame [s].
+    /// Real time since the last frame \[s\].
     pub elapsed: f64,
-    /// Length of a step [s].
+    /// Length of a step \[s\].
     pub step: f64,
     /// Steps owed, from [`Clock::owe`].
     pub owed: u64,
     /// Steps taken.
     pub taken: u64,
-    /// Time of stepping [s].
+    /// Time of stepping \[s\].
     pub physics: f64,
-    /// Time of the whole last frame [s].
+    /// Time of the whole last frame \[s\].
     pub frame: f64,
     /// Number of computed steps, and their number if the guard divided none.
     pub work: [u64; 2],
 }
 
 impl Clock {
-    /// Adds real time [s] and returns the number of whole steps that are owed.
+    /// Adds real time \[s\] and returns the number of whole steps that are owed.
     pub fn owe(&mut self, elapsed: f64, step: f64) -> u64 {
         if !elapsed.is_finite() || !step.is_finite() || step <= 0.0 {
             return 0;
@@ -108,7 +108,7 @@ impl Clock {
     }
 }
 
-/// Time of a frame [s], smoothed for steps about as long as frames. A frame of almost a whole number of steps takes exactly that
+/// Time of a frame \[s\], smoothed for steps about as long as frames. A frame of almost a whole number of steps takes exactly that
 /// number, so that jitter of the display does not make the motion stutter.
 pub fn steadied(elapsed: f64, step: f64) -> f64 {
     let steps = (elapsed / step).round();

@@ -10,10 +10,10 @@ use std::sync::LazyLock;
 /// Number of colours in a map.
 const COLORS: usize = 256;
 
-/// Time for which values must be small before the range shrinks [s].
+/// Time for which values must be small before the range shrinks \[s\].
 const SHRINK_DELAY: f32 = 1.5;
 
-/// Time constant of the change of the shown range [s].
+/// Time constant of the change of the shown range \[s\].
 const EASE: f32 = 0.12;
 
 /// Share of the triangles above the upper end of the range, so that a few outliers do not determine it.
@@ -40,7 +40,7 @@ pub struct Scale {
     goal: f64,
     /// Present range.
     high: f64,
-    /// Time for which a smaller range would have sufficed [s], and the largest value in this time.
+    /// Time for which a smaller range would have sufficed \[s\], and the largest value in this time.
     below_time: f32,
     below_high: f64,
     sorted: Vec<f64>,

@@ -97,7 +97,7 @@ const fn binding(
     Binding { label, words, when, shortcuts, repeats: false, action }
 }
 
-/// Time that one press rewinds [s]. A held key repeats about 30 times a second.
+/// Time that one press rewinds \[s\]. A held key repeats about 30 times a second.
 const BACK: f64 = 0.05;
 
 /// All actions of keys and mouse.

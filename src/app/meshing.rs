@@ -37,7 +37,7 @@ pub struct Progress {
     pub mesh: MeshKind,
     /// Approximate number of triangles.
     pub triangles: usize,
-    /// Time since the request [s].
+    /// Time since the request \[s\].
     pub seconds: f64,
 }
 

@@ -39,7 +39,7 @@ use meshing::Meshing;
 use panels::{FileRequest, History, Meter, Notice, PanelContext, View};
 use web_time::Instant;
 
-/// Time budget for steps in a frame [s]. The rest of 1/60 s is for drawing.
+/// Time budget for steps in a frame \[s\]. The rest of 1/60 s is for drawing.
 const BUDGET: f64 = 0.012;
 
 /// Minimum size of the window [points].
@@ -69,9 +69,9 @@ pub struct App {
     after_saving: Option<FileRequest>,
     /// Whether the window closes even if changes are unsaved.
     leaves: bool,
-    /// Time of the last frame, while simulated time runs [s].
+    /// Time of the last frame, while simulated time runs \[s\].
     last: Option<f64>,
-    /// Time budget for steps in a frame [s].
+    /// Time budget for steps in a frame \[s\].
     budget: f64,
 }
 
@@ -148,7 +148,7 @@ impl App {
         self.comparison.as_deref()
     }
 
-    /// Position on the screen of a point of the world [m], if the stage fills `stage`.
+    /// Position on the screen of a point of the world \[m\], if the stage fills `stage`.
     pub fn on_screen(&self, stage: egui::Rect, point: [f64; 2]) -> egui::Pos2 {
         canvas::camera(&self.snapshot, stage).screen_from_world(point)
     }

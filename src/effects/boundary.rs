@@ -14,9 +14,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// Corner with the least coordinates [m].
+    /// Corner with the least coordinates \[m\].
     pub least: Point,
-    /// Corner with the greatest coordinates [m].
+    /// Corner with the greatest coordinates \[m\].
     pub greatest: Point,
 }
 

@@ -1,6 +1,6 @@
 //! Boxes around the vertices of a scene in the plane, in which constraints may be skipped.
 
-/// Least and greatest corner of a box [m].
+/// Least and greatest corner of a box \[m\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds(pub [[f64; 2]; 2]);
 
@@ -8,7 +8,7 @@ pub struct Bounds(pub [[f64; 2]; 2]);
 const POWERS: (i32, i32) = (4, -8);
 
 impl Bounds {
-    /// Box up to a distance from the origin along each axis [m].
+    /// Box up to a distance from the origin along each axis \[m\].
     pub const fn up_to(distance: f64) -> Self {
         Self([[-distance; 2], [distance; 2]])
     }

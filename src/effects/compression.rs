@@ -58,7 +58,7 @@ impl EffectParameters for Compression {
     }
 }
 
-/// Barrier density of one body with the factor s (2 mu + lambda) [Pa].
+/// Barrier density of one body with the factor s (2 mu + lambda) \[Pa\].
 #[derive(Clone, Copy)]
 struct Squeezed(f64);
 

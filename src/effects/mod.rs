@@ -95,7 +95,7 @@ pub trait EffectParameters {
         Vec::new()
     }
 
-    /// Shapes to draw at a time [s].
+    /// Shapes to draw at a time \[s\].
     fn shapes(&self, _time: f64) -> Vec<Shape> {
         Vec::new()
     }
@@ -128,7 +128,7 @@ pub enum DuplicatePolicy {
     Ambiguous(&'static str),
 }
 
-/// A shape to draw; all points in world coordinates [m].
+/// A shape to draw; all points in world coordinates \[m\].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// The free region between walls: a convex polygon, counter-clockwise, clipped where there are no walls.
@@ -144,11 +144,11 @@ pub enum Shape {
 pub struct Motion<'a> {
     /// Number of coordinates of a vertex.
     pub dimension: usize,
-    /// Positions [m].
+    /// Positions \[m\].
     pub x: &'a [f64],
     /// Velocities [m/s].
     pub v: &'a [f64],
-    /// Masses [kg], one for each number of `x`.
+    /// Masses \[kg\], one for each number of `x`.
     pub mass: &'a [f64],
     /// 1/mass [1/kg]; zero where a vertex is pinned.
     pub inverse_mass: &'a [f64],
@@ -182,7 +182,7 @@ pub(crate) const ZERO: &str = "its strength is zero";
 pub struct Grab {
     /// The vertex, by its number in the scene.
     pub vertex: usize,
-    /// Where it is pulled to [m].
+    /// Where it is pulled to \[m\].
     pub target: [f64; 2],
 }
 
@@ -216,12 +216,12 @@ pub trait Effect: Send + Sync {
         true
     }
 
-    /// Stored energy [J].
+    /// Stored energy \[J\].
     fn energy(&self, _motion: Motion<'_>) -> f64 {
         0.0
     }
 
-    /// Adds the force on every vertex [N] to `force`, flat.
+    /// Adds the force on every vertex \[N\] to `force`, flat.
     fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
 
     /// The uniform force, if [`Self::force`] adds exactly that.
@@ -239,7 +239,7 @@ pub trait Effect: Send + Sync {
     /// scene.
     fn euler_update(&self, _vertices: &mut EulerUpdate<'_>, _scratch: &mut [f64]) {}
 
-    /// Adds `-d force/dx * d` [N] for a displacement `d` [m], both flat, to `product`.
+    /// Adds `-d force/dx * d` \[N\] for a displacement `d` \[m\], both flat, to `product`.
     fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _scratch: &mut [f64], _product: &mut [f64]) {}
 
     /// Sparsity pattern: calls `add` for every pair of different vertices whose forces depend on each other, in the
@@ -252,19 +252,19 @@ pub trait Effect: Send + Sync {
     /// Newton's method down.
     fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut dyn SparseMatrix) {}
 
-    /// Rayleigh's alpha [1/s] and beta [s], if this is damping; the largest over the vertices.
+    /// Rayleigh's alpha [1/s] and beta \[s\], if this is damping; the largest over the vertices.
     fn damping(&self, _motion: Motion<'_>) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// Largest multiple of the displacement `d` [m] from the positions `x` that stays within the barrier of an energy;
+    /// Largest multiple of the displacement `d` \[m\] from the positions `x` that stays within the barrier of an energy;
     /// infinite without a barrier.
     fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY
     }
 
     /// Calls `act` with a contact query for every obstacle of this effect, by its number, in a step from a time to
-    /// another [s] in which all vertices stay in a box.
+    /// another \[s\] in which all vertices stay in a box.
     fn contact_queries<'a>(
         &'a self,
         _number: usize,
@@ -280,7 +280,7 @@ pub trait Effect: Send + Sync {
         0
     }
 
-    /// Number of vertices deep inside obstacles, at these positions [m] and this time [s].
+    /// Number of vertices deep inside obstacles, at these positions \[m\] and this time \[s\].
     fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Depenetration]) -> usize {
         0
     }

@@ -48,7 +48,7 @@ impl EffectParameters for MouseSpring {
 /// Stiffness k [N/m].
 struct Pulling(f64);
 
-/// Vector from the vertex to the cursor [m].
+/// Vector from the vertex to the cursor \[m\].
 fn displacement(x: &[f64], grab: Grab) -> [f64; 2] {
     let at = 2 * grab.vertex;
     [grab.target[0] - x[at], grab.target[1] - x[at + 1]]

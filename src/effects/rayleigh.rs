@@ -24,7 +24,7 @@ use std::{ops::Range, sync::Arc};
 pub struct Rayleigh {
     /// alpha [1/s].
     pub mass: DampingRate,
-    /// beta [s].
+    /// beta \[s\].
     #[serde(default = "none")]
     pub stiffness: DampingTime,
 }
@@ -65,7 +65,7 @@ impl EffectParameters for Rayleigh {
 }
 
 /// Derivative of the viscous stress `P = F S`, `S = 2 mu E' + lambda tr(E') I`, `E' = sym(Fᵀ V)` with V = dF/dt, by F and V
-/// with their weights (4 x 4) [Pa]. A change G of V gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`. A change G of F gives
+/// with their weights (4 x 4) \[Pa\]. A change G of V gives `mu (F Fᵀ G + F Gᵀ F) + lambda (F : G) F`. A change G of F gives
 /// `G S`, which is symmetric, and `mu (F Vᵀ G + F Gᵀ V) + lambda (V : G) F`, of which the symmetric half is taken.
 fn viscous_tangent(f: &Matrix2<f64>, rate: &Matrix2<f64>, weights: Weights, [mu, lambda]: [f64; 2]) -> Matrix4<f64> {
     let product = f.transpose() * rate;
@@ -94,7 +94,7 @@ pub struct Viscous {
 }
 
 impl Viscous {
-    /// From beta [s] and the parameters of the material.
+    /// From beta \[s\] and the parameters of the material.
     pub fn new(beta: f64, Lame { mu, lambda }: Lame) -> Self {
         Self { two_mu: 2.0 * beta * mu, lambda: beta * lambda }
     }

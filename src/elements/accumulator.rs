@@ -11,7 +11,7 @@ use wide::f64x2;
 
 /// Receives the forces on vertices, separately for each of N stresses.
 pub trait Scatter<const N: usize = 1> {
-    /// Receives the forces on some vertices [N]. Each vertex comes once.
+    /// Receives the forces on some vertices \[N\]. Each vertex comes once.
     fn take(&mut self, forces: impl Iterator<Item = (usize, [f64x2; N])>);
 
     /// The same for consecutive vertices from `first` on: in groups of four, and a rest.
@@ -32,7 +32,7 @@ pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
     where
         Self: 'a;
 
-    /// Positions [m], and velocities [m/s] if a stress depends on them; flat.
+    /// Positions \[m\], and velocities [m/s] if a stress depends on them; flat.
     fn motion(&self) -> [&[f64]; 2];
 
     /// A view of a range of vertices.
@@ -49,11 +49,11 @@ pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
 
 /// Adds forces to a vector.
 pub struct Adding<'a> {
-    /// Positions, flat [m].
+    /// Positions, flat \[m\].
     pub x: &'a [f64],
     /// Velocities, flat [m/s]; empty if no stress depends on them.
     pub v: &'a [f64],
-    /// Forces so far [N].
+    /// Forces so far \[N\].
     pub force: &'a mut [f64],
 }
 
@@ -119,7 +119,7 @@ pub struct UniformForce {
     pub field: [f64; 2],
     /// alpha of the force `-alpha m v` [1/s].
     pub mass_damping: f64,
-    /// beta of the forces of a viscous stress in all triangles [s].
+    /// beta of the forces of a viscous stress in all triangles \[s\].
     pub stiffness_damping: f64,
     /// k of the force `-k v` [N s/m].
     pub drag: f64,
@@ -144,19 +144,19 @@ impl UniformForce {
 /// Updates each vertex by symplectic Euler, `v += h f/m`, then `x += h v`, with the forces of elements and the uniform
 /// force. Where forces come separately, the second ones are those of the viscous stress.
 pub struct EulerUpdate<'a> {
-    /// Positions, flat [m].
+    /// Positions, flat \[m\].
     pub x: &'a mut [f64],
     /// Velocities, flat [m/s].
     pub v: &'a mut [f64],
-    /// Masses, flat [kg].
+    /// Masses, flat \[kg\].
     pub mass: &'a [f64],
     /// 1/mass, flat [1/kg]; zero for constrained coordinates.
     pub inverse_mass: &'a [f64],
     /// Uniform force beside the elements.
     pub uniform_force: UniformForce,
-    /// Length of the step h [s].
+    /// Length of the step h \[s\].
     pub step: f64,
-    /// Twice the kinetic energy of all updated vertices [J].
+    /// Twice the kinetic energy of all updated vertices \[J\].
     pub twice_kinetic: f64,
 }
 
@@ -201,7 +201,7 @@ impl<const N: usize> Accumulator<N> for EulerUpdate<'_> {
         (Self { x, v, mass, inverse_mass, uniform_force, step, twice_kinetic: self.twice_kinetic }, other)
     }
 
-    /// Twice the kinetic energy of the updated vertices [J].
+    /// Twice the kinetic energy of the updated vertices \[J\].
     fn sum(&self) -> f64 {
         self.twice_kinetic
     }
@@ -289,7 +289,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> EulerCoeffic
 }
 
 impl EulerCoefficients {
-    /// Coefficients for a uniform force and a step length [s].
+    /// Coefficients for a uniform force and a step length \[s\].
     #[inline(always)]
     pub fn new(uniform_force: UniformForce, step: f64) -> Self {
         let UniformForce { field, mass_damping, drag, .. } = uniform_force;

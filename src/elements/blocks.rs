@@ -12,10 +12,10 @@ use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 use std::array;
 
-/// Forces on the middle vertex of each fan of a block and at the ends of its edge vectors [N].
+/// Forces on the middle vertex of each fan of a block and at the ends of its edge vectors \[N\].
 pub type CornerForces = [Pairs; 4];
 
-/// Edge vectors of each fan of a block [m], or their rates [m/s].
+/// Edge vectors of each fan of a block \[m\], or their rates [m/s].
 pub type EdgeVectors = [Pairs; 3];
 
 /// Matrices (2 x 2) of the first, or of the second, triangles of eight fans, column by column.
@@ -27,7 +27,7 @@ struct Matrices([Lanes; 4]);
 struct Shapes {
     /// D0⁻¹ [1/m].
     inverse: Matrices,
-    /// Minus the area [m²], which is the volume of unit thickness; the factor of forces.
+    /// Minus the area \[m²\], which is the volume of unit thickness; the factor of forces.
     minus_area: Lanes,
 }
 
@@ -41,7 +41,7 @@ pub trait StressLaw: Copy + Send + Sync {
     /// Whether it depends on dF/dt; if not, `rate` is undefined.
     const RATE: bool;
 
-    /// The stress [Pa].
+    /// The stress \[Pa\].
     fn stress<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> Mat2<R>;
 }
 
@@ -50,7 +50,7 @@ pub trait StressModel<const N: usize>: Copy + Send + Sync {
     /// Whether any depends on dF/dt; if not, `rate` is undefined.
     const RATE: bool;
 
-    /// The stresses [Pa].
+    /// The stresses \[Pa\].
     fn stresses<R: Real>(&self, f: Mat2<R>, rate: Mat2<R>) -> [Mat2<R>; N];
 }
 
@@ -300,7 +300,7 @@ fn edge_forces<S: Simd>(set: S, shapes: &Shapes, stresses: &Matrices, part: usiz
     [[h.m11, h.m21], [h.m12, h.m22]]
 }
 
-/// Sums the energy of all triangles [J], in the order of their fans.
+/// Sums the energy of all triangles \[J\], in the order of their fans.
 pub struct Energy<'a, M> {
     pub material: &'a M,
     pub corners: &'a Corners<4>,

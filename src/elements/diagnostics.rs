@@ -17,7 +17,7 @@ const RUN_BLOCKS: usize = 4;
 /// Diagnostics of all triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diagnostics {
-    /// Elastic energy [J].
+    /// Elastic energy \[J\].
     pub energy: f64,
     /// Least det F; infinite if there are none.
     pub least: f64,
@@ -34,7 +34,7 @@ impl Triangles {
         self.diagnose_with_energy(None, field, x, values)
     }
 
-    /// The same with an energy [J] that may be known and is not computed then.
+    /// The same with an energy \[J\] that may be known and is not computed then.
     pub fn diagnose_with_energy(
         &self,
         energy: Option<f64>,
@@ -58,7 +58,7 @@ impl Triangles {
     }
 }
 
-/// Eight triangles: D = [x1 - x0, x2 - x0] and D0⁻¹, column by column, and the area at rest [m²].
+/// Eight triangles: D = [x1 - x0, x2 - x0] and D0⁻¹, column by column, and the area at rest \[m²\].
 #[derive(Clone, Copy, Default)]
 struct Eight {
     edges: [Lanes; 4],
@@ -159,7 +159,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
     }
 }
 
-/// Von Mises equivalent of the Cauchy stress `sigma = P Fᵀ / J` [Pa]:
+/// Von Mises equivalent of the Cauchy stress `sigma = P Fᵀ / J` \[Pa\]:
 /// `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`, where `sz = P33/J` in plane strain and 0 in plane stress.
 #[inline(always)]
 fn von_mises<M: Material, R: Real>(material: &M, f: Mat2<R>, plane_stress: bool) -> R {
@@ -179,7 +179,7 @@ pub enum Field {
     None,
     /// Elastic energy density psi [J/m²].
     EnergyDensity,
-    /// Von Mises equivalent of the Cauchy stress [Pa].
+    /// Von Mises equivalent of the Cauchy stress \[Pa\].
     VonMises,
     /// J = det F: area over rest area.
     Volume,

@@ -54,7 +54,7 @@ impl BodyMaterial {
         self.law.continuation()
     }
 
-    /// Lame's parameters of the plane [Pa]: those of Hooke's law, to which the model linearises at rest.
+    /// Lame's parameters of the plane \[Pa\]: those of Hooke's law, to which the model linearises at rest.
     pub const fn lame(&self) -> Lame {
         self.lame
     }
@@ -94,7 +94,7 @@ pub struct OwnMaterial {
 }
 
 impl OwnMaterial {
-    /// From a function that makes the material of Lame's parameters [Pa]. At rest it must linearise to Hooke's law with
+    /// From a function that makes the material of Lame's parameters \[Pa\]. At rest it must linearise to Hooke's law with
     /// those: damping, the energy check and estimates of speed use them.
     pub fn new<M: Material>(build: impl Fn(Lame) -> M + Send + Sync + 'static) -> Self {
         Self { title: M::TITLE, build: Arc::new(move |lame| Arc::new(build(lame))) }

@@ -44,11 +44,11 @@ pub trait ElasticElements: Effect {
     /// Scene numbers of their vertices.
     fn vertices(&self) -> Range<usize>;
 
-    /// Energy scale of a strain of one in all elements [J]: for shear alone, and for any strain. Energies are small or
+    /// Energy scale of a strain of one in all elements \[J\]: for shear alone, and for any strain. Energies are small or
     /// large by this measure.
     fn energy_scales(&self) -> [f64; 2];
 
-    /// How many elements are inverted at these positions [m], and how many can be.
+    /// How many elements are inverted at these positions \[m\], and how many can be.
     fn inverted(&self, _x: &[f64]) -> [usize; 2] {
         [0; 2]
     }

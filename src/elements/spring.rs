@@ -46,7 +46,7 @@ struct Packed {
 struct Block {
     /// [N/m].
     stiffness: Lanes,
-    /// Length at rest [m].
+    /// Length at rest \[m\].
     rest: Lanes,
 }
 
@@ -85,7 +85,7 @@ impl<const D: usize> Springs<D> {
         &self.links
     }
 
-    /// Stored energy at these positions [J].
+    /// Stored energy at these positions \[J\].
     pub fn elastic_energy(&self, x: &[f64]) -> f64 {
         let stored = |link: &Link| {
             let longer = between::<D>(x, link).norm() - link.rest;
@@ -183,7 +183,7 @@ fn between<const D: usize>(values: &[f64], link: &Link) -> SVector<f64, D> {
     b - a
 }
 
-/// The unit vector from the first end to the second, and their distance [m]; none if they coincide.
+/// The unit vector from the first end to the second, and their distance \[m\]; none if they coincide.
 #[inline]
 fn direction<const D: usize>(x: &[f64], link: &Link) -> Option<(SVector<f64, D>, f64)> {
     let between = between::<D>(x, link);

@@ -20,7 +20,7 @@ const RUN_BLOCKS: usize = 8;
 
 /// The second derivative of an isotropic energy density.
 pub trait Isotropic: Copy + Send + Sync {
-    /// See [`Moduli`] [Pa].
+    /// See [`Moduli`] \[Pa\].
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 }
 
@@ -59,7 +59,7 @@ impl Triangles {
         }
     }
 
-    /// Adds d²E/dx² at x times a displacement d [m] to `product` [N], for the energy E of an isotropic density.
+    /// Adds d²E/dx² at x times a displacement d \[m\] to `product` \[N\], for the energy E of an isotropic density.
     pub(crate) fn add_energy_change(
         &self,
         [x, d]: [&[f64]; 2],

@@ -49,7 +49,7 @@ struct Shape {
 pub(super) struct Rest {
     /// D0⁻¹ [1/m].
     pub inverse: Matrix2<f64>,
-    /// Area [m²], which is the volume of unit thickness.
+    /// Area \[m²\], which is the volume of unit thickness.
     pub area: f64,
 }
 
@@ -65,7 +65,7 @@ impl Rest {
 impl Triangles {
     /// The elements of a body, whose vertices are these of the scene, with the triangles of a mesh.
     ///
-    /// `rest` is flat, two numbers for each vertex of the whole scene [m].
+    /// `rest` is flat, two numbers for each vertex of the whole scene \[m\].
     pub fn new(rest: &[f64], vertices: Range<usize>, mesh: &Mesh, material: BodyMaterial) -> Self {
         let first = vertices.start as u32;
         let mut corners: Vec<_> = mesh.triangles().iter().map(|corners| corners.map(|corner| corner + first)).collect();
@@ -171,12 +171,12 @@ impl Triangles {
         self.shape.blocks.rest(slot / 2, slot % 2)
     }
 
-    /// Area of each triangle at rest [m²].
+    /// Area of each triangle at rest \[m²\].
     pub fn rest_areas(&self) -> impl Iterator<Item = f64> {
         (0..self.shape.corners.len()).map(|triangle| self.rest(triangle).area)
     }
 
-    /// The deformation gradient of each triangle, with its rest area [m²].
+    /// The deformation gradient of each triangle, with its rest area \[m²\].
     pub fn gradients(&self, x: &[f64]) -> impl Iterator<Item = (Matrix2<f64>, f64)> {
         self.shape.corners.iter().enumerate().map(|(number, &triangle)| {
             let Rest { inverse, area } = self.rest(number);
@@ -184,12 +184,12 @@ impl Triangles {
         })
     }
 
-    /// Adds the elastic forces on this body's vertices to `force` [N].
+    /// Adds the elastic forces on this body's vertices to `force` \[N\].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
         self.material.law().add_force(self, &mut Adding { x, v: &[], force }, scratch);
     }
 
-    /// Stored energy at these positions [J].
+    /// Stored energy at these positions \[J\].
     pub fn elastic_energy(&self, x: &[f64]) -> f64 {
         self.material.law().energy(self, x)
     }

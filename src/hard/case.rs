@@ -30,7 +30,7 @@ pub struct Case {
     pub lasts: Lasts,
     /// What decides beside numbers, energy and walls.
     pub expects: Expects,
-    /// Corners of a box that nothing may leave, beside the walls of the level: what is thrown at a thin wall stays before it [m].
+    /// Corners of a box that nothing may leave, beside the walls of the level: what is thrown at a thin wall stays before it \[m\].
     #[serde(default)]
     pub within: Option<(Point, Point)>,
     /// What cannot be held, and why.
@@ -44,7 +44,7 @@ pub struct Case {
 /// Duration of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Lasts {
-    /// For a time [s].
+    /// For a time \[s\].
     Seconds(Time),
     /// For a number of steps, however long they are.
     Steps(u32),

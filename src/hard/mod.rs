@@ -1,6 +1,6 @@
 //! Hard cases: scenes that test the stability of integrators and models.
 //!
-//! A [`Case`] is a level with scripted [`ScriptedAction`]s and an expected end. Each is one file of `levels/hard/`. A
+//! A [`Case`] is a level with [scripted actions](crate::level::ScriptedAction) and an expected end. Each is one file of `levels/hard/`. A
 //! [`Run`] advances a case with one constitutive model and one [`Method`] in frames of 1/60 s and ends with a
 //! [`Verdict`]. A [`Sweep`] is a table of runs of cases, models and methods on several threads.
 //!

@@ -158,9 +158,9 @@ impl Run {
 /// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
 pub struct Fence {
     obstacles: Vec<Box<dyn Obstacle>>,
-    /// Lower left and upper right corners [m].
+    /// Lower left and upper right corners \[m\].
     boxes: Vec<[[f64; 2]; 2]>,
-    /// Longest side of the bounding boxes of the bodies at rest [m].
+    /// Longest side of the bounding boxes of the bodies at rest \[m\].
     size: f64,
 }
 
@@ -187,7 +187,7 @@ impl Fence {
         Self { obstacles, boxes, size: sides.fold(0.0, f64::max) }
     }
 
-    /// Greatest distance of the points (flat, [m]) beyond the boundaries, as a share of the size of the bodies.
+    /// Greatest distance of the points (flat, \[m\]) beyond the boundaries, as a share of the size of the bodies.
     pub fn beyond(&self, x: &[f64]) -> f64 {
         let mut farthest = 0.0_f64;
         for point in x.chunks_exact(2) {

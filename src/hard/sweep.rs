@@ -27,7 +27,7 @@ pub struct Trial {
 pub struct Entry {
     /// Share of the run done.
     pub done: f64,
-    /// Time spent on the run [s].
+    /// Time spent on the run \[s\].
     pub seconds: f64,
     /// Verdict, or the reason why the case cannot be run. `None` until the end.
     pub verdict: Option<Result<Verdict, SceneError>>,

@@ -15,7 +15,7 @@ pub struct Numbers {
     pub outside: f64,
     /// Greatest relative area error of a triangle at the end, if bodies should return to their rest shape.
     pub area: Option<f64>,
-    /// Elastic energy at the end [J].
+    /// Elastic energy at the end \[J\].
     pub elastic: f64,
     /// Number of inverted triangles at the end.
     pub inverted: usize,
@@ -25,7 +25,7 @@ pub struct Numbers {
     pub opens: bool,
     /// Steps whose equations were not solved to tolerance.
     pub unsolved: u64,
-    /// Simulated time at the end [s].
+    /// Simulated time at the end \[s\].
     pub time: f64,
 }
 

@@ -168,7 +168,7 @@ fn lines(sweep: &Sweep) -> String {
 
 /// Lines of counts, one per case, model and method.
 /// Each states how many starts were held, how many of the others are held after untangling, and the least and
-/// greatest energy left in those [J].
+/// greatest energy left in those \[J\].
 fn counts(sweep: &Sweep, starts: usize) -> String {
     let mut text =
         format!("{:<12} {:<17} {:<16} passed        by Untangle  energy left [J]", "case", "model", "integrator");

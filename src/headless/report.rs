@@ -23,7 +23,7 @@ pub struct RunReport {
     pub partial: Option<String>,
     /// Whether the state at the end is physical.
     pub end_state: EndState,
-    /// Energies at the end [J].
+    /// Energies at the end \[J\].
     pub energy: EnergyReport,
     /// Least det F of all triangles at the end; null if there are none.
     pub min_j: Option<f64>,
@@ -35,13 +35,13 @@ pub struct RunReport {
     pub triangles: usize,
     /// Number of vertices.
     pub vertices: usize,
-    /// Length of a step [s].
+    /// Length of a step \[s\].
     pub step_seconds: f64,
     /// How each body and net stepped that went at its own pace; empty if all took the same steps.
     pub paces: Vec<SubstepReport>,
     /// Steps taken.
     pub steps: u64,
-    /// Simulated time at the end [s].
+    /// Simulated time at the end \[s\].
     pub time: f64,
     /// Evaluations of all forces together.
     pub force_evaluations: u64,
@@ -81,11 +81,11 @@ pub struct RunReport {
     pub slept_triangle_share: Option<f64>,
     /// Attempts at a step that the guard threw away.
     pub retaken_steps: u64,
-    /// Time spent stepping, without clocks in the effects [s].
+    /// Time spent stepping, without clocks in the effects \[s\].
     pub wall_seconds: f64,
-    /// Time per computed step [s]; null if none was computed.
+    /// Time per computed step \[s\]; null if none was computed.
     pub seconds_per_step: Option<f64>,
-    /// Time per computed triangle and step [ns]; null if none was computed.
+    /// Time per computed triangle and step \[ns\]; null if none was computed.
     pub ns_per_triangle_step: Option<f64>,
     /// What each effect cost, its times measured in a second run of the same steps; empty where no report is written.
     pub effects: Vec<EffectReport>,
@@ -96,7 +96,7 @@ pub struct RunReport {
 }
 
 impl RunReport {
-    /// Report of a run that took `wall_seconds` [s].
+    /// Report of a run that took `wall_seconds` \[s\].
     pub(super) fn new(level: &Level, simulation: &Simulation, wall_seconds: f64) -> Self {
         let (scene, state, counts) = (simulation.scene(), simulation.state(), simulation.counts());
         let (min_j, inverted) = simulation.inversion();
@@ -176,7 +176,7 @@ impl std::fmt::Display for RunReport {
     }
 }
 
-/// Energies [J].
+/// Energies \[J\].
 #[derive(Debug, Serialize)]
 pub struct EnergyReport {
     /// Of motion.
@@ -196,9 +196,9 @@ pub struct EffectReport {
     pub name: &'static str,
     /// `On`, `Auto` or `Off`.
     pub switch: Switch,
-    /// Time spent in it [s].
+    /// Time spent in it \[s\].
     pub seconds: f64,
-    /// The same in a frame of 1/60 s of simulated time in which it was computed [ms]; null if all steps slept.
+    /// The same in a frame of 1/60 s of simulated time in which it was computed \[ms\]; null if all steps slept.
     pub ms_per_frame: Option<f64>,
     /// Its share of the time spent in all effects.
     pub share: f64,
@@ -277,9 +277,9 @@ pub struct SubstepReport {
     pub name: String,
     /// In how many equal parts it took every step.
     pub steps: u32,
-    /// Length of a part [s].
+    /// Length of a part \[s\].
     pub step_seconds: f64,
-    /// Its longest stable step at rest under symplectic Euler [s]; null if nothing in it is stiff.
+    /// Its longest stable step at rest under symplectic Euler \[s\]; null if nothing in it is stiff.
     pub critical_step_seconds: Option<f64>,
 }
 
@@ -308,7 +308,7 @@ pub struct Beginning {
     /// det F of every triangle, body after body.
     ratios: Vec<f64>,
     energies: Energies,
-    /// Elastic energy at a strain of about 1 [J].
+    /// Elastic energy at a strain of about 1 \[J\].
     scale: f64,
 }
 
@@ -322,7 +322,7 @@ pub struct EndState {
     pub newly_inverted: usize,
     /// Number of triangles inverted both at the start and at the end.
     pub still_inverted: usize,
-    /// Total energy at the end less that at the start [J]; null if it is not finite.
+    /// Total energy at the end less that at the start \[J\]; null if it is not finite.
     pub energy_gain: f64,
     /// What is wrong or worth knowing, each a sentence.
     pub remarks: Vec<String>,

@@ -37,7 +37,7 @@ pub struct Study {
     /// Follows energy and momentum over time, a course for each integrator, in place of errors.
     #[arg(long, conflicts_with = "meshes")]
     pub drift: bool,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     #[arg(long, default_value = "1", value_parser = super::seconds)]
     pub seconds: f64,
     /// Suggests the cheapest setting under this mean error [%]; if not given, 1, or 10 if nothing reaches 1.

@@ -57,7 +57,7 @@ impl Integrator for DormandPrince {
     }
 }
 
-/// Tag of this kind's memory: length of the inner step [s], and error of the last one as a fraction of the tolerance.
+/// Tag of this kind's memory: length of the inner step \[s\], and error of the last one as a fraction of the tolerance.
 const TAG: f64 = 3.0;
 
 /// Weights of the rates before in each stage; the last row is the result as well.

@@ -29,7 +29,7 @@ pub(super) struct Affine {
 }
 
 impl Affine {
-    /// Factors of implicit Euler with step length h [s].
+    /// Factors of implicit Euler with step length h \[s\].
     pub const fn euler(h: f64) -> Self {
         Self { ax: h * h, av: h, end: 1.0 }
     }

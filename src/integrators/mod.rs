@@ -136,18 +136,18 @@ pub enum Scheme<'a> {
 
 /// A scheme for any [`Ode`].
 pub trait FirstOrder {
-    /// Advances the state by `h` [s].
+    /// Advances the state by `h` \[s\].
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts;
 }
 
 /// A scheme for [`Dynamics`].
 pub trait SecondOrder {
-    /// Advances the state by `h` [s].
+    /// Advances the state by `h` \[s\].
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts;
 }
 
 impl dyn Integrator + '_ {
-    /// Advances a system of second order by `h` [s]: every scheme can.
+    /// Advances a system of second order by `h` \[s\]: every scheme can.
     pub fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         match self.scheme() {
             Scheme::First(scheme) => scheme.step(&mut Rates(system), state, workspace, h),

@@ -80,7 +80,7 @@ impl Integrator for PositionVerlet {
     }
 }
 
-/// Tag of this kind's memory: displacements of the last step [m], then h² a where it ended [m], then the fingerprint of
+/// Tag of this kind's memory: displacements of the last step \[m\], then h² a where it ended \[m\], then the fingerprint of
 /// the loads.
 const TAG: f64 = 1.0;
 
@@ -134,7 +134,7 @@ impl SecondOrder for PositionVerlet {
     }
 }
 
-/// Writes `h² a` [m] of these forces, zero for pinned vertices.
+/// Writes `h² a` \[m\] of these forces, zero for pinned vertices.
 fn push(system: &dyn Dynamics, force: &[f64], h: f64, pushes: &mut [f64]) {
     for ((push, force), inverse_mass) in pushes.iter_mut().zip(force).zip(system.inverse_mass()) {
         *push = h * h * (force * inverse_mass);

@@ -18,7 +18,7 @@ pub trait Ode {
 ///
 /// [`Rates`] makes it an [`Ode`], with X = (x, v).
 pub trait Dynamics {
-    /// Writes the force [N] at these positions [m] and velocities [m/s]; all flat and of one length.
+    /// Writes the force \[N\] at these positions \[m\] and velocities [m/s]; all flat and of one length.
     fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
 
     /// A hash of everything that forces depend on beside positions and velocities, such as the pull of the mouse: a
@@ -34,13 +34,13 @@ pub trait Dynamics {
         symplectic_euler_update(x, v, force, self.inverse_mass(), h);
     }
 
-    /// Mass [kg] for each number.
+    /// Mass \[kg\] for each number.
     fn mass(&self) -> &[f64];
 
     /// 1/mass [1/kg] for each number; zero where nothing may move.
     fn inverse_mass(&self) -> &[f64];
 
-    /// Adds `-df/dx d` [N] for a displacement `d` [m] to `product`.
+    /// Adds `-df/dx d` \[N\] for a displacement `d` \[m\] to `product`.
     fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
 
     /// Number of numbers of a vertex, which is the size of the blocks of the stiffness matrix: 1, 2 or 3.
@@ -53,7 +53,7 @@ pub trait Dynamics {
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix);
 
-    /// Largest multiple of the displacement `d` [m] from the positions `x` [m] that stays within the barriers of all
+    /// Largest multiple of the displacement `d` \[m\] from the positions `x` \[m\] that stays within the barriers of all
     /// energies.
     fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY

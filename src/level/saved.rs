@@ -11,9 +11,9 @@ pub struct SavedState {
     /// Steps taken since the start.
     #[serde(deserialize_with = "step_count")]
     pub steps: u64,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: Time,
-    /// Positions of all bodies' vertices and then all nets' particles, one after another [m]; of a toy, its state.
+    /// Positions of all bodies' vertices and then all nets' particles, one after another \[m\]; of a toy, its state.
     pub positions: Vec<Point>,
     /// Velocities of the same [m/s]; a toy has none.
     pub velocities: Vec<Point>,
@@ -23,7 +23,7 @@ pub struct SavedState {
     /// How calm each body and then each net has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,
-    /// The vertex that a scripted action pulls, by its place in the positions, and the point that it is pulled to [m].
+    /// The vertex that a scripted action pulls, by its place in the positions, and the point that it is pulled to \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pulled: Option<(u32, Point)>,
     /// What the guard knew, if the run was guarded.
@@ -61,16 +61,16 @@ impl SavedState {
 pub struct SavedGuard {
     /// Hash of the positions and velocities that this belongs to. If they were edited it is dropped, and the account begins anew.
     pub state: u64,
-    /// Energy supplied so far [J].
+    /// Energy supplied so far \[J\].
     #[serde(deserialize_with = "finite")]
     pub supplied: f64,
-    /// Energy at the start, with what changes from outside have added [J].
+    /// Energy at the start, with what changes from outside have added \[J\].
     #[serde(default, deserialize_with = "finite")]
     pub start: f64,
-    /// Kinetic energy up to which the other energies are not computed [J].
+    /// Kinetic energy up to which the other energies are not computed \[J\].
     #[serde(deserialize_with = "finite")]
     pub threshold: f64,
-    /// Mechanical and total energy after the last step [J], where every step is looked at.
+    /// Mechanical and total energy after the last step \[J\], where every step is looked at.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "both_finite")]
     pub last: Option<(f64, f64)>,
     /// Every step is taken in 2^level shorter ones.

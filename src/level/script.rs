@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScriptedAction {
-    /// Time of its beginning, rounded to frames of 1/60 s [s].
+    /// Time of its beginning, rounded to frames of 1/60 s \[s\].
     pub at: Time,
-    /// Period of repetition, to the end of the run [s].
+    /// Period of repetition, to the end of the run \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every: Option<Time>,
     /// The action; also read under the earlier key `act`.
@@ -22,13 +22,13 @@ pub struct ScriptedAction {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Action {
-    /// Takes hold of the vertex nearest to a point [m].
+    /// Takes hold of the vertex nearest to a point \[m\].
     Grab(Point),
     /// Moves the point that the vertex is pulled to, straight and evenly.
     Pull {
-        /// Where to [m].
+        /// Where to \[m\].
         to: Point,
-        /// In which time [s].
+        /// In which time \[s\].
         over: Time,
     },
     /// Lets go.
@@ -39,9 +39,9 @@ pub enum Action {
     Turn {
         /// Which side, judged on the rest shape.
         side: Side,
-        /// By how much [degrees], counter-clockwise.
+        /// By how much \[degrees\], counter-clockwise.
         by: Angle,
-        /// In which time [s].
+        /// In which time \[s\].
         over: Time,
     },
     /// Frees all vertices.

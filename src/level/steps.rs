@@ -39,7 +39,7 @@ impl Substeps {
         self.0
     }
 
-    /// The length of a step, h = 1 / (60 substeps) [s].
+    /// The length of a step, h = 1 / (60 substeps) \[s\].
     pub fn step(self) -> f64 {
         1.0 / (60.0 * f64::from(self.0))
     }

@@ -33,7 +33,7 @@ impl Hencky {
         Self { lame }
     }
 
-    /// mu + lambda [Pa].
+    /// mu + lambda \[Pa\].
     #[inline(always)]
     const fn bulk(&self) -> f64 {
         self.lame.mu + self.lame.lambda

@@ -88,12 +88,12 @@ pub trait Material: Copy + Send + Sync + 'static {
         self.psi(Mat2::from(f))
     }
 
-    /// [`Self::piola`] of one gradient [Pa].
+    /// [`Self::piola`] of one gradient \[Pa\].
     fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64> {
         self.piola(Mat2::from(f)).into()
     }
 
-    /// dP/dF (4 x 4) [Pa]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
+    /// dP/dF (4 x 4) \[Pa\]: entry (i, j) is the derivative of the i-th entry of P by the j-th of F, both column by column.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
 
     /// The same by the parts of F, in SIMD lanes.
@@ -105,7 +105,7 @@ pub trait Material: Copy + Send + Sync + 'static {
         false
     }
 
-    /// The stress through the thickness, P33 [Pa], in plane strain, F33 = 1; plane stress has none. Undefined where F
+    /// The stress through the thickness, P33 \[Pa\], in plane strain, F33 = 1; plane stress has none. Undefined where F
     /// is NaN.
     fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R;
 

@@ -67,7 +67,7 @@ fn part<R: Real>(x: R, y: R, least: f64) -> (R, [R; 2]) {
     (length * HALF, direction)
 }
 
-/// dP/dF of an isotropic energy density psi(p, q) [Pa]. Its eigenvectors are known from F alone (Smith, de Goes and Kim, *Analytic
+/// dP/dF of an isotropic energy density psi(p, q) \[Pa\]. Its eigenvectors are known from F alone (Smith, de Goes and Kim, *Analytic
 /// Eigensystems for Isotropic Distortion Energies*, ACM Transactions on Graphics 38, 2019): to turn either part and keep its
 /// size is one, and the two sizes are coupled with each other alone.
 #[derive(Clone, Copy, Debug)]

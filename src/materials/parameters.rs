@@ -26,12 +26,12 @@ impl Plane {
     }
 }
 
-/// Lame's parameters [Pa].
+/// Lame's parameters \[Pa\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lame {
-    /// Shear modulus mu = E / (2 (1 + nu)) [Pa].
+    /// Shear modulus mu = E / (2 (1 + nu)) \[Pa\].
     pub mu: f64,
-    /// First parameter lambda of the plane [Pa].
+    /// First parameter lambda of the plane \[Pa\].
     pub lambda: f64,
 }
 
@@ -124,7 +124,7 @@ impl MaterialParameters {
         self.model
     }
 
-    /// Young's modulus E [Pa].
+    /// Young's modulus E \[Pa\].
     pub const fn young(&self) -> Young {
         self.young
     }
@@ -139,7 +139,7 @@ impl MaterialParameters {
         self.plane
     }
 
-    /// Lame's parameters of the plane [Pa].
+    /// Lame's parameters of the plane \[Pa\].
     pub fn lame(&self) -> Lame {
         let (young, nu) = (self.young.get(), self.poisson.get());
         let lambda = match self.plane {

@@ -15,7 +15,7 @@ use std::f64::consts::SQRT_2;
 /// and stress are finite for every F, and a triangle that is flat or inverted is pushed back, with a thickness that stays positive.
 const FLAT: f64 = 0.1;
 
-/// g [Pa] and its first two derivatives.
+/// g \[Pa\] and its first two derivatives.
 #[inline(always)]
 fn continued<R: Real>(j: R, exact: [R; 3], [value, slope, bend]: [f64; 3]) -> [R; 3] {
     let (flat, zero) = (j.of(FLAT), j.of(0.0));
@@ -60,7 +60,7 @@ pub struct NeoHookeanSheet {
     mu: f64,
     /// a and b.
     shares: [f64; 2],
-    /// g and its derivatives at [`FLAT`] [Pa].
+    /// g and its derivatives at [`FLAT`] \[Pa\].
     flat: [f64; 3],
 }
 
@@ -124,7 +124,7 @@ impl NeoHookeanSheet {
         [(square - 1.0 - (square + 1.0) * volume) * (0.5 * self.mu), -pull, bend]
     }
 
-    /// g and its derivatives [Pa].
+    /// g and its derivatives \[Pa\].
     #[inline(always)]
     fn area<R: Real>(&self, j: R) -> [R; 3] {
         continued(j, self.exact(j), self.flat)
@@ -195,7 +195,7 @@ pub struct FixedCorotatedSheet {
     lame: Lame,
     /// a and b.
     shares: [f64; 2],
-    /// g and its derivatives at [`FLAT`] [Pa].
+    /// g and its derivatives at [`FLAT`] \[Pa\].
     flat: [f64; 3],
 }
 
@@ -218,7 +218,7 @@ impl FixedCorotatedSheet {
         [less * less * inverse * (0.5 * two), less * top * square * two, bend * two]
     }
 
-    /// g and its derivatives [Pa].
+    /// g and its derivatives \[Pa\].
     #[inline(always)]
     fn area<R: Real>(&self, j: R) -> [R; 3] {
         continued(j, self.exact(j), self.flat)

@@ -28,13 +28,13 @@ impl StableNeoHookean {
         Self { lame }
     }
 
-    /// l [Pa].
+    /// l \[Pa\].
     #[inline(always)]
     const fn bulk(&self) -> f64 {
         self.lame.lambda + self.lame.mu * (2.0 / 3.0)
     }
 
-    /// The factors of F and of G in P [Pa]. The first is mu at rest to the last bit, the second -mu.
+    /// The factors of F and of G in P \[Pa\]. The first is mu at rest to the last bit, the second -mu.
     #[inline(always)]
     fn factors<R: Real>(&self, f: Mat2<R>) -> (R, R) {
         let square = f.norm_squared();

@@ -7,11 +7,11 @@ use crate::quantity::{Coordinate, Point, Quantity, Radius, Rings};
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Disk {
-    /// Distance of the edge from the centre [m].
+    /// Distance of the edge from the centre \[m\].
     pub radius: Radius,
     /// Number of rings.
     pub rings: Whole<Rings>,
-    /// The centre [m].
+    /// The centre \[m\].
     #[serde(default = "middle")]
     pub centre: Point,
 }

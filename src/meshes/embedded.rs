@@ -20,7 +20,7 @@ pub struct Locator {
 }
 
 impl Locator {
-    /// Builds the locator. `points` [m] are in the shape to search, not necessarily at rest.
+    /// Builds the locator. `points` \[m\] are in the shape to search, not necessarily at rest.
     pub fn new(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Self {
         let mut corners: Vec<_> =
             triangles.iter().map(|corners| corners.map(|vertex| points[vertex as usize])).collect();
@@ -41,7 +41,7 @@ impl Locator {
         }
     }
 
-    /// Triangle that contains a point [m], and the weights of its corners. On shared edges the lowest number is taken.
+    /// Triangle that contains a point \[m\], and the weights of its corners. On shared edges the lowest number is taken.
     pub fn locate(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
         let [column, row] = [0, 1].map(|axis| ((point[axis] - self.low[axis]) / self.cell + TOLERANCE).floor());
         if !(column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64) {
@@ -70,7 +70,7 @@ impl Locator {
         })
     }
 
-    /// Embeds a point [m] in the body.
+    /// Embeds a point \[m\] in the body.
     pub fn embed(&self, point: [f64; 2]) -> Embedded {
         let (triangle, weights) = self.locate_nearest(point).unwrap_or((0, [1.0, 0.0, 0.0]));
         Embedded { triangle: triangle as u32, weights }
@@ -136,7 +136,7 @@ fn barycentric([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> [f64; 3] {
     [1.0 - second - third, second, third]
 }
 
-/// Squared distance from a point outside a triangle to its sides [m²].
+/// Squared distance from a point outside a triangle to its sides \[m²\].
 fn squared_distance_to([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> f64 {
     [[a, b], [b, c], [c, a]]
         .map(|[from, to]| mesh::squared_distance_to_side(from, to, point))
@@ -154,7 +154,7 @@ pub struct Embedded {
 }
 
 impl Embedded {
-    /// Present position of the point [m], for vertex positions `x` with two numbers per vertex.
+    /// Present position of the point \[m\], for vertex positions `x` with two numbers per vertex.
     pub fn position(&self, triangles: &[[u32; 3]], x: &[f64]) -> [f64; 2] {
         let mut point = [0.0; 2];
         for (&vertex, weight) in triangles[self.triangle as usize].iter().zip(self.weights) {
@@ -186,25 +186,25 @@ pub struct Stroke {
     pub closed: bool,
     /// Whether the inside is filled, for closed strokes.
     pub filled: bool,
-    /// Line width [m].
+    /// Line width \[m\].
     pub width: f64,
     /// Colour role.
     pub color: IcingColor,
 }
 
 impl Stroke {
-    /// Line of the given width [m] through points of the body at rest [m].
+    /// Line of the given width \[m\] through points of the body at rest \[m\].
     pub fn line(locator: &Locator, points: &[[f64; 2]], closed: bool, width: f64, color: IcingColor) -> Self {
         let points = points.iter().map(|&point| locator.embed(point)).collect();
         Self { points, closed, filled: false, width, color }
     }
 
-    /// Filled area inside points of the body at rest [m].
+    /// Filled area inside points of the body at rest \[m\].
     pub fn area(locator: &Locator, points: &[[f64; 2]], color: IcingColor) -> Self {
         Self { filled: true, ..Self::line(locator, points, true, 0.0, color) }
     }
 
-    /// Present positions of the points [m], for vertex positions `x` with two numbers per vertex.
+    /// Present positions of the points \[m\], for vertex positions `x` with two numbers per vertex.
     pub fn positions(&self, triangles: &[[u32; 3]], x: &[f64]) -> impl Iterator<Item = [f64; 2]> {
         self.points.iter().map(move |point| point.position(triangles, x))
     }

@@ -49,7 +49,7 @@ pub enum MeshError {
         triangle: usize,
         /// The two vertices.
         vertices: [usize; 2],
-        /// Their distance [m].
+        /// Their distance \[m\].
         distance: f64,
     },
     /// More than two triangles meet at an edge.

@@ -42,7 +42,7 @@ impl MeshSource for Gingerbread {
     }
 }
 
-/// Outline in points about one edge length [m] apart, counter-clockwise, with equal numbers on the left and right.
+/// Outline in points about one edge length \[m\] apart, counter-clockwise, with equal numbers on the left and right.
 fn sampled(half: &[[f64; 2]], edge: f64) -> Vec<[f64; 2]> {
     let length: f64 = 0.5 * polygon::perimeter(&mirrored(half));
     let pieces = ((length / edge).round() as usize).max(2);
@@ -55,12 +55,12 @@ fn mirrored(half: &[[f64; 2]]) -> Vec<[f64; 2]> {
     half.iter().rev().copied().chain(left).collect()
 }
 
-/// Middle of the body in the world [m].
+/// Middle of the body in the world \[m\].
 const MIDDLE: [f64; 2] = [0.5, 0.5];
-/// Step along the outline [m]: the polyline is then within 0.01 mm of the curve.
+/// Step along the outline \[m\]: the polyline is then within 0.01 mm of the curve.
 const STEP: f64 = 0.001;
 
-/// Capsule: two circles, by centres and radii [m], and the band around both.
+/// Capsule: two circles, by centres and radii \[m\], and the band around both.
 struct Capsule([f64; 2], f64, [f64; 2], f64);
 
 const HEAD: Capsule = Capsule([-0.004, 0.208], 0.117, [0.004, 0.208], 0.117);
@@ -68,13 +68,13 @@ const TRUNK: Capsule = Capsule([0.0, 0.02], 0.083, [0.0, -0.09], 0.098);
 const ARM: Capsule = Capsule([0.04, 0.025], 0.050, [0.2165, 0.066], 0.0635);
 const LEG: Capsule = Capsule([0.05, -0.10], 0.066, [0.12, -0.2555], 0.0695);
 
-/// Difference of the distances to two parts at which their fillet begins [m]: neck, armpits, hips and crotch.
+/// Difference of the distances to two parts at which their fillet begins \[m\]: neck, armpits, hips and crotch.
 const NECK: f64 = 0.08;
 const ARMPIT: f64 = 0.06;
 const HIP: f64 = 0.05;
 const CROTCH: f64 = 0.06;
 
-/// Level function: negative inside, positive outside, near the outline about the distance from it [m].
+/// Level function: negative inside, positive outside, near the outline about the distance from it \[m\].
 fn level([x, y]: [f64; 2]) -> f64 {
     let side = x.abs();
     let legs = blend(LEG.distance([side, y]), LEG.distance([-side, y]), CROTCH);
@@ -84,7 +84,7 @@ fn level([x, y]: [f64; 2]) -> f64 {
 }
 
 impl Capsule {
-    /// Distance from the boundary [m], negative inside.
+    /// Distance from the boundary \[m\], negative inside.
     fn distance(&self, point: [f64; 2]) -> f64 {
         let &Self(from, start, to, end) = self;
         let length = squared_distance(from, to).sqrt();
@@ -106,7 +106,7 @@ impl Capsule {
     }
 }
 
-/// Smooth minimum of two distances, rounded where they differ by less than `fillet` [m].
+/// Smooth minimum of two distances, rounded where they differ by less than `fillet` \[m\].
 fn blend(a: f64, b: f64, fillet: f64) -> f64 {
     let overlap = (fillet - (a - b).abs()).max(0.0);
     a.min(b) - 0.25 * overlap * overlap / fillet
@@ -118,7 +118,7 @@ fn slope([x, y]: [f64; 2]) -> [f64; 2] {
     [(level([x + H, y]) - level([x - H, y])) / (2.0 * H), (level([x, y + H]) - level([x, y - H])) / (2.0 * H)]
 }
 
-/// Right half of the outline in world coordinates [m], from the axis above the head to the axis between the legs.
+/// Right half of the outline in world coordinates \[m\], from the axis above the head to the axis between the legs.
 fn outline() -> Vec<[f64; 2]> {
     let mut point = onto([0.0, 0.325], true);
     let mut line = vec![point];
@@ -148,13 +148,13 @@ fn onto([mut x, mut y]: [f64; 2], on_axis: bool) -> [f64; 2] {
     [x, y]
 }
 
-/// Distance of the piping from the edge [m].
+/// Distance of the piping from the edge \[m\].
 const INSET: f64 = 0.021;
-/// Width of the piping [m].
+/// Width of the piping \[m\].
 const WIDTH: f64 = 0.0075;
-/// Amplitude of the piping's wave [m].
+/// Amplitude of the piping's wave \[m\].
 const SWING: f64 = 0.0045;
-/// Approximate wavelength of the piping [m].
+/// Approximate wavelength of the piping \[m\].
 const WAVE: f64 = 0.034;
 /// Points per wave.
 const PER_WAVE: usize = 12;
@@ -172,24 +172,24 @@ fn icing(locator: &Locator) -> Vec<Stroke> {
     strokes
 }
 
-/// Point of the body in the world [m].
+/// Point of the body in the world \[m\].
 fn world([x, y]: [f64; 2]) -> [f64; 2] {
     [x + MIDDLE[0], y + MIDDLE[1]]
 }
 
-/// Circle of 32 points [m].
+/// Circle of 32 points \[m\].
 fn disc(centre: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let at = |angle: f64| world([centre[0] + radius * libm::cos(angle), centre[1] + radius * libm::sin(angle)]);
     (0..32).map(|step| at(TAU * f64::from(step) / 32.0)).collect()
 }
 
-/// Line of the mouth [m].
+/// Line of the mouth \[m\].
 fn smile() -> Vec<[f64; 2]> {
     let at = |angle: f64| world([0.060 * libm::cos(angle), 0.206 + 0.054 * libm::sin(angle)]);
     (0..=24).map(|step| at(PI * (1.17 + 0.66 * f64::from(step) / 24.0))).collect()
 }
 
-/// Closed wave along the edge [m], symmetric like the outline.
+/// Closed wave along the edge \[m\], symmetric like the outline.
 fn piping() -> Vec<[f64; 2]> {
     let edge = outline();
     let line = shifted(&edge, |_| -INSET);
@@ -202,7 +202,7 @@ fn piping() -> Vec<[f64; 2]> {
     half.iter().copied().chain(left).collect()
 }
 
-/// Line from axis to axis with each point moved outwards, to the left of its direction, by a distance [m].
+/// Line from axis to axis with each point moved outwards, to the left of its direction, by a distance \[m\].
 fn shifted(line: &[[f64; 2]], distance: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let last = line.len() - 1;
     let move_out = |(index, point): (usize, &[f64; 2])| {

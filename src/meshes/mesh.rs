@@ -30,7 +30,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Checks points [m] and triangles of three vertex numbers each.
+    /// Checks points \[m\] and triangles of three vertex numbers each.
     /// Clockwise triangles are reversed. This, separate pieces, and coincident vertices are reported in
     /// [`Mesh::messages`].
     ///
@@ -110,7 +110,7 @@ impl Mesh {
         &self.numbering
     }
 
-    /// Positions at rest [m].
+    /// Positions at rest \[m\].
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
@@ -145,12 +145,12 @@ impl Mesh {
         self.topology().map_or_else(Vec::new, |topology| topology.boundary_loops())
     }
 
-    /// Corners of a triangle [m].
+    /// Corners of a triangle \[m\].
     pub fn corners(&self, triangle: usize) -> [[f64; 2]; 3] {
         self.triangles[triangle].map(|vertex| self.points[vertex as usize])
     }
 
-    /// Total area [m²].
+    /// Total area \[m²\].
     pub fn area(&self) -> f64 {
         (0..self.triangles.len()).map(|triangle| area(self.corners(triangle))).sum()
     }
@@ -160,12 +160,12 @@ impl Mesh {
         (0..self.triangles.len()).map(|triangle| min_angle(self.corners(triangle))).fold(60.0, f64::min)
     }
 
-    /// Bounding box of all points [m]: lower left and upper right corner.
+    /// Bounding box of all points \[m\]: lower left and upper right corner.
     pub fn bounds(&self) -> [[f64; 2]; 2] {
         bounds(&self.points)
     }
 
-    /// Triangle that contains a point [m] at rest, and the weights of its corners. For many points use one [`Locator`].
+    /// Triangle that contains a point \[m\] at rest, and the weights of its corners. For many points use one [`Locator`].
     pub fn locate(&self, point: [f64; 2]) -> Option<(usize, [f64; 3])> {
         Locator::new(&self.points, &self.triangles).locate(point)
     }
@@ -181,7 +181,7 @@ impl Mesh {
     }
 }
 
-/// Signed area of a triangle [m²], positive counter-clockwise.
+/// Signed area of a triangle \[m²\], positive counter-clockwise.
 pub(super) fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 }
@@ -196,7 +196,7 @@ pub(super) fn min_angle([a, b, c]: [[f64; 2]; 3]) -> f64 {
     angle(a, b, c).min(angle(b, c, a)).min(angle(c, a, b))
 }
 
-/// Bounding box of points [m]: lower left and upper right corner.
+/// Bounding box of points \[m\]: lower left and upper right corner.
 pub(super) fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     points.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], point| {
         [[low[0].min(point[0]), low[1].min(point[1])], [high[0].max(point[0]), high[1].max(point[1])]]
@@ -263,7 +263,7 @@ fn check_used(base: usize, vertices: usize, triangles: &[[u32; 3]]) -> Result<()
     }
 }
 
-/// Longer side of the bounding box of points [m].
+/// Longer side of the bounding box of points \[m\].
 pub(crate) fn size(points: &[[f64; 2]]) -> f64 {
     let [low, high] = bounds(points);
     (high[0] - low[0]).max(high[1] - low[1])
@@ -299,12 +299,12 @@ fn coincident((base, near): (usize, f64), points: &[[f64; 2]]) -> Option<String>
     ))
 }
 
-/// Squared distance of two points [m²].
+/// Squared distance of two points \[m²\].
 pub(super) fn squared_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])
 }
 
-/// Squared distance from a point to the segment between two others [m²].
+/// Squared distance from a point to the segment between two others \[m²\].
 pub(super) fn squared_distance_to_side(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = squared_distance(from, to);

@@ -2,6 +2,16 @@
 //! Every mesh passes through [`Mesh::new`], which repairs winding and refuses all other errors.
 //!
 //! Kinds that define only an outline share `triangulate`, which fills it with nearly equilateral triangles.
+//!
+//! ```
+//! use gingerbread::meshes::{Disk, Mesh, MeshSource as _, NoFiles};
+//!
+//! let disk = Disk::default().build(&NoFiles)?;
+//! assert!(disk.area() > 0.0 && disk.min_angle() > 0.0);
+//! // A triangle must have an area.
+//! assert!(Mesh::new(vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], vec![[0, 1, 2]]).is_err());
+//! # Ok::<(), gingerbread::meshes::MeshError>(())
+//! ```
 
 mod count;
 mod disk;

@@ -28,12 +28,12 @@ const MOST_ALONG: f64 = 10_000.0;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
-    /// The corners in order, in either direction [m].
+    /// The corners in order, in either direction \[m\].
     pub points: Vec<Point>,
     /// Number of triangles to aim for.
     #[serde(default = "thousand")]
     pub resolution: Whole<Triangles>,
-    /// How far the outline may be moved to do with fewer points [m].
+    /// How far the outline may be moved to do with fewer points \[m\].
     #[serde(default = "exactly", skip_serializing_if = "is_exact")]
     pub simplify: Tolerance,
 }
@@ -184,7 +184,7 @@ fn simpler(corners: &[[f64; 2]], target: f64, triangles: usize) -> Option<String
     ))
 }
 
-/// Points along the outline about one edge length [m] apart, its corners among them.
+/// Points along the outline about one edge length \[m\] apart, its corners among them.
 fn sampled(corners: &[[f64; 2]], edge: f64) -> Vec<[f64; 2]> {
     let count = corners.len();
     let mut kept: Vec<usize> = (0..count)

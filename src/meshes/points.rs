@@ -3,11 +3,11 @@
 use super::{Files, Mesh, MeshError, MeshSource};
 use crate::quantity::{Coordinate, Point};
 
-/// Points `(x, y)` [m] and triangles `(a, b, c)` that count them from 0.
+/// Points `(x, y)` \[m\] and triangles `(a, b, c)` that count them from 0.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
-    /// Where the vertices are [m].
+    /// Where the vertices are \[m\].
     pub points: Vec<Point>,
     /// Three vertices each, counted from 0, in either direction.
     pub triangles: Vec<(u32, u32, u32)>,

@@ -11,7 +11,7 @@ pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]>
 }
 
 /// Numbers of the corners that remain after merging.
-/// A corner is left out if it is nearer than `near` [m] to the one kept before it, or to the first.
+/// A corner is left out if it is nearer than `near` \[m\] to the one kept before it, or to the first.
 pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
     let apart = |a: usize, b: usize| squared_distance(corners[a], corners[b]) > near * near;
     let mut kept: Vec<usize> = Vec::new();
@@ -26,7 +26,7 @@ pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
     kept
 }
 
-/// Simplified polygon: no removed corner is farther than `tolerance` [m] from the remaining sides.
+/// Simplified polygon: no removed corner is farther than `tolerance` \[m\] from the remaining sides.
 /// Sources: Ramer, "An iterative procedure for the polygonal approximation of plane curves", 1972; Douglas and
 /// Peucker, 1973. If sides cross, the tolerance is halved until they do not.
 pub(super) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
@@ -70,13 +70,13 @@ fn within(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     corners.iter().zip(keep).filter(|(_, keep)| *keep).map(|(corner, _)| *corner).collect()
 }
 
-/// Signed area of a polygon [m²], positive counter-clockwise.
+/// Signed area of a polygon \[m²\], positive counter-clockwise.
 pub(super) fn signed_area(corners: &[[f64; 2]]) -> f64 {
     let origin = corners.first().copied().unwrap_or_default();
     sides(corners).map(|[from, to]| area([origin, from, to])).sum()
 }
 
-/// Length of the boundary [m].
+/// Length of the boundary \[m\].
 pub(super) fn perimeter(corners: &[[f64; 2]]) -> f64 {
     sides(corners).map(|[from, to]| squared_distance(from, to).sqrt()).sum()
 }

@@ -19,9 +19,9 @@ pub enum Diagonals {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rectangle {
-    /// Size along x [m].
+    /// Size along x \[m\].
     pub width: Width,
-    /// Size along y [m].
+    /// Size along y \[m\].
     pub height: Height,
     /// Cells along x; there is one vertex more.
     pub columns: Whole<Cells>,
@@ -30,7 +30,7 @@ pub struct Rectangle {
     /// How cells are cut.
     #[serde(default)]
     pub diagonals: Diagonals,
-    /// The lower left corner [m].
+    /// The lower left corner \[m\].
     #[serde(default = "origin")]
     pub corner: Point,
 }
@@ -77,7 +77,7 @@ impl MeshSource for Rectangle {
 }
 
 impl Rectangle {
-    /// Point at a number of cells right of and above the corner [m].
+    /// Point at a number of cells right of and above the corner \[m\].
     fn at(&self, columns: f64, rows: f64) -> [f64; 2] {
         let [x, y] = self.corner.get();
         [

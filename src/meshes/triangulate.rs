@@ -21,7 +21,7 @@ const ROUNDS: usize = 30;
 const STARTS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.29], [0.25, 0.14], [0.13, 0.43]];
 
 /// Triangulates an outline with about `target` triangles.
-/// `outline` gives its counter-clockwise points for an edge length [m]; `area` is the enclosed area [m²].
+/// `outline` gives its counter-clockwise points for an edge length \[m\]; `area` is the enclosed area \[m²\].
 ///
 /// # Errors
 /// [`MeshError::Recipe`] if the outline touches itself or is too thin for its triangles.
@@ -46,7 +46,7 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
     if angle >= GOOD_ANGLE { Ok(filled) } else { refine(&filled.0, fixed, 2 * target as usize) }
 }
 
-/// Side [m] of an equilateral triangle of the given area [m²].
+/// Side \[m\] of an equilateral triangle of the given area \[m²\].
 pub(super) fn edge_length(area: f64) -> f64 {
     (2.0 * area / ROW).sqrt()
 }
@@ -57,7 +57,7 @@ fn smallest_angle((points, triangles): &Filled) -> f64 {
     triangles.iter().map(angle).fold(60.0, f64::min)
 }
 
-/// Points of the outline and the edge length [m] that come nearest to the requested number of triangles.
+/// Points of the outline and the edge length \[m\] that come nearest to the requested number of triangles.
 /// A simple polygon with `b` points on it and `i` inside has `2 i + b - 2` triangles in every triangulation (Euler).
 fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start: [f64; 2]) -> (Vec<[f64; 2]>, f64) {
     let mut edge = edge_length(area / target);
@@ -100,7 +100,7 @@ fn lattice(boundary: &[[f64; 2]], edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
     points
 }
 
-/// Sides of the polygon within `clearance` of each of `2 rows + 1` horizontal lines about the height `middle` [m].
+/// Sides of the polygon within `clearance` of each of `2 rows + 1` horizontal lines about the height `middle` \[m\].
 fn sides_by_row(
     boundary: &[[f64; 2]],
     middle: f64,

@@ -10,15 +10,15 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chain {
-    /// Where the first particle starts [m].
+    /// Where the first particle starts \[m\].
     pub from: Point,
-    /// Where the last one starts [m].
+    /// Where the last one starts \[m\].
     pub to: Point,
     /// Springs in the row; there is one particle more.
     pub springs: Whole<Springs>,
     /// k of each spring [N/m].
     pub stiffness: Spring,
-    /// Rest length of each spring [m]; without it, the distance at the start.
+    /// Rest length of each spring \[m\]; without it, the distance at the start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<RestLength>,
 }

@@ -3,12 +3,12 @@
 use super::{Link, Net, NetError, NetSource, Role};
 use crate::quantity::{Coordinate, Point, RestLength, Spring};
 
-/// A net written out in the level itself: points `(x, y)` [m], and springs `(i, j, k, rest)` between particles `i` and
-/// `j`, counted from 0, of stiffness `k` [N/m] and length `rest` [m] without a force.
+/// A net written out in the level itself: points `(x, y)` \[m\], and springs `(i, j, k, rest)` between particles `i` and
+/// `j`, counted from 0, of stiffness `k` [N/m] and length `rest` \[m\] without a force.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Links {
-    /// Where the particles start [m].
+    /// Where the particles start \[m\].
     pub points: Vec<Point>,
     /// Two particles, stiffness and rest length each.
     pub springs: Vec<(u32, u32, Spring, RestLength)>,

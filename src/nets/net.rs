@@ -17,14 +17,14 @@ pub struct Link {
     pub ends: [u32; 2],
     /// k [N/m].
     pub stiffness: f64,
-    /// Rest length [m].
+    /// Rest length \[m\].
     pub rest: f64,
     /// Role in the net.
     pub role: Role,
 }
 
 impl Link {
-    /// Length for flat positions `x` [m].
+    /// Length for flat positions `x` \[m\].
     pub fn length(&self, x: &[f64]) -> f64 {
         let [a, b] = self.ends.map(|end| 2 * end as usize);
         let (dx, dy) = (x[b] - x[a], x[b + 1] - x[a + 1]);
@@ -89,7 +89,7 @@ pub enum NetError {
 }
 
 impl Net {
-    /// Checked net of particles at these points [m].
+    /// Checked net of particles at these points \[m\].
     ///
     /// # Errors
     /// [`NetError`] names the invalid particle or spring.
@@ -133,7 +133,7 @@ impl Net {
         &self.numbering
     }
 
-    /// Start positions of the particles [m].
+    /// Start positions of the particles \[m\].
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }

@@ -14,9 +14,9 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sheet {
-    /// Size along x [m].
+    /// Size along x \[m\].
     pub width: Width,
-    /// Size along y [m].
+    /// Size along y \[m\].
     pub height: Height,
     /// Cells along x; there is one particle more.
     pub columns: Whole<Cells>,
@@ -28,7 +28,7 @@ pub struct Sheet {
     pub shear: ShearSpring,
     /// k between every other particle [N/m].
     pub flexion: FlexionSpring,
-    /// The lower left corner [m].
+    /// The lower left corner \[m\].
     pub corner: Point,
 }
 

@@ -65,7 +65,7 @@ pub fn edge(from: [Vector; 2], to: [Vector; 2], middle: Vector, radius: f64, off
 pub struct Seen {
     /// Unit vector to the point.
     pub normal: Vector,
-    /// Distance [m].
+    /// Distance \[m\].
     pub distance: f64,
     /// Position of the nearest point along the edge (0 to 1).
     pub along: f64,

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ball {
-    /// Middle [m].
+    /// Middle \[m\].
     pub centre: Point,
-    /// Radius [m].
+    /// Radius \[m\].
     pub radius: Radius,
-    /// How near a vertex feels it [m].
+    /// How near a vertex feels it \[m\].
     pub eps: Reach,
 }
 

@@ -7,13 +7,13 @@ use parry2d::math::Vector;
 /// A convex corner of an obstacle, round or sharp: it can touch an edge of a body between two vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// Centre of its rounding [m].
+    /// Centre of its rounding \[m\].
     pub middle: [f64; 2],
-    /// Radius of its rounding [m].
+    /// Radius of its rounding \[m\].
     pub radius: f64,
-    /// Contact margin [m].
+    /// Contact margin \[m\].
     pub margin: f64,
-    /// Contact offset [m].
+    /// Contact offset \[m\].
     pub offset: f64,
 }
 
@@ -127,7 +127,7 @@ impl<'a> Edge<'a> {
     }
 
     /// Depenetration step of the edge, if that point of it begins inside the rounding of a corner, by a negative gap
-    /// [m].
+    /// \[m\].
     fn depenetration_step(
         &self,
         corner: &Corner,

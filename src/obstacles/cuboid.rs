@@ -8,16 +8,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cuboid {
-    /// Middle [m].
+    /// Middle \[m\].
     pub centre: Point,
-    /// Width [m].
+    /// Width \[m\].
     pub width: Width,
-    /// Height [m].
+    /// Height \[m\].
     pub height: Height,
-    /// Turn [degrees], counter-clockwise.
+    /// Turn \[degrees\], counter-clockwise.
     #[serde(default = "level")]
     pub turn: Angle,
-    /// How near a vertex feels it [m].
+    /// How near a vertex feels it \[m\].
     pub eps: Reach,
 }
 

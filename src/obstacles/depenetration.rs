@@ -99,9 +99,9 @@ fn mean(vectors: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
 struct DepenetrationPath {
     /// Unit vector.
     direction: [f64; 2],
-    /// Distance along the direction until the last vertex is out [m].
+    /// Distance along the direction until the last vertex is out \[m\].
     length: f64,
-    /// Greatest depth in another half-plane at its end [m].
+    /// Greatest depth in another half-plane at its end \[m\].
     blocked: f64,
 }
 
@@ -145,7 +145,7 @@ impl Body<'_> {
             .map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]])
     }
 
-    /// Diagonal of its bounding box [m].
+    /// Diagonal of its bounding box \[m\].
     fn size(&self) -> f64 {
         let points = || self.vertices.clone().map(|vertex| [self.start.x[2 * vertex], self.start.x[2 * vertex + 1]]);
         let extent = |axis: usize| {
@@ -156,7 +156,7 @@ impl Body<'_> {
         (width * width + height * height).sqrt()
     }
 
-    /// Sum of its depths in these obstacles [m].
+    /// Sum of its depths in these obstacles \[m\].
     fn depth(&self, flat: &[&ContactQuery<'_>]) -> f64 {
         let mut sum = 0.0;
         for wall in flat {
@@ -249,7 +249,7 @@ fn list_directions(holding: &[&ContactQuery<'_>], obstacles: &[ContactQuery<'_>]
 
 impl ContactQuery<'_> {
     /// Depth in this obstacle of a point after a displacement, if it enters or gets deeper; zero for a solid, which the
-    /// body may pass [m].
+    /// body may pass \[m\].
     fn blocks(&self, point: [f64; 2], direction: [f64; 2], length: f64) -> Option<f64> {
         let from = self.swept_motion().place(point);
         let displacement = direction.map(|along| length * along);

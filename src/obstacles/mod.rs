@@ -90,7 +90,7 @@ pub trait ObstacleParameters {
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 
-    /// The surface at which vertices stop (eps outside the shape), counter-clockwise [m]; empty for planes, which have no
+    /// The surface at which vertices stop (eps outside the shape), counter-clockwise \[m\]; empty for planes, which have no
     /// outline of their own.
     fn outline(&self) -> Vec<[f64; 2]>;
 
@@ -108,7 +108,7 @@ pub trait ObstacleParameters {
 /// Distance and normal of the surface nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Distance to the surface [m]; negative inside.
+    /// Distance to the surface \[m\]; negative inside.
     pub distance: f64,
     /// Unit vector from the obstacle outwards.
     pub normal: [f64; 2],
@@ -124,7 +124,7 @@ impl Contact {
 /// State at the start of a step, for constraints; flat, two numbers a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<'a> {
-    /// Positions [m].
+    /// Positions \[m\].
     pub x: &'a [f64],
     /// Velocities [m/s].
     pub v: &'a [f64],
@@ -135,9 +135,9 @@ pub struct Start<'a> {
     /// Outward normal of each vertex on the boundary of a body, if only vertices that face an obstacle are stopped;
     /// zero inside the body, NaN where there is no inside.
     pub outward: Option<&'a [f64]>,
-    /// Simulated time at the start and at the end [s].
+    /// Simulated time at the start and at the end \[s\].
     pub time: [f64; 2],
-    /// Sum of the work of moving obstacles [J].
+    /// Sum of the work of moving obstacles \[J\].
     pub supplied: &'a Cell<f64>,
     /// Depenetration parameters of the bodies and nets.
     pub depenetrations: &'a [Depenetration],
@@ -154,7 +154,7 @@ pub struct Start<'a> {
 }
 
 impl Start<'_> {
-    /// Adds work of an obstacle on a vertex [J]. Negative work is dissipated, as in any contact.
+    /// Adds work of an obstacle on a vertex \[J\]. Negative work is dissipated, as in any contact.
     fn supply(&self, work: f64) {
         self.supplied.set(self.supplied.get() + work.max(0.0));
     }
@@ -190,10 +190,10 @@ pub trait Obstacle: Send + Sync {
     /// Whether any point of a box could be within eps at any time, over the whole motion of the obstacle; conservative.
     fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
 
-    /// Contact margin eps [m].
+    /// Contact margin eps \[m\].
     fn margin(&self) -> f64;
 
-    /// Contact offset: distance from the surface at which a penetrating vertex is placed [m].
+    /// Contact offset: distance from the surface at which a penetrating vertex is placed \[m\].
     fn offset(&self) -> f64 {
         0.0
     }
@@ -204,7 +204,7 @@ pub trait Obstacle: Send + Sync {
         None
     }
 
-    /// Distance that a penetrating point has to move along a direction to leave the obstacle [m]; for a point in front
+    /// Distance that a penetrating point has to move along a direction to leave the obstacle \[m\]; for a point in front
     /// of a solid, to pass it. Infinite if the direction leads deeper into a half-plane.
     fn depenetration_distance(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64>;
 

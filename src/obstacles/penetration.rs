@@ -36,9 +36,9 @@ pub struct Depenetration {
     pub end: usize,
     /// Depenetration speed [m/s]; infinite if in one step.
     pub speed: f64,
-    /// Depth up to which a vertex is projected out in one step [m]: a small fraction of a triangle or spring.
+    /// Depth up to which a vertex is projected out in one step \[m\]: a small fraction of a triangle or spring.
     pub shallow: f64,
-    /// Time constant with which other motion of the penetrating part decays [s].
+    /// Time constant with which other motion of the penetrating part decays \[s\].
     pub decay: f64,
 }
 
@@ -118,7 +118,7 @@ impl ContactCache {
 pub struct DepenetrationStep {
     /// Least outward speed [m/s].
     pub speed: f64,
-    /// Least outward displacement in the step [m].
+    /// Least outward displacement in the step \[m\].
     pub length: f64,
 }
 
@@ -133,7 +133,7 @@ impl Start<'_> {
         depenetration_of(self.depenetrations, vertex)
     }
 
-    /// Depenetration step of a vertex at a signed distance from a surface [m], with an outward speed [m/s] and a
+    /// Depenetration step of a vertex at a signed distance from a surface \[m\], with an outward speed [m/s] and a
     /// contact offset; `None` if it leaves the obstacle within this step. A small depth, such as another wall may
     /// cause, is projected out in one step, except the last part of a long depenetration, where the vertex keeps the
     /// depenetration speed. A body that stays inside has speed zero.

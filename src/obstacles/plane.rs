@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plane {
-    /// A point of the wall [m].
+    /// A point of the wall \[m\].
     pub point: Point,
     /// Direction into the free side; any length but zero.
     pub normal: Point,
-    /// How near a vertex feels it [m].
+    /// How near a vertex feels it \[m\].
     pub eps: Reach,
 }
 

@@ -18,9 +18,9 @@ const ROUND_OFF: f64 = 1e-12;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Polygon {
-    /// Corners in order, either way round [m]. One at the place of the one before is passed over, and so is the first repeated at the end.
+    /// Corners in order, either way round \[m\]. One at the place of the one before is passed over, and so is the first repeated at the end.
     pub points: Vec<Point>,
-    /// How near a vertex feels it [m].
+    /// How near a vertex feels it \[m\].
     pub eps: Reach,
 }
 
@@ -110,7 +110,7 @@ impl ObstacleParameters for Polygon {
     }
 }
 
-/// Twice the area, positive when counter-clockwise [m²]; seen from a corner, so that it is exact also far from the origin.
+/// Twice the area, positive when counter-clockwise \[m²\]; seen from a corner, so that it is exact also far from the origin.
 fn signed_area(corners: &[[f64; 2]]) -> f64 {
     let Some(&[x, y]) = corners.first() else { return 0.0 };
     let next = corners.iter().cycle().skip(1);

@@ -14,7 +14,7 @@ pub struct Solid<S> {
     shape: S,
     pose: Pose,
     near: Aabb,
-    /// eps, at least a fraction of the size above round-off [m].
+    /// eps, at least a fraction of the size above round-off \[m\].
     eps: f64,
     /// Segments; the surface is all points at `radius` from them.
     rim: Vec<Segment>,
@@ -30,7 +30,7 @@ const LEAST: f64 = 1e-4;
 const OFFSET: f64 = 1e-3;
 
 impl<S: Shape> Solid<S> {
-    /// The shape at a point, with its contact margin [m].
+    /// The shape at a point, with its contact margin \[m\].
     pub fn new(shape: S, [x, y]: [f64; 2], eps: f64) -> Self {
         let pose = Pose::from_translation(Vector::new(x, y));
         let bounds = shape.compute_aabb(&pose);
@@ -53,7 +53,7 @@ impl<S: Shape> Solid<S> {
 }
 
 impl<S: Shape> Solid<S> {
-    /// Vector to or from the nearest point of the surface, outwards, and the distance [m]; negative inside.
+    /// Vector to or from the nearest point of the surface, outwards, and the distance \[m\]; negative inside.
     fn nearest(&self, point: Vector) -> (Vector, f64) {
         let projection = PointQuery::project_point(&self.shape, &self.pose, point, false);
         let away = if projection.is_inside { projection.point - point } else { point - projection.point };

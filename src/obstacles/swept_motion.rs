@@ -9,7 +9,7 @@ use parry2d::math::Vector;
 pub struct Rigid {
     /// Cosine and sine of R.
     pub turn: [f64; 2],
-    /// t [m].
+    /// t \[m\].
     pub shift: [f64; 2],
     /// u: the velocity of the material point at the origin of the world [m/s].
     pub velocity: [f64; 2],

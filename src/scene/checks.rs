@@ -13,7 +13,7 @@ const EXPLODED_INVERTED: f64 = 10.0;
 const MANY: usize = 20;
 
 impl Scene {
-    /// Whether a body, or after the bodies a net, with this elastic energy [J] has exploded at these positions [m]. A
+    /// Whether a body, or after the bodies a net, with this elastic energy \[J\] has exploded at these positions \[m\]. A
     /// tangled body that fills the domain counts too.
     pub fn has_exploded(&self, number: usize, energy: f64, x: &[f64]) -> bool {
         let Some(part) = self.parts.get(number) else { return false };

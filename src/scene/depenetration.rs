@@ -11,7 +11,7 @@ const STRAIN: f64 = 0.1;
 /// Other motion decays while the body moves by this fraction of its size.
 const DECAY: f64 = 0.05;
 
-/// Least time for a displacement by its own size, so that depenetration is visible [s].
+/// Least time for a displacement by its own size, so that depenetration is visible \[s\].
 const WHILE: f64 = 1.0;
 
 impl Scene {
@@ -43,7 +43,7 @@ impl Scene {
         bodies.chain(nets).map(depenetration).collect()
     }
 
-    /// The diagonal of the box around some vertices at rest [m].
+    /// The diagonal of the box around some vertices at rest \[m\].
     pub fn size(&self, vertices: &Range<usize>) -> f64 {
         let own = &self.rest[self.numbers(vertices)];
         let length = |axis: usize| {

@@ -37,11 +37,11 @@ pub struct Scene {
     pub toy: Option<ToyKind>,
     /// Number of coordinates of a vertex.
     pub dimension: usize,
-    /// Positions at rest, flat [m].
+    /// Positions at rest, flat \[m\].
     pub rest: Vec<f64>,
     /// Positions and velocities at the start.
     pub start: State,
-    /// Mass [kg], equal for all coordinates of a vertex.
+    /// Mass \[kg\], equal for all coordinates of a vertex.
     pub mass: Vec<f64>,
     /// 1/mass [1/kg], flat; zero for pinned vertices, and for the fixed coordinate of rollers.
     pub inverse_mass: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct Scene {
     pub auto: Vec<bool>,
     /// The time-stepping scheme.
     pub integrator: IntegratorKind,
-    /// Length of a step [s].
+    /// Length of a step \[s\].
     pub step: f64,
     /// Whether an unstable step is repeated in shorter ones.
     pub guard: bool,
@@ -92,7 +92,7 @@ pub struct Body {
     pub boundary: Vec<[u32; 2]>,
     /// Vertices at the greatest rest y.
     pub top: Vec<u32>,
-    /// Height at rest [m].
+    /// Height at rest \[m\].
     pub rest_height: f64,
 }
 
@@ -229,8 +229,8 @@ impl Scene {
         }
     }
 
-    /// A scene of elements of any kind, in any number of dimensions: `rest` are the positions at rest [m], flat, and
-    /// `mass` the masses of the vertices [kg]. It starts at rest, without pins and other effects, and no file can hold
+    /// A scene of elements of any kind, in any number of dimensions: `rest` are the positions at rest \[m\], flat, and
+    /// `mass` the masses of the vertices \[kg\]. It starts at rest, without pins and other effects, and no file can hold
     /// it: it has no bodies and nets with names. What else there is to say is set afterwards.
     ///
     /// ```
@@ -437,7 +437,7 @@ fn range<'a>(along: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     along.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), &value| (value.min(least), value.max(greatest)))
 }
 
-/// The rest positions: the mesh scaled, turned and moved, flat [m].
+/// The rest positions: the mesh scaled, turned and moved, flat \[m\].
 fn placed(level: &BodyLevel, mesh: &Mesh) -> Vec<f64> {
     let (scale, turn, [dx, dy]) = (level.place.scale.get(), level.place.turn.get(), level.place.offset.get());
     let turn = turn.to_radians();
@@ -445,7 +445,7 @@ fn placed(level: &BodyLevel, mesh: &Mesh) -> Vec<f64> {
     mesh.points().iter().flat_map(|[x, y]| [c * x - s * y + dx, s * x + c * y + dy]).collect()
 }
 
-/// The start positions: stretched about the middle of the bottom edge, flat [m].
+/// The start positions: stretched about the middle of the bottom edge, flat \[m\].
 fn stretched(level: &BodyLevel, rest: &[f64]) -> Vec<f64> {
     let (sx, sy) = (level.stretch.0.get(), level.stretch.1.get());
     let ((left, right), (bottom, _)) = (extent(rest, 0), extent(rest, 1));
@@ -464,7 +464,7 @@ fn moving(level: &BodyLevel, x: &[f64], masses: &[f64]) -> Vec<f64> {
     x.chunks_exact(2).flat_map(|point| [vx - spin * (point[1] - cy), vy + spin * (point[0] - cx)]).collect()
 }
 
-/// The mass of each vertex [kg].
+/// The mass of each vertex \[kg\].
 fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
     let vertices = elements.vertices();
     match mass {

@@ -7,7 +7,7 @@ use crate::{
     random,
 };
 
-/// Applies the start shape to the free vertices of a body, flat [m]. Random numbers are drawn in the order of the list.
+/// Applies the start shape to the free vertices of a body, flat \[m\]. Random numbers are drawn in the order of the list.
 pub(super) fn reshape(
     shape: StartShape,
     (pins, rollers): (&[u32], &[(u32, usize)]),
@@ -53,7 +53,7 @@ fn size([width, height]: [f64; 2]) -> f64 {
     2.0 * width.max(height)
 }
 
-/// Scales positions along a random direction and across it about the centre; then adds noise up to a length [m] along
+/// Scales positions along a random direction and across it about the centre; then adds noise up to a length \[m\] along
 /// each axis.
 fn map(x: &mut [f64], numbering: &Numbering, middle: [f64; 2], factors: [f64; 2], (seed, noise): (u32, f64)) {
     let mut random = random::stream(seed);

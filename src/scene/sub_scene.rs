@@ -27,7 +27,7 @@ pub struct SubScene {
 }
 
 impl SubScene {
-    /// Its critical step at rest [s], if it has stiffness; computed by `measure` on first use.
+    /// Its critical step at rest \[s\], if it has stiffness; computed by `measure` on first use.
     pub fn limit(&self, measure: impl FnOnce(&Scene) -> Option<f64>) -> Option<f64> {
         *self.limit.get_or_init(|| measure(&self.scene))
     }

@@ -8,7 +8,7 @@ use pulp::Arch;
 /// Cached elastic energies.
 #[derive(Default)]
 pub(super) struct Elastic {
-    /// Of each body and then each net [J].
+    /// Of each body and then each net \[J\].
     each: Vec<f64>,
     /// Shape number that they belong to.
     shape: Option<u64>,
@@ -23,12 +23,12 @@ impl Simulation {
         ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
     }
 
-    /// Energies now [J].
+    /// Energies now \[J\].
     pub fn energies(&self) -> Energies {
         self.energies_with(self.grab)
     }
 
-    /// Energies now, with another pull [J].
+    /// Energies now, with another pull \[J\].
     pub(super) fn energies_with(&self, grab: Option<Grab>) -> Energies {
         if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
             let [kinetic, potential] = toy.kind().energies([a, b]);
@@ -45,7 +45,7 @@ impl Simulation {
         Energies { kinetic: self.kinetic_energy(), elastic, potential }
     }
 
-    /// Kinetic energy [J].
+    /// Kinetic energy \[J\].
     pub(super) fn kinetic_energy(&self) -> f64 {
         // 32 independent sums avoid a chain of dependent additions; their number is the same on every processor, so
         // that the bits are too.
@@ -65,13 +65,13 @@ impl Simulation {
         0.5 * sums.into_iter().chain(rest).sum::<f64>()
     }
 
-    /// Elastic energy of a body, or after the bodies of a net, if it is cached for the present shape [J].
+    /// Elastic energy of a body, or after the bodies of a net, if it is cached for the present shape \[J\].
     pub fn known_energy(&self, number: usize) -> Option<f64> {
         let elastic = self.elastic.borrow();
         elastic.each.get(number).copied().filter(|_| elastic.shape == Some(self.shape))
     }
 
-    /// Stores the elastic energies of the present shape [J]: of each body and then each net.
+    /// Stores the elastic energies of the present shape \[J\]: of each body and then each net.
     pub(crate) fn set_elastic_energies(&self, energies: impl Iterator<Item = f64>) {
         let mut elastic = self.elastic.borrow_mut();
         elastic.each.clear();

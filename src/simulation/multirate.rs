@@ -57,9 +57,9 @@ struct SubstepStepper {
 #[derive(Clone, Copy)]
 struct StepInterval<'a> {
     integrator: &'a dyn Integrator,
-    /// Length of a substep [s].
+    /// Length of a substep \[s\].
     h: f64,
-    /// Start and end of the interval [s].
+    /// Start and end of the interval \[s\].
     time: [f64; 2],
     /// Number of substeps to take, and number of substeps in the interval.
     taken: u32,
@@ -83,12 +83,12 @@ impl Multirate {
         self.is_active
     }
 
-    /// Step length of a body or net [s], where the scene has step length `h`.
+    /// Step length of a body or net \[s\], where the scene has step length `h`.
     pub fn step(&self, number: usize, h: f64) -> f64 {
         self.all.get(number).map_or(h, |stepper| stepper.plan.step)
     }
 
-    /// Least step length of all bodies and nets [s], where the scene has step length `h`.
+    /// Least step length of all bodies and nets \[s\], where the scene has step length `h`.
     pub fn shortest(&self, h: f64) -> f64 {
         self.all.iter().map(|stepper| stepper.plan.step).fold(h, f64::min)
     }
@@ -198,7 +198,7 @@ impl Simulation {
         self.multirate.all.iter().map(|stepper| stepper.plan)
     }
 
-    /// Takes one step of length h, from one time to another [s], of each awake body and net with its own substeps.
+    /// Takes one step of length h, from one time to another \[s\], of each awake body and net with its own substeps.
     pub(super) fn integrate_each(&mut self, h: f64, time: [f64; 2]) {
         let Self { multirate, scene, state, scratch, grab, guard, .. } = self;
         let integrator = scene.integrator.kind();
@@ -226,7 +226,7 @@ impl Simulation {
     }
 }
 
-/// Length of one of n equal substeps [s]: exactly the step length for n times as many steps a frame.
+/// Length of one of n equal substeps \[s\]: exactly the step length for n times as many steps a frame.
 fn substep(step: f64, substeps: u32) -> f64 {
     let of = |count: f64| Substeps::new(count as u32).ok().map(Substeps::step);
     let frame = libm::round(1.0 / (60.0 * step));

@@ -57,7 +57,7 @@ impl Script {
         Changes { flipped: flips % 2 == 1, freed }
     }
 
-    /// Point at which the pulled vertex was grabbed, and the point that it is pulled to [m].
+    /// Point at which the pulled vertex was grabbed, and the point that it is pulled to \[m\].
     fn scripted_grab(&self) -> Option<([f64; 2], [f64; 2])> {
         let last = self.due.checked_sub(1)?;
         let latest = |scripted: &ScriptedAction| scripted.count(last).checked_sub(1).map(|count| scripted.begin(count));
@@ -150,7 +150,7 @@ impl Simulation {
         }
     }
 
-    /// Pulled vertex as the level lists it, and its target [m], if there are scripted actions.
+    /// Pulled vertex as the level lists it, and its target \[m\], if there are scripted actions.
     pub fn scripted_pull(&self) -> Option<(u32, Point)> {
         let Grab { vertex, target } = self.grab.filter(|_| self.script.is_some())?;
         Some((self.scene.listed_vertex(vertex)? as u32, Point::new(target).ok()?))
@@ -268,13 +268,13 @@ impl Simulation {
     }
 }
 
-/// Target a frame later, if the vertex reaches another point in the given number of frames [m].
+/// Target a frame later, if the vertex reaches another point in the given number of frames \[m\].
 fn pulled(target: [f64; 2], to: [f64; 2], left: u64) -> [f64; 2] {
     let share = 1.0 / left as f64;
     [0, 1].map(|axis| target[axis] + share * (to[axis] - target[axis]))
 }
 
-/// The state with the pinned vertices on a side of the first body rotated about their mean by an angle [rad].
+/// The state with the pinned vertices on a side of the first body rotated about their mean by an angle \[rad\].
 fn turned(scene: &Scene, state: &State, side: Side, angle: f64) -> State {
     let mut state = state.clone();
     let Some(body) = scene.bodies.first() else { return state };

@@ -20,7 +20,7 @@ use super::{BATCH, Simulation};
 use crate::{elements::ElasticElements, scene::Scene, state::State};
 use std::{ops::Range, sync::Arc};
 
-/// tau: time below the sleep threshold before sleep [s].
+/// tau: time below the sleep threshold before sleep \[s\].
 const WINDOW: f64 = 0.5;
 
 /// theta: allowed displacement in that time, as a fraction of its size.
@@ -40,9 +40,9 @@ struct Island {
     vertices: Range<usize>,
     /// Its numbers in the state.
     numbers: Range<usize>,
-    /// Diagonal of the box around it at rest [m].
+    /// Diagonal of the box around it at rest \[m\].
     size: f64,
-    /// Mass of its free coordinates [kg].
+    /// Mass of its free coordinates \[kg\].
     mass: f64,
 }
 
@@ -81,8 +81,8 @@ impl Islands {
 }
 
 impl Island {
-    /// Sleep threshold of the speed along an axis [m/s], at a distance from the origin [m] and with steps of length h
-    /// [s].
+    /// Sleep threshold of the speed along an axis [m/s], at a distance from the origin \[m\] and with steps of length h
+    /// \[s\].
     fn speed_threshold(&self, distance: f64, h: f64) -> f64 {
         (THETA * self.size / WINDOW).max(f64::EPSILON * distance / h)
     }

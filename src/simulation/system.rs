@@ -71,7 +71,7 @@ pub(super) struct Scratch {
     pub effects: Vec<f64>,
     /// Outward normals of the vertices.
     pub outward: Vec<f64>,
-    /// Work of moving and of penetrated obstacles in this step [J].
+    /// Work of moving and of penetrated obstacles in this step \[J\].
     pub supplied: f64,
     /// Whether a vertex began deep inside an obstacle.
     pub inside: Inside,
@@ -82,11 +82,11 @@ pub(super) struct Scratch {
     pub masked_inverse_mass: Vec<f64>,
     /// Box in which no constraint acts, while all vertices stay in it.
     pub clear_box: Option<Bounds>,
-    /// Least distance that a vertex can still move before positions are checked again; negative if unknown [m].
+    /// Least distance that a vertex can still move before positions are checked again; negative if unknown \[m\].
     pub displacement_bound: f64,
-    /// Kinetic energy after the step [J], if the step computed it.
+    /// Kinetic energy after the step \[J\], if the step computed it.
     pub kinetic: Option<f64>,
-    /// Least mass of a free coordinate [kg].
+    /// Least mass of a free coordinate \[kg\].
     pub lightest: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
@@ -130,7 +130,7 @@ impl Scratch {
         self.masked_inverse_mass[numbers.clone()].fill(0.0);
     }
 
-    /// Reduces the displacement bound by the greatest displacement in a step of length h [s]: that of the lightest
+    /// Reduces the displacement bound by the greatest displacement in a step of length h \[s\]: that of the lightest
     /// vertex with all kinetic energy, enlarged for round-off. Negative if the energy is unknown.
     pub fn reduce_displacement_bound(&mut self, h: f64) {
         let speed = (2.0 * self.kinetic.unwrap_or(f64::NAN) / self.lightest).sqrt();
@@ -181,7 +181,7 @@ pub(super) struct System<'a> {
     pub scene: &'a Scene,
     pub scratch: &'a mut Scratch,
     pub grab: Option<Grab>,
-    /// Simulated time at the start and at the end of the step [s].
+    /// Simulated time at the start and at the end of the step \[s\].
     pub time: [f64; 2],
 }
 

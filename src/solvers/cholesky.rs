@@ -9,7 +9,7 @@ use super::{
 use crate::simd::{SPARE, lined};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Time of a multiplication and subtraction in factorisation, and of a block of L in one factorisation and solve [ns].
+/// Time of a multiplication and subtraction in factorisation, and of a block of L in one factorisation and solve \[ns\].
 const PRODUCT: f64 = 0.05;
 const ENTRY: f64 = 9.0;
 
@@ -58,7 +58,7 @@ impl<const D: usize> Factor<D> {
         Arch::new().dispatch(Solve { of: self, b });
     }
 
-    /// Estimated time of one factorisation and solve [ns], from the pattern alone, so that choices by it are the same
+    /// Estimated time of one factorisation and solve \[ns\], from the pattern alone, so that choices by it are the same
     /// on every machine; only ratios of such times are meaningful.
     pub fn time(&self) -> f64 {
         let front = |front: &Front| {

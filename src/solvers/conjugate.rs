@@ -187,7 +187,7 @@ const LEAST: f64 = 16.0;
 const GAIN: f64 = 1.3;
 const USUAL: f64 = 5.0;
 
-/// Estimated time of an iteration and of a rebuild of the coarse matrix [ns], in the unit of [`Factor::time`]; without
+/// Estimated time of an iteration and of a rebuild of the coarse matrix \[ns\], in the unit of [`Factor::time`]; without
 /// levels, for the groups of a usual mesh.
 fn times<const D: usize>(matrix: &BlockMatrix<D>, levels: Option<&TwoLevel<D>>) -> [f64; 2] {
     let entries = levels.map_or(2.2 * matrix.vertices() as f64, |levels| levels.entries() as f64);

@@ -46,7 +46,7 @@ impl Correspondence {
         Some(Self { dimension: a.dimension, places: Some(places) })
     }
 
-    /// Positions in `b` of the material points at the vertices of `a` [m]. `x` holds the positions of all vertices of
+    /// Positions in `b` of the material points at the vertices of `a` \[m\]. `x` holds the positions of all vertices of
     /// `b`.
     pub fn seen<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
         let Some(places) = &self.places else { return Cow::Borrowed(x) };
@@ -92,7 +92,7 @@ pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
 /// Difference of two runs at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
-    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A [m]. `x_B` are the positions of the same material points in B.
+    /// `sqrt(mean |x_B - x_A|²)` over the vertices of A \[m\]. `x_B` are the positions of the same material points in B.
     pub metres: f64,
     /// The same difference over the greatest motion of A so far, `sqrt(mean |x_A - x_start|²)`.
     /// The average motion is no measure: a scene that has just begun to move would have a large error without reason.
@@ -102,11 +102,11 @@ pub struct Apart {
 /// Measures the difference of two runs over time.
 pub struct Difference {
     correspondence: Option<Correspondence>,
-    /// Start positions of the first run [m].
+    /// Start positions of the first run \[m\].
     start: Vec<f64>,
     /// Number of coordinates of a vertex.
     dimension: usize,
-    /// Greatest RMS motion of the first run so far [m].
+    /// Greatest RMS motion of the first run so far \[m\].
     farthest: f64,
 }
 
@@ -128,13 +128,13 @@ impl Difference {
     }
 }
 
-/// Root mean square distance of points [m].
+/// Root mean square distance of points \[m\].
 fn rms(a: &[f64], b: &[f64], dimension: usize) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
     (dimension as f64 * sum / a.len().max(1) as f64).sqrt()
 }
 
-/// Positions [m]. The state of a toy is translated into the place where it is drawn.
+/// Positions \[m\]. The state of a toy is translated into the place where it is drawn.
 fn positions<'a>(scene: &Scene, x: &'a [f64]) -> Cow<'a, [f64]> {
     match (&scene.toy, x) {
         (Some(toy), &[a, b]) => Cow::Owned(toy.kind().place([a, b]).to_vec()),

@@ -52,11 +52,11 @@ impl Invariant {
 /// Energy and momentum at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
-    /// Time since the start of the trial [s].
+    /// Time since the start of the trial \[s\].
     pub time: f64,
-    /// Sum of kinetic, elastic and potential energy [J].
+    /// Sum of kinetic, elastic and potential energy \[J\].
     pub energy: f64,
-    /// Kinetic energy [J].
+    /// Kinetic energy \[J\].
     pub kinetic: f64,
     /// Linear momentum [kg m/s].
     pub momentum: [f64; 2],
@@ -101,7 +101,7 @@ impl DriftRun {
         self.moments.iter().map(|moment| moment.kinetic).fold(0.0, f64::max)
     }
 
-    /// Greatest change of the energy, by magnitude [J].
+    /// Greatest change of the energy, by magnitude \[J\].
     fn greatest_gain(&self) -> f64 {
         let first = self.moments.first().map_or(0.0, |first| first.energy);
         self.moments.iter().map(|moment| (moment.energy - first).abs()).fold(0.0, f64::max)
@@ -118,7 +118,7 @@ pub struct Drift {
 /// Relative rounding error of the energy after many steps.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Kinetic energy below this is rounding: absolute [J], and as a share of the energy at the start.
+/// Kinetic energy below this is rounding: absolute \[J\], and as a share of the energy at the start.
 const STILL: (f64, f64) = (1e-18, 1e-9);
 
 impl Drift {
@@ -189,7 +189,7 @@ impl Drift {
         &self.runs
     }
 
-    /// Scale of energy changes: the greatest kinetic energy of a run, median over all runs begun [J].
+    /// Scale of energy changes: the greatest kinetic energy of a run, median over all runs begun \[J\].
     /// The energy itself is no scale, because its zero is arbitrary.
     pub fn scale(&self) -> f64 {
         self.median(DriftRun::greatest_kinetic)

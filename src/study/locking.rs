@@ -15,9 +15,9 @@ use crate::{
 pub struct LockingNumber {
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Tip deflection on the level's own mesh [m].
+    /// Tip deflection on the level's own mesh \[m\].
     pub value: f64,
-    /// Tip deflection on a mesh with at least four times as many triangles [m]. Rectangles are crossed there, which
+    /// Tip deflection on a mesh with at least four times as many triangles \[m\]. Rectangles are crossed there, which
     /// lock least.
     pub better: f64,
     /// The level's own mesh and the finer mesh.

@@ -101,7 +101,7 @@ impl March {
         (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / f64::from(self.frames.max(1))
     }
 
-    /// Processor time per second of simulated time [ms].
+    /// Processor time per second of simulated time \[ms\].
     pub fn ms_per_second(&self) -> f64 {
         let seconds = (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / 60.0;
         if seconds > 0.0 { self.spent.as_secs_f64() * 1e3 / seconds } else { 0.0 }

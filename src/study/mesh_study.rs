@@ -62,13 +62,13 @@ pub struct MeshPoint {
     pub triangles: usize,
     /// Number of vertices.
     pub vertices: usize,
-    /// Size of the triangles [m]: `sqrt(2 · mean area)`, the side of a square cell of two triangles.
+    /// Size of the triangles \[m\]: `sqrt(2 · mean area)`, the side of a square cell of two triangles.
     pub size: f64,
     /// Value of the quantity. `None` before it is known, or if it cannot be computed.
     pub value: Option<f64>,
     /// Status of the run. `Unconverged` if no equilibrium was found or the mesh could not be built.
     pub status: Status,
-    /// Processor time [ms], the least of `runs` runs: of one equilibrium, or per second of simulated time.
+    /// Processor time \[ms\], the least of `runs` runs: of one equilibrium, or per second of simulated time.
     pub ms: f64,
     /// Number of runs.
     pub runs: u32,
@@ -77,7 +77,7 @@ pub struct MeshPoint {
 struct Slot {
     level: Level,
     point: MeshPoint,
-    /// Greatest displacement of any vertex [m].
+    /// Greatest displacement of any vertex \[m\].
     moved: f64,
     run_state: RunState,
     /// Processor time of the first run.
@@ -437,10 +437,10 @@ fn scaled(setting: &Setting, factor: f64) -> Setting {
 /// Quantity that is compared between meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measure {
-    /// Greatest displacement of any vertex from its rest position along x or y [m]: the tip deflection of a bar.
+    /// Greatest displacement of any vertex from its rest position along x or y \[m\]: the tip deflection of a bar.
     #[default]
     TipDeflection,
-    /// Elastic energy of all elements [J].
+    /// Elastic energy of all elements \[J\].
     ElasticEnergy,
 }
 

@@ -9,6 +9,20 @@
 //! Long computations are jobs: `advance(budget)` works for about that time and returns its [`Progress`]. Partial
 //! results can be read at any time. Dropping a job cancels it. Results do not depend on budgets or on the number of
 //! threads, except for the measured times.
+//!
+//! ```
+//! use gingerbread::{files, integrators::RungeKutta4, levels, meshes::NoFiles,
+//!     study::{Plan, Trial, WorkPrecision}};
+//! use std::time::Duration;
+//!
+//! let level = files::parse(levels::built_in("chain").ok_or("there is no such level")?, "chain.ron")?;
+//! let plan = Plan { integrators: vec![RungeKutta4::default().into()], ..Plan::default() };
+//! let mut diagram = WorkPrecision::new(Trial::new(&level, &NoFiles, 0.1)?, plan);
+//! while !diagram.advance(Duration::from_millis(50))?.finished {}
+//! let points = &diagram.curves()[0].points;
+//! assert!(points.iter().any(|point| point.outcome.as_ref().is_some_and(|outcome| outcome.error < 1e-3)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod difference;
 mod drift;

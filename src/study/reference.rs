@@ -20,9 +20,9 @@ pub struct Reference {
     /// A fine run is compared with a run of twice its step. For every convergent scheme the difference exceeds the
     /// error of the finer run.
     pub own_error: f64,
-    /// Motion of the scene: root mean square over frames and vertices [m].
+    /// Motion of the scene: root mean square over frames and vertices \[m\].
     pub motion: f64,
-    /// Greatest coordinate at the start [m].
+    /// Greatest coordinate at the start \[m\].
     extent: f64,
     frames: Vec<Vec<f64>>,
 }
@@ -88,7 +88,7 @@ impl Reference {
         Self { source, own_error, motion, extent, frames }
     }
 
-    /// Greatest coordinate at the start [m].
+    /// Greatest coordinate at the start \[m\].
     pub(super) const fn extent(&self) -> f64 {
         self.extent
     }
@@ -282,7 +282,7 @@ impl ReferenceJob {
     }
 }
 
-/// Root mean square of the motion over the frames, and greatest coordinate at the start [m].
+/// Root mean square of the motion over the frames, and greatest coordinate at the start \[m\].
 fn sizes(frames: &[Vec<f64>], trial: &Trial) -> (f64, f64) {
     let (mut deviation, start) = (Deviation::new(trial.scene.dimension), &trial.start.x);
     for frame in frames {
@@ -310,7 +310,7 @@ pub struct Limits {
 /// Step or triangle size, and the relative error for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Step [s] or size [m]. Only ratios matter.
+    /// Step \[s\] or size \[m\]. Only ratios matter.
     pub h: f64,
     /// Relative error.
     pub error: f64,

@@ -15,17 +15,17 @@ use std::time::Duration;
 /// Number of frames of 1/60 s of each run.
 const FRAMES: u32 = 60;
 
-/// Time limit of one run [s].
+/// Time limit of one run \[s\].
 const LONGEST: f64 = 2.0;
 
-/// A turn longer than this is not lengthened further [s].
+/// A turn longer than this is not lengthened further \[s\].
 const TURN: f64 = 1e-3;
 
 /// Two runs from the same state, in turns: the level as it is, and one with every switched-on effect forced and no sleep.
 /// Without sleep both give the same bits. Only the times differ.
 pub struct Savings {
     runs: [Simulation; 2],
-    /// Processor time of each run [s].
+    /// Processor time of each run \[s\].
     spent: [f64; 2],
     /// Steps computed by each run.
     steps: u64,
@@ -119,7 +119,7 @@ impl Savings {
         saving.collect()
     }
 
-    /// Time of a whole frame, as it is and forced [s]. `None` before the first step.
+    /// Time of a whole frame, as it is and forced \[s\]. `None` before the first step.
     pub fn whole(&self) -> Option<[f64; 2]> {
         (self.steps > 0).then(|| self.spent.map(|spent| spent / self.frames()))
     }

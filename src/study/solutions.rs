@@ -15,7 +15,7 @@ use crate::{
 pub struct ClosedForm {
     /// Description in plain words.
     pub words: String,
-    /// Positions from which motion is measured, for relative errors [m].
+    /// Positions from which motion is measured, for relative errors \[m\].
     pub(super) origin: Vec<f64>,
     solution: Solution,
 }
@@ -29,7 +29,7 @@ enum Solution {
     Oscillator { since: f64, free: usize, place: [f64; 2], u: [f64; 2], rest: f64, swing: f64, way: f64, omega: f64 },
     /// `x0 + v t + g t²/2`.
     FreeFall { since: f64, v: [f64; 2], g: [f64; 2] },
-    /// Positions at rest [m].
+    /// Positions at rest \[m\].
     Rest(Vec<f64>),
 }
 
@@ -52,7 +52,7 @@ impl ClosedForm {
         toy(scene).or_else(|| motion(scene, state, grab)).or_else(rest)
     }
 
-    /// Positions at a simulated time [m].
+    /// Positions at a simulated time \[m\].
     pub fn positions(&self, time: f64) -> Vec<f64> {
         match &self.solution {
             Solution::Toy(toy) => toy.kind().exact(time).to_vec(),
@@ -157,7 +157,7 @@ fn acceleration(scene: &Scene, start: &State) -> Vec<f64> {
     force.iter().zip(&scene.inverse_mass).map(|(force, inverse_mass)| force * inverse_mass).collect()
 }
 
-/// Equilibrium of a strip whose ends slide on rollers: description in plain words and positions [m].
+/// Equilibrium of a strip whose ends slide on rollers: description in plain words and positions \[m\].
 ///
 /// The ends are held at a stretch s and slide freely, so no force acts on the sides. The deformation gradient is
 /// diag(w, s) throughout. The width w follows from zero lateral stress, `P11(diag(w, s)) = 0`
@@ -309,7 +309,7 @@ impl Equations for Balance<'_> {
         z.fill(0.0);
     }
 
-    /// 1e-9 of the greatest displacement, plus round-off of the coordinates [m].
+    /// 1e-9 of the greatest displacement, plus round-off of the coordinates \[m\].
     fn tolerance(&self, z: &[f64]) -> f64 {
         let greatest = |values: &[f64]| values.iter().fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
         1e-9 * greatest(z) + 1e-13 * greatest(&self.x)

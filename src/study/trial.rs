@@ -35,7 +35,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Trial of a level from its start or its saved state. The time [s] is rounded to frames of 1/60 s.
+    /// Trial of a level from its start or its saved state. The time \[s\] is rounded to frames of 1/60 s.
     ///
     /// # Errors
     /// If the level cannot be built.
@@ -46,7 +46,7 @@ impl Trial {
         Ok(Self { name: level.name.clone(), scene, start, grab: None, frames, current: Setting::of(level) })
     }
 
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub fn seconds(&self) -> f64 {
         f64::from(self.frames) / 60.0
     }
@@ -105,7 +105,7 @@ pub struct Outcome {
     pub status: Status,
     /// Work counts, equal on every machine.
     pub counts: Counts,
-    /// Processor time per second of simulated time [ms], the least of `runs` runs.
+    /// Processor time per second of simulated time \[ms\], the least of `runs` runs.
     pub ms_per_second: f64,
     /// Number of runs.
     pub runs: u32,
@@ -123,7 +123,7 @@ pub(super) struct Deviation {
     dimension: usize,
     error: f64,
     size: f64,
-    /// Greatest sum of squared errors of one moment [m²].
+    /// Greatest sum of squared errors of one moment \[m²\].
     greatest: f64,
     moments: f64,
     /// Number of coordinates at a moment.
@@ -141,7 +141,7 @@ impl Deviation {
         Self::new(self.dimension)
     }
 
-    /// Adds one moment: positions, exact positions and start positions [m].
+    /// Adds one moment: positions, exact positions and start positions \[m\].
     pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) {
         let error = x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
         self.error += error;
@@ -156,12 +156,12 @@ impl Deviation {
         if self.error == 0.0 { 0.0 } else { (self.error * moments / all.size).sqrt() }
     }
 
-    /// Root mean square of the motion over all moments and vertices [m].
+    /// Root mean square of the motion over all moments and vertices \[m\].
     pub fn motion(self) -> f64 {
         (self.dimension as f64 * self.size / (self.coordinates * self.moments).max(1.0)).sqrt()
     }
 
-    /// Root mean square of the error over all moments and vertices [m].
+    /// Root mean square of the error over all moments and vertices \[m\].
     fn metres(self) -> f64 {
         (self.dimension as f64 * self.error / (self.coordinates * self.moments).max(1.0)).sqrt()
     }

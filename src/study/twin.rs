@@ -24,7 +24,7 @@ pub struct Twin {
     finer: Option<Simulation>,
     /// Twin steps per live step.
     per_step: u64,
-    /// Step of the live simulation at the last call [s].
+    /// Step of the live simulation at the last call \[s\].
     step: f64,
     /// Start state.
     start: State,
@@ -46,7 +46,7 @@ struct Tally {
     moments: f64,
     /// Relative error at the last comparison.
     error: Option<f64>,
-    /// Simulated time of the last comparison [s].
+    /// Simulated time of the last comparison \[s\].
     time: Option<f64>,
 }
 
@@ -56,7 +56,7 @@ impl Tally {
         Self { all: Deviation::new(dimension), moments: 0.0, error: None, time: None }
     }
 
-    /// Adds a comparison of positions with exact ones at a time [s]. The motion is measured from `origin`.
+    /// Adds a comparison of positions with exact ones at a time \[s\]. The motion is measured from `origin`.
     fn note(&mut self, x: &[f64], exact: &[f64], origin: &[f64], time: f64) {
         let mut now = self.all.anew();
         now.add(x, exact, origin);
@@ -77,13 +77,13 @@ struct Leg {
     grab: Option<Grab>,
     /// Scene, if it has changed.
     scene: Option<Box<Scene>>,
-    /// Live positions at the end of the interval [m].
+    /// Live positions at the end of the interval \[m\].
     x: Vec<f64>,
-    /// Simulated time at the end of the interval [s].
+    /// Simulated time at the end of the interval \[s\].
     time: f64,
 }
 
-/// Duration of the check [s].
+/// Duration of the check \[s\].
 const CHECK: f64 = 0.5;
 /// Greatest number of waiting legs. Beyond it the twin restarts.
 const BEHIND: usize = 240;
@@ -233,7 +233,7 @@ impl Twin {
         self.finer.is_some()
     }
 
-    /// Time from the start to the last comparison [s].
+    /// Time from the start to the last comparison \[s\].
     pub fn age(&self) -> f64 {
         self.live.time.map_or(0.0, |time| time - self.start.time)
     }
@@ -243,7 +243,7 @@ impl Twin {
         self.spent
     }
 
-    /// Processor time of the twin per second of simulated time [ms].
+    /// Processor time of the twin per second of simulated time \[ms\].
     pub fn ms_per_second(&self) -> f64 {
         if self.simulated > 0.0 { self.spent.as_secs_f64() * 1e3 / self.simulated } else { 0.0 }
     }

@@ -264,7 +264,7 @@ fn order(points: &[Point], reference: Option<&Reference>) -> MeasuredOrder {
 /// Measure of the cost of a setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Price {
-    /// Measured processor time per second of simulated time [ms].
+    /// Measured processor time per second of simulated time \[ms\].
     #[default]
     Time,
     /// Evaluations of all forces. Equal on every machine, but without the cost of solving equations.
@@ -302,7 +302,7 @@ const GREATEST: f64 = 0.1;
 /// Reason why errors are not usable, so that nothing is suggested.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoErrors {
-    /// The motion [m] is zero or round-off.
+    /// The motion \[m\] is zero or round-off.
     #[error(
         "Nothing moves here: the reference moves by {0:.1e} m, which is round-off. There is no error to measure, and nothing is \
          recommended. Let a force act, stretch a body or begin from a state that moves"

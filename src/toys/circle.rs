@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Circle {
-    /// Distance from the centre of the world at the start [m].
+    /// Distance from the centre of the world at the start \[m\].
     pub radius: Radius,
 }
 
@@ -20,7 +20,7 @@ impl Default for Circle {
     }
 }
 
-/// The centre of the world [m].
+/// The centre of the world \[m\].
 const CENTRE: [f64; 2] = [0.5, 0.5];
 
 impl Toy for Circle {

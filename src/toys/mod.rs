@@ -41,27 +41,27 @@ pub trait Toy: Send + Sync {
     /// Rate of change of the state, f(X, t).
     fn rate(&self, state: [f64; 2]) -> [f64; 2];
 
-    /// Exact state at a time [s]. At 0 it is the start state.
+    /// Exact state at a time \[s\]. At 0 it is the start state.
     fn exact(&self, time: f64) -> [f64; 2];
 
-    /// Exact period [s].
+    /// Exact period \[s\].
     fn period(&self) -> f64;
 
-    /// Kinetic and stored energy for a mass of 1 kg [J]; their sum is constant in the exact solution.
+    /// Kinetic and stored energy for a mass of 1 kg \[J\]; their sum is constant in the exact solution.
     fn energies(&self, state: [f64; 2]) -> [f64; 2];
 
-    /// Position of a state in the world [m].
+    /// Position of a state in the world \[m\].
     fn place(&self, state: [f64; 2]) -> [f64; 2];
 
-    /// Pivot of the moving point, if it has one [m].
+    /// Pivot of the moving point, if it has one \[m\].
     fn pivot(&self) -> Option<[f64; 2]> {
         None
     }
 
-    /// Exact path in the world [m], and whether it closes.
+    /// Exact path in the world \[m\], and whether it closes.
     fn path(&self) -> (Vec<[f64; 2]>, bool);
 
-    /// Readings to show beside the picture, for a state at a time [s].
+    /// Readings to show beside the picture, for a state at a time \[s\].
     fn readings(&self, time: f64, state: [f64; 2]) -> Vec<Reading>;
 }
 

@@ -4,7 +4,7 @@ use super::{Reading, Toy, relative_error};
 use crate::quantity::{Length, Quantity, Swing, Weight};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The pendulum on a rigid rod, exactly: `theta'' = -(g/L) sin(theta)`, let go at rest. Its state is theta [rad] and
+/// The pendulum on a rigid rod, exactly: `theta'' = -(g/L) sin(theta)`, let go at rest. Its state is theta \[rad\] and
 /// its rate [rad/s].
 ///
 /// With `k = sin(theta0/2)`, `w = sqrt(g/L)` and `u = K(k) + w t` the solution is `sin(theta/2) = k sn(u, k)` and
@@ -13,11 +13,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pendulum {
-    /// L [m].
+    /// L \[m\].
     pub length: Length,
     /// g [m/s²].
     pub gravity: Weight,
-    /// theta0 [degrees].
+    /// theta0 \[degrees\].
     pub start: Swing,
 }
 
@@ -27,7 +27,7 @@ impl Default for Pendulum {
     }
 }
 
-/// Pivot of the rod [m].
+/// Pivot of the rod \[m\].
 const PIVOT: [f64; 2] = [0.5, 0.5];
 
 /// Rounds after which both means agree to the last bit for every allowed start angle.
@@ -43,7 +43,7 @@ fn means(half: f64) -> [(f64, f64); ROUNDS] {
     })
 }
 
-/// Period ratio T/T0 for a start angle `theta0` [rad], with T0 for a very small angle: `2 K(sin(theta0/2)) / pi`.
+/// Period ratio T/T0 for a start angle `theta0` \[rad\], with T0 for a very small angle: `2 K(sin(theta0/2)) / pi`.
 /// It is 1 over the arithmetic-geometric mean of 1 and `cos(theta0/2)`.
 pub fn period_ratio(theta0: f64) -> f64 {
     1.0 / means(0.5 * theta0)[ROUNDS - 1].0
@@ -65,12 +65,12 @@ impl Pendulum {
         self.gravity.get() / self.length.get()
     }
 
-    /// theta0 [rad].
+    /// theta0 \[rad\].
     fn theta0(&self) -> f64 {
         self.start.get().to_radians()
     }
 
-    /// Period of a very small swing [s].
+    /// Period of a very small swing \[s\].
     fn small_period(&self) -> f64 {
         2.0 * PI / self.square().sqrt()
     }

@@ -159,9 +159,9 @@ fn members(body: &[&str]) -> Vec<Item> {
     items
 }
 
-/// A doc comment as text for a page: links to items become code.
+/// A doc comment as text for a page: links to items become code, and brackets of units need no escape.
 fn plain(doc: &str) -> String {
-    doc.replace("[`", "`").replace("`]", "`").replace("`Self::", "`")
+    doc.replace("[`", "`").replace("`]", "`").replace("`Self::", "`").replace("\\[", "[").replace("\\]", "]")
 }
 
 /// Text for a cell of a table.

@@ -29,10 +29,10 @@ use eframe::egui::{
 use pointer_state::PointerState;
 use std::time::Duration;
 
-/// Maximum frame length for animations [s].
+/// Maximum frame length for animations \[s\].
 const LONGEST_FRAME: f32 = 0.1;
 
-/// Duration of the hint after a drag in edit mode [s].
+/// Duration of the hint after a drag in edit mode \[s\].
 const TOLD: f64 = 5.0;
 
 /// Text of the hint after a drag in edit mode.
@@ -65,7 +65,7 @@ pub struct Canvas {
     scale: Scale,
     scenery: Scenery,
     snow: Snow,
-    /// Time until which the hint is shown [s].
+    /// Time until which the hint is shown \[s\].
     told_until: f64,
     /// Layers of the drawing: background and scenery, bodies, and annotations.
     behind: ShapeBuffer,
@@ -80,7 +80,7 @@ struct Frame<'a> {
     options: &'a Options,
     canvas: Rect,
     view: View,
-    /// Present time and length of the frame [s].
+    /// Present time and length of the frame \[s\].
     now: f64,
     dt: f32,
 }
@@ -241,7 +241,7 @@ impl Canvas {
     }
 }
 
-/// Duration of a cross-fade [s].
+/// Duration of a cross-fade \[s\].
 const FADE: f32 = 0.2;
 
 /// Presence in edit mode of effects that act only in collide mode.

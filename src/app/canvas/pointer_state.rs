@@ -18,7 +18,7 @@ pub enum PointerState {
     Nothing,
     /// The vertex is pinned or freed when the press ends.
     Pin { vertex: usize, origin: Pos2, generation: u64 },
-    /// The vertex, one of `of`, is pulled to a point [m].
+    /// The vertex, one of `of`, is pulled to a point \[m\].
     Pull { vertex: usize, of: usize, target: [f64; 2], generation: u64 },
     /// The press was interrupted and has no effect until it ends.
     Spent,

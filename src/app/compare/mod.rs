@@ -157,7 +157,7 @@ impl Comparison {
         self.rounds.is_between()
     }
 
-    /// Length of a round: the shortest simulated time after which both panes are at the end of a step [s].
+    /// Length of a round: the shortest simulated time after which both panes are at the end of a step \[s\].
     pub fn round_length(&self, a: &Sandbox) -> f64 {
         Rounds::length(a, &self.b)
     }
@@ -352,7 +352,7 @@ struct Rounds {
     b_first: bool,
     /// States of both panes at their last common time.
     met: [Restart; 2],
-    /// Computing time [s] and its simulated time [s], both fading. Slept steps do not count.
+    /// Computing time \[s\] and its simulated time \[s\], both fading. Slept steps do not count.
     spent: [f64; 2],
     simulated: [f64; 2],
 }
@@ -364,7 +364,7 @@ impl Rounds {
         counts.map(|count| count / greatest_common_divisor(counts))
     }
 
-    /// Length of a round [s].
+    /// Length of a round \[s\].
     pub fn length(a: &Sandbox, b: &Sandbox) -> f64 {
         Self::steps(a, b)[0] as f64 * a.step_length()
     }
@@ -438,7 +438,7 @@ impl Rounds {
         }
     }
 
-    /// Computing time for a second of simulated time without slept steps [s]; `None` before both panes have computed some.
+    /// Computing time for a second of simulated time without slept steps \[s\]; `None` before both panes have computed some.
     pub fn prices(&self) -> Option<[f64; 2]> {
         let [a, b] = [0, 1].map(|pane| (self.simulated[pane] > 0.0).then(|| self.spent[pane] / self.simulated[pane]));
         Some([a?, b?])
@@ -452,22 +452,22 @@ const fn greatest_common_divisor([mut a, mut b]: [u64; 2]) -> u64 {
     a
 }
 
-/// Minimum time between two recorded moments [s].
+/// Minimum time between two recorded moments \[s\].
 const APART: f64 = 1.0 / 120.0;
 
-/// Update interval of the shown costs [s].
+/// Update interval of the shown costs \[s\].
 const REFRESH: f64 = 0.25;
 
 /// Difference of the panes at one simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
     /// Distance of the positions; `None` if the panes do not show the same things.
     pub positions: Option<Apart>,
-    /// Total energy of B minus that of A [J].
+    /// Total energy of B minus that of A \[J\].
     pub energy: f64,
-    /// Computing time for a second of simulated time, A and B [s]; `None` before any was simulated.
+    /// Computing time for a second of simulated time, A and B \[s\]; `None` before any was simulated.
     pub prices: Option<[f64; 2]>,
 }
 
@@ -476,7 +476,7 @@ pub struct Moment {
 pub struct Record {
     moments: VecDeque<Moment>,
     difference: Option<Difference>,
-    /// Time of the last update [s] and the costs shown since then.
+    /// Time of the last update \[s\] and the costs shown since then.
     shown: Option<(f64, [f64; 2])>,
     /// Generations of the two recorded scenes.
     generations: [u64; 2],
@@ -526,7 +526,7 @@ impl Record {
         self.moments.iter()
     }
 
-    /// Shown computing time for a second of simulated time, A and B [s].
+    /// Shown computing time for a second of simulated time, A and B \[s\].
     pub fn prices(&self) -> Option<[f64; 2]> {
         self.shown.map(|(_, prices)| prices)
     }

@@ -11,7 +11,7 @@ use crate::{
 };
 use eframe::egui::{Color32, Pos2, vec2};
 
-/// Width of the baked rim [m].
+/// Width of the baked rim \[m\].
 const RIM: f32 = 0.016;
 
 /// Width of the outline of a body whose full drawing would fill too much [points].

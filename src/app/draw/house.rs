@@ -5,10 +5,10 @@
 use super::{View, scatter, shape_buffer::ShapeBuffer};
 use eframe::egui::{Color32, CornerRadius, Painter, Pos2, Rect, Stroke, StrokeKind, lerp, pos2, vec2};
 
-/// Thickness of walls, floor and roof [m].
+/// Thickness of walls, floor and roof \[m\].
 const THICKNESS: f64 = 0.05;
 
-/// Depths below the floor of the snow behind and in front of the house [m].
+/// Depths below the floor of the snow behind and in front of the house \[m\].
 const HILLS: [f64; 2] = [0.03, 0.055];
 
 /// Kind of an edge of the room.
@@ -29,9 +29,9 @@ enum Kind {
 struct Side {
     /// Kind of the edge.
     pub kind: Kind,
-    /// Ends on the inner face [m].
+    /// Ends on the inner face \[m\].
     pub ends: [[f64; 2]; 2],
-    /// Ends on the outer face [m].
+    /// Ends on the outer face \[m\].
     pub outer: [[f64; 2]; 2],
     /// Outward unit normal.
     pub out: [f64; 2],
@@ -228,10 +228,10 @@ fn wall(baker: &mut Baker<'_>, side: &Side) {
     }
 }
 
-/// Overhang of the roof beyond the walls [m].
+/// Overhang of the roof beyond the walls \[m\].
 const EAVES: f64 = 0.055;
 
-/// Distance of scallops [m].
+/// Distance of scallops \[m\].
 const SCALLOP: f64 = 0.052;
 
 /// Slope of the roof on the inner face, from its lower to its upper end, with its outward direction.
@@ -312,7 +312,7 @@ fn boards(baker: &mut Baker<'_>, slope: &Slope) {
     baker.line(&[slope.at(slope.eaves(), 0.06), slope.top(0.06)], 0.006, theme.wall_shade);
 }
 
-/// Draws the icing on top, with scallops of uneven length; `wider` extends it on all sides for its rim [m].
+/// Draws the icing on top, with scallops of uneven length; `wider` extends it on all sides for its rim \[m\].
 fn blanket(baker: &mut Baker<'_>, slope: &Slope, icing: Color32, wider: f32) {
     let low = slope.eaves() - 0.004;
     baker.line(&[slope.at(low, 1.05), slope.top(1.05)], 0.03 + wider, icing);
@@ -413,12 +413,12 @@ pub fn edges(buffer: &mut ShapeBuffer, view: View, [least, greatest]: [[f64; 2];
 /// Slow sparse snow, which falls only while simulated time runs.
 #[derive(Debug, Default)]
 pub struct Snow {
-    /// Time that the snow has fallen [s].
+    /// Time that the snow has fallen \[s\].
     time: f32,
 }
 
 impl Snow {
-    /// Advances the snow by a time [s].
+    /// Advances the snow by a time \[s\].
     pub fn fall(&mut self, dt: f32) {
         self.time += dt;
     }

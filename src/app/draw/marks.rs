@@ -8,7 +8,7 @@ use crate::{
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Vec2, vec2};
 use std::f32::consts::TAU;
 
-/// Duration of the animation of a new pin [s].
+/// Duration of the animation of a new pin \[s\].
 const POP: f64 = 0.12;
 
 /// Number of pins above which they are drawn small, without computing their distances.
@@ -22,7 +22,7 @@ pub struct Pins {
 }
 
 impl Pins {
-    /// Adds new pins at a time [s]. Pins of a new scene have no animation.
+    /// Adds new pins at a time \[s\]. Pins of a new scene have no animation.
     pub fn follow(&mut self, snapshot: &Snapshot, now: f64) {
         let known = self.generation == Some(snapshot.generation);
         self.generation = Some(snapshot.generation);
@@ -115,7 +115,7 @@ pub fn rollers(buffer: &mut ShapeBuffer, view: View, snapshot: &Snapshot, points
     }
 }
 
-/// Duration of the fade of the glow [s].
+/// Duration of the fade of the glow \[s\].
 const FADE: f32 = 0.1;
 
 /// Glow of the picked vertex.

@@ -20,7 +20,7 @@ pub struct View {
 }
 
 impl View {
-    /// Length on the screen of a length of the world [m], limited to stay readable [points].
+    /// Length on the screen of a length of the world \[m\], limited to stay readable [points].
     fn size(&self, metres: f32, least: f32, most: f32) -> f32 {
         self.camera.length(metres).clamp(least, most)
     }
@@ -54,19 +54,19 @@ const MARGINS: [f32; 3] = [0.085, 0.105, 0.065];
 /// Largest screen coordinate [points]. Larger ones are limited to it, so that an exploding body does not break the drawing.
 const FARTHEST: f32 = 1e5;
 
-/// Maps the world, y up [m], to the screen, y down [points].
+/// Maps the world, y up \[m\], to the screen, y down [points].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// World origin on the screen.
     origin: Pos2,
     /// Scale [points/m].
     scale: f32,
-    /// Width of the world [m].
+    /// Width of the world \[m\].
     width: f32,
 }
 
 impl Camera {
-    /// Creates a camera that shows the world as large as possible in the middle of a canvas. The world is `width` [m] wide about
+    /// Creates a camera that shows the world as large as possible in the middle of a canvas. The world is `width` \[m\] wide about
     /// x = 1/2 and 1 m high. The lowest `below` points of the canvas stay free.
     pub fn new(canvas: Rect, width: f32, below: f32) -> Self {
         let [beside, above, under] = MARGINS;
@@ -80,19 +80,19 @@ impl Camera {
         }
     }
 
-    /// Maps a point of the world [m] to the screen.
+    /// Maps a point of the world \[m\] to the screen.
     pub fn screen_from_world(&self, [x, y]: [f64; 2]) -> Pos2 {
         let place = |from: f32, metres: f64| (from + self.scale * metres as f32).clamp(-FARTHEST, FARTHEST);
         pos2(place(self.origin.x, x), place(self.origin.y, -y))
     }
 
-    /// Maps a point of the screen to the world [m].
+    /// Maps a point of the screen to the world \[m\].
     pub fn world_from_screen(&self, point: Pos2) -> [f64; 2] {
         let scale = f64::from(self.scale);
         [f64::from(point.x - self.origin.x) / scale, f64::from(self.origin.y - point.y) / scale]
     }
 
-    /// Maps a length of the world [m] to the screen.
+    /// Maps a length of the world \[m\] to the screen.
     pub fn length(&self, metres: f32) -> f32 {
         self.scale * metres
     }

@@ -122,7 +122,7 @@ pub(super) fn candy(buffer: &mut ShapeBuffer, at: Pos2, radius: f32, color: Colo
     }
 }
 
-/// Minimum distance of points of a trail [m].
+/// Minimum distance of points of a trail \[m\].
 const APART: f64 = 0.003;
 
 /// Maximum number of points of a trail.
@@ -136,7 +136,7 @@ const PARTS: usize = 40;
 pub struct Trail {
     generation: u64,
     time: f64,
-    /// Points in the world [m], the newest last.
+    /// Points in the world \[m\], the newest last.
     points: VecDeque<[f64; 2]>,
 }
 

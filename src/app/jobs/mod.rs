@@ -49,7 +49,7 @@ pub enum JobRequest {
     Accuracy,
     /// Compare meshes by this measure.
     Meshes(Measure),
-    /// Follow energy and momentum from the present state for this simulated time [s].
+    /// Follow energy and momentum from the present state for this simulated time \[s\].
     Drift(f64),
     /// Run hard cases.
     Hard(Choice),
@@ -131,7 +131,7 @@ impl Jobs {
         !rest.settled
     }
 
-    /// Longest stable step of an undamped vibration near the present state [s], as far as it is known.
+    /// Longest stable step of an undamped vibration near the present state \[s\], as far as it is known.
     pub const fn limit(&self) -> Option<f64> {
         self.limit
     }

@@ -18,7 +18,7 @@ use std::{path::Path, sync::Arc, time::Duration};
 /// Target errors for which the cheapest setting is searched.
 pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
 
-/// Simulated time of the error studies, and of meshes that do not come to rest [s].
+/// Simulated time of the error studies, and of meshes that do not come to rest \[s\].
 pub const SECONDS: f64 = 1.0;
 
 /// Number of threads for a study. One thread is left for the running scene.
@@ -180,7 +180,7 @@ pub struct Course {
     pub current: bool,
     /// Status of the run.
     pub status: Status,
-    /// For each of [`Invariant::ALL`]: time [s] and the greatest change so far.
+    /// For each of [`Invariant::ALL`]: time \[s\] and the greatest change so far.
     pub changes: [Vec<[f64; 2]>; 3],
     /// Change of the energy at the end; negative for a loss.
     pub gain: f64,
@@ -191,7 +191,7 @@ pub struct Course {
 pub struct Courses {
     /// Title of the level.
     pub level: String,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub seconds: f64,
     /// One course for each scheme.
     pub each: Vec<Course>,
@@ -203,7 +203,7 @@ pub struct Courses {
     pub csv: String,
 }
 
-/// Prepares the drift study of a level from its state, for a time [s].
+/// Prepares the drift study of a level from its state, for a time \[s\].
 pub fn drift(level: &Level, seconds: f64) -> Result<Drift, StudyError> {
     let trial = Trial::new(level, &Disk, seconds)?;
     let settings = Drift::settings(&trial, &IntegratorKind::all(), None);
@@ -247,7 +247,7 @@ impl Task for Drift {
 pub struct Saved {
     /// Saving of each effect, elements first.
     pub each: Vec<Saving>,
-    /// Time of a whole frame with skipping, and with every effect forced [s].
+    /// Time of a whole frame with skipping, and with every effect forced \[s\].
     pub whole: Option<[f64; 2]>,
 }
 

@@ -130,7 +130,7 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
 }
 
-/// Converts a mass [kg] to a density, or back, for an area [m²].
+/// Converts a mass \[kg\] to a density, or back, for an area \[m²\].
 fn converted(mass: MassLevel, area: f64, to_density: bool) -> Result<MassLevel, OutOfRange> {
     Ok(match (mass, to_density) {
         (MassLevel::Total(total), true) => MassLevel::Density(Density::new(total.get() / area)?),

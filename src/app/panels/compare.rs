@@ -21,7 +21,7 @@ use egui_plot::{Line, PlotPoints};
 /// Height of a plot [points].
 const PLOT: f32 = 92.0;
 
-/// Distance of positions below which they differ only by round-off [m].
+/// Distance of positions below which they differ only by round-off \[m\].
 const ROUNDING: f64 = 1e-12;
 
 /// Draws the button that splits the stage and, while it is split, the choice of the pane that the panels edit.

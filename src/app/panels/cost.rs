@@ -15,7 +15,7 @@ use crate::{
 use eframe::egui::{Label, Rect, RichText, Sense, Ui, vec2};
 use std::collections::BTreeSet;
 
-/// Frame time at 60 Hz [s].
+/// Frame time at 60 Hz \[s\].
 const FRAME: f64 = 1.0 / 60.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {

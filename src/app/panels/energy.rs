@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 /// Length of the history [s of simulated time].
 pub const WINDOW: f64 = 10.0;
 
-/// Minimum time between two samples [s].
+/// Minimum time between two samples \[s\].
 const APART: f64 = 1.0 / 120.0;
 
 /// Energies of the last seconds.
@@ -76,7 +76,7 @@ impl History {
     }
 }
 
-/// Largest energy that is drawn [J].
+/// Largest energy that is drawn \[J\].
 const FARTHEST: f64 = 1e60;
 
 /// Minimum and maximum height of the plot [points].
@@ -117,7 +117,7 @@ const CURVES: [Curve; 4] = [
     },
 ];
 
-/// Value of a curve; zero if it is round-off of the largest energy, or at most `negligible` for the scene [J].
+/// Value of a curve; zero if it is round-off of the largest energy, or at most `negligible` for the scene \[J\].
 fn visible(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
     let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
     numbers::or_zero((curve.value)(of), negligible.max(1e-12 * largest))

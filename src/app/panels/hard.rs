@@ -228,7 +228,7 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
     }
 }
 
-/// Results of the runs of a case, and their computing time [s].
+/// Results of the runs of a case, and their computing time \[s\].
 fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
     let seconds = runs.iter().map(|(_, entry)| entry.seconds).sum();
     let over = runs.iter().filter(|(_, entry)| entry.verdict.is_some()).count();

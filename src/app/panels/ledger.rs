@@ -4,7 +4,7 @@ use super::{PanelContext, View, count, numbers};
 use crate::{app::jobs::JobRequest, report::EffectCost, snapshot::Snapshot, study::Saving};
 use eframe::egui::{self, Align, CollapsingHeader, Layout, RichText, Ui};
 
-/// Simulated time between two readings [s].
+/// Simulated time between two readings \[s\].
 const REFRESH: f64 = 0.25;
 
 /// Cost of an effect in a frame of 1/60 s of simulated time in which it is computed; zero if it always slept.
@@ -12,7 +12,7 @@ const REFRESH: f64 = 0.25;
 pub struct Use {
     /// Name of the effect.
     pub name: &'static str,
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// Share of steps in which its bodies and nets slept. These steps do not count for time, calls and elements.
     pub slept: f64,
@@ -27,7 +27,7 @@ pub struct Use {
 /// Measures the cost of effects in a running scene.
 #[derive(Default)]
 pub struct Meter {
-    /// Simulated time [s], step and costs at the start of the present reading.
+    /// Simulated time \[s\], step and costs at the start of the present reading.
     since: (f64, u64, Vec<EffectCost>),
     shown: Vec<Use>,
 }

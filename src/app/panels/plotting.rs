@@ -67,7 +67,9 @@ fn power_of_ten(exponent: f64) -> String {
 
 /// Colour of a scheme, the same in every plot.
 pub fn color_of(integrator: &IntegratorKind, theme: &Theme) -> Color32 {
-    let number = IntegratorKind::all().iter().position(|kind| kind.name() == integrator.name()).unwrap_or(0);
+    let number = IntegratorKind::all().iter().position(|kind| kind.name() == integrator.name());
+    // A kind from outside the crate comes after all others.
+    let number = number.unwrap_or_else(|| IntegratorKind::all().len());
     let base = theme.series[number % theme.series.len()];
     // Colours after the first round are lighter or darker, so that eleven lines can be told apart.
     if number < theme.series.len() { base } else { base.lerp_to_gamma(theme.text, 0.45) }

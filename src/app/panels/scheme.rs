@@ -29,7 +29,8 @@ fn choose(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) 
     let width = ui.available_width();
     let all = ComboBox::from_id_salt("integrator").selected_text(title).width(width).height(ALL);
     let combo = all.show_ui(ui, |ui| {
-        for kind in IntegratorKind::all() {
+        let own = Some(now.clone()).filter(|kind| matches!(kind, IntegratorKind::Own(_)));
+        for kind in IntegratorKind::all().into_iter().chain(own) {
             let fits = !toy || matches!(kind.kind().scheme(), Scheme::First(_));
             let chosen = kind.name() == now.name();
             let response = ui.add_enabled_ui(fits, |ui| ui.selectable_label(chosen, kind.kind().title())).inner;

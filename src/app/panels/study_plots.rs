@@ -401,7 +401,7 @@ pub struct DriftSettings {
     time: usize,
 }
 
-/// Simulated times to choose from [s].
+/// Simulated times to choose from \[s\].
 const TIMES: [f64; 4] = [2.0, 5.0, 20.0, 60.0];
 
 /// Common logarithms of the least and greatest change that is drawn; others are drawn at the edge.
@@ -412,7 +412,7 @@ pub const DRIFT_HELP: &str = "Every scheme runs from the present state, without 
                         implicit ones with steps ten times as long, as each takes more computing time.";
 
 impl DriftSettings {
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub fn seconds(&self) -> f64 {
         TIMES.get(self.time).copied().unwrap_or(TIMES[0])
     }

@@ -23,14 +23,14 @@ registry! {
 
 /// A motion with its parameters.
 pub trait Motion {
-    /// Placement and velocity at a time [s].
+    /// Placement and velocity at a time \[s\].
     fn at(&self, time: f64) -> Rigid;
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 }
 
-/// Composition of several motions, each applied after the ones before, at a time [s].
+/// Composition of several motions, each applied after the ones before, at a time \[s\].
 pub fn placed(motions: &[MotionKind], time: f64) -> Rigid {
     motions.iter().fold(Rigid::STILL, |moved, motion| motion.kind().at(time).of(&moved))
 }

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 pub struct Slide {
     /// How fast it goes [m/s].
     pub velocity: (VelocityX, VelocityY),
-    /// When it starts [s].
+    /// When it starts \[s\].
     #[serde(default = "begin", skip_serializing_if = "is_begin")]
     pub from: Time,
-    /// When it stops [s]; never, if it is not said.
+    /// When it stops \[s\]; never, if it is not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<Time>,
 }

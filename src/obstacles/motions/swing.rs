@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Swing {
-    /// From the middle to the farthest point [m].
+    /// From the middle to the farthest point \[m\].
     pub way: Point,
-    /// Time for one swing to and fro [s].
+    /// Time for one swing to and fro \[s\].
     pub period: Period,
-    /// Where in the swing it starts [degrees]: 0 in the middle, on the way out; 90 at the farthest point.
+    /// Where in the swing it starts \[degrees\]: 0 in the middle, on the way out; 90 at the farthest point.
     #[serde(default = "middle")]
     pub phase: Angle,
 }

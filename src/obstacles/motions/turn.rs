@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Turn {
-    /// The point that stays [m].
+    /// The point that stays \[m\].
     pub about: Point,
     /// Angular velocity, counter-clockwise [rad/s].
     pub spin: Spin,

@@ -39,13 +39,13 @@ pub struct Level {
     /// Steps per 1/60 s of simulated time.
     #[serde(default)]
     pub substeps: Substeps,
-    /// Whether a body or net that needs shorter steps takes them by itself.
+    /// Multirate stepping: whether a body or net divides the step by its own stability limit.
     #[serde(default, skip_serializing_if = "is_default")]
     pub paces: SubstepMode,
     /// The time-stepping scheme.
     #[serde(default)]
     pub integrator: IntegratorKind,
-    /// Whether an unstable step is taken again in shorter ones.
+    /// Whether an unstable step is repeated as shorter ones.
     #[serde(default, skip_serializing_if = "is_default")]
     pub guard: Toggle,
     /// Whether a body or net at rest sleeps until something acts on it.
@@ -159,34 +159,34 @@ pub enum StartShape {
     Rest,
     /// Every vertex anywhere in the box around the body, all places equally likely.
     Scrambled {
-        /// Which of all such shapes.
+        /// Seed of the random positions.
         #[serde(deserialize_with = "natural")]
         seed: u32,
     },
     /// Pressed flat onto a line through its middle, of any direction.
     Line {
-        /// Which direction, and which noise.
+        /// Seed of the direction and the noise.
         #[serde(deserialize_with = "natural")]
         seed: u32,
-        /// How far from it vertices lie at most.
+        /// Greatest random offset in x and in y, as a fraction of the longer side of the box around the body.
         #[serde(default = "slight")]
         noise: Noise,
     },
     /// Shrunk to the point in its middle.
     Point {
-        /// Which noise.
+        /// Seed of the noise.
         #[serde(deserialize_with = "natural")]
         seed: u32,
-        /// How far from it vertices lie at most.
+        /// Greatest random offset in x and in y, as a fraction of the longer side of the box around the body.
         #[serde(default = "slight")]
         noise: Noise,
     },
     /// Turned inside out: its mirror image across a line through its middle, of any direction.
     Mirrored {
-        /// Which direction, and which noise.
+        /// Seed of the direction and the noise.
         #[serde(deserialize_with = "natural")]
         seed: u32,
-        /// How far from it vertices lie at most.
+        /// Greatest random offset in x and in y, as a fraction of the longer side of the box around the body.
         #[serde(default = "slight")]
         noise: Noise,
     },
@@ -205,7 +205,7 @@ impl StartShape {
     }
 }
 
-/// A number that tells things of a kind apart, such as vertices.
+/// A whole number from 0 on: the number of a vertex, or a seed.
 fn natural<'de, D: Deserializer<'de>>(file: D) -> Result<u32, D::Error> {
     let number = i64::deserialize(file)?;
     number.try_into().map_err(|_| {
@@ -295,19 +295,19 @@ pub enum Switch {
 }
 
 impl Switch {
-    /// Whether it is there.
+    /// Whether the effect is present: on, or skipped where it changes nothing.
     pub const fn is_on(self) -> bool {
         matches!(self, Self::On | Self::Auto)
     }
 }
 
-/// Whether something is done.
+/// Switch of a part of the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Toggle {
-    /// It is.
+    /// The part acts.
     #[default]
     On,
-    /// It is not.
+    /// The part does not act.
     Off,
 }
 
@@ -333,11 +333,11 @@ pub enum RunMode {
     /// Without the effects marked `when: Collide`.
     #[default]
     Simulate,
-    /// With them.
+    /// With all effects.
     Collide,
 }
 
-/// The two shapes of a compression and stretch test, as factors of the rest height.
+/// Start heights of a compression and stretch test, as factors of the rest height.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StretchTest {

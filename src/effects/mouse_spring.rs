@@ -41,20 +41,20 @@ impl EffectParameters for MouseSpring {
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
-        Ok(Box::new(Pulling(self.stiffness.get())))
+        Ok(Box::new(PullingSpring(self.stiffness.get())))
     }
 }
 
 /// Stiffness k [N/m].
-struct Pulling(f64);
+struct PullingSpring(f64);
 
 /// Vector from the vertex to the cursor \[m\].
-fn displacement(x: &[f64], grab: Grab) -> [f64; 2] {
+fn spring_vector(x: &[f64], grab: Grab) -> [f64; 2] {
     let at = 2 * grab.vertex;
     [grab.target[0] - x[at], grab.target[1] - x[at + 1]]
 }
 
-impl Effect for Pulling {
+impl Effect for PullingSpring {
     fn name(&self) -> &'static str {
         "Mouse spring"
     }
@@ -69,14 +69,14 @@ impl Effect for Pulling {
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
         motion.grab.map_or(0.0, |grab| {
-            let [dx, dy] = displacement(motion.x, grab);
+            let [dx, dy] = spring_vector(motion.x, grab);
             0.5 * self.0 * (dx * dx + dy * dy)
         })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         if let Some(grab) = motion.grab {
-            let [dx, dy] = displacement(motion.x, grab);
+            let [dx, dy] = spring_vector(motion.x, grab);
             force[2 * grab.vertex] += self.0 * dx;
             force[2 * grab.vertex + 1] += self.0 * dy;
         }

@@ -8,10 +8,10 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Restitution at walls, obstacles and edges of the world (Newton's law of impact): a vertex that hits gets back the share e of
-/// its velocity across the surface.
+/// Restitution at walls, obstacles and the domain boundary (Newton's law of impact): the normal velocity of a vertex that hits is
+/// reversed and multiplied by e.
 ///
-/// It acts on vertices. A body bounces by its own elasticity as well, and the more so the more of it is away from the surface.
+/// It acts on vertices. A body also bounces by its own elasticity, more so if less of its mass is in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Restitution {
@@ -43,14 +43,14 @@ impl EffectParameters for Restitution {
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
-        Ok(Box::new(ContactCoefficient(self.coefficient.get())))
+        Ok(Box::new(RestitutionEffect(self.coefficient.get())))
     }
 }
 
 /// e.
-struct ContactCoefficient(f64);
+struct RestitutionEffect(f64);
 
-impl Effect for ContactCoefficient {
+impl Effect for RestitutionEffect {
     fn name(&self) -> &'static str {
         "Restitution"
     }

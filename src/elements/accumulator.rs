@@ -41,7 +41,7 @@ pub trait Accumulator<const N: usize = 1>: Scatter<N> + Send + Sized {
     /// Splits the vertices at a number.
     fn split(self, vertex: usize) -> (Self, Self);
 
-    /// Sum over the vertices, as defined by the accumulator.
+    /// Twice the kinetic energy of the vertices \[J\] after an update, or zero.
     fn sum(&self) -> f64 {
         0.0
     }
@@ -112,10 +112,10 @@ impl Scatter for Adding<'_> {
     }
 }
 
-/// Uniform forces beside the elements, added to their forces in this order.
+/// Gravity, damping and drag with one coefficient for all vertices, added to the forces of the elements in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UniformForce {
-    /// An acceleration g that every vertex is given, by the force `m g` [m/s²].
+    /// g of the gravity `m g` [m/s²].
     pub field: [f64; 2],
     /// alpha of the force `-alpha m v` [1/s].
     pub mass_damping: f64,
@@ -142,7 +142,7 @@ impl UniformForce {
 }
 
 /// Updates each vertex by symplectic Euler, `v += h f/m`, then `x += h v`, with the forces of elements and the uniform
-/// force. Where forces come separately, the second ones are those of the viscous stress.
+/// force. For N = 2 the second forces are those of the viscous stress.
 pub struct EulerUpdate<'a> {
     /// Positions, flat \[m\].
     pub x: &'a mut [f64],

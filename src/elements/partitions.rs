@@ -1,28 +1,29 @@
-//! Partitions of a body: ranges of fans whose forces are assembled independently, in parallel.
+//! Partitions of a body: ranges of fans whose forces are assembled independently, in parallel. A fan is two triangles
+//! with a common edge (see [`Fan`](crate::meshes::Fan)).
 //!
-//! The partitions depend on the mesh alone. Each computes the forces on its fans from its own copy of the positions and
-//! sums them at the vertices that no other partition uses. At an interface vertex the partial sums are added in the
-//! order of the partitions afterwards. So any number of threads gives the same bits.
+//! The partitions depend on the mesh alone. Each owns a range of vertices. A vertex is an interface vertex if several
+//! partitions use it, or if one uses it that does not own it; all others are interior. A partition computes the forces
+//! on its fans from its own copy of the positions, and sums them at its interior vertices. At an interface vertex the
+//! partial sums are added in the order of the partitions afterwards. So any number of threads gives the same bits.
 
 use super::{
     Accumulator, Scatter,
     blocks::{Block, Blocks, Collected, Forces, StressModel},
-    gather::{Corners, RUN_BLOCKS},
-    gather::{Gather, STAGE, STAGE_ELEMENTS, pairs, scratch_size},
+    gather::{Corners, Gather, RUN_BLOCKS, STAGE, STAGE_ELEMENTS, pairs, scratch_size},
 };
 use crate::simd::{INDEXED16, LANES, Order, Pairs};
 use pulp::Simd;
 use std::{array::from_fn, ops::Range};
 use wide::f64x2;
 
-/// A stage begins with a run.
+/// A stage is a number of whole runs.
 const _: () = assert!(STAGE.is_multiple_of(RUN_BLOCKS));
 
 /// Fewest fans of a partition; fewer take less time than a transfer to another core.
-const FANS: usize = 2048;
+const LEAST_FANS: usize = 2048;
 
 /// Greatest fraction of vertices on interfaces, which one core sums; else there are fewer partitions.
-const INTERFACE: f64 = 0.05;
+const MOST_INTERFACE: f64 = 0.05;
 
 /// All partitions of a body. Vertices are counted from the first of the body.
 #[derive(Debug)]
@@ -50,7 +51,7 @@ struct Partition {
 
 /// Whether a body has fans enough for several partitions, but its vertices are numbered in an order that allows only one.
 pub fn is_unpartitioned(fans: &[[u32; 4]], vertices: usize) -> bool {
-    fans.len() >= 2 * FANS && Cut::best(fans, vertices).fans.len() == 1
+    fans.len() >= 2 * LEAST_FANS && Cut::best(fans, vertices).fans.len() == 1
 }
 
 /// The first fan of each partition, the vertices that each owns, and the interface vertices.
@@ -63,15 +64,14 @@ struct Cut {
 impl Cut {
     /// As many partitions as fans are enough for, and fewer as long as too many vertices lie on interfaces.
     fn best(fans: &[[u32; 4]], vertices: usize) -> Self {
-        let mut cut = Self::new(fans, vertices, (fans.len() / FANS).max(1));
-        while cut.fans.len() > 1 && cut.interface.len() as f64 > INTERFACE * vertices as f64 {
+        let mut cut = Self::new(fans, vertices, (fans.len() / LEAST_FANS).max(1));
+        while cut.fans.len() > 1 && cut.interface.len() as f64 > MOST_INTERFACE * vertices as f64 {
             cut = Self::new(fans, vertices, cut.fans.len() - cut.fans.len().div_ceil(4));
         }
         cut
     }
 
-    /// Cuts fans into equal parts. A vertex between two partitions belongs to the interface if both use it, or if the
-    /// one that uses it does not own it.
+    /// Cuts fans into equal parts, and vertices where the fewest are on the wrong side.
     fn new(fans: &[[u32; 4]], vertices: usize, count: usize) -> Self {
         let begin = |part: usize| fans.len() * part / count / STAGE_ELEMENTS * STAGE_ELEMENTS;
         let begins: Vec<_> = (0..count).map(begin).collect();
@@ -85,7 +85,8 @@ impl Cut {
         }
         let mut bounds = vec![0];
         for part in 1..count {
-            // Vertices of later partitions minus those of earlier ones before a vertex: least at the best boundary.
+            // Of the vertices below a boundary, those that later partitions use less those that earlier ones use: least
+            // at the best boundary.
             let (mut balance, mut best) = (0_i64, (0, 0));
             for (vertex, parts) in touching.iter().enumerate() {
                 if vertex % 4 == 0 && balance < best.0 {
@@ -107,7 +108,8 @@ impl Cut {
 }
 
 impl Partitions {
-    /// The partitions of a body with these fans and a number of vertices, the first of which is a vertex of the scene.
+    /// The partitions of a body with these fans and a number of vertices. `first` is the number of its first vertex in
+    /// the scene.
     pub fn new(fans: &[[u32; 4]], (first, vertices): (usize, usize), order: &Order) -> Self {
         let Cut { fans: begins, owned, interface } = Cut::best(fans, vertices);
         let ends = begins.iter().skip(1).copied().chain([fans.len()]);

@@ -3,7 +3,7 @@
 
 use super::{Dynamics, StepCounts, Workspace, parts, system::apply_constraints};
 use crate::{
-    obstacles::{ActiveSet, WallReactions},
+    obstacles::{ActiveSet, ActiveSetStatus},
     solvers::{Equations, NewtonCounts, SparseMatrix, Tangent, Weights},
     state::State,
 };
@@ -14,13 +14,14 @@ const RELATIVE: f64 = 1e-8;
 /// The same as a fraction of the greatest distance from the origin: round-off of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
-/// Most solves of a step with added wall constraints.
-const PASSES: usize = 8;
+/// Most solves with added wall constraints.
+const MOST_CONTACT_SOLVES: usize = 8;
 
 /// Most iterations of the active set.
-const TRIES: usize = 6;
+const MOST_ACTIVE_SETS: usize = 6;
 
-/// Factors of z in positions and velocities [s², s]; the step ends at `end` times the displacement of the stage.
+/// Factors of z in positions and velocities [s², s]. `end` is the displacement over the step divided by that to the stage:
+/// 2 for the implicit midpoint rule, 1 for the others.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
     pub ax: f64,
@@ -38,10 +39,10 @@ impl Affine {
 /// Solves `M z = f(x^ + ax z, v^ + av z)`, where `predicted` gives x^ and v^ for each number, and sets the state to the
 /// end of the step of length h. Pinned vertices stay.
 ///
-/// Walls are part of the equations: vertices whose end of step constraints change are constrained there, and the rest
-/// is solved again. So a body that meets a wall is flattened by its own elasticity and not by moving vertices through
-/// their neighbours. A vertex that one smooth wall pushes is constrained along the normal alone. If the scheme does not
-/// end at its stage, such a step is one of implicit Euler. The active set tells afterwards where walls acted.
+/// Walls are part of the equations: a vertex that the contact projection moves at the end of the step is constrained
+/// there, and the rest is solved again. A projection alone could push vertices through their neighbours and invert
+/// triangles. A vertex that one smooth wall pushes is constrained along the normal alone. With the implicit midpoint
+/// rule, a step with contact is one of implicit Euler. The active set tells afterwards where walls acted.
 ///
 /// Vertices that rest on a smooth wall are constrained from the start, which saves a solve without the wall, and
 /// dropped where the wall would have to pull: the active sets of Hintermüller, Ito and Kunisch (*The primal-dual active
@@ -57,24 +58,24 @@ pub(super) fn step(
     let mut counts = NewtonCounts::NONE;
     begin(system, state, workspace, &predicted);
     let mut reactions = add_resting(system, state, workspace, (affine, h));
-    let own = if affine.end == 1.0 { affine } else { Affine::euler(h) };
-    for _ in 0..TRIES {
-        if reactions != WallReactions::Pull {
+    let in_contact = if affine.end == 1.0 { affine } else { Affine::euler(h) };
+    for _ in 0..MOST_ACTIVE_SETS {
+        if reactions != ActiveSetStatus::Changed {
             break;
         }
-        let (tried, settled) = solve(system, state, workspace, (own, h));
+        let (tried, settled) = solve(system, state, workspace, (in_contact, h));
         counts.add(&NewtonCounts { unconverged: 0, ..tried });
         let solved = settled && tried.unconverged == 0;
-        reactions = if solved { drop_pulling(system, workspace, state.x.len()) } else { WallReactions::Other };
+        reactions = if solved { drop_pulling(system, workspace, state.x.len()) } else { ActiveSetStatus::Abandoned };
         // A step without active walls is one of the scheme itself.
-        if reactions == WallReactions::Push
+        if reactions == ActiveSetStatus::Accepted
             && affine.end != 1.0
             && !workspace.active.is_any_active(system.inverse_mass())
         {
-            reactions = WallReactions::Other;
+            reactions = ActiveSetStatus::Abandoned;
         }
     }
-    if reactions != WallReactions::Push {
+    if reactions != ActiveSetStatus::Accepted {
         system.discard_records();
         begin(system, state, workspace, &predicted);
         counts.add(&solve(system, state, workspace, (affine, h)).0);
@@ -116,7 +117,8 @@ fn predict(system: &dyn Dynamics, state: &State, [predicted_x, predicted_v]: [&m
     }
 }
 
-/// Solves with the present constraints, and again while constraints are added. Returns also whether that ended.
+/// Solves with the present constraints, and again while constraints are added. Returns also whether the last solve added
+/// none.
 fn solve(
     system: &mut dyn Dynamics,
     state: &State,
@@ -127,26 +129,26 @@ fn solve(
     let [predicted_x, predicted_v, x, v, z, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
     let smooth = !system.has_friction();
     let mut counts = NewtonCounts::NONE;
-    // At first only vertices that face a wall are stopped: of a body that would end far beyond the wall, its front. If
-    // the front stops, the rest need not get there.
-    let mut faces = true;
-    for pass in 1..=PASSES {
+    // At first only vertices whose outward side faces a wall are projected. With these constrained, the next solve may
+    // leave the others in front of the wall.
+    let mut facing_only = true;
+    for pass in 1..=MOST_CONTACT_SOLVES {
         let (origin, velocity) = (&state.x, &state.v);
         let mut stage =
             Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, active, x, v, affine };
         counts.add(&newton.solve(&mut stage, z));
         stage.evaluate(z);
-        active.reach(system.inverse_mass(), end_x, |number| along(origin[number], x[number], affine.end));
-        active.reach(system.inverse_mass(), end_v, |number| along(velocity[number], v[number], affine.end));
+        active.set_free(system.inverse_mass(), end_x, |number| along(origin[number], x[number], affine.end));
+        active.set_free(system.inverse_mass(), end_v, |number| along(velocity[number], v[number], affine.end));
         let mut more = false;
         while !more {
-            faces &= pass < PASSES;
-            apply_constraints(system, [origin, velocity], (end_x, end_v), spare, faces);
+            facing_only &= pass < MOST_CONTACT_SOLVES;
+            apply_constraints(system, [origin, velocity], (end_x, end_v), spare, facing_only);
             more |= active.add(z, [end_x, end_v], spare, smooth);
-            if !faces {
+            if !facing_only {
                 break;
             }
-            faces = more;
+            facing_only = more;
         }
         if !more {
             return (counts, true);
@@ -155,12 +157,13 @@ fn solve(
             // An impact is not smooth; an undamped scheme would excite high frequencies.
             affine = Affine::euler(h);
             predict(system, state, [&mut *predicted_x, &mut *predicted_v], h);
+            // The end of the step stays: z moves it by h²/2 with the midpoint rule and by h² with implicit Euler.
             for number in (0..origin.len()).filter(|number| system.inverse_mass()[*number] != 0.0) {
                 z[number] *= 0.5;
             }
         }
-        let way = [origin, &*end_x, &spare[origin.len()..]];
-        active.start_again(system.inverse_mass(), way, (predicted_x, affine.ax), z);
+        let ends = [origin, &*end_x, &spare[origin.len()..]];
+        active.start_again(system.inverse_mass(), ends, (predicted_x, affine.ax), z);
     }
     (counts, false)
 }
@@ -173,9 +176,9 @@ fn add_resting(
     state: &State,
     workspace: &mut Workspace,
     (affine, h): (Affine, f64),
-) -> WallReactions {
+) -> ActiveSetStatus {
     if system.has_friction() || !system.constrains() {
-        return WallReactions::Other;
+        return ActiveSetStatus::Abandoned;
     }
     let Workspace { numbers, spare, active, .. } = workspace;
     let [predicted_x, predicted_v, _, v, z, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
@@ -185,13 +188,13 @@ fn add_resting(
         *end = *v;
     }
     if !system.project_contact_velocity([&state.x, &state.v], end_x, end_v) {
-        return WallReactions::Other;
+        return ActiveSetStatus::Abandoned;
     }
     // Prediction without walls: velocities, then positions.
     spare.clear();
     spare.extend(v.iter().chain(&state.x));
     if !active.add_resting(system.inverse_mass(), z, &state.x, [end_x, end_v], spare) {
-        return WallReactions::Other;
+        return ActiveSetStatus::Abandoned;
     }
     let affine = if affine.end == 1.0 {
         affine
@@ -200,11 +203,11 @@ fn add_resting(
         Affine::euler(h)
     };
     active.keep_resting(system.inverse_mass(), (&state.x, predicted_x, affine.ax), z);
-    WallReactions::Pull
+    ActiveSetStatus::Changed
 }
 
 /// Drops constraints whose reaction pulls, after a solve of `count` numbers.
-fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace, count: usize) -> WallReactions {
+fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace, count: usize) -> ActiveSetStatus {
     let Workspace { numbers, active, .. } = workspace;
     let [_, _, x, v, z, _, _, force] = parts::<PARTS>(numbers, count);
     system.force(x, v, force);
@@ -247,7 +250,7 @@ impl Equations for Stage<'_, '_> {
     fn residual(&mut self, z: &[f64], g: &mut [f64]) {
         self.evaluate(z);
         self.system.force(self.x, self.v, g);
-        self.active.turn(g);
+        self.active.to_local(g);
         for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(self.system.mass()).zip(self.active.inverse()) {
             *g = if *inverse == 0.0 { 0.0 } else { mass * z - *g };
         }
@@ -261,7 +264,7 @@ impl Equations for Stage<'_, '_> {
         self.evaluate(z);
         let weights = Weights { position: self.affine.ax, velocity: self.affine.av, tangent };
         self.system.add_stiffness(self.x, self.v, weights, matrix);
-        self.active.turn_matrix(matrix);
+        self.active.matrix_to_local(matrix);
         let mass = self.system.mass();
         matrix.add_to_diagonal(&|number| mass[number]);
     }
@@ -274,7 +277,7 @@ impl Equations for Stage<'_, '_> {
         self.evaluate(z);
         // The buffer of velocities is free here.
         self.v.iter_mut().zip(step).for_each(|(displacement, step)| *displacement = self.affine.ax * step);
-        self.active.turn_back(self.v);
+        self.active.to_global(self.v);
         self.system.longest_step(self.x, self.v)
     }
 
@@ -288,6 +291,7 @@ impl Equations for Stage<'_, '_> {
         self.active.assign(z, stay, |number| self.active.inverse()[number] != 0.0);
     }
 
+    /// Tolerance of positions over `ax`.
     fn tolerance(&self, z: &[f64]) -> f64 {
         let (mut displacement, mut distance) = (0.0_f64, 0.0_f64);
         self.active.each(z, |first, z| {
@@ -302,11 +306,11 @@ impl Equations for Stage<'_, '_> {
         (RELATIVE * displacement.sqrt() + ROUND_OFF * distance.sqrt()) / self.affine.ax
     }
 
-    /// Local error of positions in this step, to leading order: `2/9 h³ v"` for the second backward differentiation
+    /// Local error of positions in this step over `ax`, to leading order. The error is `2/9 h³ v"` for the second backward differentiation
     /// formula (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, section III.2), with the
-    /// second difference of velocities for h² v". Under implicit Euler, whose v^ is the velocity before, the same
-    /// expression is two thirds of its `h²/2 a`. For implicit midpoint no estimate exists: one acceleration does not
-    /// tell how it changes.
+    /// second difference of velocities for h² v". With implicit Euler, whose v^ is the velocity before, the same
+    /// expression is two thirds of its `h²/2 a`. For the implicit midpoint rule there is no estimate: one acceleration
+    /// has no derivative by time.
     fn error(&self, z: &[f64]) -> f64 {
         let Affine { ax, av, end } = self.affine;
         if end != 1.0 {

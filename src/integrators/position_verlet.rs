@@ -27,11 +27,16 @@ use serde::{Deserialize, Serialize};
 /// its angular momentum is the sum of `m x' × d'/h = m x × d'/h`, which no step changes. A velocity with the force at x instead,
 /// `d'/h + h a(x)/2`, lacks that: the moment of the forces at x about the positions x' is not zero.
 ///
-/// The force at x' is kept for the next step, so a step evaluates the force once, and twice where a wall acts. It is evaluated at the
+/// The force at x' is kept for the next step, so a step evaluates the force once, and twice after a contact. It is evaluated at the
 /// predicted velocity `d'/h + h a(x)/2`, which differs from v' by O(h²) and matters only to forces that depend on velocity. Kept
 /// between steps are `d'` and `h² a(x')`; the displacement itself rather than two positions, because their difference would have the
-/// round-off of x. Where the state was changed from outside, or the step length is new, `d = h v - h² a/2`, as where a wall acted, and
-/// the force is evaluated anew; it also is where only [`Dynamics::load_fingerprint`] changed, such as the pull of the mouse.
+/// round-off of x.
+///
+/// - Where the state was changed from outside, or the step length is new, `d = h v - h² a/2`, and the force is evaluated anew.
+/// - Where a wall acted, d is computed so at the end of the step, and the next step evaluates the force anew.
+/// - Where only [`Dynamics::load_fingerprint`] changed, such as the pull of the mouse, the force alone is evaluated anew.
+///
+/// The method is the two-step Störmer-Verlet method, and not the splitting drift, kick, drift that has the same name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PositionVerlet {
@@ -91,16 +96,16 @@ impl SecondOrder for PositionVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let count = state.x.len();
         let ([before, before_v, force], spare) = workspace.vectors(count);
-        let goes_on = memory::is_current(state, TAG, h, 2 * count + 1);
+        let is_continued = memory::is_current(state, TAG, h, 2 * count + 1);
         let loads = f64::from(system.load_fingerprint());
         memory::open(state, TAG, h, 2 * count + 1);
-        if !goes_on || memory::read(state)[2 * count] != loads {
+        if !is_continued || memory::read(state)[2 * count] != loads {
             system.force(&state.x, &state.v, force);
-            let (moved, pushes) = memory::own(&mut state.memory).split_at_mut(count);
-            push(system, force, h, pushes);
-            if !goes_on {
-                for ((moved, push), v) in moved.iter_mut().zip(&*pushes).zip(&state.v) {
-                    *moved = h * v - 0.5 * push;
+            let (displacement, kicks) = memory::own(&mut state.memory).split_at_mut(count);
+            kick(system, force, h, kicks);
+            if !is_continued {
+                for ((displacement, kick), v) in displacement.iter_mut().zip(&*kicks).zip(&state.v) {
+                    *displacement = h * v - 0.5 * kick;
                 }
             }
         }
@@ -108,35 +113,35 @@ impl SecondOrder for PositionVerlet {
         before_v.copy_from_slice(&state.v);
         let keep = 1.0 - self.damping.get();
         let State { x, v, memory, .. } = state;
-        let (moved, pushes) = memory::own(memory).split_at_mut(count);
+        let (displacement, kicks) = memory::own(memory).split_at_mut(count);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
-            // A pinned vertex stays, even if it was pinned while it moved.
-            moved[number] = if *inverse_mass == 0.0 { 0.0 } else { keep * moved[number] + pushes[number] };
-            x[number] += moved[number];
-            v[number] = (moved[number] + 0.5 * pushes[number]) / h;
+            // A pinned vertex stays, even if it was pinned while it displacement.
+            displacement[number] = if *inverse_mass == 0.0 { 0.0 } else { keep * displacement[number] + kicks[number] };
+            x[number] += displacement[number];
+            v[number] = (displacement[number] + 0.5 * kicks[number]) / h;
         }
         system.force(x, v, force);
-        push(system, force, h, pushes);
-        for ((v, moved), push) in v.iter_mut().zip(&*moved).zip(&*pushes) {
-            *v = (moved + 0.5 * push) / h;
+        kick(system, force, h, kicks);
+        for ((v, displacement), kick) in v.iter_mut().zip(&*displacement).zip(&*kicks) {
+            *v = (displacement + 0.5 * kick) / h;
         }
         apply_constraints(system, [before, before_v], (x, v), spare, false);
         // Where a wall acted, the next step begins with the velocity after contact, and at another position than the
         // force was evaluated at.
-        let mut known = loads;
+        let mut kept_loads = loads;
         for number in (0..count).filter(|&number| is_touched([x, v], spare, number)) {
-            moved[number] = h * v[number] - 0.5 * pushes[number];
-            known = UNKNOWN;
+            displacement[number] = h * v[number] - 0.5 * kicks[number];
+            kept_loads = UNKNOWN;
         }
-        pushes[count] = known;
+        kicks[count] = kept_loads;
         memory::close(state);
         StepCounts::ONE
     }
 }
 
 /// Writes `h² a` \[m\] of these forces, zero for pinned vertices.
-fn push(system: &dyn Dynamics, force: &[f64], h: f64, pushes: &mut [f64]) {
-    for ((push, force), inverse_mass) in pushes.iter_mut().zip(force).zip(system.inverse_mass()) {
-        *push = h * h * (force * inverse_mass);
+fn kick(system: &dyn Dynamics, force: &[f64], h: f64, kicks: &mut [f64]) {
+    for ((kick, force), inverse_mass) in kicks.iter_mut().zip(force).zip(system.inverse_mass()) {
+        *kick = h * h * (force * inverse_mass);
     }
 }

@@ -1,35 +1,38 @@
 //! Active set: the vertices that walls constrain in an implicit step, and the axes that they are constrained along.
 //!
 //! Vertices have local axes, so that a vertex which one smooth wall pushes is constrained along the normal of that wall
-//! alone. Walls act on vertices of two numbers only; vertices of another size are never constrained, and their local axes
-//! are those of the world.
+//! alone. Walls act on vertices of two coordinates only; others are never constrained, and their local axes are the global
+//! ones.
 
 use crate::solvers::SparseMatrix;
 
-/// Wall reactions of an active set.
+/// Result of an iteration of the active set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WallReactions {
-    /// All reactions push: the solution is the step.
-    Push,
-    /// Some may pull: solve again.
-    Pull,
-    /// The set is empty, or the reactions cannot be determined.
-    Other,
+pub enum ActiveSetStatus {
+    /// The walls that vertices rest on push: the solution is the step.
+    Accepted,
+    /// The set was changed: solve with it.
+    Changed,
+    /// Solve again from the start without resting vertices: there are none, or friction, a moving wall, an unsolved
+    /// equation or two oblique walls leave the reactions unknown.
+    Abandoned,
 }
 
-/// Greatest pull as a fraction of the greatest push: round-off and error of the solution.
-const PULL: f64 = 1e-6;
+/// Greatest pull of a wall as a fraction of the greatest push: round-off and error of the solution.
+const REACTION_TOLERANCE: f64 = 1e-6;
+/// Greatest normal velocity of a stopped vertex as a fraction of the change of its velocity.
+const STOPPED: f64 = 1e-6;
 /// A change of position or velocity below this fraction is round-off and has no direction.
 const ROUND_OFF: f64 = 1e-12;
 /// Greatest difference of two directions that count as equal.
 const SAME: f64 = 1e-6;
-/// Least distance to a wall as a fraction of the displacement; a vertex below it rests on the wall.
-const SHORTEST: f64 = 1e-3;
+/// First contacts after a smaller fraction of the displacement are ignored.
+const LEAST_FRACTION: f64 = 1e-3;
 
 /// The constrained vertices of an implicit step.
 #[derive(Default)]
 pub struct ActiveSet {
-    /// Number of numbers of a vertex.
+    /// Number of coordinates of a vertex.
     size: usize,
     /// First local axis of each vertex, a unit vector; the second is rotated by 90°. Flat; empty if no wall can act.
     axes: Vec<f64>,
@@ -40,7 +43,7 @@ pub struct ActiveSet {
 }
 
 impl ActiveSet {
-    /// Empties the set: only pinned numbers are constrained, and all local axes are those of the world.
+    /// Empties the set: only pinned coordinates are constrained, and all local axes are the global ones.
     pub fn reset(&mut self, size: usize, inverse_mass: &[f64]) {
         self.size = size;
         self.inverse.clear();
@@ -79,46 +82,47 @@ impl ActiveSet {
         self.inverse[number] == 0.0 && inverse_mass[number] != 0.0
     }
 
-    /// Calls `act` with the first number of every vertex and its part of `own`, a vector along the local axes, turned to
-    /// the axes of the world.
+    /// Calls `act` with the first number of every vertex and its part of `local`, a vector along the local axes, turned to
+    /// the global axes.
     #[inline]
-    pub fn each(&self, own: &[f64], mut act: impl FnMut(usize, &[f64])) {
-        for (vertex, own) in own.chunks_exact(self.size).enumerate() {
-            match *own {
-                [x, y] => act(2 * vertex, &self.axis(vertex).out_of_own([x, y])),
-                _ => act(self.size * vertex, own),
+    pub fn each(&self, local: &[f64], mut act: impl FnMut(usize, &[f64])) {
+        for (vertex, local) in local.chunks_exact(self.size).enumerate() {
+            match *local {
+                [x, y] => act(2 * vertex, &self.axis(vertex).out_of_local([x, y])),
+                _ => act(self.size * vertex, local),
             }
         }
     }
 
     /// Turns a flat vector to the local axes.
-    pub fn turn(&self, values: &mut [f64]) {
+    pub fn to_local(&self, values: &mut [f64]) {
         for vertex in self.vertices() {
-            put(values, vertex, self.axis(vertex).into_own(pair(values, vertex)));
+            put(values, vertex, self.axis(vertex).into_local(pair(values, vertex)));
         }
     }
 
-    /// Turns a flat vector back to the axes of the world.
-    pub fn turn_back(&self, values: &mut [f64]) {
+    /// Turns a flat vector back to the global axes.
+    pub fn to_global(&self, values: &mut [f64]) {
         for vertex in self.vertices() {
-            put(values, vertex, self.axis(vertex).out_of_own(pair(values, vertex)));
+            put(values, vertex, self.axis(vertex).out_of_local(pair(values, vertex)));
         }
     }
 
     /// Turns a matrix to the local axes.
-    pub fn turn_matrix(&self, matrix: &mut dyn SparseMatrix) {
+    pub fn matrix_to_local(&self, matrix: &mut dyn SparseMatrix) {
         if let Some(matrix) = matrix.blocks::<2>() {
             matrix.turn(&self.axes);
         }
     }
 
-    /// Sets the chosen numbers of z, along the local axes, to a vector that is given along the axes of the world.
+    /// Sets the chosen numbers of z, along the local axes, to a vector that is given along the global axes.
     pub fn assign(&self, z: &mut [f64], world: impl Fn(usize) -> f64, is_chosen: impl Fn(usize) -> bool) {
         for (vertex, z) in z.chunks_exact_mut(self.size).enumerate() {
             let first = self.size * vertex;
             if let [x, y] = z {
-                let own = self.axis(vertex).into_own([world(first), world(first + 1)]);
-                (*x, *y) = (if is_chosen(first) { own[0] } else { *x }, if is_chosen(first + 1) { own[1] } else { *y });
+                let local = self.axis(vertex).into_local([world(first), world(first + 1)]);
+                (*x, *y) =
+                    (if is_chosen(first) { local[0] } else { *x }, if is_chosen(first + 1) { local[1] } else { *y });
             } else {
                 let chosen = (first..).zip(z).filter(|(number, _)| is_chosen(*number));
                 chosen.for_each(|(number, z)| *z = world(number));
@@ -127,7 +131,7 @@ impl ActiveSet {
     }
 
     /// Sets the end of a step to `reached` along the free axes, and leaves it along the constrained ones.
-    pub fn reach(&self, inverse_mass: &[f64], end: &mut [f64], reached: impl Fn(usize) -> f64) {
+    pub fn set_free(&self, inverse_mass: &[f64], end: &mut [f64], reached: impl Fn(usize) -> f64) {
         for (vertex, end) in end.chunks_exact_mut(self.size).enumerate() {
             if let [x, y] = end {
                 let (constrained, reached) =
@@ -139,9 +143,10 @@ impl ActiveSet {
         }
     }
 
-    /// Constrains every vertex whose end of step constraints have changed: along the normal of a single `smooth` wall, or
-    /// in both coordinates. `z` are the accelerations, `end` positions and velocities, `predicted` the velocities and then
-    /// positions before. Returns whether any was added.
+    /// Constrains every vertex whose position or velocity at the end of the step the contact projection has changed: along
+    /// the normal of a single `smooth` wall, or in both coordinates. `z` are the accelerations, `end` the projected
+    /// positions and velocities, `predicted` the velocities and then positions without walls. Returns whether any was
+    /// added.
     pub fn add(&mut self, z: &mut [f64], end: [&[f64]; 2], predicted: &[f64], smooth: bool) -> bool {
         self.vertices().fold(false, |any, vertex| self.add_vertex(vertex, z, (end, predicted), smooth) || any)
     }
@@ -162,8 +167,8 @@ impl ActiveSet {
         if !axis.is_world() {
             // Constrained along one normal already: only a change along the tangent adds a constraint.
             let pushed = |to: [f64; 2], from: [f64; 2]| {
-                let change = less(to, from);
-                axis.into_own(change)[1].abs() > SAME * length(change) + ROUND_OFF * length(from)
+                let change = difference(to, from);
+                axis.into_local(change)[1].abs() > SAME * length(change) + ROUND_OFF * length(from)
             };
             added = [false, movable[1] && (pushed(x, predicted_x) || pushed(v, predicted_v))];
         } else if smooth
@@ -171,7 +176,7 @@ impl ActiveSet {
             && let Some(normal) = direction([x, predicted_x], [v, predicted_v])
         {
             put(&mut self.axes, vertex, normal);
-            put(z, vertex, Axis(normal).into_own(pair(z, vertex)));
+            put(z, vertex, Axis(normal).into_local(pair(z, vertex)));
             added = [true, false];
         }
         for k in (0..2).filter(|k| added[*k]) {
@@ -201,7 +206,7 @@ impl ActiveSet {
                 continue;
             }
             rests = true;
-            let push = self.axis(vertex).into_own(less(stopped, free));
+            let push = self.axis(vertex).into_local(difference(stopped, free));
             let constrained = self.constrained(inverse_mass, vertex);
             put(&mut self.pushes, vertex, [0, 1].map(|k| if constrained[k] { push[k] } else { 0.0 }));
         }
@@ -216,20 +221,20 @@ impl ActiveSet {
         z.iter_mut().for_each(|z| *z /= ax);
     }
 
-    /// Drops constraints of [`Self::add_resting`] whose reaction `M z - f` pulls, and constraints that were added during
-    /// the solve. `force` is overwritten.
+    /// If the reaction `M z - f` of a wall that a vertex rests on pulls, drops all such constraints, and all that were
+    /// added during the solve. `force` is overwritten.
     pub fn drop_pulling(
         &mut self,
         [mass, inverse_mass]: [&[f64]; 2],
         z: &mut [f64],
         force: &mut [f64],
-    ) -> WallReactions {
-        self.turn(force);
+    ) -> ActiveSetStatus {
+        self.to_local(force);
         for (((force, mass), z), push) in force.iter_mut().zip(mass).zip(&*z).zip(&self.pushes) {
             *force = if *push == 0.0 { 0.0 } else { (mass * z - *force) * push.signum() };
         }
         let most = force.iter().copied().fold(0.0, f64::max);
-        let pulls = |reaction: f64| reaction.is_nan() || reaction < -PULL * most;
+        let pulls = |reaction: f64| reaction.is_nan() || reaction < -REACTION_TOLERANCE * most;
         let is_unclear = |vertex| {
             // With two oblique walls the reaction of each cannot be determined.
             !self.axis(vertex).is_world()
@@ -237,29 +242,29 @@ impl ActiveSet {
                 && pair(&self.pushes, vertex) != [0.0; 2]
         };
         if self.vertices().any(is_unclear) {
-            return WallReactions::Other;
+            return ActiveSetStatus::Abandoned;
         }
         if !force.iter().copied().any(pulls) {
-            return WallReactions::Push;
+            return ActiveSetStatus::Accepted;
         }
         for vertex in self.vertices() {
             let (constrained, reaction) = (self.constrained(inverse_mass, vertex), pair(force, vertex));
             let push = pair(&self.pushes, vertex);
-            let goes = [0, 1].map(|k| constrained[k] && (push[k] == 0.0 || pulls(reaction[k])));
-            if goes == [false; 2] {
+            let dropped = [0, 1].map(|k| constrained[k] && (push[k] == 0.0 || pulls(reaction[k])));
+            if dropped == [false; 2] {
                 continue;
             }
-            put(z, vertex, self.axis(vertex).out_of_own(pair(z, vertex)));
+            put(z, vertex, self.axis(vertex).out_of_local(pair(z, vertex)));
             put(&mut self.axes, vertex, Axis::WORLD.0);
-            for k in (0..2).filter(|k| goes[*k]) {
+            for k in (0..2).filter(|k| dropped[*k]) {
                 self.inverse[2 * vertex + k] = inverse_mass[2 * vertex + k];
                 self.pushes[2 * vertex + k] = 0.0;
             }
         }
-        WallReactions::Pull
+        ActiveSetStatus::Changed
     }
 
-    /// Marks the constrained numbers as touched in `before`, the velocities and then positions before constraints.
+    /// Marks the constrained coordinates as touched in `before`, the velocities and then positions without walls.
     pub fn mark(&self, inverse_mass: &[f64], before: &mut [f64]) {
         for number in (0..self.inverse.len()).filter(|number| self.is_constrained(inverse_mass, *number)) {
             // NaN is equal to nothing, so that the number counts as touched.
@@ -287,8 +292,8 @@ impl ActiveSet {
         for vertex in self.vertices() {
             let (axis, touched) = (self.axis(vertex), self.touched([x, v], before, vertex));
             let (x, v) = (pair(x, vertex), pair(v, vertex));
-            let gone = [0, 1].map(|k| x[k] - h * v[k]);
-            put(past_x, vertex, axis.mix(touched, gone, pair(past_x, vertex)));
+            let previous_x = [0, 1].map(|k| x[k] - h * v[k]);
+            put(past_x, vertex, axis.mix(touched, previous_x, pair(past_x, vertex)));
             put(past_v, vertex, axis.mix(touched, v, pair(past_v, vertex)));
         }
     }
@@ -317,15 +322,15 @@ impl ActiveSet {
         let stopped = self.vertices().filter(|vertex| pair(end, *vertex) != pair(predicted, *vertex));
         let shares = stopped.map(|vertex| {
             let [origin, end, predicted] = [origin, end, predicted].map(|values| pair(values, vertex));
-            let across = less(predicted, end);
-            dot(less(end, origin), across) / dot(less(predicted, origin), across)
+            let across = difference(predicted, end);
+            dot(difference(end, origin), across) / dot(difference(predicted, origin), across)
         });
-        shares.filter(|share| *share > SHORTEST && *share < 1.0).min_by(f64::total_cmp)
+        shares.filter(|share| *share > LEAST_FRACTION && *share < 1.0).min_by(f64::total_cmp)
     }
 }
 
-/// Whether constraints changed a number of the positions or velocities at the end of a step. `before` are the velocities
-/// and then positions before constraints.
+/// Whether the contact projection changed a coordinate of the positions or velocities at the end of a step. `before` are
+/// the velocities and then positions without walls.
 pub fn is_touched([x, v]: [&[f64]; 2], before: &[f64], number: usize) -> bool {
     v[number] != before[number] || x[number] != before[x.len() + number]
 }
@@ -335,22 +340,22 @@ pub fn is_touched([x, v]: [&[f64]; 2], before: &[f64], number: usize) -> bool {
 struct Axis([f64; 2]);
 
 impl Axis {
-    /// The axes of the world.
+    /// The global axes.
     const WORLD: Self = Self([1.0, 0.0]);
 
-    /// Whether they are the axes of the world.
+    /// Whether they are the global axes.
     fn is_world(self) -> bool {
         self == Self::WORLD
     }
 
     /// Components of a vector along the local axes.
-    fn into_own(self, [x, y]: [f64; 2]) -> [f64; 2] {
+    fn into_local(self, [x, y]: [f64; 2]) -> [f64; 2] {
         let Self([c, s]) = self;
         if self.is_world() { [x, y] } else { [c * x + s * y, c * y - s * x] }
     }
 
-    /// Inverse of [`Self::into_own`].
-    fn out_of_own(self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// Inverse of [`Self::into_local`].
+    fn out_of_local(self, [x, y]: [f64; 2]) -> [f64; 2] {
         let Self([c, s]) = self;
         if self.is_world() { [x, y] } else { [c * x - s * y, s * x + c * y] }
     }
@@ -361,14 +366,14 @@ impl Axis {
             [true, true] => one,
             [false, false] => other,
             _ => {
-                let (one, other) = (self.into_own(one), self.into_own(other));
-                self.out_of_own([0, 1].map(|k| if constrained[k] { one[k] } else { other[k] }))
+                let (one, other) = (self.into_local(one), self.into_local(other));
+                self.out_of_local([0, 1].map(|k| if constrained[k] { one[k] } else { other[k] }))
             }
         }
     }
 }
 
-/// The two numbers of a vertex.
+/// The two coordinates of a vertex.
 fn pair(values: &[f64], vertex: usize) -> [f64; 2] {
     [values[2 * vertex], values[2 * vertex + 1]]
 }
@@ -377,7 +382,7 @@ fn put(values: &mut [f64], vertex: usize, value: [f64; 2]) {
     values[2 * vertex..][..2].copy_from_slice(&value);
 }
 
-fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+fn difference(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
@@ -392,18 +397,18 @@ fn length(a: [f64; 2]) -> f64 {
 /// Whether a velocity change leaves no normal component: an impact with restitution leaves some, and so do most edge
 /// contacts.
 fn is_stopped(end: [f64; 2], predicted: [f64; 2]) -> bool {
-    let change = less(end, predicted);
-    dot(end, change).abs() <= PULL * dot(change, change)
+    let change = difference(end, predicted);
+    dot(end, change).abs() <= STOPPED * dot(change, change)
 }
 
 /// The common direction of the changes of position and velocity, each given as after and before; `None` if they differ
 /// or are round-off.
 fn direction([x, predicted_x]: [[f64; 2]; 2], [v, predicted_v]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
-    let told = |to: [f64; 2], from: [f64; 2]| {
-        let (change, size) = (less(to, from), length(less(to, from)));
+    let unit_if_significant = |to: [f64; 2], from: [f64; 2]| {
+        let (change, size) = (difference(to, from), length(difference(to, from)));
         (size > 1e3 * ROUND_OFF * length(from)).then(|| change.map(|change| change / size))
     };
-    match (told(v, predicted_v), told(x, predicted_x)) {
+    match (unit_if_significant(v, predicted_v), unit_if_significant(x, predicted_x)) {
         (Some(one), Some(other)) => ((one[0] * other[1] - one[1] * other[0]).abs() < SAME).then_some(one),
         (one, other) => one.or(other),
     }

@@ -34,7 +34,7 @@ mod resolve;
 mod solid;
 mod swept_motion;
 
-pub use active_set::{ActiveSet, WallReactions, is_touched};
+pub use active_set::{ActiveSet, ActiveSetStatus, is_touched};
 pub use ball::Ball;
 pub use contact_query::ContactQuery;
 pub use corner::Corner;

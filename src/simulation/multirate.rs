@@ -1,14 +1,14 @@
 //! Multirate stepping: each body and net divides a step by its own number of substeps.
 //!
 //! Bodies and nets do not interact, so that each may divide a step of the scene, of length h, into n equal substeps; at
-//! the end of the step all have the same time. n = h / ([`SHARE`] `h_critical`), rounded up, and 1 if the step is short
-//! enough. A sub-scene with its own part of the state ([`SubScene`]) is stepped, so that its motion has the same bits,
+//! the end of the step all have the same time. n = h / ([`SAFETY_FACTOR`] z/2 `h_critical`), rounded up, and
+//! 1 if the step is short enough; z is the stability limit of the scheme, 2 for symplectic Euler. A sub-scene with its own part of the state ([`SubScene`]) is stepped, so that its motion has the same bits,
 //! and the same cost, as alone with n times as many steps. Substeps are equal parts of h; what depends on time, which
 //! is only moving obstacles, is exact to round-off.
 //!
-//! `h_critical` is the critical step at rest. It depends on the scene alone and is computed when the scene is built or
-//! changed, never while time runs. So a checkpoint, a rewind or a saved level continues with the same steps and bits,
-//! and no change of the step makes the energy of a symplectic scheme drift. A stiff body beside a soft one hardly
+//! `h_critical` is the critical step of symplectic Euler at rest. It depends on the scene alone and is computed when the scene is built or
+//! changed, never while time runs. So a checkpoint, a rewind or a saved level continues with the same steps and bits.
+//! As the step never changes, a symplectic scheme has no drift of energy from that. A stiff body beside a soft one hardly
 //! deforms, and half of `h_critical` leaves a margin for four times the stiffness. Beyond that the guard detects the
 //! instability and divides the steps of the scene, and with them all substeps.
 
@@ -30,7 +30,7 @@ use crate::{
 use std::{ops::Range, sync::Arc};
 
 /// Greatest substep as a fraction of the critical step at rest.
-const SHARE: f64 = 0.5;
+const SAFETY_FACTOR: f64 = 0.5;
 
 /// Steppers of all bodies and nets; empty without multirate stepping.
 #[derive(Default)]
@@ -128,10 +128,10 @@ impl SubstepStepper {
             let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
             critical_step(scene, &rest)
         });
-        // A scheme with stability limit zero amplifies vibrations at any step, so at this one too.
+        // Forward Euler and Heun have no stable step without damping: the limit of symplectic Euler is taken for them.
         let stability_limit = whole.integrator.kind().stability_limit().filter(|limit| *limit > 0.0).unwrap_or(2.0);
         let most = (f64::from(Substeps::MAX) * 60.0 * whole.step).max(1.0);
-        let wanted = limit.map_or(1.0, |limit| whole.step / (SHARE * 0.5 * stability_limit * limit));
+        let wanted = limit.map_or(1.0, |limit| whole.step / (SAFETY_FACTOR * 0.5 * stability_limit * limit));
         let steps = libm::ceil(wanted).clamp(1.0, libm::floor(most)) as u32;
         Self {
             sub_scene: Arc::clone(sub_scene),
@@ -168,8 +168,8 @@ impl SubstepStepper {
         parent.merge(&mut self.scratch, &self.sub_scene.effects);
     }
 
-    /// Takes all substeps, or those up to the first that leaves the box in which constraints are skipped: the check
-    /// after the step finds that and repeats the step with the constraints.
+    /// Takes all substeps, or those up to the first that leaves the box in which constraints are skipped: the
+    /// caller then repeats the step with the constraints.
     fn take_substeps(&mut self, interval: StepInterval<'_>) {
         let [start, end] = interval.time;
         let length = (end - start) / f64::from(interval.substeps);

@@ -7,9 +7,9 @@ use std::any::Any;
 /// z, v = v^ + av z` needs `M + ax (-df/dx) + av (-df/dv)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Factor of `-df/dx` [N/m].
+    /// Factor of `-df/dx`, ax [s²].
     pub position: f64,
-    /// Factor of `-df/dv` [N s/m].
+    /// Factor of `-df/dv`, av \[s\].
     pub velocity: f64,
     /// Kind of derivative.
     pub tangent: Tangent,
@@ -22,9 +22,9 @@ pub enum Tangent {
     /// The true one, with which Newton's method converges quadratically.
     Exact,
     /// Negative eigenvalues become zero: the nearest positive semidefinite matrix (Teran et al., *Robust quasistatic
-    /// finite elements and flesh simulation*, SCA 2005). Steps are long where there is no stiffness.
+    /// finite elements and flesh simulation*, SCA 2005). Where an eigenvalue is zero, the mass alone bounds the step.
     Definite,
-    /// Absolute eigenvalues: steps are no longer downhill than they would be uphill (Chen et al., *Stabler Neo-Hookean
+    /// Absolute eigenvalues: along a negative eigenvalue lambda the step is the residual over |lambda| (Chen et al., *Stabler Neo-Hookean
     /// Simulation: Absolute Eigenvalue Filtering for Projected Newton*, SIGGRAPH 2024).
     Absolute,
 }
@@ -114,7 +114,7 @@ impl<const D: usize> BlockMatrix<D> {
         self.cursor = 0;
     }
 
-    /// Adds to the block of a vertex with itself; only its symmetric part is used.
+    /// Adds to the block of a vertex with itself, which must be symmetric.
     #[inline]
     pub fn diagonal(&mut self, vertex: usize, block: &Block<D>) {
         self.diagonal[vertex] += block;

@@ -44,14 +44,14 @@ impl EffectParameters for Friction {
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
-        Ok(Box::new(ContactCoefficient(self.coefficient.get())))
+        Ok(Box::new(FrictionEffect(self.coefficient.get())))
     }
 }
 
 /// mu.
-struct ContactCoefficient(f64);
+struct FrictionEffect(f64);
 
-impl Effect for ContactCoefficient {
+impl Effect for FrictionEffect {
     fn name(&self) -> &'static str {
         "Friction"
     }

@@ -283,7 +283,7 @@ impl Scene {
     /// [`SceneError::State`] if it belongs to other meshes.
     pub fn first_state(&self, saved: Option<&SavedState>) -> Result<State, SceneError> {
         let Some(saved) = saved else { return Ok(self.start.clone()) };
-        let vertices = self.vertices();
+        let vertices = self.start.x.len() / self.dimension;
         if saved.positions.len() != vertices || saved.velocities.len() != self.start.v.len() / self.dimension {
             let (positions, velocities) = (saved.positions.len(), saved.velocities.len());
             return Err(SceneError::State { positions, velocities, vertices });
@@ -315,9 +315,9 @@ impl Scene {
         }
     }
 
-    /// Number of vertices.
-    pub fn vertices(&self) -> usize {
-        self.start.x.len() / self.dimension
+    /// Number of vertices; a toy has none.
+    pub const fn vertices(&self) -> usize {
+        self.rest.len() / self.dimension
     }
 
     /// The numbers of some vertices in flat vectors.

@@ -348,6 +348,7 @@ pub struct StretchTest {
 }
 
 /// A file cannot hold what another crate made.
+#[expect(clippy::ref_option, reason = "serde passes a reference to the field")]
 fn refuse<S: Serializer>(own: &Option<OwnMaterial>, _: S) -> Result<S::Ok, S::Error> {
     Err(serde::ser::Error::custom(format!("a level file cannot hold the material {own:?}, which is made in code")))
 }

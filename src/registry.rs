@@ -150,7 +150,7 @@ macro_rules! registry {
 
         impl $Name {
             /// A kind from outside the crate, with its name in reports and tables.
-            $vis fn own(name: &'static str, kind: impl $Trait + Clone + PartialEq + Send + Sync + 'static) -> Self {
+            $vis fn own(name: &'static str, kind: impl $crate::registry::OwnKind<dyn $Trait>) -> Self {
                 Self::Own($crate::registry::Own::new(name, kind))
             }
 

@@ -19,8 +19,8 @@ use gingerbread::{
     elements::OwnMaterial,
     files,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, SubstepMode, Substeps, Switch, When},
-    materials::{MaterialParameters, Model, Principal},
+    level::{EffectLevel, Level, RunMode, SubstepMode, Substeps, Switch, When},
+    materials::{MaterialParameters, Model, Plane, Principal},
     meshes::{Files, Mesh, MeshError, MeshKind, MeshSource, NoFiles, Rectangle},
     quantity::{DragCoefficient, Poisson, VelocityX, Young},
     sandbox::Sandbox,
@@ -177,16 +177,16 @@ fn shapes_are_kept_while_a_material_changes() {
     };
     let before = corners(&sandbox);
     let (young, poisson) = (Young::new(333.0).unwrap(), Poisson::new(0.1).unwrap());
-    let material = MaterialParameters::new(Model::Corotated, young, poisson, Default::default()).unwrap();
+    let material = MaterialParameters::new(Model::Corotated, young, poisson, Plane::default()).unwrap();
     sandbox.apply(Command::SetMaterial(0, material)).unwrap();
     let elements = &sandbox.simulation().scene().bodies[0].elements;
     assert_eq!((corners(&sandbox), elements.material().lame()), (before.clone(), material.lame()));
-    let anew = Scene::build(&sandbox.document().level, Default::default(), &NoFiles, None).unwrap();
+    let anew = Scene::build(&sandbox.document().level, RunMode::default(), &NoFiles, None).unwrap();
     let x: Vec<f64> = anew.rest.iter().map(|x| 1.1 * x).collect();
     assert_eq!(anew.bodies[0].elements.elastic_energy(&x), elements.elastic_energy(&x));
     let mut moved = sandbox.document().level.clone();
     moved.bodies[1].place.offset = gingerbread::quantity::Point::new([0.5, 0.0]).unwrap();
-    let moved = Scene::build(&moved, Default::default(), &NoFiles, Some(sandbox.simulation().scene())).unwrap();
+    let moved = Scene::build(&moved, RunMode::default(), &NoFiles, Some(sandbox.simulation().scene())).unwrap();
     let moved: Vec<_> = moved.bodies.iter().map(|body| body.elements.corners().as_ptr()).collect();
     assert!(moved[0] == before[0] && moved[1] != before[1]);
 }

@@ -148,7 +148,7 @@ impl ActiveSet {
     /// positions and velocities, `predicted` the velocities and then positions without walls. Returns whether any was
     /// added.
     pub fn add(&mut self, z: &mut [f64], end: [&[f64]; 2], predicted: &[f64], smooth: bool) -> bool {
-        self.vertices().fold(false, |any, vertex| self.add_vertex(vertex, z, (end, predicted), smooth) || any)
+        self.vertices().filter(|vertex| self.add_vertex(*vertex, z, (end, predicted), smooth)).count() > 0
     }
 
     fn add_vertex(
@@ -218,7 +218,9 @@ impl ActiveSet {
     pub fn keep_resting(&self, inverse_mass: &[f64], (x, predicted_x, ax): (&[f64], &[f64], f64), z: &mut [f64]) {
         z.fill(0.0);
         self.assign(z, |number| x[number] - predicted_x[number], |number| self.is_constrained(inverse_mass, number));
-        z.iter_mut().for_each(|z| *z /= ax);
+        for z in z {
+            *z /= ax;
+        }
     }
 
     /// If the reaction `M z - f` of a wall that a vertex rests on pulls, drops all such constraints, and all that were

@@ -88,7 +88,6 @@ impl<R: Real> Mul for Jet<R> {
 impl<R: Real> Div for Jet<R> {
     type Output = Self;
     #[inline(always)]
-    #[expect(clippy::suspicious_arithmetic_impl, reason = "a quotient is the product with the reciprocal")]
     fn div(self, other: Self) -> Self {
         let inverse = other.value.of(1.0) / other.value;
         let square = inverse * inverse;

@@ -132,8 +132,7 @@ impl Simulation {
         let slow_checks = &self.state.slow_checks;
         self.islands.asleep = slow_checks.iter().filter(|slow_checks| **slow_checks == ASLEEP).count();
         self.scratch.set_sleeping(&self.scene, slow_checks.iter().map(|slow_checks| *slow_checks == ASLEEP));
-        for (island, _) in self.islands.all.iter().zip(&*slow_checks).filter(|(_, slow_checks)| **slow_checks == ASLEEP)
-        {
+        for (island, _) in self.islands.all.iter().zip(slow_checks).filter(|(_, slow_checks)| **slow_checks == ASLEEP) {
             self.scratch.constrain_sleeping(&island.numbers);
         }
     }

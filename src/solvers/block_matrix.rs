@@ -149,14 +149,9 @@ impl<const D: usize> BlockMatrix<D> {
             }
         }
         for ([row, column], block) in self.pattern.iter().zip(&mut self.blocks) {
-            for axis in 0..D {
-                if weights[*row as usize][axis] == 0.0 {
-                    block.fill_row(axis, 0.0);
-                }
-                if weights[*column as usize][axis] == 0.0 {
-                    block.fill_column(axis, 0.0);
-                }
-            }
+            let [row, column] = [row, column].map(|vertex| weights[*vertex as usize]);
+            (0..D).filter(|axis| row[*axis] == 0.0).for_each(|axis| block.fill_row(axis, 0.0));
+            (0..D).filter(|axis| column[*axis] == 0.0).for_each(|axis| block.fill_column(axis, 0.0));
         }
     }
 

@@ -42,7 +42,7 @@ struct BlockSystem<const D: usize> {
 
 impl<const D: usize> BlockSystem<D> {
     /// Analyses a pattern; `None` if the factor does not fit in memory.
-    fn new(numbers: usize, pattern: &[[u32; 2]], linear_solver: LinearSolver) -> Option<Box<dyn LinearSystem>> {
+    fn analysed(numbers: usize, pattern: &[[u32; 2]], linear_solver: LinearSolver) -> Option<Box<dyn LinearSystem>> {
         let matrix = BlockMatrix::new(numbers / D, pattern);
         let factor = Factor::new(&matrix)?;
         let iterative = match linear_solver {
@@ -107,9 +107,9 @@ pub fn analyse(
         return Some(before);
     }
     match size {
-        1 => BlockSystem::<1>::new(numbers, &pattern, linear_solver),
-        2 => BlockSystem::<2>::new(numbers, &pattern, linear_solver),
-        3 => BlockSystem::<3>::new(numbers, &pattern, linear_solver),
+        1 => BlockSystem::<1>::analysed(numbers, &pattern, linear_solver),
+        2 => BlockSystem::<2>::analysed(numbers, &pattern, linear_solver),
+        3 => BlockSystem::<3>::analysed(numbers, &pattern, linear_solver),
         _ => None,
     }
 }

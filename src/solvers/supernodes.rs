@@ -219,13 +219,15 @@ fn rows_below(upper: &Columns, tree: &Tree, nodes: &[Supernode]) -> Option<Vec<u
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::expect_used, reason = "a failing test should panic")]
+
     use super::*;
     use crate::random::irregular;
     use std::collections::BTreeSet;
 
     /// Pairs of a random pattern: most near each other, some vertices without any.
     fn random_pairs(seed: u64, vertices: usize) -> Vec<[u32; 2]> {
-        let number = |n: u64, bound: usize| ((irregular(1000 * seed + n) + 1.0) / 2.0 * bound as f64) as u32;
+        let number = |n: u64, bound: usize| (f64::midpoint(irregular(1000 * seed + n), 1.0) * bound as f64) as u32;
         let pair = |n: u64| {
             let first = number(2 * n, vertices);
             [first, (first + number(2 * n + 1, 9)) % vertices as u32]

@@ -240,8 +240,8 @@ impl ReferenceJob {
         let difference = if failed { f64::INFINITY } else { self.difference(trial) };
         let per_step = counts.force_evaluations as f64 / counts.steps.max(1) as f64;
         let steps = 2.0 * f64::from(self.fine.substeps.get()) * f64::from(trial.frames);
-        let affordable =
-            steps * per_step * trial.scene.vertices().max(1) as f64 <= MOST_WORK && self.fine.substeps.get() < Substeps::MAX;
+        let affordable = steps * per_step * trial.scene.vertices().max(1) as f64 <= MOST_WORK
+            && self.fine.substeps.get() < Substeps::MAX;
         let helps = difference < 0.7 * self.before || difference > 1e-2;
         if difference > self.wanted && affordable && helps && !self.is_still(trial) {
             let next = Recorded::new(trial, &self.integrator, self.fine.substeps.doubled());

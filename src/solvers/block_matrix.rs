@@ -7,7 +7,7 @@ use std::any::Any;
 /// z, v = v^ + av z` needs `M + ax (-df/dx) + av (-df/dv)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Factor of `-df/dx`, ax [s²].
+    /// Factor of `-df/dx`, ax \[s²\].
     pub position: f64,
     /// Factor of `-df/dv`, av \[s\].
     pub velocity: f64,

@@ -49,7 +49,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("enum Lasts", "hard/case.rs", "Duration of a hard case"),
     ("enum Expects", "hard/case.rs", "Expected end of a hard case"),
     ("struct Cannot", "hard/case.rs", "Known failure of a hard case"),
-    ("enum Method", "hard/method.rs", "Method of a hard case"),
+    ("enum Method", "hard/case.rs", "Method of a hard case"),
 ];
 
 /// Types that are lists of kinds or are described by hand, and the headings of their sections.
@@ -92,6 +92,8 @@ pub struct Item {
     fields: Vec<(String, String)>,
     /// Whether a field may be left out, or a variant is the default.
     default: bool,
+    /// Whether no file can hold it.
+    is_hidden: bool,
     /// Its doc comment.
     doc: String,
 }
@@ -139,6 +141,7 @@ fn members(body: &[&str]) -> Vec<Item> {
             next.doc.push_str(words.trim());
         } else if text.starts_with("#[") {
             next.default |= text.contains("default");
+            next.is_hidden |= text.contains("skip_deserializing");
         } else if let Some((name, kind)) = text.strip_prefix("pub ").and_then(|field| field.split_once(": ")) {
             name.clone_into(&mut next.name);
             kind.trim_end_matches(',').clone_into(&mut next.kind);
@@ -153,6 +156,8 @@ fn members(body: &[&str]) -> Vec<Item> {
             next = Item::default();
         }
     }
+    // What a file cannot hold is made in code.
+    items.retain(|item| !item.is_hidden);
     for item in &mut items {
         item.doc = plain(&item.doc);
     }
@@ -238,7 +243,7 @@ fn fields(page: &mut String, items: &[Item]) {
 /// A table of the variants of an enum.
 fn variants(page: &mut String, items: &[Item]) {
     page.push_str("\n| value | meaning |\n|---|---|\n");
-    for Item { name, kind, fields, default, doc } in items {
+    for Item { name, kind, fields, default, doc, .. } in items {
         let (written, mut meaning) = match (kind.is_empty(), fields.is_empty()) {
             (true, true) => (name.clone(), doc.clone()),
             (false, _) => (format!("{name}(…)"), format!("{doc} Holds: {}.", value(kind))),

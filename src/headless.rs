@@ -20,6 +20,7 @@ pub use study::{Study, study};
 use crate::{
     files::{self, FileError},
     hard::Case,
+    inversion_recovery::untangled,
     level::{Level, RunMode},
     levels,
     materials::Model,
@@ -29,7 +30,6 @@ use crate::{
     study::{share_partitions, threads},
     table::{Table, remark},
     terminal,
-    untangle::untangled,
 };
 use std::{
     fmt::Write as _,

@@ -39,7 +39,7 @@
 //! | [`level`] | the level format |
 //! | [`scene`] | a level built for stepping |
 //! | [`stability`] | the longest stable step |
-//! | [`untangle`] | inversion recovery |
+//! | [`inversion_recovery`] | shapes without inverted triangles and folds |
 //! | [`report`], [`guard`], [`fault`] | step statistics, the energy check of steps, and faults |
 //! | [`simulation`] | stepping of a scene and its state |
 //! | [`rewind`] | the states of the last seconds |
@@ -87,8 +87,8 @@ pub mod toys;
 pub mod level;
 pub mod scene;
 
+pub mod inversion_recovery;
 pub mod stability;
-pub mod untangle;
 
 pub mod fault;
 pub mod guard;

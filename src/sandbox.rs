@@ -17,6 +17,7 @@ use crate::{
     command::{Command, Mode},
     document::{Document, Gesture, History},
     effects::Grab,
+    inversion_recovery::untangled,
     level::{Level, RunMode},
     materials::BadMaterial,
     meshes::Files,
@@ -24,7 +25,6 @@ use crate::{
     rewind::Rewind,
     scene::{Body, Owner, Scene, SceneError, extent},
     simulation::{Restart, Simulation},
-    untangle::untangled,
 };
 use std::{collections::VecDeque, rc::Rc, sync::Arc};
 

@@ -17,13 +17,13 @@ use crate::{
     elements::{BodyMaterial, Diagnostics, Springs},
     fault::Fault,
     guard::negligible,
+    inversion_recovery::Tangle,
     level::Level,
     meshes::Mesh,
     obstacles::Inside,
     report::EffectCost,
     sandbox::Sandbox,
     scene::{Body, extent},
-    untangle::Tangle,
 };
 use std::{ops::Range, sync::Arc};
 

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{models, rotation, sheet, simulation};
-use gingerbread::{elements::Field, simulation::Simulation, untangle::Tangle};
+use gingerbread::{elements::Field, inversion_recovery::Tangle, simulation::Simulation};
 use nalgebra::{Matrix2, Vector2};
 
 /// A sheet of a model with the guard of this strength as its only effect.

@@ -24,7 +24,7 @@ const ROOMS: &[&[&str]] = &[
     &["level"],
     &["scene"],
     &["stability"],
-    &["untangle"],
+    &["inversion_recovery"],
     &["report"],
     &["guard"],
     &["fault"],

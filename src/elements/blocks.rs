@@ -190,7 +190,7 @@ fn gradients<S: Simd>(set: S, edge_vectors: &EdgeVectors, block: &Block, part: u
     let Block([first, second]) = block;
     let of_first = edges(set, edge_vectors, 0, part).times(first.inverse.load(set, part));
     let of_second = edges(set, edge_vectors, 1, part).times(second.inverse.load(set, part));
-    Mat2::abreast(of_first, of_second)
+    Mat2::interleaved(of_first, of_second)
 }
 
 /// Edge vectors of a run of blocks.

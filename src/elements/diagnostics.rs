@@ -42,7 +42,7 @@ impl Triangles {
         x: &[f64],
         values: &mut Vec<f64>,
     ) -> Diagnostics {
-        self.material().law().diagnose(self, energy, field, x, values)
+        self.material().passes().diagnose(self, energy, field, x, values)
     }
 
     /// The same for a material of known type.

@@ -15,7 +15,7 @@ use std::{fmt, sync::Arc};
 /// a whole mesh.
 #[derive(Clone, Debug)]
 pub struct BodyMaterial {
-    law: Arc<dyn MeshMaterial>,
+    passes: Arc<dyn MeshMaterial>,
     model: Option<Model>,
     lame: Lame,
     plane: Plane,
@@ -31,7 +31,7 @@ impl BodyMaterial {
                 Arc::new(*material)
             }
         }
-        Self { law: model.visit_in(plane, lame, Shared), model: Some(model), lame, plane }
+        Self { passes: model.visit_in(plane, lame, Shared), model: Some(model), lame, plane }
     }
 
     /// The listed model, if it is one.
@@ -46,12 +46,12 @@ impl BodyMaterial {
 
     /// Name of the model.
     pub fn title(&self) -> &'static str {
-        self.law.title()
+        self.passes.title()
     }
 
     /// Where and how the formula of the model is continued; empty if it is not.
     pub fn continuation(&self) -> &'static str {
-        self.law.continuation()
+        self.passes.continuation()
     }
 
     /// Lame's parameters of the plane \[Pa\]: those of Hooke's law, to which the model linearises at rest.
@@ -66,17 +66,17 @@ impl BodyMaterial {
 
     /// See [`Material::free_width`].
     pub fn free_width(&self, stretch: f64) -> Option<f64> {
-        self.law.free_width(stretch)
+        self.passes.free_width(stretch)
     }
 
     /// See [`Material::strip_warning`].
     pub fn strip_warning(&self, stretch: f64) -> Option<String> {
-        self.law.strip_warning(stretch)
+        self.passes.strip_warning(stretch)
     }
 
     /// Passes over all triangles.
-    pub(super) fn law(&self) -> &dyn MeshMaterial {
-        &*self.law
+    pub(super) fn passes(&self) -> &dyn MeshMaterial {
+        &*self.passes
     }
 }
 
@@ -103,7 +103,7 @@ impl OwnMaterial {
     /// The material with the moduli of a level; its model is not used.
     pub fn with(&self, parameters: MaterialParameters) -> BodyMaterial {
         let (lame, plane) = (parameters.lame(), parameters.plane());
-        BodyMaterial { law: (self.build)(lame), model: None, lame, plane }
+        BodyMaterial { passes: (self.build)(lame), model: None, lame, plane }
     }
 }
 

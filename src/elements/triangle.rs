@@ -186,12 +186,12 @@ impl Triangles {
 
     /// Adds the elastic forces on this body's vertices to `force` \[N\].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
-        self.material.law().add_force(self, &mut Adding { x, v: &[], force }, scratch);
+        self.material.passes().add_force(self, &mut Adding { x, v: &[], force }, scratch);
     }
 
     /// Stored energy at these positions \[J\].
     pub fn elastic_energy(&self, x: &[f64]) -> f64 {
-        self.material.law().energy(self, x)
+        self.material.passes().energy(self, x)
     }
 
     /// The same for a material of known type.
@@ -301,12 +301,12 @@ impl Effect for Triangles {
     fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
         let damped = vertices.uniform_force.stiffness_damping != 0.0;
         let size = if damped { 2 * self.scratch() } else { self.scratch() };
-        self.material.law().euler_update(self, vertices, &mut scratch[..size]);
+        self.material.passes().euler_update(self, vertices, &mut scratch[..size]);
     }
 
     /// If the material has a barrier and no triangle is inverted, none may invert.
     fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
-        if !self.material.law().has_barrier() {
+        if !self.material.passes().has_barrier() {
             return f64::INFINITY;
         }
         let mut longest = f64::INFINITY;
@@ -321,7 +321,7 @@ impl Effect for Triangles {
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], scratch: &mut [f64], product: &mut [f64]) {
-        self.material.law().stiffness_times(self, [motion.x, d], scratch, product);
+        self.material.passes().stiffness_times(self, [motion.x, d], scratch, product);
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
@@ -330,7 +330,7 @@ impl Effect for Triangles {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         if let Some(matrix) = matrix.blocks::<2>() {
-            self.material.law().add_stiffness(self, motion.x, weights, matrix);
+            self.material.passes().add_stiffness(self, motion.x, weights, matrix);
         }
     }
 }

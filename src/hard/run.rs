@@ -4,6 +4,7 @@ use super::{AREA, Case, Expects, Lasts, Method, Numbers, Verdict};
 use crate::{
     effects::EffectKind,
     guard::negligible,
+    inversion_recovery::{Tangle, untangled},
     level::{Level, RunMode, Substeps, Switch, Toggle, When, frame},
     materials::Model,
     meshes::NoFiles,
@@ -13,7 +14,6 @@ use crate::{
     scene::{Scene, SceneError, extent},
     simulation::Simulation,
     stability::StabilityProbe,
-    untangle::{Tangle, untangled},
 };
 
 /// Run of a case with one constitutive model and one method.

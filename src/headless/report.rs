@@ -2,12 +2,12 @@
 
 use crate::{
     files,
+    inversion_recovery::Tangle,
     level::{Level, RunMode, Switch, When},
     report::{EffectCost, Energies, SubstepPlan},
     simulation::Simulation,
     study::{Saving, Savings},
     terminal,
-    untangle::Tangle,
 };
 use serde::Serialize;
 use std::time::Duration;

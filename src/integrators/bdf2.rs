@@ -71,7 +71,7 @@ impl SecondOrder for Bdf2 {
         memory::open(state, TAG, h, 2 * count).copy_from_slice(&workspace.past);
         // Where a wall acted there is no smooth past: the formula continues from the state after contact.
         let State { x, v, memory, .. } = &mut *state;
-        workspace.active.straighten([x, v], &workspace.spare, h, memory::own(memory));
+        workspace.active.set_uniform_motion([x, v], &workspace.spare, h, memory::own(memory));
         memory::close(state);
         counts
     }

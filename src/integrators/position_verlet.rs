@@ -101,11 +101,11 @@ impl SecondOrder for PositionVerlet {
         memory::open(state, TAG, h, 2 * count + 1);
         if !is_continued || memory::read(state)[2 * count] != loads {
             system.force(&state.x, &state.v, force);
-            let (displacement, kicks) = memory::own(&mut state.memory).split_at_mut(count);
-            kick(system, force, h, kicks);
+            let (displacement, increments) = memory::own(&mut state.memory).split_at_mut(count);
+            increment(system, force, h, increments);
             if !is_continued {
-                for ((displacement, kick), v) in displacement.iter_mut().zip(&*kicks).zip(&state.v) {
-                    *displacement = h * v - 0.5 * kick;
+                for ((displacement, increment), v) in displacement.iter_mut().zip(&*increments).zip(&state.v) {
+                    *displacement = h * v - 0.5 * increment;
                 }
             }
         }
@@ -113,35 +113,36 @@ impl SecondOrder for PositionVerlet {
         before_v.copy_from_slice(&state.v);
         let keep = 1.0 - self.damping.get();
         let State { x, v, memory, .. } = state;
-        let (displacement, kicks) = memory::own(memory).split_at_mut(count);
+        let (displacement, increments) = memory::own(memory).split_at_mut(count);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
             // A pinned vertex stays, even if it was pinned while it displacement.
-            displacement[number] = if *inverse_mass == 0.0 { 0.0 } else { keep * displacement[number] + kicks[number] };
+            displacement[number] =
+                if *inverse_mass == 0.0 { 0.0 } else { keep * displacement[number] + increments[number] };
             x[number] += displacement[number];
-            v[number] = (displacement[number] + 0.5 * kicks[number]) / h;
+            v[number] = (displacement[number] + 0.5 * increments[number]) / h;
         }
         system.force(x, v, force);
-        kick(system, force, h, kicks);
-        for ((v, displacement), kick) in v.iter_mut().zip(&*displacement).zip(&*kicks) {
-            *v = (displacement + 0.5 * kick) / h;
+        increment(system, force, h, increments);
+        for ((v, displacement), increment) in v.iter_mut().zip(&*displacement).zip(&*increments) {
+            *v = (displacement + 0.5 * increment) / h;
         }
         apply_constraints(system, [before, before_v], (x, v), spare, false);
         // Where a wall acted, the next step begins with the velocity after contact, and at another position than the
         // force was evaluated at.
         let mut kept_loads = loads;
         for number in (0..count).filter(|&number| is_touched([x, v], spare, number)) {
-            displacement[number] = h * v[number] - 0.5 * kicks[number];
+            displacement[number] = h * v[number] - 0.5 * increments[number];
             kept_loads = UNKNOWN;
         }
-        kicks[count] = kept_loads;
+        increments[count] = kept_loads;
         memory::close(state);
         StepCounts::ONE
     }
 }
 
 /// Writes `h² a` \[m\] of these forces, zero for pinned vertices.
-fn kick(system: &dyn Dynamics, force: &[f64], h: f64, kicks: &mut [f64]) {
-    for ((kick, force), inverse_mass) in kicks.iter_mut().zip(force).zip(system.inverse_mass()) {
-        *kick = h * h * (force * inverse_mass);
+fn increment(system: &dyn Dynamics, force: &[f64], h: f64, increments: &mut [f64]) {
+    for ((increment, force), inverse_mass) in increments.iter_mut().zip(force).zip(system.inverse_mass()) {
+        *increment = h * h * (force * inverse_mass);
     }
 }

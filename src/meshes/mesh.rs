@@ -89,7 +89,7 @@ impl Mesh {
         let embedded = icing.iter_mut().flat_map(|stroke| &mut stroke.points);
         embedded.for_each(|point| point.triangle = places[point.triangle as usize]);
         let renumbered = |fan: &Fan| {
-            let mut triangles = fan.0.map(|triangle| places.get(triangle as usize).copied().unwrap_or(Fan::ALONE));
+            let mut triangles = fan.0.map(|triangle| places.get(triangle as usize).copied().unwrap_or(Fan::NONE));
             triangles.sort_unstable();
             Fan(triangles)
         };

@@ -153,17 +153,17 @@ fn twins(triangles: &[[u32; 3]], base: usize) -> Result<Vec<u32>, MeshError> {
     Ok(twins)
 }
 
-/// Triangles of a fan, counter-clockwise; [`Fan::ALONE`] in place of a missing second one.
+/// Triangles of a fan, counter-clockwise; [`Fan::NONE`] in place of a missing second one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fan(pub [u32; 2]);
 
 impl Fan {
     /// Placeholder for a missing second triangle.
-    pub const ALONE: u32 = u32::MAX;
+    pub const NONE: u32 = u32::MAX;
 
     /// Triangles of the fan.
     pub fn triangles(self) -> impl Iterator<Item = u32> {
-        self.0.into_iter().filter(|triangle| *triangle != Self::ALONE)
+        self.0.into_iter().filter(|triangle| *triangle != Self::NONE)
     }
 
     /// Vertices of the fan: the middle vertex, then the others counter-clockwise. Without a second triangle the
@@ -189,9 +189,9 @@ pub(super) fn fans(points: &[[f64; 2]], topology: &Topology<'_>) -> Vec<Fan> {
         let [a, b] = ends(triangles, half).map(|vertex| points[vertex as usize]);
         squared_distance(a, b)
     };
-    let mut partners = vec![Fan::ALONE; triangles.len()];
+    let mut partners = vec![Fan::NONE; triangles.len()];
     let free = |triangle: usize, partners: &[u32]| {
-        let is_free = |half: &usize| twins[*half] != BOUNDARY && partners[twins[*half] as usize / 3] == Fan::ALONE;
+        let is_free = |half: &usize| twins[*half] != BOUNDARY && partners[twins[*half] as usize / 3] == Fan::NONE;
         let mut halves = [None; 3];
         halves.iter_mut().zip((3 * triangle..3 * triangle + 3).filter(is_free)).for_each(|(to, half)| *to = Some(half));
         halves.into_iter().flatten()
@@ -199,7 +199,7 @@ pub(super) fn fans(points: &[[f64; 2]], topology: &Topology<'_>) -> Vec<Fan> {
     let mut lonely: Vec<_> = (0..triangles.len()).filter(|triangle| free(*triangle, &partners).count() == 1).collect();
     let mut others = 0..triangles.len();
     while let Some(triangle) = lonely.pop().or_else(|| others.next()) {
-        if partners[triangle] != Fan::ALONE {
+        if partners[triangle] != Fan::NONE {
             continue;
         }
         // Of edges of equal length the first is taken.

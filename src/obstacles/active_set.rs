@@ -289,7 +289,7 @@ impl ActiveSet {
 
     /// Replaces the positions and then velocities of one step before, where walls acted, by those of uniform motion with
     /// the velocity at the end of the step of length h \[s\].
-    pub fn straighten(&self, [x, v]: [&[f64]; 2], before: &[f64], h: f64, past: &mut [f64]) {
+    pub fn set_uniform_motion(&self, [x, v]: [&[f64]; 2], before: &[f64], h: f64, past: &mut [f64]) {
         let (past_x, past_v) = past.split_at_mut(x.len());
         for vertex in self.vertices() {
             let (axis, touched) = (self.axis(vertex), self.touched([x, v], before, vertex));

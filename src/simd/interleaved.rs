@@ -92,7 +92,7 @@ impl<R: Split> Split for Interleaved<R> {
 impl<R: Split> Mat2<Interleaved<R>> {
     /// Interleaves two matrices.
     #[inline(always)]
-    pub const fn abreast(one: Mat2<R>, other: Mat2<R>) -> Self {
+    pub const fn interleaved(one: Mat2<R>, other: Mat2<R>) -> Self {
         Self {
             m11: Interleaved(one.m11, other.m11),
             m12: Interleaved(one.m12, other.m12),

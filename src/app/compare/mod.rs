@@ -16,12 +16,12 @@ use super::{
 };
 use crate::{
     command::{About, Command},
+    inversion_recovery::Tangle,
     sandbox::{Refused, Sandbox},
     simulation::Restart,
     snapshot::{Field, Snapshot},
     study::{Apart, Difference, counterpart, head},
     table::Table,
-    untangle::Tangle,
 };
 use eframe::egui::Color32;
 use std::collections::VecDeque;

@@ -5,9 +5,9 @@ mod common;
 
 use common::{Random, level, models, simulation};
 use gingerbread::{
+    inversion_recovery::{Tangle, untangled},
     simulation::Simulation,
     state::State,
-    untangle::{Tangle, untangled},
 };
 
 const PINNED: &str = "pins: [Left, Right]";

@@ -5,7 +5,7 @@
 //! motion can undo. [`untangled`] replaces such a shape.
 //!
 //! ```
-//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, untangle::Tangle};
+//! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, inversion_recovery::Tangle};
 //!
 //! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
 //! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;

@@ -24,11 +24,14 @@ use crate::{level::SavedGuard, report::Energies, scene::Scene};
 /// energy. Where a scheme solves for the rest of a body with pushed vertices constrained, that is an estimate; in
 /// depenetration all gained energy is added. Schemes have a bounded relative error even when they are stable
 /// (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones may drift slowly, which is a property to
-/// show rather than a failure. So a step counts as unstable only if both hold: M is above twice the available energy,
-/// and M + P grew by 8 % of M in this one step, as it does near and above the stability limit.
+/// show. So a step counts as unstable if M is above twice the available energy and M + P grew by 8 % of M in this one
+/// step, as it does near and above the stability limit.
 ///
-/// Energy gained before detection, up to about twice the energy there was, is only removed as far as the last 10 to 20
-/// steps.
+/// Slow growth adds up. Over the whole run, energy from nowhere, M + P less the supplied energy, may be no more than
+/// [`Self::EXCESS`] times the greatest energy that was available since the last change from outside. A step beyond that
+/// counts as unstable however little it adds.
+///
+/// Energy gained before detection is only removed as far as the last 10 to 20 steps.
 ///
 /// All energies cost as much as a step. They are computed only when the kinetic energy, which is cheap, has grown by
 /// half since the last check.
@@ -38,6 +41,8 @@ pub struct Guard {
     put_in: Option<f64>,
     /// Energy at the start, and changes from outside since \[J\].
     start: f64,
+    /// Greatest available energy, supplied less potential, since the last change from outside \[J\].
+    reference: f64,
     /// Kinetic energy up to which no check is made \[J\].
     kinetic_threshold: f64,
     /// Mechanical energy and total after the last step, while every step is checked \[J\].
@@ -65,6 +70,9 @@ impl Guard {
     /// Greatest level: up to 2^6 = 64 shorter steps.
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
+    /// Energy from nowhere that is allowed over a run, as a multiple of the available energy.
+    pub const EXCESS: f64 = 1.5;
+
     /// Stable steps before longer steps are tried again, at first and at most.
     const RETRY_STEPS: [u32; 2] = [32, 2048];
 
@@ -73,11 +81,14 @@ impl Guard {
     pub fn saved(&self, state: u64) -> Option<SavedGuard> {
         let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
         let (mechanical, total) = last.unwrap_or_default();
-        let finite = [supplied, self.start, self.kinetic_threshold, mechanical, total].into_iter().all(f64::is_finite);
+        let finite = [supplied, self.start, self.reference, self.kinetic_threshold, mechanical, total]
+            .into_iter()
+            .all(f64::is_finite);
         finite.then_some(SavedGuard {
             state,
             supplied,
             start: self.start,
+            reference: self.reference,
             threshold: self.kinetic_threshold,
             last,
             level: self.level,
@@ -139,7 +150,7 @@ impl Guard {
 
     /// Whether elements store more than anything can have supplied, even a fast obstacle. The apparent work of an obstacle
     /// on an exploding body is no work.
-    fn is_impossible(&self, scene: &Scene, elastic: f64) -> bool {
+    pub fn is_impossible(&self, scene: &Scene, elastic: f64) -> bool {
         let scale = scale(scene);
         scale > 0.0 && elastic > 1e6 * scale.max(self.start.abs())
     }
@@ -151,6 +162,7 @@ impl Guard {
             *put_in = put_in.min(before.total()) + after.total() - before.total();
             self.start += after.total() - before.total();
         }
+        self.reference = 0.0;
         (self.kinetic_threshold, self.last) = (0.0, None);
     }
 
@@ -167,10 +179,14 @@ impl Guard {
         }
         let mechanical = after.kinetic + after.elastic;
         let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
+        self.reference = self.reference.max(available);
         if mechanical <= 2.0 * available.max(0.0) + slack {
             self.last = None;
             self.kinetic_threshold = 1.5 * after.kinetic + slack;
             return Verdict::Fine;
+        }
+        if mechanical > available + Self::EXCESS * self.reference + slack {
+            return Verdict::Unstable;
         }
         let known = before.map(|before| [before.kinetic + before.elastic, before.total()]).or(self.last);
         let Some([was, total]) = known else { return Verdict::Unknown };
@@ -226,6 +242,7 @@ impl From<&SavedGuard> for Guard {
         Self {
             put_in: Some(saved.supplied),
             start: saved.start,
+            reference: saved.reference,
             kinetic_threshold: saved.threshold,
             last: saved.last.map(|(mechanical, total)| [mechanical, total]),
             level: saved.level.min(Self::MOST),

@@ -153,10 +153,9 @@ impl Simulation {
         }
     }
 
-    /// Whether the guard checks steps: toys have no energy, and error-controlled schemes check their own error.
+    /// Whether the guard checks steps: those of every scheme, but not of toys.
     fn is_guarded(&self) -> bool {
-        let controlled = self.scene.integrator.kind().class() == Class::ErrorControlled;
-        self.scene.guard && self.scene.toy.is_none() && !controlled
+        self.scene.guard && self.scene.toy.is_none()
     }
 
     /// Energies before a change from outside, if the guard needs them.
@@ -247,7 +246,7 @@ impl Simulation {
             enough = enough || !more();
             !enough
         };
-        let (mut taken, mut asked) = (0, 0);
+        let (mut taken, mut asked, began) = (0, 0, self.state.steps);
         if self.is_guarded() && self.guard.is_new() && !self.is_asleep() {
             self.guard.begin(self.energies());
         }
@@ -264,7 +263,8 @@ impl Simulation {
             }
             taken += u64::from(self.take_step());
         }
-        taken
+        // A fault may take back steps whose energy was not finite.
+        if self.fault.is_some() { self.state.steps.saturating_sub(began) } else { taken }
     }
 
     /// Takes a step, or sets a fault. Returns whether it was taken.
@@ -366,6 +366,12 @@ impl Simulation {
         verdict == Verdict::Fine
     }
 
+    /// Whether a state before a failed step may be kept: its energies are finite, and where the guard is on, possible.
+    fn is_kept(&self) -> bool {
+        let energies = self.energies();
+        energies.total().is_finite() && !(self.is_guarded() && self.guard.is_impossible(&self.scene, energies.elastic))
+    }
+
     /// Whether the guard needs all energies. After an implicit step their cost is small, and its equations may have a
     /// distant solution, with a stretched shape that hardly moves.
     fn needs_energy_check(&self) -> bool {
@@ -416,7 +422,13 @@ impl Simulation {
         }
         let earlier = self.checkpoint.state.clone();
         self.guard.restore_level(level);
-        self.go_back_to(failed - 1);
+        // Without a sound state since the checkpoint, the checkpoint itself is kept.
+        let mut last = failed - 1;
+        self.go_back_to(last);
+        while last > began && !self.is_kept() {
+            last -= 1;
+            self.go_back_to(last);
+        }
         let step = self.multirate.shortest(self.scene.step);
         self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
         false

@@ -326,7 +326,7 @@ impl App {
         for sandbox in [&self.sandbox].into_iter().chain(self.comparison.as_ref().map(|panes| &panes.b)) {
             let simulation = sandbox.simulation();
             let counts = simulation.counts();
-            // An error-controlled scheme divides its steps itself; the guard does not act on it.
+            // An error-controlled scheme divides its steps itself.
             let each = simulation.substep_plans().map(|plan| u64::from(plan.steps)).sum::<u64>().max(1);
             let undivided = if simulation.scene().integrator.kind().class() == Class::ErrorControlled {
                 counts.inner_steps

@@ -67,6 +67,9 @@ pub struct SavedGuard {
     /// Energy at the start, with what changes from outside have added \[J\].
     #[serde(default, deserialize_with = "finite")]
     pub start: f64,
+    /// Greatest energy that could be mechanical since the last change from outside \[J\].
+    #[serde(default, deserialize_with = "finite")]
+    pub reference: f64,
     /// Kinetic energy up to which the other energies are not computed \[J\].
     #[serde(deserialize_with = "finite")]
     pub threshold: f64,

@@ -96,8 +96,8 @@ fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
 /// Draws the switch of the guard and its present division of steps.
 fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let now = context.now;
-    // A toy has no energy to lose, and an error-controlled scheme has its own guard.
-    if now.toy.is_some() || now.level.integrator.kind().class() == Class::ErrorControlled {
+    // A toy has no energy to lose.
+    if now.toy.is_some() {
         return;
     }
     let help = "Repeats a step as up to 64 shorter ones when it is unstable: when the total energy grows although no work is done, \

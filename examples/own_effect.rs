@@ -54,6 +54,13 @@ impl Effect for Blowing {
         motion.vertices()
     }
 
+    /// The constant part k w of the force has a potential. Without it the energy check would take its work for energy from
+    /// nowhere.
+    fn energy(&self, motion: Motion<'_>) -> f64 {
+        let along = motion.x.iter().step_by(motion.dimension).sum::<f64>();
+        -self.coefficient * self.speed * along
+    }
+
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         let points = force.chunks_exact_mut(motion.dimension).zip(motion.v.chunks_exact(motion.dimension));
         for (force, v) in points {

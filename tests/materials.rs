@@ -23,11 +23,15 @@ trait Probe {
     fn stress(&self, f: &Matrix2<f64>) -> Matrix2<f64>;
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64>;
     fn free_width(&self, stretch: f64) -> Option<f64>;
+    fn has_barrier(&self) -> bool;
 }
 
 impl<M: Material> Probe for M {
     fn title(&self) -> &'static str {
         M::TITLE
+    }
+    fn has_barrier(&self) -> bool {
+        M::BARRIER
     }
     fn energy(&self, f: &Matrix2<f64>) -> f64 {
         Material::energy(self, f)
@@ -111,7 +115,17 @@ const SHEETS: [Model; 2] = [Model::NeoHookean, Model::FixedCorotated];
 fn best_difference<const N: usize>(exact: [f64; N], along: impl Fn(f64) -> [f64; N], scale: f64) -> f64 {
     let error = |epsilon: f64| {
         let (ahead, behind) = (along(epsilon), along(-epsilon));
-        (0..N).map(|i| ((ahead[i] - behind[i]) / (2.0 * epsilon) - exact[i]).abs()).fold(0.0, f64::max) / scale
+        let errors = (0..N).map(|i| ((ahead[i] - behind[i]) / (2.0 * epsilon) - exact[i]).abs());
+        // NaN counts as infinite.
+        errors.fold(0.0, |most: f64, error| {
+            if error <= most {
+                most
+            } else if error.is_nan() {
+                f64::INFINITY
+            } else {
+                error
+            }
+        }) / scale
     };
     (6..=14).map(|power| error(10.0_f64.powf(-0.5 * f64::from(power)))).fold(f64::INFINITY, f64::min)
 }
@@ -434,7 +448,9 @@ fn a_model_defined_for_inverted_triangles_pushes_them_back() {
 #[test]
 fn derivatives_also_hold_for_inverted_triangles() {
     for_every_model(|material| {
-        if ["Hencky", "Corotated"].contains(&material.title()) {
+        let is_undefined = material.energy(&Matrix2::new(1.0, 0.0, 0.0, -1.0)).is_nan();
+        assert!(!is_undefined || material.has_barrier(), "{}", material.title());
+        if is_undefined || material.title() == "Corotated" {
             return;
         }
         let mut random = Random(5);

@@ -1,6 +1,6 @@
 //! Materials by their energy alone.
 
-use super::{Material, Moduli, Parts};
+use super::{Material, Moduli, Parts, PlaneStress};
 use crate::simd::{Jet, Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -36,13 +36,18 @@ use std::f64::consts::FRAC_1_SQRT_2;
 pub trait PrincipalEnergy: Copy + Send + Sync + 'static {
     /// Name as it is said, such as `Ogden`.
     const TITLE: &'static str;
+    /// The letter on its button, if it is listed.
+    const LETTER: &'static str = "";
     /// The energy density in plain characters, for tooltips.
     const FORMULA: &'static str = "";
+    /// See [`Material::PLANE_STRESS`]; [`PlaneStress::Solved`] is not possible.
+    const PLANE_STRESS: PlaneStress = PlaneStress::Approximate;
     /// Whether the energy tends to infinity as a triangle becomes flat.
     const BARRIER: bool = false;
 
     /// Energy density [J/m³] of the principal stretches s1 >= s2 in the plane and s3 through the thickness, which is 1.
-    /// It must be zero at rest and must not change when s1 and s2 are exchanged. An inverted triangle has a negative s2.
+    /// It must be zero at rest and must not change when s1 and s2 are exchanged. An inverted triangle has a negative s2,
+    /// of which the logarithm and powers are NaN: time then stops with a fault.
     fn psi<R: Real>(&self, stretches: [R; 3]) -> R;
 }
 
@@ -85,9 +90,10 @@ impl<E: PrincipalEnergy> Principal<E> {
 
 impl<E: PrincipalEnergy> Material for Principal<E> {
     const TITLE: &'static str = E::TITLE;
-    const LETTER: &'static str = "";
+    const LETTER: &'static str = E::LETTER;
     const FORMULA: &'static str = E::FORMULA;
     const BARRIER: bool = E::BARRIER;
+    const PLANE_STRESS: PlaneStress = E::PLANE_STRESS;
 
     type Sheet = Self;
 

@@ -9,7 +9,7 @@ use common::{
     systems::{advance, assert_order, without_control},
 };
 use gingerbread::{
-    effects::{Drag, EffectParameters as _, Gravity},
+    effects::{Drag, EffectKind, EffectParameters as _, Gravity},
     elements::{Elements, Springs},
     integrators::{IntegratorKind, Workspace},
     nets::{Link, Role},
@@ -53,7 +53,7 @@ fn block() -> Scene {
     }
     let count = rest.len() / 3;
     let springs = Springs::<3>::of_links(links, 0..count);
-    Scene::of_elements(3, rest, &vec![MASS; count], vec![Arc::new(springs)])
+    Scene::of_elements(3, rest, &vec![MASS; count], vec![Arc::new(springs)]).unwrap()
 }
 
 /// A smooth start out of the rest shape, with the velocities of a spin, a stretch and a bend.
@@ -174,8 +174,8 @@ fn block_in_space_falls_asleep_and_wakes() {
     scene.pin(&[24, 25, 26, 27]);
     let nothing = Elements::default();
     let gravity = Gravity { down: quantity::Gravity::new(2.0).unwrap(), ..Gravity::default() };
-    scene.add_effect(gravity.build(&nothing).unwrap().into());
-    scene.add_effect(Drag { coefficient: DragCoefficient::new(0.4).unwrap() }.build(&nothing).unwrap().into());
+    scene.add_effect(gravity.build(&nothing).unwrap().into()).unwrap();
+    scene.add_effect(Drag { coefficient: DragCoefficient::new(0.4).unwrap() }.build(&nothing).unwrap().into()).unwrap();
     scene.step = 0.002;
     let start = scene.start.clone();
     let mut simulation = Simulation::new(scene.clone(), start);
@@ -197,4 +197,22 @@ fn block_in_space_falls_asleep_and_wakes() {
     simulation.replace_scene(Scene { effects: scene.effects[..1].to_vec(), auto: vec![true], ..scene });
     simulation.advance(20, &mut || true);
     assert!(!simulation.is_asleep() && simulation.state().x != rest);
+}
+
+/// Every effect acts, or says in words why not.
+#[test]
+fn effects_of_the_plane_are_refused_in_space() {
+    let mut scene = block();
+    let mut refused = Vec::new();
+    for kind in EffectKind::all() {
+        if let Err(error) = scene.add_effect(kind.kind().build(&Elements::default()).unwrap().into()) {
+            assert!(error.to_string().contains("2 coordinates"), "{error}");
+            refused.push(kind.name());
+        }
+    }
+    assert_eq!(refused, ["MouseSpring", "Boundary", "Walls"]);
+    let start = moving(&scene);
+    let mut simulation = Simulation::new(scene, start);
+    assert_eq!(simulation.advance(20, &mut || true), 20, "{:?}", simulation.fault());
+    assert!(Scene::of_elements(3, vec![0.0; 7], &[1.0; 2], Vec::new()).is_err());
 }

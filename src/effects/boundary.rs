@@ -123,6 +123,10 @@ impl Effect for Edges {
         "Domain boundary"
     }
 
+    fn dimension(&self) -> Option<usize> {
+        Some(2)
+    }
+
     fn elements(&self, motion: Motion<'_>) -> usize {
         motion.x.len() / 2
     }

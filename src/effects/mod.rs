@@ -211,6 +211,11 @@ pub trait Effect: Send + Sync {
         false
     }
 
+    /// Number of coordinates of the vertices that it acts on; `None` if any number will do.
+    fn dimension(&self) -> Option<usize> {
+        None
+    }
+
     /// Whether it does not depend on time. An effect that does prevents sleep.
     fn is_steady(&self) -> bool {
         true

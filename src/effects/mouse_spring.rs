@@ -59,6 +59,10 @@ impl Effect for PullingSpring {
         "Mouse spring"
     }
 
+    fn dimension(&self) -> Option<usize> {
+        Some(2)
+    }
+
     fn elements(&self, motion: Motion<'_>) -> usize {
         usize::from(motion.grab.is_some())
     }

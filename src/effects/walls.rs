@@ -178,6 +178,10 @@ impl Effect for Contacts {
         "Walls"
     }
 
+    fn dimension(&self) -> Option<usize> {
+        Some(2)
+    }
+
     fn elements(&self, motion: Motion<'_>) -> usize {
         self.obstacles.len() * motion.x.len() / 2
     }

@@ -148,6 +148,26 @@ pub enum SceneError {
         /// What is wrong, and what to do.
         why: String,
     },
+    /// An effect of another dimension than the scene.
+    #[error("{effect} acts on vertices with {dimension} coordinates, but those of the scene have {scene}")]
+    Dimension {
+        /// Name of the effect.
+        effect: &'static str,
+        /// Number of coordinates that it needs.
+        dimension: usize,
+        /// Number of coordinates of a vertex of the scene.
+        scene: usize,
+    },
+    /// The masses of vertices do not fit to their positions.
+    #[error("{masses} masses and {numbers} coordinates were given for vertices with {dimension} coordinates each")]
+    Masses {
+        /// Number of masses.
+        masses: usize,
+        /// Number of coordinates.
+        numbers: usize,
+        /// Number of coordinates of a vertex.
+        dimension: usize,
+    },
     /// The saved state belongs to other meshes.
     #[error(
         "the saved state has {positions} positions and {velocities} velocities, but the level has {vertices} vertices"
@@ -240,21 +260,33 @@ impl Scene {
     /// // Two particles in space on a stretched spring.
     /// let link = Link { ends: [0, 1], role: Role::Structural, rest: 1.0, stiffness: 10.0 };
     /// let spring = Arc::new(Springs::<3>::of_links(vec![link], 0..2));
-    /// let mut scene = Scene::of_elements(3, vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &[1.0, 1.0], vec![spring]);
+    /// let mut scene = Scene::of_elements(3, vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &[1.0, 1.0], vec![spring])?;
     /// scene.start.x[3] = 1.5;
     /// scene.pin(&[0]);
     /// let start = scene.start.clone();
     /// let mut simulation = Simulation::new(scene, start);
     /// simulation.advance(10, &mut || true);
     /// assert!(simulation.state().v[3] < 0.0);
+    /// # Ok::<(), gingerbread::scene::SceneError>(())
     /// ```
-    pub fn of_elements(dimension: usize, rest: Vec<f64>, mass: &[f64], parts: Vec<Arc<dyn ElasticElements>>) -> Self {
+    ///
+    /// # Errors
+    /// [`SceneError::Masses`] if there is not one mass for each vertex.
+    pub fn of_elements(
+        dimension: usize,
+        rest: Vec<f64>,
+        mass: &[f64],
+        parts: Vec<Arc<dyn ElasticElements>>,
+    ) -> Result<Self, SceneError> {
+        if dimension == 0 || mass.len() * dimension != rest.len() {
+            return Err(SceneError::Masses { masses: mass.len(), numbers: rest.len(), dimension });
+        }
         let start = State { v: vec![0.0; rest.len()], x: rest.clone(), ..State::default() };
         let mass = mass.iter().flat_map(|mass| std::iter::repeat_n(*mass, dimension)).collect();
         let mut scene = Self { rest, start, mass, ..Self::empty(dimension) };
         scene.set_parts(parts);
         scene.finish_masses();
-        scene
+        Ok(scene)
     }
 
     /// Makes elements the first effects.
@@ -272,9 +304,16 @@ impl Scene {
     }
 
     /// Adds an effect that is built already. It acts on all bodies and nets together, without multirate stepping.
-    pub fn add_effect(&mut self, effect: Arc<dyn Effect>) {
+    ///
+    /// # Errors
+    /// [`SceneError::Dimension`] for walls, for example, in space.
+    pub fn add_effect(&mut self, effect: Arc<dyn Effect>) -> Result<(), SceneError> {
+        if let Some(dimension) = effect.dimension().filter(|dimension| *dimension != self.dimension) {
+            return Err(SceneError::Dimension { effect: effect.name(), dimension, scene: self.dimension });
+        }
         self.effects.push(effect);
         self.auto.push(true);
+        Ok(())
     }
 
     /// The saved state of a level, or the start.

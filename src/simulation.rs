@@ -62,6 +62,8 @@ pub struct Simulation {
     revision: u64,
     /// First step that is counted; earlier ones were counted before.
     first: u64,
+    /// Step at the last call of [`Self::advance`]; a fault goes back no further.
+    asked_at: u64,
     /// Counts changes of shapes and materials.
     shape: u64,
     elastic: RefCell<Elastic>,
@@ -93,6 +95,7 @@ impl Simulation {
             fault: None,
             revision: 0,
             first: state_steps,
+            asked_at: state_steps,
             shape: 0,
             elastic: RefCell::default(),
         };
@@ -226,6 +229,7 @@ impl Simulation {
     /// Scripted actions are performed at their times; see [`Self::follow`].
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let mut taken = 0;
+        self.asked_at = self.state.steps;
         while taken < steps && self.fault.is_none() {
             self.perform_due(&mut |_, _| {});
             let wanted = self.steps_to_action().map_or(steps - taken, |until| until.min(steps - taken));
@@ -422,10 +426,9 @@ impl Simulation {
         }
         let earlier = self.checkpoint.state.clone();
         self.guard.restore_level(level);
-        // Without a sound state since the checkpoint, the checkpoint itself is kept.
-        let mut last = failed - 1;
+        let (mut last, first) = (failed - 1, began.max(self.asked_at));
         self.go_back_to(last);
-        while last > began && !self.is_kept() {
+        while last > first && !self.is_kept() {
             last -= 1;
             self.go_back_to(last);
         }

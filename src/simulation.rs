@@ -428,12 +428,14 @@ impl Simulation {
         self.guard.restore_level(level);
         let (mut last, first) = (failed - 1, began.max(self.asked_at));
         self.go_back_to(last);
+        // The cause shows just before the failed step.
+        let step = self.multirate.shortest(self.scene.step);
+        let fault = Fault::find(&self.scene, [&self.state, &earlier], step, finite);
         while last > first && !self.is_kept() {
             last -= 1;
             self.go_back_to(last);
         }
-        let step = self.multirate.shortest(self.scene.step);
-        self.fault = Some(Fault::find(&self.scene, [&self.state, &earlier], step, finite));
+        self.fault = Some(Fault { step: self.state.steps + 1, time: self.state.time, ..fault });
         false
     }
 }

@@ -1,4 +1,4 @@
-//! An effect of one's own, a constant wind, that blows on a man who hangs by his head: `cargo run --example own_effect`.
+//! An effect of one's own, a constant wind, on a man whose head is pinned: `cargo run --example own_effect`.
 
 use gingerbread::{
     effects::{Effect, EffectKind, EffectParameters, Gravity, Motion},

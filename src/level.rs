@@ -87,7 +87,8 @@ pub struct BodyLevel {
     pub place: Place,
     /// What it is made of.
     pub material: MaterialParameters,
-    /// A material from outside the crate in place of the model. The elastic moduli stay those of `material`.
+    /// A material from outside the crate in place of the model. The elastic moduli stay those of `material`, and
+    /// [`Plane::StressExact`](crate::materials::Plane::StressExact) is the same as plane stress.
     #[serde(skip_deserializing, skip_serializing_if = "Option::is_none", serialize_with = "refuse")]
     pub own_material: Option<OwnMaterial>,
     /// How heavy it is.

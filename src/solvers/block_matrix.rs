@@ -24,14 +24,14 @@ pub enum Tangent {
     /// Negative eigenvalues become zero: the nearest positive semidefinite matrix (Teran et al., *Robust quasistatic
     /// finite elements and flesh simulation*, SCA 2005). Where an eigenvalue is zero, the mass alone bounds the step.
     Definite,
-    /// Absolute eigenvalues: along a negative eigenvalue lambda the step is the residual over |lambda| (Chen et al., *Stabler Neo-Hookean
-    /// Simulation: Absolute Eigenvalue Filtering for Projected Newton*, SIGGRAPH 2024).
+    /// Absolute eigenvalues: along a negative eigenvalue lambda the step is the residual over |lambda| (Chen et al.,
+    /// *Stabler Neo-Hookean Simulation: Absolute Eigenvalue Filtering for Projected Newton*, SIGGRAPH 2024).
     Absolute,
 }
 
 /// A symmetric sparse matrix of square blocks, for callers that see flat vectors alone.
 ///
-/// Whoever adds to its blocks knows their size: see [`blocks`](#method.blocks).
+/// Code that adds blocks names their size: see [`blocks`](#method.blocks).
 pub trait SparseMatrix {
     /// Adds a value to every number of the diagonal.
     fn add_to_diagonal(&mut self, value: &dyn Fn(usize) -> f64);

@@ -29,7 +29,8 @@ use nalgebra::{Matrix2, Matrix4, Vector2};
 pub struct Tangle {
     /// Number of inverted triangles, det F <= 0.
     pub inverted: usize,
-    /// Number of interior vertices with a winding number other than one.
+    /// Number of folded vertices: interior ones with a winding number other than one, and boundary ones at which triangles lie
+    /// over each other.
     pub wound: usize,
 }
 
@@ -37,26 +38,37 @@ impl Tangle {
     /// Counts the inverted triangles and folds of a body at flat positions of the whole scene \[m\].
     ///
     /// The winding number of a vertex is the number of crossings of a fixed ray from it by the edges of its triangles:
-    /// plus one for each counter-clockwise crossing, minus one for each clockwise one.
+    /// plus one for each counter-clockwise crossing, minus one for each clockwise one. The triangles of a boundary vertex
+    /// fill an angle. If none is inverted and the sum of their angles is above 2 pi, they lie over each other.
     pub fn of(body: &Body, x: &[f64]) -> Self {
-        // Boundary vertices are excluded.
+        // Boundary vertices have no winding number.
         const BOUNDARY: i32 = i32::MIN / 2;
         let mut rounds = vec![0; body.vertices.len()];
         for vertex in body.boundary.as_flattened() {
             rounds[*vertex as usize] = BOUNDARY;
         }
+        let mut angles = vec![0.0; body.vertices.len()];
         let mut inverted = 0;
         for triangle in body.elements.corners() {
             let points = triangle.map(|corner| Vector2::new(x[2 * corner as usize], x[2 * corner as usize + 1]));
             let area = (points[1] - points[0]).perp(&(points[2] - points[0]));
             inverted += usize::from(area <= 0.0);
             for corner in 0..3 {
-                let [one, other] = [1, 2].map(|next| points[(corner + next) % 3].y >= points[corner].y);
-                let passed = i32::from(!one && other && area > 0.0) - i32::from(one && !other && area < 0.0);
-                rounds[triangle[corner] as usize - body.vertices.start] += passed;
+                let vertex = triangle[corner] as usize - body.vertices.start;
+                let next = [1, 2].map(|next| points[(corner + next) % 3]);
+                if rounds[vertex] <= BOUNDARY / 2 {
+                    let [one, other] = next.map(|point| point - points[corner]);
+                    angles[vertex] += libm::atan2(one.perp(&other), one.dot(&other));
+                    continue;
+                }
+                let [one, other] = next.map(|point| point.y >= points[corner].y);
+                rounds[vertex] += i32::from(!one && other && area > 0.0) - i32::from(one && !other && area < 0.0);
             }
         }
-        let wound = rounds.iter().filter(|rounds| **rounds != 1 && **rounds > BOUNDARY / 2).count();
+        // An inverted triangle has a negative angle and is counted itself.
+        let overlaps = |angle: &&f64| **angle > std::f64::consts::TAU * (1.0 + 1e-9);
+        let wound = rounds.iter().filter(|rounds| **rounds != 1 && **rounds > BOUNDARY / 2).count()
+            + angles.iter().filter(overlaps).count();
         Self { inverted, wound }
     }
 

@@ -58,16 +58,18 @@ impl App {
                 Ok(level) => drop(self.start(level)),
                 Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
-            FileRequest::Hard(name, model, method) => match self.gallery.hard_level(name, model, method) {
-                Ok(level) => {
-                    // The window would cover the scene.
-                    self.view.hard.open = false;
-                    if self.start(level) {
-                        self.apply(None, Command::SetRunning(true));
+            FileRequest::Hard { name, undamped, model, method } => {
+                match self.gallery.hard_level(name, undamped, model, method) {
+                    Ok(level) => {
+                        // The window would cover the scene.
+                        self.view.hard.open = false;
+                        if self.start(level) {
+                            self.apply(None, Command::SetRunning(true));
+                        }
                     }
+                    Err(message) => self.view.notice = Some(Notice::Trouble(message)),
                 }
-                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
-            },
+            }
             FileRequest::Open => self.dialogs.ask(Purpose::Open),
             FileRequest::Save => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
             FileRequest::Export(export) => self.dialogs.ask(Purpose::Export(export)),

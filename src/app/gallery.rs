@@ -57,13 +57,14 @@ impl Gallery {
         &self.hard
     }
 
-    /// Level of a hard case with a model and a method.
+    /// Level of a hard case, or of its undamped twin, with a model and a method.
     ///
     /// # Errors
     /// A message if there is no such case or it cannot be prepared.
-    pub fn hard_level(&self, name: &str, model: Model, method: Method) -> Result<Level, String> {
+    pub fn hard_level(&self, name: &str, undamped: bool, model: Model, method: Method) -> Result<Level, String> {
         let (_, case) = self.hard.iter().find(|(known, _)| *known == name).ok_or("there is no such hard case")?;
-        case.watched(model, method).map_err(|error| error.to_string())
+        let twin = if undamped { case.undamped_twin() } else { None };
+        twin.as_ref().unwrap_or(case).watched(model, method).map_err(|error| error.to_string())
     }
 
     /// Reads the level that the program starts with.

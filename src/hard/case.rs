@@ -1,19 +1,18 @@
-//! A hard case: level, duration and expectation; and the methods that it runs with.
+//! A hard case: level, duration, expectation and known failures.
 
+use super::{Experiment, Method};
 use crate::{
     files::{self, FileError},
-    integrators::{Bdf2, ImplicitEuler, IntegratorKind, SymplecticEuler},
     level::{BodyLevel, Level, ScriptedAction, Substeps},
     levels,
     materials::Model,
     meshes::NoFiles,
     quantity::{OutOfRange, Point, Time},
     scene::{Scene, SceneError},
-    stability::critical_step,
     study::{StudyError, with_triangles},
 };
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 /// Hard case: a level, its scripted actions and the expected end.
 /// The text of the level states its purpose. Its step, integrator and models are not used, because each model and
@@ -28,17 +27,20 @@ pub struct Case {
     pub actions: Vec<ScriptedAction>,
     /// How long it goes on.
     pub lasts: Lasts,
-    /// What decides beside numbers, energy and walls.
+    /// Expected state at the end.
     pub expects: Expects,
     /// Corners of a box that nothing may leave, beside the walls of the level: what is thrown at a thin wall stays before it \[m\].
     #[serde(default)]
     pub within: Option<(Point, Point)>,
-    /// What cannot be held, and why.
+    /// Runs that are known to be unstable, and why.
     #[serde(default)]
     pub cannot: Vec<Cannot>,
     /// Whether its meshes were made finer.
     #[serde(skip)]
     fine: bool,
+    /// The case that this one is the undamped twin of.
+    #[serde(skip)]
+    damped: Option<Arc<Case>>,
 }
 
 /// Duration of a case.
@@ -53,13 +55,13 @@ pub enum Lasts {
 /// Expected state of a case at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Expects {
-    /// Bodies are back in their rest shapes.
+    /// Bodies are at rest in their rest shapes.
     Home,
-    /// Nothing beyond what is expected all the time.
+    /// No triangle is inverted and none folded over.
     Bounded,
 }
 
-/// Models and methods that cannot hold a case, and the reason.
+/// Models and methods with which a case is known to be unstable, the reason, and the experiment that shows it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cannot {
@@ -72,8 +74,14 @@ pub struct Cannot {
     /// Only on finer meshes than the case's own.
     #[serde(default)]
     pub fine: bool,
-    /// Why, in a sentence for people.
+    /// Only in the undamped twin of the case.
+    #[serde(default)]
+    pub undamped: bool,
+    /// Why, in a sentence.
     pub why: String,
+    /// Run that differs in one point and is stable; without one the reason is not shown.
+    #[serde(default)]
+    pub shown_by: Option<Experiment>,
 }
 
 impl Case {
@@ -108,22 +116,41 @@ impl Case {
     /// If the level cannot be built.
     pub fn watched(&self, model: Model, method: Method) -> Result<Level, SceneError> {
         let level = Level { substeps: Substeps::nearest(1.0), ..self.level(model, method) };
-        if !method.is_explicit() {
-            return Ok(level);
-        }
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
-        let limit = critical_step(&scene, &scene.start).unwrap_or(f64::INFINITY);
-        Ok(Level { substeps: Substeps::nearest(1.0 / (60.0 * Method::SHARE * limit)), ..level })
+        Ok(Level { substeps: Substeps::nearest(method.steps_a_frame(&scene)), ..level })
     }
 
-    /// Reason why a model and a method cannot hold this case, if any.
-    pub fn cannot(&self, model: Model, method: Method) -> Option<&str> {
+    /// Known failure of a model and a method in this case, if any.
+    pub fn cannot(&self, model: Model, method: Method) -> Option<&Cannot> {
         let listed = |cannot: &&Cannot| {
             (self.fine || !cannot.fine)
+                && (self.is_undamped_twin() || !cannot.undamped)
                 && (cannot.models.is_empty() || cannot.models.contains(&model))
                 && (cannot.methods.is_empty() || cannot.methods.contains(&method))
         };
-        self.cannot.iter().find(listed).map(|cannot| cannot.why.as_str())
+        self.cannot.iter().find(listed)
+    }
+
+    /// Same case without damping by effects; `None` if it has none. Bodies are not expected to come to rest.
+    #[must_use]
+    pub fn undamped_twin(&self) -> Option<Self> {
+        let mut twin = self.clone();
+        twin.level.effects.retain(|listed| !listed.effect.kind().is_damping());
+        if twin.level.effects.len() == self.level.effects.len() {
+            return None;
+        }
+        (twin.expects, twin.damped) = (Expects::Bounded, Some(Arc::new(self.clone())));
+        Some(twin)
+    }
+
+    /// Whether this is the undamped twin of a case.
+    pub const fn is_undamped_twin(&self) -> bool {
+        self.damped.is_some()
+    }
+
+    /// The case that this one is the undamped twin of, or the case itself.
+    pub fn damped(&self) -> &Self {
+        self.damped.as_deref().unwrap_or(self)
     }
 
     /// Same case on meshes with about `triangles` triangles in total.
@@ -157,76 +184,5 @@ impl Case {
             seeded = true;
         }
         seeded.then_some(case)
-    }
-}
-
-/// Integrator and step of a hard case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Method {
-    /// Symplectic Euler at [`Self::SHARE`] of its longest stable step, which is found again at every frame.
-    SymplecticEuler,
-    /// Implicit Euler with steps of 1/60 s.
-    ImplicitEuler,
-    /// BDF2 with steps of 1/60 s.
-    Bdf2,
-}
-
-impl Method {
-    /// All methods, in the order of the table.
-    pub const ALL: [Self; 3] = [Self::SymplecticEuler, Self::ImplicitEuler, Self::Bdf2];
-
-    /// Greatest share of the longest stable step that an explicit scheme takes.
-    pub const SHARE: f64 = 0.25;
-
-    /// Energy tolerance of an implicit scheme, relative to the greatest possible mechanical energy.
-    const IMPLICIT: f64 = 0.02;
-
-    /// Name in case files and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SymplecticEuler => "SymplecticEuler",
-            Self::ImplicitEuler => "ImplicitEuler",
-            Self::Bdf2 => "Bdf2",
-        }
-    }
-
-    /// Name in plain words.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::SymplecticEuler => "Symplectic Euler",
-            Self::ImplicitEuler => "Implicit Euler",
-            Self::Bdf2 => "BDF2",
-        }
-    }
-
-    /// Description of the step, for a tooltip.
-    pub const fn about(self) -> &'static str {
-        match self {
-            Self::SymplecticEuler => "A quarter of its longest stable step, found again at every frame.",
-            Self::ImplicitEuler | Self::Bdf2 => "Steps of 1/60 s, however stiff the scene is.",
-        }
-    }
-
-    /// Integrator.
-    pub fn integrator(self) -> IntegratorKind {
-        match self {
-            Self::SymplecticEuler => IntegratorKind::SymplecticEuler(SymplecticEuler::default()),
-            Self::ImplicitEuler => IntegratorKind::ImplicitEuler(ImplicitEuler::default()),
-            Self::Bdf2 => IntegratorKind::Bdf2(Bdf2::default()),
-        }
-    }
-
-    /// Whether the scheme is explicit, so that its step is limited by the fastest vibration.
-    pub const fn is_explicit(self) -> bool {
-        matches!(self, Self::SymplecticEuler)
-    }
-
-    /// Energy tolerance, relative to the greatest possible mechanical energy.
-    ///
-    /// Symplectic Euler keeps `E - h/2 v . dU/dx`, not E. For a vibration w at a step `h = s 2/w`, E swings by up to
-    /// `s / (1 - s)` above its start value at rest (Hairer, Lubich and Wanner, *Geometric Numerical Integration*,
-    /// section I.1).
-    pub fn energy_tolerance(self) -> f64 {
-        if self.is_explicit() { Self::SHARE / (1.0 - Self::SHARE) } else { Self::IMPLICIT }
     }
 }

@@ -1,20 +1,22 @@
-//! One run of a hard case with one model and one method: its steps, boundaries and energy balance.
+//! One run of a hard case with one model and one method: its steps, boundaries and measured numbers.
 
-use super::{AREA, Case, Expects, Lasts, Method, Numbers, Verdict};
+use super::{
+    Account, Case, Expects, Lasts, Method, Numbers, Reference, STRAIN, Verdict,
+    reference::{Comparison, Scale},
+};
 use crate::{
     effects::EffectKind,
-    guard::negligible,
     inversion_recovery::{Tangle, untangled},
     level::{Level, RunMode, Substeps, Switch, Toggle, When, frame},
     materials::Model,
     meshes::NoFiles,
     obstacles::Obstacle,
     quantity::Point,
-    report::Energies,
     scene::{Scene, SceneError, extent},
     simulation::Simulation,
     stability::StabilityProbe,
 };
+use std::sync::Arc;
 
 /// Run of a case with one constitutive model and one method.
 pub struct Run {
@@ -27,16 +29,19 @@ pub struct Run {
     substeps: u32,
     /// Share of the longest stable step, for explicit schemes.
     share: f64,
+    /// Least number of steps in a frame.
+    least: u32,
     probe: StabilityProbe,
-    ledger: Ledger,
+    account: Account,
     fence: Fence,
     outside: f64,
+    comparison: Option<(Arc<Reference>, Comparison)>,
 }
 
 /// Iterations for the longest stable step in every frame.
 const ROUNDS: usize = 6;
 
-/// Energy excess at which a run stops, relative to the greatest possible mechanical energy.
+/// Energy from nowhere at which a run stops, relative to the energy put in.
 const HOPELESS: f64 = 1.0;
 
 impl Run {
@@ -54,7 +59,7 @@ impl Run {
             Lasts::Steps(steps) => (u64::MAX, u64::from(steps)),
         };
         Ok(Self {
-            ledger: Ledger::new(simulation.scene(), simulation.energies()),
+            account: Account::new(simulation.scene(), simulation.energies()),
             simulation,
             method,
             expects: case.expects,
@@ -62,10 +67,40 @@ impl Run {
             end,
             substeps: 1,
             share: Method::SHARE,
+            least: 1,
             probe: StabilityProbe::default(),
             fence,
             outside: 0.0,
+            comparison: None,
         })
+    }
+
+    /// Same run in steps so many times as short.
+    #[must_use]
+    pub fn finer(self, times: u32) -> Self {
+        let share = self.share / f64::from(times);
+        let end = (self.end.0, self.end.1.saturating_mul(u64::from(times)));
+        let least = if self.method.is_explicit() { 1 } else { times };
+        Self { share, end, ..self }.with_least(least)
+    }
+
+    /// Same run with at least so many steps in a frame.
+    #[must_use]
+    pub(super) fn with_least(mut self, least: u32) -> Self {
+        self.least = least;
+        self.set_substeps(least.min(Substeps::MAX));
+        self
+    }
+
+    /// Same run, compared with the reference motion of its case and model.
+    #[must_use]
+    pub fn compared_with(self, reference: Arc<Reference>) -> Self {
+        let comparison = Some((reference, Comparison::new(self.scale())));
+        Self { comparison, ..self }
+    }
+
+    pub(super) fn scale(&self) -> Scale {
+        Scale::new(self.simulation.scene(), self.fence.size)
     }
 
     /// Same run at another share of the longest stable step than [`Method::SHARE`], and without the guard.
@@ -94,40 +129,59 @@ impl Run {
     /// # Errors
     /// If the script leads to a scene that cannot be built.
     pub fn advance(&mut self) -> Result<Option<Verdict>, SceneError> {
-        let Self { simulation, ledger, .. } = self;
-        simulation.perform_due(&mut |before, after| ledger.changed(before, after));
+        let Self { simulation, account, .. } = self;
+        simulation.perform_due(&mut |before, after| account.changed(before, after));
         if self.method.is_explicit() {
             self.adapt_step();
         }
         let steps = u64::from(self.substeps).min(self.end.1 - self.simulation.state().steps);
+        let work = self.simulation.work_of_obstacles();
         self.simulation.advance(steps, &mut || true);
         self.frame += 1;
-        self.ledger.record(self.simulation.energies());
+        self.account.supply(self.simulation.work_of_obstacles() - work);
+        self.account.record(self.simulation.energies());
         self.outside = self.outside.max(self.fence.beyond(&self.simulation.state().x));
+        if let Some((reference, comparison)) = &mut self.comparison {
+            comparison.record(&self.simulation, reference);
+        }
         let over = self.frame >= self.end.0 || self.simulation.state().steps >= self.end.1;
-        let hopeless = self.simulation.fault().is_some() || self.ledger.gain() > HOPELESS;
+        let hopeless = self.simulation.fault().is_some() || self.account.gain() > HOPELESS;
         Ok((over || hopeless).then(|| self.verdict()))
+    }
+
+    /// Advances to the end. Returns the verdict.
+    ///
+    /// # Errors
+    /// If the script leads to a scene that cannot be built.
+    pub fn finish(&mut self) -> Result<Verdict, SceneError> {
+        loop {
+            if let Some(verdict) = self.advance()? {
+                return Ok(verdict);
+            }
+        }
     }
 
     /// Verdict on the present state.
     pub fn verdict(&self) -> Verdict {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
-        let off = |x: &[f64]| {
-            let ratios = scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(x));
-            ratios.map(|ratio| (ratio - 1.0).abs()).fold(0.0, |worst: f64, off| if off > worst { off } else { worst })
-        };
         let Tangle { inverted, wound } = Tangle::of_all(scene, &state.x);
         let home = self.expects == Expects::Home;
+        let energies = self.simulation.energies();
+        let mu_area: f64 = scene.parts.iter().map(|part| part.energy_scales()[0]).sum();
         let numbers = Numbers {
-            gain: self.ledger.gain(),
+            gain: self.account.gain(),
             outside: self.outside,
-            area: home.then(|| off(&state.x)),
-            elastic: self.simulation.energies().elastic,
+            strain: home.then(|| greatest_strain(scene, &state.x)),
+            speed: home.then(|| (2.0 * energies.kinetic / mu_area).sqrt()),
+            elastic: energies.elastic,
             inverted,
             wound,
-            opens: home && untangled(scene, state).is_some_and(|free| off(&free.x) <= AREA),
+            opens: home && untangled(scene, state).is_some_and(|free| greatest_strain(scene, &free.x) <= STRAIN),
             unsolved: self.simulation.counts().unconverged,
+            guarded: self.simulation.counts().guarded,
             time: state.time,
+            distance: self.comparison.as_ref().and_then(|(_, comparison)| comparison.distance()),
+            chaotic: self.comparison.as_ref().is_some_and(|(reference, _)| reference.is_chaotic()),
         };
         let fault = self.simulation.fault().map(ToString::to_string);
         Verdict::of(numbers, fault, self.method.energy_tolerance())
@@ -138,21 +192,36 @@ impl Run {
     fn adapt_step(&mut self) {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
         let Some(limit) = self.probe.refine(scene, state, ROUNDS) else { return };
-        let wanted = 1.0 / (60.0 * self.share * limit);
-        let substeps = Substeps::nearest(wanted).get().next_power_of_two().min(Substeps::MAX);
+        let wanted = 1.0 / (60.0 * self.share * self.method.relative_limit() * limit);
+        let substeps = Substeps::nearest(wanted).get().next_power_of_two().max(self.least).min(Substeps::MAX);
         if substeps > self.substeps || 4 * substeps <= self.substeps {
-            self.substeps = substeps;
-            let scene = Scene { step: 1.0 / (60.0 * f64::from(substeps)), ..scene.clone() };
-            self.change(|simulation| simulation.replace_scene(scene));
+            self.set_substeps(substeps);
         }
     }
 
-    /// Applies a change from outside and records it in the ledger.
+    fn set_substeps(&mut self, substeps: u32) {
+        self.substeps = substeps;
+        let scene = Scene { step: 1.0 / (60.0 * f64::from(substeps)), ..self.simulation.scene().clone() };
+        self.change(|simulation| simulation.replace_scene(scene));
+    }
+
+    /// Applies a change from outside and records it in the account.
     fn change(&mut self, change: impl FnOnce(&mut Simulation)) {
         let before = self.simulation.energies();
         change(&mut self.simulation);
-        self.ledger.changed(before, self.simulation.energies());
+        self.account.changed(before, self.simulation.energies());
     }
+}
+
+/// Greatest |s - 1| of the principal stretches s of all triangles.
+fn greatest_strain(scene: &Scene, x: &[f64]) -> f64 {
+    let strains = scene.bodies.iter().flat_map(|body| body.elements.gradients(x)).map(|(f, _)| {
+        // s1 + s2 and |s1 - s2|, the smaller stretch with the sign of det F.
+        let sum = (f.m11 + f.m22).hypot(f.m21 - f.m12);
+        let difference = (f.m11 - f.m22).hypot(f.m21 + f.m12);
+        (0.5 * (sum + difference) - 1.0).abs().max((0.5 * (sum - difference) - 1.0).abs())
+    });
+    strains.fold(0.0, |most: f64, strain| if strain <= most { most } else { strain })
 }
 
 /// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
@@ -202,46 +271,5 @@ impl Fence {
             }
         }
         farthest / self.size
-    }
-}
-
-/// Energy balance of a run. Between two changes from outside nothing in a scene supplies energy.
-///
-/// With the mechanical energy M and the potential P, `M + P` cannot exceed the energy put in. That is the energy at
-/// the start plus the gain or loss by every change from outside. Energy dissipated before a change is subtracted, so
-/// that it cannot hide an excess. The excess is relative to the greatest possible M, `put in - P`.
-#[derive(Clone, Debug)]
-pub struct Ledger {
-    put_in: f64,
-    scale: f64,
-    gain: f64,
-}
-
-impl Ledger {
-    /// Starts the balance with a scene and its energies.
-    pub fn new(scene: &Scene, energies: Energies) -> Self {
-        let mut ledger = Self { put_in: energies.total(), scale: negligible(scene), gain: 0.0 };
-        ledger.record(energies);
-        ledger
-    }
-
-    /// Records a change from outside.
-    pub fn changed(&mut self, before: Energies, after: Energies) {
-        self.record(before);
-        self.put_in = self.put_in.min(before.total()) + after.total() - before.total();
-        self.record(after);
-    }
-
-    /// Records the present energies.
-    pub fn record(&mut self, energies: Energies) {
-        self.scale = self.scale.max(self.put_in - energies.potential);
-        let gain = (energies.total() - self.put_in) / self.scale;
-        // NaN counts as an infinite excess.
-        self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
-    }
-
-    /// Greatest excess over the energy put in, relative to the greatest possible mechanical energy.
-    pub const fn gain(&self) -> f64 {
-        self.gain
     }
 }

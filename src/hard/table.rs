@@ -1,27 +1,48 @@
 //! Results of hard cases as a table.
 
-use super::{Failure, Numbers, Trial, Verdict, verdict::Count};
+use super::{Experiment, Failure, Numbers, Trial, Verdict, verdict::Count};
 use crate::table;
 
 /// Columns of the table, separated by commas.
-pub const COLUMNS: &str =
-    "case,model,method,held,area_error,energy_gain,outside,unsolved_steps,energy_left,untangle,reason";
+pub const COLUMNS: &str = "case,undamped,model,method,held,stable,off,off_in,until,strain,speed,energy_gain,outside,\
+    unsolved_steps,guarded_steps,energy_left,untangle,shown_by,reason";
 
-/// Row of the table for a trial as CSV: the deciding numbers, rounded, and the reason why it is not held, if known.
-pub fn row(trial: &Trial, verdict: &Verdict) -> String {
+/// Row of the table for a trial as CSV: the deciding numbers, rounded, and if it is not stable, the reason and the experiment
+/// that shows it, as far as known.
+pub fn row(trial: &Trial, verdict: &Verdict, shown_by: Option<Experiment>) -> String {
     let Trial { name, case, model, method } = trial;
-    let Numbers { gain, outside, area, unsolved, elastic, opens, .. } = verdict.numbers;
-    let held = if verdict.held() { "held" } else { "not held" };
+    let Numbers { gain, outside, strain, speed, unsolved, guarded, elastic, opens, distance, .. } = verdict.numbers;
+    let yes = |yes: bool| if yes { "yes" } else { "no" };
     // Energy left if a body did not return to its rest shape [J], and whether it returns after untangling.
     let (mut left, mut untangle) = (String::new(), "");
-    if area.is_some() && !verdict.held() {
+    if strain.is_some() && !verdict.is_stable() {
         (left, untangle) = (format!("{elastic:.1e}"), if opens { "home" } else { "" });
     }
-    let area = area.map_or(String::new(), rounded);
-    let (gain, outside, unsolved) = (rounded(gain), rounded(outside), unsolved.to_string());
-    let cells = [name, model.name(), method.name(), held, &area, &gain, &outside, &unsolved, &left, untangle];
+    let optional = |share: Option<f64>| share.map_or(String::new(), rounded);
+    let (off, until) = (optional(distance.map(|distance| distance.share)), distance.map(|distance| distance.until));
+    let until = until.map_or(String::new(), |until| format!("{until:.2}"));
+    let cells = [
+        name.as_str(),
+        yes(case.is_undamped_twin()),
+        model.name(),
+        method.name(),
+        yes(verdict.held()),
+        yes(verdict.is_stable()),
+        &off,
+        distance.map_or("", |distance| distance.quantity.words()),
+        &until,
+        &optional(strain),
+        &optional(speed),
+        &rounded(gain),
+        &rounded(outside),
+        &unsolved.to_string(),
+        &guarded.to_string(),
+        &left,
+        untangle,
+        &shown_by.map_or(String::new(), |experiment| experiment.to_string()),
+    ];
     let reason = verdict.failure.map_or(String::new(), |failure| {
-        let why = case.cannot(*model, *method).unwrap_or("UNEXPLAINED");
+        let why = case.cannot(*model, *method).map_or("UNEXPLAINED", |cannot| &cannot.why);
         table::quoted(&format!("{}: {}", failure.words(&verdict.numbers), why.replace('"', "'")))
     });
     table::row(cells) + "," + &reason
@@ -46,8 +67,9 @@ impl Failure {
             Self::Energy => "energy from nowhere".to_owned(),
             Self::Outside => "through a wall".to_owned(),
             Self::Inverted => format!("{} inverted", Count(numbers.inverted, "triangle", "triangles")),
-            Self::Wound => format!("{} wound twice", Count(numbers.wound, "vertex", "vertices")),
-            Self::Area => "not in its rest shape".to_owned(),
+            Self::Wound => format!("folded at {}", Count(numbers.wound, "vertex", "vertices")),
+            Self::Strain => "not in its rest shape".to_owned(),
+            Self::Motion => "not at rest".to_owned(),
         }
     }
 }

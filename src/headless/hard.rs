@@ -2,16 +2,28 @@
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, ProgressOptions, ending};
 use crate::{
-    hard::{COLUMNS, Case, Entry, Method, Sweep, Trial, row},
+    hard::{ACCURATE, COLUMNS, Case, Entry, Experiment, Method, Sweep, Trial, row},
     levels,
     materials::Model,
     meshes::NoFiles,
     scene::Scene,
-    study::{StudyError, threads},
+    study::{Deadline, Progress, StudyError, spread, threads},
     table::remark,
     terminal,
 };
 use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Duration};
+
+/// Which undamped twins to run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Twins {
+    /// Cases and their undamped twins.
+    #[default]
+    Both,
+    /// Undamped twins only.
+    Only,
+    /// Cases only.
+    None,
+}
 
 /// Which hard cases to run, with what.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -30,9 +42,18 @@ pub struct Hard {
     /// One constitutive model instead of all.
     #[arg(long, value_parser = super::model)]
     pub model: Option<Model>,
-    /// One integrator instead of `SymplecticEuler`, `ImplicitEuler` and `Bdf2`.
+    /// One integrator instead of all.
     #[arg(long, value_parser = method)]
     pub integrator: Option<Method>,
+    /// Undamped twins of the cases, beside the cases or alone.
+    #[arg(long, value_enum, default_value_t = Twins::Both)]
+    pub twins: Twins,
+    /// No comparison with reference motions, which takes most of the time.
+    #[arg(long)]
+    pub no_reference: bool,
+    /// Looks for the cause of every run that is not stable, by experiments.
+    #[arg(long)]
+    pub experiments: bool,
     /// Number of threads; as many as there are if not given.
     #[arg(long, value_parser = super::thread_count)]
     pub threads: Option<usize>,
@@ -55,7 +76,12 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     let methods = request.integrator.map_or(Method::ALL.to_vec(), |method| vec![method]);
     let seeds: Vec<Option<u32>> = request.seeds.map_or(vec![None], |count| (0..count).map(Some).collect());
     let mut trials = Vec::new();
-    for (name, case) in &cases {
+    let twins = cases.iter().flat_map(|(name, case)| {
+        let own = (request.twins != Twins::Only).then(|| case.clone());
+        let twin = (request.twins != Twins::None).then(|| case.undamped_twin()).flatten();
+        own.into_iter().chain(twin).map(move |case| (name, case))
+    });
+    for (name, case) in twins {
         let seeded = |seed: &Option<u32>| seed.map_or_else(|| Some(case.clone()), |seed| case.with_seed(seed));
         let starts: Vec<_> = seeds.iter().filter_map(seeded).map(Arc::new).collect();
         for (&model, &method) in models.iter().flat_map(|model| methods.iter().map(move |method| (model, method))) {
@@ -76,19 +102,26 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
         ending::warn(name, &warnings.unwrap_or_default());
     }
     Interrupt::watch();
-    let mut sweep = Sweep::new(trials, request.threads.unwrap_or_else(threads));
+    let threads = request.threads.unwrap_or_else(threads);
+    let mut sweep = Sweep::new(trials, threads, !request.no_reference && request.seeds.is_none());
     let done = super::study::with_progress(&request.progress_options, |budget: Duration| Ok(sweep.advance(budget)))
         .map_err(fail)?;
+    let mut explanations = Explanations::default();
+    if request.experiments && done >= 1.0 {
+        explanations = Explanations::new(&sweep, threads);
+        super::study::with_progress(&request.progress_options, |budget| Ok(explanations.advance(budget)))
+            .map_err(fail)?;
+    }
     let stopped = Interrupt::seen().filter(|_| done < 1.0);
     let partial = stopped.map(|signal| format!("stopped by {signal} at about {:.1} % of the work", 100.0 * done));
-    outputs.write("--csv", |_| Ok(csv(&sweep, partial.as_deref())));
-    let mut table = if request.seeds.is_some() { counts(&sweep, seeds.len()) } else { lines(&sweep) };
+    outputs.write("--csv", |_| Ok(csv(&sweep, &explanations, partial.as_deref())));
+    let mut table = if request.seeds.is_some() { counts(&sweep, seeds.len()) } else { lines(&sweep, &explanations) };
     if let Some(partial) = &partial {
         // Writing to a string cannot fail.
         let _ = write!(table, "\n\nPartial: {partial}.");
     }
     let unexplained = |(trial, entry): &(&Trial, &Entry)| {
-        matches!(&entry.verdict, Some(Ok(verdict)) if !verdict.held())
+        matches!(&entry.verdict, Some(Ok(verdict)) if !verdict.is_stable())
             && trial.case.cannot(trial.model, trial.method).is_none()
     };
     // The entries `cannot` of a case file hold for its own seed only.
@@ -106,14 +139,58 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     Ok(ending)
 }
 
+/// Causes of runs that are not stable, found by experiments.
+#[derive(Default)]
+struct Explanations {
+    open: Vec<Trial>,
+    found: Vec<(Trial, Option<Experiment>)>,
+    threads: usize,
+}
+
+impl Explanations {
+    /// Prepares those of the unstable runs of a sweep.
+    fn new(sweep: &Sweep, threads: usize) -> Self {
+        let unstable = |(trial, entry): (&Trial, &Entry)| {
+            matches!(&entry.verdict, Some(Ok(verdict)) if !verdict.is_stable()).then(|| trial.clone())
+        };
+        let mut open: Vec<_> = sweep.entries().filter_map(unstable).collect();
+        open.reverse();
+        Self { open, found: Vec::new(), threads }
+    }
+
+    /// Works for about `budget`.
+    fn advance(&mut self, budget: Duration) -> Progress {
+        let deadline = Deadline::after(budget);
+        while !self.open.is_empty() && !deadline.passed() {
+            let next = self.open.split_off(self.open.len().saturating_sub(self.threads));
+            let mut results: Vec<_> = next.into_iter().rev().map(|trial| (trial, None)).collect();
+            spread(self.threads, results.iter_mut().collect(), |(trial, found)| {
+                *found = Experiment::cause(&trial.case, trial.model, trial.method);
+                true
+            });
+            self.found.extend(results);
+        }
+        let done = self.found.len() as f64 / (self.found.len() + self.open.len()).max(1) as f64;
+        Progress { done, finished: self.open.is_empty() }
+    }
+
+    /// Experiment that shows the cause of a run, if it was found.
+    fn of(&self, trial: &Trial) -> Option<Experiment> {
+        let own = |(known, _): &&(Trial, Option<Experiment>)| {
+            Arc::ptr_eq(&known.case, &trial.case) && (known.model, known.method) == (trial.model, trial.method)
+        };
+        self.found.iter().find(own).and_then(|(_, found)| *found)
+    }
+}
+
 /// Table so far as CSV.
-fn csv(sweep: &Sweep, partial: Option<&str>) -> String {
+fn csv(sweep: &Sweep, explanations: &Explanations, partial: Option<&str>) -> String {
     let mut text = partial.map_or(String::new(), |partial| remark("partial", partial));
     text += COLUMNS;
     text.push('\n');
     for (trial, entry) in sweep.entries() {
         if let Some(Ok(verdict)) = &entry.verdict {
-            text += &(row(trial, verdict) + "\n");
+            text += &(row(trial, verdict, explanations.of(trial)) + "\n");
         }
     }
     text
@@ -142,46 +219,57 @@ fn read(request: &Hard) -> Result<Vec<(String, Case)>, HeadlessError> {
     Ok(cases)
 }
 
-fn held(entry: &Entry) -> bool {
-    matches!(&entry.verdict, Some(Ok(verdict)) if verdict.held())
+fn stable(entry: &Entry) -> bool {
+    matches!(&entry.verdict, Some(Ok(verdict)) if verdict.is_stable())
 }
 
-/// Lines of the table, one per run.
-fn lines(sweep: &Sweep) -> String {
-    let widest = sweep.entries().map(|(trial, _)| terminal::line(&trial.name).chars().count()).max().unwrap_or(0);
-    let mut text = format!("{:<widest$}  {:<17} {:<16}          ms  result", "case", "model", "integrator");
+/// Lines of the table, one per run, and the numbers of runs that are stable and held.
+fn lines(sweep: &Sweep, explanations: &Explanations) -> String {
+    let widest = sweep.entries().map(|(trial, _)| terminal::line(&trial.title()).chars().count()).max().unwrap_or(0);
+    let mut text =
+        format!("{:<widest$}  {:<17} {:<21}          ms  stable; how far off", "case", "model", "integrator");
+    let [mut all, mut stable, mut held] = [0_usize; 3];
     for (trial, entry) in sweep.entries() {
         let Some(Ok(verdict)) = &entry.verdict else { continue };
-        let why = trial.case.cannot(trial.model, trial.method);
-        let mark = match (verdict.held(), why) {
-            (true, _) => "passed".to_owned(),
-            (false, None) => "FAILED".to_owned(),
-            (false, Some(why)) => format!("not passed, as expected: {}", terminal::line(why)),
+        all += 1;
+        stable += usize::from(verdict.is_stable());
+        held += usize::from(verdict.held());
+        let why = trial.case.cannot(trial.model, trial.method).map(|cannot| terminal::line(&cannot.why));
+        let mut mark = match (verdict.is_stable(), why) {
+            (true, _) => "stable".to_owned(),
+            (false, None) => "NOT STABLE".to_owned(),
+            (false, Some(why)) => format!("not stable, as expected: {why}"),
         };
-        let (name, model, method) = (terminal::line(&trial.name), trial.model.name(), trial.method.name());
-        let (ms, decided) = (1e3 * entry.seconds, verdict.decided_by());
+        if let Some(experiment) = explanations.of(trial) {
+            mark += &format!(" [stable {experiment}]");
+        }
+        let (name, model, method) = (terminal::line(&trial.title()), trial.model.name(), trial.method.name());
+        let (ms, decided, accuracy) = (1e3 * entry.seconds, verdict.decided_by(), verdict.accuracy());
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n{name:<widest$}  {model:<17} {method:<16} {ms:>11.1}  {mark} ({decided})");
+        let _ = write!(text, "\n{name:<widest$}  {model:<17} {method:<21} {ms:>9.1}  {mark} ({decided}); {accuracy}");
     }
-    text
+    text + &format!(
+        "\n{stable} of {all} runs are stable, {held} held: stable and no farther off than {:.0} %",
+        100.0 * ACCURATE
+    )
 }
 
 /// Lines of counts, one per case, model and method.
-/// Each states how many starts were held, how many of the others are held after untangling, and the least and
+/// Each states from how many starts the runs are stable, how many of the others are after untangling, and the least and
 /// greatest energy left in those \[J\].
 fn counts(sweep: &Sweep, starts: usize) -> String {
     let mut text =
-        format!("{:<12} {:<17} {:<16} passed        by Untangle  energy left [J]", "case", "model", "integrator");
+        format!("{:<12} {:<17} {:<21} stable        by Untangle  energy left [J]", "case", "model", "integrator");
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
         let Trial { name, model, method, .. } = group[0].0;
         let (name, model, method) = (terminal::line(name), model.name(), method.name());
         let over = group.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
         let opens = |entry: &Entry| matches!(&entry.verdict, Some(Ok(verdict)) if verdict.numbers.opens);
-        let count = group.iter().filter(|(_, entry)| held(entry)).count();
-        let opened = group.iter().filter(|(_, entry)| !held(entry) && opens(entry)).count();
+        let count = group.iter().filter(|(_, entry)| stable(entry)).count();
+        let opened = group.iter().filter(|(_, entry)| !stable(entry) && opens(entry)).count();
         let energy = |(_, entry): &(&Trial, &Entry)| match &entry.verdict {
-            Some(Ok(verdict)) if !verdict.held() => Some(verdict.numbers.elastic),
+            Some(Ok(verdict)) if !verdict.is_stable() => Some(verdict.numbers.elastic),
             _ => None,
         };
         let left = group.iter().filter_map(energy);
@@ -189,7 +277,7 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
         let left = if least <= most { format!("{least:.1e} to {most:.1e}") } else { String::new() };
         let held = format!("{count} of {over}");
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n{name:<12} {model:<17} {method:<16} {held:<13} {opened:<12} {left}");
+        let _ = write!(text, "\n{name:<12} {model:<17} {method:<21} {held:<13} {opened:<12} {left}");
         text.truncate(text.trim_end().len());
     }
     text

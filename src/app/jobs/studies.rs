@@ -277,6 +277,8 @@ pub struct Choice {
     pub model: Option<Model>,
     /// Method of time integration.
     pub method: Option<Method>,
+    /// Whether the undamped twins are selected, or the cases themselves.
+    pub undamped: bool,
 }
 
 impl Choice {
@@ -285,6 +287,7 @@ impl Choice {
         self.case.is_none_or(|case| case == trial.name)
             && self.model.is_none_or(|model| model == trial.model)
             && self.method.is_none_or(|method| method == trial.method)
+            && self.undamped == trial.case.is_undamped_twin()
     }
 }
 
@@ -299,7 +302,7 @@ impl Known {
     /// Table of all finished runs as comma-separated values.
     pub fn csv(&self) -> String {
         let over = self.runs.iter().filter_map(|(trial, entry)| match &entry.verdict {
-            Some(Ok(verdict)) => Some(row(trial, verdict)),
+            Some(Ok(verdict)) => Some(row(trial, verdict, None)),
             _ => None,
         });
         over.fold(COLUMNS.to_owned(), |text, line| text + "\n" + &line) + "\n"
@@ -318,7 +321,8 @@ impl Hard {
         let mut trials = Vec::new();
         for name in Case::names() {
             let case = Case::read(Path::new(name)).map_err(|_| StudyError::NotHere("a hard case cannot be read"))?;
-            let case = Arc::new(case);
+            let case = if choice.undamped { case.undamped_twin() } else { Some(case) };
+            let Some(case) = case.map(Arc::new) else { continue };
             for (&model, method) in Model::ALL.iter().flat_map(|model| Method::ALL.map(|method| (model, method))) {
                 trials.push(hard::Trial { name: name.to_owned(), case: Arc::clone(&case), model, method });
             }
@@ -326,7 +330,7 @@ impl Hard {
         trials.retain(|trial| choice.takes(trial));
         let mut before = known.runs;
         before.retain(|(trial, entry)| entry.verdict.is_some() && !choice.takes(trial));
-        Ok(Self { before, sweep: Sweep::new(trials, threads()) })
+        Ok(Self { before, sweep: Sweep::new(trials, threads(), true) })
     }
 }
 

@@ -10,12 +10,12 @@ use crate::{
         jobs::{Choice, JobRequest, Known},
         theme::Theme,
     },
-    hard::{Case, Entry, Method, Trial},
+    hard::{ACCURATE, Case, Entry, Method, Trial},
     materials::Model,
 };
 use eframe::egui::{
-    Align, Button, Color32, Context, Frame, Id, Label, Layout, ProgressBar, RichText, ScrollArea, Sense, Shape, Stroke,
-    Ui, Vec2, WidgetInfo, Window, epaint::PathShape, pos2, vec2,
+    Align, Button, Color32, ComboBox, Context, Frame, Id, Label, Layout, ProgressBar, RichText, ScrollArea, Sense,
+    Shape, Stroke, Ui, Vec2, WidgetInfo, Window, epaint::PathShape, pos2, vec2,
 };
 use std::f32::consts::TAU;
 
@@ -40,12 +40,20 @@ enum Mark {
     Waiting,
     /// Running, with the completed share.
     Going(f32),
-    /// Passed.
-    Passed,
-    /// Not passed, as expected: the file of the case states the reason.
+    /// Stable, and close to the reference if there is one.
+    Held,
+    /// Stable, but far from the reference.
+    Far,
+    /// Not stable, as expected: the file of the case states the reason.
     Cannot,
-    /// Not passed, although no reason is stated.
+    /// Not stable, although no reason is stated.
     Failed,
+}
+
+impl Mark {
+    const fn is_stable(self) -> bool {
+        matches!(self, Self::Held | Self::Far)
+    }
 }
 
 pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View) {
@@ -76,7 +84,7 @@ pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View) {
     view.hard.open = open;
 }
 
-/// Draws the choice, the button that runs it, and the number of passed runs.
+/// Draws the choice, the button that runs it, and the number of stable runs.
 fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) {
     let choice = &mut view.hard.choice;
     ui.horizontal_wrapped(|ui| {
@@ -90,16 +98,17 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
         if let Some(clicked) = segmented(ui, "hard materials", &parts, false) {
             choice.model = clicked.checked_sub(1).and_then(|number| Model::ALL.get(number).copied());
         }
-        let mut parts = vec![Segment { text: "All", name: "All methods", about: "", on: choice.method.is_none() }];
-        parts.extend(Method::ALL.iter().map(|method| Segment {
-            text: method.title(),
-            name: method.title(),
-            about: method.about(),
-            on: choice.method == Some(*method),
-        }));
-        if let Some(clicked) = segmented(ui, "hard methods", &parts, false) {
-            choice.method = clicked.checked_sub(1).and_then(|number| Method::ALL.get(number).copied());
-        }
+        let title = choice.method.map_or("All integrators", Method::title);
+        let pick = ComboBox::from_id_salt("hard integrators").selected_text(title).height(400.0);
+        let shown = pick.show_ui(ui, |ui| {
+            ui.selectable_value(&mut choice.method, None, "All integrators");
+            for method in Method::ALL {
+                ui.selectable_value(&mut choice.method, Some(method), method.title()).on_hover_text(method.about());
+            }
+        });
+        shown.response.accessible_name("Integrators of hard cases");
+        let help = "The same cases without damping, and not expected to come to rest.";
+        ui.checkbox(&mut choice.undamped, "Undamped").on_hover_text(help);
     });
     let choice = *choice;
     ui.horizontal(|ui| {
@@ -132,19 +141,23 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
     });
 }
 
-/// Number of passed runs among the chosen ones, in a sentence.
+/// Number of stable runs among the chosen ones, in a sentence.
 fn summary(known: &Known, choice: &Choice, context: &PanelContext<'_>) -> String {
     let of = |wanted: Mark| chosen(known, choice).filter(|(trial, entry)| mark(trial, entry, true) == wanted).count();
-    let [held, cannot, failed] = [Mark::Passed, Mark::Cannot, Mark::Failed].map(of);
+    let [held, far, cannot, failed] = [Mark::Held, Mark::Far, Mark::Cannot, Mark::Failed].map(of);
     let models = if choice.model.is_some() { 1 } else { Model::ALL.len() };
     let methods = if choice.method.is_some() { 1 } else { Method::ALL.len() };
-    let all = context.gallery.hard().len() * models * methods;
-    if held + cannot + failed == 0 {
-        return format!("{all} runs. Each must pass, or its case file states why it cannot.");
+    let counts = |case: &Case| !choice.undamped || case.undamped_twin().is_some();
+    let cases = context.gallery.hard().iter().filter(|(_, case)| counts(case)).count();
+    let all = cases * models * methods;
+    if held + far + cannot + failed == 0 {
+        return format!("{all} runs. Each must be stable, or its case file states why it cannot.");
     }
-    let cannot = if cannot > 0 { format!(", {cannot} known not to pass") } else { String::new() };
+    let far = if far > 0 { format!(" ({far} more than {:.0} % off)", 100.0 * ACCURATE) } else { String::new() };
+    let cannot = if cannot > 0 { format!(", {cannot} known not to be") } else { String::new() };
     let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
-    format!("{held} of {all} passed{cannot}{failed}.")
+    let stable = chosen(known, choice).filter(|(trial, entry)| mark(trial, entry, true).is_stable()).count();
+    format!("{stable} of {all} stable{far}{cannot}{failed}.")
 }
 
 /// Results of the chosen runs.
@@ -154,7 +167,8 @@ fn chosen<'a>(known: &'a Known, choice: &'a Choice) -> impl Iterator<Item = &'a 
 
 fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
     match &entry.verdict {
-        Some(Ok(verdict)) if verdict.held() => Mark::Passed,
+        Some(Ok(verdict)) if verdict.held() => Mark::Held,
+        Some(Ok(verdict)) if verdict.is_stable() => Mark::Far,
         Some(_) if trial.case.cannot(trial.model, trial.method).is_some() => Mark::Cannot,
         Some(_) => Mark::Failed,
         None if running && entry.done > 0.0 => Mark::Going(entry.done as f32),
@@ -214,13 +228,9 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
     let button = |text: &str| Button::new(RichText::new(text).small()).small().min_size(Vec2::new(40.0, 20.0));
     let model = choice.model.unwrap_or(Model::Corotated);
     let method = choice.method.unwrap_or(Method::ImplicitEuler);
-    let help = format!(
-        "Shows it on the stage, running, with {} and {}. The mouse and gravity actions of the case are not repeated.",
-        model.title(),
-        method.title()
-    );
+    let help = format!("Shows it on the stage, running, with {} and {}.", model.title(), method.title());
     if ui.add(button("Open")).on_hover_text(help).accessible_name(format!("Open {title}")).clicked() {
-        view.file = choice.case.map(|name| FileRequest::Hard(name, model, method));
+        view.file = choice.case.map(|name| FileRequest::Hard { name, undamped: choice.undamped, model, method });
     }
     let help = "Runs this case alone with what is chosen.";
     if ui.add(button("Run")).on_hover_text(help).accessible_name(format!("Run {title}")).clicked() {
@@ -234,18 +244,24 @@ fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
     let over = runs.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
     let text = match (runs, over) {
         (_, 0) => String::new(),
-        ([(_, Entry { verdict: Some(Ok(verdict)), .. })], _) => verdict.decided_by(),
+        ([(_, Entry { verdict: Some(Ok(verdict)), .. })], _) => {
+            format!("{}; {}", verdict.decided_by(), verdict.accuracy())
+        }
         ([(_, Entry { verdict: Some(Err(why)), .. })], _) => why.to_string(),
-        _ => format!("{} of {} passed", marks.iter().filter(|mark| **mark == Mark::Passed).count(), runs.len()),
+        _ => {
+            let of = |wanted: fn(&Mark) -> bool| marks.iter().filter(|mark| wanted(mark)).count();
+            let (stable, held) = (of(|mark| mark.is_stable()), of(|mark| *mark == Mark::Held));
+            format!("{stable} of {} stable, {held} held", runs.len())
+        }
     };
     (text, seconds)
 }
 
-/// Reasons why runs of a case cannot pass, each once, with its materials.
+/// Reasons why runs of a case are not stable, each once, with its materials.
 fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
     let mut found: Vec<(&str, Vec<&str>)> = Vec::new();
     for ((trial, _), _) in runs.iter().zip(marks).filter(|(_, mark)| **mark == Mark::Cannot) {
-        let why = trial.case.cannot(trial.model, trial.method).unwrap_or_default();
+        let why = trial.case.cannot(trial.model, trial.method).map_or("", |cannot| &cannot.why);
         let at = found.iter().position(|(known, _)| *known == why).unwrap_or(found.len());
         if at == found.len() {
             found.push((why, Vec::new()));
@@ -254,7 +270,7 @@ fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
             found[at].1.push(trial.model.title());
         }
     }
-    found.into_iter().map(|(why, models)| format!("Known not to pass with {}. {why}", models.join(", "))).collect()
+    found.into_iter().map(|(why, models)| format!("Known not to be stable with {}. {why}", models.join(", "))).collect()
 }
 
 /// Draws a small mark for every run, after the letter of its material.
@@ -269,7 +285,7 @@ fn dots(ui: &mut Ui, runs: &[&(Trial, Entry)], marks: &[Mark], theme: &Theme) {
                 ui.label(RichText::new(trial.model.letter()).small().weak());
             }
             let number = match &entry.verdict {
-                Some(Ok(verdict)) => format!("\n{}", verdict.decided_by()),
+                Some(Ok(verdict)) => format!("\n{}; {}", verdict.decided_by(), verdict.accuracy()),
                 _ => String::new(),
             };
             let about = format!("{}, {}: {}{number}", trial.model.title(), trial.method.title(), words(*mark));
@@ -295,8 +311,10 @@ fn together(marks: &[Mark]) -> Mark {
         Mark::Waiting
     } else if any(Mark::Cannot) {
         Mark::Cannot
+    } else if any(Mark::Far) {
+        Mark::Far
     } else {
-        Mark::Passed
+        Mark::Held
     }
 }
 
@@ -304,22 +322,24 @@ const fn words(mark: Mark) -> &'static str {
     match mark {
         Mark::Waiting => "not run yet",
         Mark::Going(_) => "running",
-        Mark::Passed => "passed",
-        Mark::Cannot => "known not to pass, for a stated reason",
+        Mark::Held => "held",
+        Mark::Far => "stable, but far off",
+        Mark::Cannot => "known not to be stable, for a stated reason",
         Mark::Failed => "failed",
     }
 }
 
 const fn color(mark: Mark, theme: &Theme) -> Color32 {
     match mark {
-        Mark::Passed => theme.good,
+        Mark::Held => theme.good,
+        Mark::Far => theme.warning,
         Mark::Failed => theme.bad,
         Mark::Going(_) => theme.accent_line,
         Mark::Waiting | Mark::Cannot => theme.faint_text,
     }
 }
 
-/// Draws a mark: a ring for the completed share, a tick for passed, a dash for impossible, a cross for failed.
+/// Draws a mark: a ring for the completed share, a tick for stable, a dash for known failures, a cross for others.
 fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(size), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Image, true, about));
@@ -337,7 +357,7 @@ fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
             let angle = |step: u32| TAU * (share * step as f32 / steps.max(1) as f32 - 0.25);
             painter.add(line((0..=steps).map(|step| at(angle(step).cos(), angle(step).sin())).collect()));
         }
-        Mark::Passed => {
+        Mark::Held | Mark::Far => {
             painter.circle_filled(centre, radius, color.gamma_multiply(0.22));
             painter.add(line(vec![at(-0.45, 0.02), at(-0.12, 0.38), at(0.48, -0.36)]));
         }

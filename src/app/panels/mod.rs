@@ -124,7 +124,16 @@ pub enum FileRequest {
     /// Open a level of the gallery, by number.
     BuiltIn(usize),
     /// Open a hard case, by its name, with a model and a method.
-    Hard(&'static str, Model, Method),
+    Hard {
+        /// Name of the case.
+        name: &'static str,
+        /// Whether its undamped twin is opened.
+        undamped: bool,
+        /// Constitutive model of every body.
+        model: Model,
+        /// Integrator and step.
+        method: Method,
+    },
     /// Ask for a level file and open it.
     Open,
     /// Ask for a file name and save the level.
@@ -140,7 +149,7 @@ pub enum FileRequest {
 impl FileRequest {
     /// Whether the request replaces the shown level.
     pub const fn replaces_level(&self) -> bool {
-        matches!(self, Self::BuiltIn(_) | Self::Hard(..) | Self::Open | Self::File(..) | Self::Close)
+        matches!(self, Self::BuiltIn(_) | Self::Hard { .. } | Self::Open | Self::File(..) | Self::Close)
     }
 }
 

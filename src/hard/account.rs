@@ -1,0 +1,64 @@
+//! Energy account of a run.
+
+use crate::{guard::negligible, report::Energies, scene::Scene};
+
+/// Energy account of a run.
+///
+/// With the mechanical energy M, the potential P and the work W done from outside (mouse, moved pins, moving obstacles,
+/// reversed gravity), `A = M + P - W` never increases: gravity and springs convert energy, damping and contact dissipate
+/// it. Energy from nowhere is the rise of A above its least value so far, so that energy which was dissipated cannot hide
+/// it. It is stated as a share of the energy put in, the greatest M that start and work allow: `M0 + P0 + W - P`.
+#[derive(Clone, Debug)]
+pub struct Account {
+    /// M + P at the start \[J\].
+    start: f64,
+    /// W \[J\].
+    work: f64,
+    /// Least A so far \[J\].
+    least: f64,
+    /// Energy put in \[J\].
+    put_in: f64,
+    gain: f64,
+}
+
+impl Account {
+    /// Opens the account of a scene with its energies.
+    pub fn new(scene: &Scene, energies: Energies) -> Self {
+        let start = energies.total();
+        let mut account = Self { start, work: 0.0, least: start, put_in: negligible(scene), gain: 0.0 };
+        account.record(energies);
+        account
+    }
+
+    /// Records a change from outside.
+    pub fn changed(&mut self, before: Energies, after: Energies) {
+        self.record(before);
+        self.work += after.total() - before.total();
+        self.record(after);
+    }
+
+    /// Adds work of moving obstacles \[J\].
+    pub fn supply(&mut self, work: f64) {
+        self.work += work;
+    }
+
+    /// Records the present energies.
+    pub fn record(&mut self, energies: Energies) {
+        self.put_in = self.put_in.max(self.start + self.work - energies.potential);
+        let balance = energies.total() - self.work;
+        // NaN counts as an infinite gain.
+        let gain = (balance - self.least) / self.put_in;
+        self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
+        self.least = self.least.min(balance);
+    }
+
+    /// Greatest energy from nowhere, as a share of the energy put in.
+    pub const fn gain(&self) -> f64 {
+        self.gain
+    }
+
+    /// Energy put in \[J\].
+    pub const fn put_in(&self) -> f64 {
+        self.put_in
+    }
+}

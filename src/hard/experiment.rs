@@ -1,0 +1,99 @@
+//! Experiments that show why a run of a hard case is not stable.
+
+use super::{Case, Method, Run, Verdict};
+use crate::{
+    effects::{Compression, EffectKind},
+    materials::Model,
+    scene::SceneError,
+};
+use serde::{Deserialize, Serialize};
+
+/// A run that differs from an unstable one in one point, and is stable. So that point is the cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Experiment {
+    /// Steps so many times as short.
+    Shorter(u32),
+    /// With the effect `Compression`, which opposes inversion.
+    Compression,
+    /// Another constitutive model.
+    Model(Model),
+    /// Another integrator.
+    By(Method),
+    /// With damping: the case itself instead of its undamped twin.
+    Damped,
+}
+
+impl std::fmt::Display for Experiment {
+    /// Continues "stable".
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Shorter(times) => write!(out, "in steps {times} times as short"),
+            Self::Compression => write!(out, "with the compression effect"),
+            Self::Model(model) => write!(out, "with the model {}", model.name()),
+            Self::By(method) => write!(out, "with {}", method.name()),
+            Self::Damped => write!(out, "with damping"),
+        }
+    }
+}
+
+impl Experiment {
+    /// Experiments in the order in which a cause is looked for.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let models = [Model::StableNeoHookean, Model::FixedCorotated, Model::Corotated, Model::NeoHookean];
+        let methods = [Method::ImplicitEuler, Method::SymplecticEuler, Method::Bdf2];
+        [Self::Shorter(4), Self::Shorter(16), Self::Compression]
+            .into_iter()
+            .chain(models.map(Self::Model))
+            .chain(methods.map(Self::By))
+            .chain([Self::Damped])
+    }
+
+    /// The run of the experiment for a run of a case; `None` if it is that run itself.
+    ///
+    /// # Errors
+    /// If its level cannot be built.
+    pub fn prepare(self, case: &Case, model: Model, method: Method) -> Result<Option<Run>, SceneError> {
+        let run = match self {
+            Self::Shorter(times) => Run::new(case, model, method)?.finer(times),
+            Self::Compression => {
+                let listed =
+                    case.level.effects.iter().any(|listed| matches!(listed.effect, EffectKind::Compression(_)));
+                if listed || case.level.bodies.is_empty() {
+                    return Ok(None);
+                }
+                let mut case = case.clone();
+                case.level = case.level.with_effect(Compression::default());
+                Run::new(&case, model, method)?
+            }
+            Self::Model(other) if other != model => Run::new(case, other, method)?,
+            Self::By(other) if other != method => Run::new(case, model, other)?,
+            Self::Damped if case.is_undamped_twin() => Run::new(case.damped(), model, method)?,
+            _ => return Ok(None),
+        };
+        Ok(Some(run))
+    }
+
+    /// Runs the experiment. Returns its verdict; `None` if it is the run itself.
+    ///
+    /// # Errors
+    /// If a scene cannot be built.
+    pub fn verdict(self, case: &Case, model: Model, method: Method) -> Result<Option<Verdict>, SceneError> {
+        let Some(mut run) = self.prepare(case, model, method)? else { return Ok(None) };
+        run.finish().map(Some)
+    }
+
+    /// Experiment that shows why a run is not stable: that of its known failure, or the first of all; `None` if none does.
+    pub fn cause(case: &Case, model: Model, method: Method) -> Option<Self> {
+        let known = case.cannot(model, method).and_then(|cannot| cannot.shown_by);
+        let shows = |experiment: &Self| experiment.shows(case, model, method) == Ok(true);
+        known.filter(shows).or_else(|| Self::all().find(shows))
+    }
+
+    /// Whether the experiment shows the cause.
+    ///
+    /// # Errors
+    /// If a scene cannot be built.
+    pub fn shows(self, case: &Case, model: Model, method: Method) -> Result<bool, SceneError> {
+        Ok(self.verdict(case, model, method)?.is_some_and(|verdict| verdict.is_stable()))
+    }
+}

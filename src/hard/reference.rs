@@ -1,0 +1,225 @@
+//! Reference motion of a hard case, and the distance of a run from it.
+
+use super::{Case, Method, Run};
+use crate::{guard::negligible, materials::Model, scene::Scene, scene::SceneError, simulation::Simulation};
+
+/// Reference motion of a case with a model: velocity Verlet in at least [`Self::STEPS`] steps a frame of 1/60 s, and in steps
+/// at most [`Self::FINER`] times as short as those of the explicit schemes.
+///
+/// A second run in twice as long steps shows how far the motion can be known. The reference ends where the two differ by
+/// more than [`Self::KNOWN`], as they do at some time if the motion is chaotic, and after [`Self::SECONDS`] at the latest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reference {
+    moments: Vec<Moment>,
+    /// Greatest speed (root mean square over the mass) \[m/s\], mechanical energy \[J\].
+    speed: f64,
+    energy: f64,
+    chaotic: bool,
+}
+
+/// Scene at the end of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Moment {
+    x: Vec<f64>,
+    momentum: [f64; 2],
+    angular_momentum: f64,
+    mechanical: f64,
+}
+
+/// Quantity that differs most from the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Positions, root mean square over the mass, relative to the size of the bodies.
+    Position,
+    /// Momentum, relative to the mass times the greatest speed.
+    Momentum,
+    /// Angular momentum about the centre of the rest positions, relative to that times the size.
+    AngularMomentum,
+    /// Mechanical energy, relative to its greatest value.
+    Energy,
+}
+
+/// Distance of a run from its reference: the greatest difference up to a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// Relative difference.
+    pub share: f64,
+    /// Quantity that differs so much.
+    pub quantity: Quantity,
+    /// Time up to which runs are compared \[s\].
+    pub until: f64,
+}
+
+impl Quantity {
+    /// Name in plain words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Position => "positions",
+            Self::Momentum => "momentum",
+            Self::AngularMomentum => "angular momentum",
+            Self::Energy => "energy",
+        }
+    }
+}
+
+/// What the distances are relative to.
+#[derive(Clone, Debug)]
+pub(super) struct Scale {
+    /// Total mass \[kg\], size \[m\], centre of the rest positions \[m\].
+    mass: f64,
+    size: f64,
+    centre: [f64; 2],
+    /// Least speed and energy that count \[m/s, J\].
+    least: [f64; 2],
+}
+
+impl Scale {
+    pub fn new(scene: &Scene, size: f64) -> Self {
+        let mass = scene.mass.iter().step_by(2).sum::<f64>();
+        let count = scene.rest.len() as f64 / 2.0;
+        let centre = [0, 1].map(|axis| scene.rest.iter().skip(axis).step_by(2).sum::<f64>() / count);
+        let energy = negligible(scene);
+        Self { mass, size, centre, least: [(2.0 * energy / mass).sqrt(), energy] }
+    }
+
+    pub fn moment(&self, simulation: &Simulation) -> Moment {
+        let (scene, state, energies) = (simulation.scene(), simulation.state(), simulation.energies());
+        let (mut momentum, mut angular_momentum) = ([0.0; 2], 0.0);
+        for ((x, v), mass) in state.x.chunks_exact(2).zip(state.v.chunks_exact(2)).zip(scene.mass.iter().step_by(2)) {
+            momentum = [momentum[0] + mass * v[0], momentum[1] + mass * v[1]];
+            angular_momentum += mass * ((x[0] - self.centre[0]) * v[1] - (x[1] - self.centre[1]) * v[0]);
+        }
+        Moment { x: state.x.clone(), momentum, angular_momentum, mechanical: energies.kinetic + energies.elastic }
+    }
+
+    /// Greatest relative difference of two moments, relative to a speed and an energy.
+    fn distance(&self, scene: &Scene, [a, b]: [&Moment; 2], [speed, energy]: [f64; 2]) -> (f64, Quantity) {
+        let [speed, energy] = [speed.max(self.least[0]), energy.max(self.least[1])];
+        let squares = a.x.iter().zip(&b.x).zip(&scene.mass).map(|((a, b), mass)| mass * (a - b) * (a - b));
+        let momentum = (a.momentum[0] - b.momentum[0]).hypot(a.momentum[1] - b.momentum[1]);
+        let differences = [
+            ((squares.sum::<f64>() / self.mass).sqrt() / self.size, Quantity::Position),
+            (momentum / (self.mass * speed), Quantity::Momentum),
+            (
+                (a.angular_momentum - b.angular_momentum).abs() / (self.mass * speed * self.size),
+                Quantity::AngularMomentum,
+            ),
+            ((a.mechanical - b.mechanical).abs() / energy, Quantity::Energy),
+        ];
+        differences.into_iter().fold((0.0, Quantity::Position), |most, next| if next.0 <= most.0 { most } else { next })
+    }
+}
+
+impl Reference {
+    /// Least number of steps in a frame of 1/60 s.
+    pub const STEPS: u32 = 100;
+    /// Steps of the explicit schemes relative to those of the reference.
+    pub const FINER: u32 = 10;
+    /// Greatest relative difference of two resolutions up to which the motion is known.
+    pub const KNOWN: f64 = 0.01;
+    /// Longest time that it covers \[s\].
+    pub const SECONDS: f64 = 4.0;
+
+    /// Whether it ended early because the motion is chaotic.
+    pub const fn is_chaotic(&self) -> bool {
+        self.chaotic
+    }
+
+    /// Time that it covers \[s\].
+    pub fn until(&self) -> f64 {
+        self.moments.len() as f64 / 60.0
+    }
+}
+
+/// Computation of a reference, frame by frame.
+pub(super) struct ReferenceRun {
+    /// The reference itself and the run in twice as long steps.
+    runs: [Run; 2],
+    scale: Scale,
+    reference: Reference,
+    frames: usize,
+}
+
+impl ReferenceRun {
+    /// # Errors
+    /// If the level of the case cannot be built.
+    pub fn new(case: &Case, model: Model) -> Result<Self, SceneError> {
+        let run = |divide: u32| {
+            let run = Run::new(case, model, Method::VelocityVerlet)?;
+            Ok(run.finer(Reference::FINER / divide).with_least(Reference::STEPS / divide))
+        };
+        let runs = [run(1)?, run(2)?];
+        let scale = runs[0].scale();
+        let frames = (60.0 * Reference::SECONDS) as usize;
+        Ok(Self { runs, scale, reference: Reference::default(), frames })
+    }
+
+    /// Advances by one frame. Returns whether it is over.
+    ///
+    /// # Errors
+    /// If scripted actions lead to a scene that cannot be built.
+    pub fn advance(&mut self) -> Result<bool, SceneError> {
+        let mut over = false;
+        for run in &mut self.runs {
+            over |= run.advance()?.is_some();
+            if run.simulation().fault().is_some() {
+                return Ok(true);
+            }
+        }
+        let [fine, coarse] = self.runs.each_ref().map(|run| self.scale.moment(run.simulation()));
+        let reference = &mut self.reference;
+        let kinetic = self.runs[0].simulation().energies().kinetic;
+        reference.speed = reference.speed.max((2.0 * kinetic / self.scale.mass).sqrt());
+        reference.energy = reference.energy.max(fine.mechanical);
+        let scene = self.runs[0].simulation().scene();
+        let (share, _) = self.scale.distance(scene, [&fine, &coarse], [reference.speed, reference.energy]);
+        if share > Reference::KNOWN || share.is_nan() {
+            reference.chaotic = true;
+            return Ok(true);
+        }
+        reference.moments.push(fine);
+        Ok(over || reference.moments.len() >= self.frames)
+    }
+
+    /// Share of the work done.
+    pub fn done(&self) -> f64 {
+        (self.reference.moments.len() as f64 / self.frames as f64).max(self.runs[0].done())
+    }
+
+    /// The reference.
+    pub fn finish(self) -> Reference {
+        self.reference
+    }
+}
+
+/// Comparison of a run with its reference, frame by frame.
+pub(super) struct Comparison {
+    scale: Scale,
+    frame: usize,
+    most: Option<Distance>,
+}
+
+impl Comparison {
+    pub const fn new(scale: Scale) -> Self {
+        Self { scale, frame: 0, most: None }
+    }
+
+    /// Compares the end of the next frame.
+    pub fn record(&mut self, simulation: &Simulation, reference: &Reference) {
+        let Some(moment) = reference.moments.get(self.frame) else { return };
+        self.frame += 1;
+        let own = self.scale.moment(simulation);
+        let scales = [reference.speed, reference.energy];
+        let (share, quantity) = self.scale.distance(simulation.scene(), [&own, moment], scales);
+        let most = self.most.get_or_insert(Distance { share, quantity, until: 0.0 });
+        if share > most.share || share.is_nan() {
+            (most.share, most.quantity) = (share, quantity);
+        }
+        most.until = self.frame as f64 / 60.0;
+    }
+
+    /// Greatest distance so far; `None` without a reference.
+    pub const fn distance(&self) -> Option<Distance> {
+        self.most
+    }
+}

@@ -1,6 +1,6 @@
 //! Experiments that show why a run of a hard case is not stable.
 
-use super::{Case, Method, Run, Verdict};
+use super::{Case, Failure, Method, Reference, Run, Verdict};
 use crate::{
     effects::{Compression, EffectKind},
     materials::Model,
@@ -8,12 +8,16 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// A run that differs from an unstable one in one point, and is stable. So that point is the cause.
+/// A run that differs from an unstable one in one point, and is stable: that point is the cause. Or the motion itself is the
+/// cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Experiment {
     /// Steps so many times as short.
     Shorter(u32),
-    /// With the effect `Compression`, which opposes inversion.
+    /// The motion ends like that: the reference, which gains no energy, has inverted or folded triangles, strain or speed
+    /// at its end too.
+    Motion,
+    /// With the effect `Compression`, which opposes inversion as the model St. Venant-Kirchhoff does not.
     Compression,
     /// Another constitutive model.
     Model(Model),
@@ -28,6 +32,7 @@ impl std::fmt::Display for Experiment {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Shorter(times) => write!(out, "in steps {times} times as short"),
+            Self::Motion => write!(out, "never: the reference ends like that"),
             Self::Compression => write!(out, "with the compression effect"),
             Self::Model(model) => write!(out, "with the model {}", model.name()),
             Self::By(method) => write!(out, "with {}", method.name()),
@@ -41,10 +46,10 @@ impl Experiment {
     pub fn all() -> impl Iterator<Item = Self> {
         let models = [Model::StableNeoHookean, Model::FixedCorotated, Model::Corotated, Model::NeoHookean];
         let methods = [Method::ImplicitEuler, Method::SymplecticEuler, Method::Bdf2];
-        [Self::Shorter(4), Self::Shorter(16), Self::Compression]
+        [Self::Compression, Self::Shorter(4), Self::Shorter(16), Self::Motion]
             .into_iter()
-            .chain(models.map(Self::Model))
             .chain(methods.map(Self::By))
+            .chain(models.map(Self::Model))
             .chain([Self::Damped])
     }
 
@@ -55,10 +60,11 @@ impl Experiment {
     pub fn prepare(self, case: &Case, model: Model, method: Method) -> Result<Option<Run>, SceneError> {
         let run = match self {
             Self::Shorter(times) => Run::new(case, model, method)?.finer(times),
+            Self::Motion => Run::new(case, model, Method::VelocityVerlet)?.finer(Reference::FINER),
             Self::Compression => {
                 let listed =
                     case.level.effects.iter().any(|listed| matches!(listed.effect, EffectKind::Compression(_)));
-                if listed || case.level.bodies.is_empty() {
+                if listed || model != Model::StVenantKirchhoff || case.level.bodies.is_empty() {
                     return Ok(None);
                 }
                 let mut case = case.clone();
@@ -83,17 +89,22 @@ impl Experiment {
     }
 
     /// Experiment that shows why a run is not stable: that of its known failure, or the first of all; `None` if none does.
-    pub fn cause(case: &Case, model: Model, method: Method) -> Option<Self> {
+    pub fn cause(case: &Case, model: Model, method: Method, failure: Failure) -> Option<Self> {
         let known = case.cannot(model, method).and_then(|cannot| cannot.shown_by);
-        let shows = |experiment: &Self| experiment.shows(case, model, method) == Ok(true);
+        let shows = |experiment: &Self| experiment.shows(case, model, method, failure) == Ok(true);
         known.filter(shows).or_else(|| Self::all().find(shows))
     }
 
-    /// Whether the experiment shows the cause.
+    /// Whether the experiment shows the cause of a failure.
     ///
     /// # Errors
     /// If a scene cannot be built.
-    pub fn shows(self, case: &Case, model: Model, method: Method) -> Result<bool, SceneError> {
-        Ok(self.verdict(case, model, method)?.is_some_and(|verdict| verdict.is_stable()))
+    pub fn shows(self, case: &Case, model: Model, method: Method, failure: Failure) -> Result<bool, SceneError> {
+        let ends = |failure| matches!(failure, Failure::Inverted | Failure::Wound | Failure::Strain | Failure::Motion);
+        if self == Self::Motion && !ends(failure) {
+            return Ok(false);
+        }
+        let Some(verdict) = self.verdict(case, model, method)? else { return Ok(false) };
+        Ok(if self == Self::Motion { verdict.failure.is_some_and(ends) } else { verdict.is_stable() })
     }
 }

@@ -20,6 +20,7 @@ mod account;
 mod case;
 mod experiment;
 mod method;
+pub mod random;
 mod reference;
 mod run;
 mod sweep;

@@ -2,7 +2,12 @@
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, ProgressOptions, ending};
 use crate::{
-    hard::{ACCURATE, COLUMNS, Case, Entry, Experiment, Method, Sweep, Trial, row},
+    guard::Guard,
+    hard::{
+        ACCURATE, COLUMNS, Case, Entry, Experiment, Failure, Method, Sweep, Trial,
+        random::{Outcome, Variation},
+        row,
+    },
     levels,
     materials::Model,
     meshes::NoFiles,
@@ -54,6 +59,15 @@ pub struct Hard {
     /// Looks for the cause of every run that is not stable, by experiments.
     #[arg(long)]
     pub experiments: bool,
+    /// Runs so many random variations of the built-in levels instead, with all integrators and models, for 100 steps each.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times"])]
+    pub random: Option<u32>,
+    /// Seed of the random variations.
+    #[arg(long, default_value_t = 1, requires = "random")]
+    pub seed: u32,
+    /// Number of the first random variation.
+    #[arg(long, default_value_t = 0, requires = "random")]
+    pub first: u32,
     /// Number of threads; as many as there are if not given.
     #[arg(long, value_parser = super::thread_count)]
     pub threads: Option<usize>,
@@ -70,6 +84,9 @@ pub struct Hard {
 /// # Errors
 /// [`HeadlessError`] with the cause and the remedy.
 pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
+    if let Some(count) = request.random {
+        return random(request, count);
+    }
     let cases = read(request)?;
     let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &request.cases)?;
     let models = request.model.map_or(Model::ALL.to_vec(), |model| vec![model]);
@@ -139,10 +156,62 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     Ok(ending)
 }
 
+/// Runs random variations and counts how they end.
+fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
+    Interrupt::watch();
+    let mut runs = Vec::new();
+    for number in request.first..request.first.saturating_add(count) {
+        let variation = Variation::new(request.seed, number).map_err(|_| HeadlessError::Study {
+            file: "levels".to_owned(),
+            why: StudyError::NotHere("one cannot be read"),
+        })?;
+        runs.push((variation, None));
+    }
+    let threads = request.threads.unwrap_or_else(threads);
+    let done = super::study::with_progress(&request.progress_options, |budget| {
+        let deadline = Deadline::after(budget);
+        let open: Vec<_> = runs.iter_mut().filter(|(_, outcome)| outcome.is_none()).collect();
+        spread(threads, open, |(variation, outcome)| {
+            *outcome = Some(variation.run());
+            !deadline.passed()
+        });
+        let over = runs.iter().filter(|(_, outcome)| outcome.is_some()).count();
+        Ok(Progress { done: over as f64 / f64::from(count), finished: over == runs.len() })
+    })
+    .map_err(|why| HeadlessError::Study { file: "random variations".to_owned(), why })?;
+    let stopped = Interrupt::seen().filter(|_| done < 1.0);
+    let over: Vec<_> = runs.iter().filter_map(|(variation, outcome)| Some((variation, outcome.as_ref()?))).collect();
+    let of = |wanted: fn(&Outcome) -> bool| over.iter().filter(|(_, outcome)| wanted(outcome)).count();
+    let wrong: Vec<_> = over.iter().filter_map(|(variation, outcome)| Some((variation, outcome.wrong()?))).collect();
+    let slowest = over.iter().map(|(_, outcome)| outcome.seconds).fold(0.0, f64::max);
+    let mut table = format!(
+        "{} runs of {} steps, seed {}\n{:>7} went to the end\n{:>7} of them with divided steps\n{:>7} stopped with a cause\n\
+         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was put in, not finite, or over {} s\n\
+         slowest run {slowest:.1} s",
+        over.len(),
+        Variation::STEPS,
+        request.seed,
+        of(|outcome| outcome.refused.is_none() && outcome.fault.is_none()),
+        of(|outcome| outcome.fault.is_none() && outcome.guarded > 0),
+        of(|outcome| outcome.fault.is_some()),
+        of(|outcome| outcome.refused.is_some()),
+        wrong.len(),
+        Guard::EXCESS,
+        Variation::SECONDS,
+    );
+    for (Variation { number, base, model, level, .. }, why) in &wrong {
+        let (model, integrator) = (model.name(), level.integrator.name());
+        // Writing to a string cannot fail.
+        let _ = write!(table, "\nnumber {number}: {base}, {model}, {integrator}: {why}");
+    }
+    let outputs = Outputs::new(&[], &[])?;
+    Ok(Ending::new(table, outputs, u8::from(!wrong.is_empty()), stopped))
+}
+
 /// Causes of runs that are not stable, found by experiments.
 #[derive(Default)]
 struct Explanations {
-    open: Vec<Trial>,
+    open: Vec<(Trial, Failure)>,
     found: Vec<(Trial, Option<Experiment>)>,
     threads: usize,
 }
@@ -150,8 +219,9 @@ struct Explanations {
 impl Explanations {
     /// Prepares those of the unstable runs of a sweep.
     fn new(sweep: &Sweep, threads: usize) -> Self {
-        let unstable = |(trial, entry): (&Trial, &Entry)| {
-            matches!(&entry.verdict, Some(Ok(verdict)) if !verdict.is_stable()).then(|| trial.clone())
+        let unstable = |(trial, entry): (&Trial, &Entry)| match &entry.verdict {
+            Some(Ok(verdict)) => Some((trial.clone(), verdict.failure?)),
+            _ => None,
         };
         let mut open: Vec<_> = sweep.entries().filter_map(unstable).collect();
         open.reverse();
@@ -163,12 +233,12 @@ impl Explanations {
         let deadline = Deadline::after(budget);
         while !self.open.is_empty() && !deadline.passed() {
             let next = self.open.split_off(self.open.len().saturating_sub(self.threads));
-            let mut results: Vec<_> = next.into_iter().rev().map(|trial| (trial, None)).collect();
-            spread(self.threads, results.iter_mut().collect(), |(trial, found)| {
-                *found = Experiment::cause(&trial.case, trial.model, trial.method);
+            let mut results: Vec<_> = next.into_iter().rev().map(|(trial, failure)| (trial, failure, None)).collect();
+            spread(self.threads, results.iter_mut().collect(), |(trial, failure, found)| {
+                *found = Experiment::cause(&trial.case, trial.model, trial.method, *failure);
                 true
             });
-            self.found.extend(results);
+            self.found.extend(results.into_iter().map(|(trial, _, found)| (trial, found)));
         }
         let done = self.found.len() as f64 / (self.found.len() + self.open.len()).max(1) as f64;
         Progress { done, finished: self.open.is_empty() }

@@ -85,10 +85,12 @@ pub(super) fn step(
     if system.has_moving_obstacles() && active.is_any_active(system.inverse_mass()) {
         system.force(x, v, force);
         active.to_local(force);
-        v.copy_from_slice(end_v);
-        active.to_local(v);
-        let work = active.work_of_reactions([system.mass(), system.inverse_mass()], [z, force, v]);
-        system.set_work_of_obstacles(h * work);
+        // The velocities are not needed any more.
+        let displacement = v;
+        displacement.iter_mut().zip(&*end_x).zip(&state.x).for_each(|((d, end), start)| *d = end - start);
+        active.to_local(displacement);
+        let work = active.work_of_reactions([system.mass(), system.inverse_mass()], [z, force, displacement]);
+        system.set_work_of_obstacles(work);
     }
     active.mark(system.inverse_mass(), spare);
     state.x.copy_from_slice(end_x);

@@ -41,6 +41,8 @@ pub struct Guard {
     put_in: Option<f64>,
     /// Energy at the start, and changes from outside since \[J\].
     start: f64,
+    /// Work of moving obstacles since the state was set \[J\].
+    work: f64,
     /// Greatest available energy, supplied less potential, since the last change from outside \[J\].
     reference: f64,
     /// Kinetic energy up to which no check is made \[J\].
@@ -118,18 +120,19 @@ impl Guard {
         self.start = energies.total();
     }
 
-    /// Supplied energy so far, if it is known \[J\].
-    pub const fn put_in(&self) -> Option<f64> {
-        self.put_in
+    /// Restores the supplied energy of an earlier moment.
+    pub const fn restore_supplied(&mut self, earlier: &Self) {
+        (self.put_in, self.work) = (earlier.put_in, earlier.work);
     }
 
-    /// Restores the supplied energy of an earlier moment.
-    pub const fn set_put_in(&mut self, put_in: Option<f64>) {
-        self.put_in = put_in;
+    /// Work of moving obstacles since the state was set \[J\].
+    pub const fn work(&self) -> f64 {
+        self.work
     }
 
     /// Adds work of moving obstacles \[J\].
     pub fn supply(&mut self, work: f64) {
+        self.work += work;
         if let Some(put_in) = &mut self.put_in {
             *put_in += work;
         }
@@ -242,6 +245,7 @@ impl From<&SavedGuard> for Guard {
         Self {
             put_in: Some(saved.supplied),
             start: saved.start,
+            work: 0.0,
             reference: saved.reference,
             kinetic_threshold: saved.threshold,
             last: saved.last.map(|(mechanical, total)| [mechanical, total]),

@@ -196,6 +196,11 @@ impl Simulation {
         1 << self.guard.level()
     }
 
+    /// Work of moving obstacles since the state was set, an estimate \[J\].
+    pub const fn work_of_obstacles(&self) -> f64 {
+        self.guard.work()
+    }
+
     /// Counts so far.
     pub const fn counts(&self) -> Counts {
         self.scratch.counts

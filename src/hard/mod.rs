@@ -2,7 +2,8 @@
 //!
 //! A [`Case`] is a level with [scripted actions](crate::level::ScriptedAction) and an expected end. Each is one file of `levels/hard/`. A
 //! [`Run`] advances a case with one constitutive model and one [`Method`] in frames of 1/60 s and ends with a
-//! [`Verdict`]. A [`Sweep`] is a table of runs of cases, models and methods on several threads.
+//! [`Verdict`]. A [`Sweep`] is a table of runs of cases, models and methods on several threads. [`random`] holds variations of
+//! the built-in levels.
 //!
 //! Criteria for every case:
 //! - the simulation goes on: no fault, and no value that is not finite;
@@ -12,6 +13,7 @@
 //!   differs by more than [`AREA`].
 
 mod case;
+pub mod random;
 mod run;
 mod sweep;
 #[cfg(feature = "csv")]

@@ -100,8 +100,10 @@ impl Run {
             self.adapt_step();
         }
         let steps = u64::from(self.substeps).min(self.end.1 - self.simulation.state().steps);
+        let work = self.simulation.work_of_obstacles();
         self.simulation.advance(steps, &mut || true);
         self.frame += 1;
+        self.ledger.supply(self.simulation.work_of_obstacles() - work);
         self.ledger.record(self.simulation.energies());
         self.outside = self.outside.max(self.fence.beyond(&self.simulation.state().x));
         let over = self.frame >= self.end.0 || self.simulation.state().steps >= self.end.1;
@@ -208,7 +210,7 @@ impl Fence {
 /// Energy balance of a run. Between two changes from outside nothing in a scene supplies energy.
 ///
 /// With the mechanical energy M and the potential P, `M + P` cannot exceed the energy put in. That is the energy at
-/// the start plus the gain or loss by every change from outside. Energy dissipated before a change is subtracted, so
+/// the start plus the gain or loss by every change from outside, and the work of moving obstacles. Energy dissipated before a change is subtracted, so
 /// that it cannot hide an excess. The excess is relative to the greatest possible M, `put in - P`.
 #[derive(Clone, Debug)]
 pub struct Ledger {
@@ -230,6 +232,11 @@ impl Ledger {
         self.record(before);
         self.put_in = self.put_in.min(before.total()) + after.total() - before.total();
         self.record(after);
+    }
+
+    /// Adds work of moving obstacles \[J\].
+    pub fn supply(&mut self, work: f64) {
+        self.put_in += work;
     }
 
     /// Records the present energies.

@@ -2,12 +2,17 @@
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, ProgressOptions, ending};
 use crate::{
-    hard::{COLUMNS, Case, Entry, Method, Sweep, Trial, row},
+    guard::Guard,
+    hard::{
+        COLUMNS, Case, Entry, Method, Sweep, Trial,
+        random::{Outcome, Variation},
+        row,
+    },
     levels,
     materials::Model,
     meshes::NoFiles,
     scene::Scene,
-    study::{StudyError, threads},
+    study::{Deadline, Progress, StudyError, spread, threads},
     table::remark,
     terminal,
 };
@@ -33,6 +38,15 @@ pub struct Hard {
     /// One integrator instead of `SymplecticEuler`, `ImplicitEuler` and `Bdf2`.
     #[arg(long, value_parser = method)]
     pub integrator: Option<Method>,
+    /// Runs so many random variations of the built-in levels instead, with all integrators and models, for 100 steps each.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times"])]
+    pub random: Option<u32>,
+    /// Seed of the random variations.
+    #[arg(long, default_value_t = 1, requires = "random")]
+    pub seed: u32,
+    /// Number of the first random variation.
+    #[arg(long, default_value_t = 0, requires = "random")]
+    pub first: u32,
     /// Number of threads; as many as there are if not given.
     #[arg(long, value_parser = super::thread_count)]
     pub threads: Option<usize>,
@@ -44,11 +58,14 @@ pub struct Hard {
     pub progress_options: ProgressOptions,
 }
 
-/// Runs hard cases and writes the table. Shows progress. A signal stops the runs early.
+/// Runs hard cases or random variations and writes the table. Shows progress. A signal stops the runs early.
 ///
 /// # Errors
 /// [`HeadlessError`] with the cause and the remedy.
 pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
+    if let Some(count) = request.random {
+        return random(request, count);
+    }
     let cases = read(request)?;
     let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &request.cases)?;
     let models = request.model.map_or(Model::ALL.to_vec(), |model| vec![model]);
@@ -104,6 +121,58 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     ending.remarks.extend(refused);
     ending.remarks.extend(partial.map(|partial| format!("the results are partial: {partial}")));
     Ok(ending)
+}
+
+/// Runs random variations and counts how they end.
+fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
+    Interrupt::watch();
+    let mut runs = Vec::new();
+    for number in request.first..request.first.saturating_add(count) {
+        let variation = Variation::new(request.seed, number).map_err(|_| HeadlessError::Study {
+            file: "levels".to_owned(),
+            why: StudyError::NotHere("one cannot be read"),
+        })?;
+        runs.push((variation, None));
+    }
+    let threads = request.threads.unwrap_or_else(threads);
+    let done = super::study::with_progress(&request.progress_options, |budget| {
+        let deadline = Deadline::after(budget);
+        let open: Vec<_> = runs.iter_mut().filter(|(_, outcome)| outcome.is_none()).collect();
+        spread(threads, open, |(variation, outcome)| {
+            *outcome = Some(variation.run());
+            !deadline.passed()
+        });
+        let over = runs.iter().filter(|(_, outcome)| outcome.is_some()).count();
+        Ok(Progress { done: over as f64 / f64::from(count), finished: over == runs.len() })
+    })
+    .map_err(|why| HeadlessError::Study { file: "random variations".to_owned(), why })?;
+    let stopped = Interrupt::seen().filter(|_| done < 1.0);
+    let over: Vec<_> = runs.iter().filter_map(|(variation, outcome)| Some((variation, outcome.as_ref()?))).collect();
+    let of = |wanted: fn(&Outcome) -> bool| over.iter().filter(|(_, outcome)| wanted(outcome)).count();
+    let wrong: Vec<_> = over.iter().filter_map(|(variation, outcome)| Some((variation, outcome.wrong()?))).collect();
+    let slowest = over.iter().map(|(_, outcome)| outcome.seconds).fold(0.0, f64::max);
+    let mut table = format!(
+        "{} runs of {} steps, seed {}\n{:>7} went to the end\n{:>7} of them with divided steps\n{:>7} stopped with a cause\n\
+         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was available, not finite, or over {} s\n\
+         slowest run {slowest:.1} s",
+        over.len(),
+        Variation::STEPS,
+        request.seed,
+        of(|outcome| outcome.refused.is_none() && outcome.fault.is_none()),
+        of(|outcome| outcome.fault.is_none() && outcome.guarded > 0),
+        of(|outcome| outcome.fault.is_some()),
+        of(|outcome| outcome.refused.is_some()),
+        wrong.len(),
+        Guard::EXCESS,
+        Variation::SECONDS,
+    );
+    for (Variation { number, base, model, level, .. }, why) in &wrong {
+        let (model, integrator) = (model.name(), level.integrator.name());
+        // Writing to a string cannot fail.
+        let _ = write!(table, "\nnumber {number}: {base}, {model}, {integrator}: {why}");
+    }
+    let outputs = Outputs::new(&[], &[])?;
+    Ok(Ending::new(table, outputs, u8::from(!wrong.is_empty()), stopped))
 }
 
 /// Table so far as CSV.

@@ -81,7 +81,17 @@ pub(super) fn step(
         counts.add(&solve(system, state, workspace, (affine, h)).0);
     }
     let Workspace { numbers, spare, active, .. } = workspace;
-    let [.., end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
+    let [_, _, x, v, z, end_x, end_v, force] = parts::<PARTS>(numbers, state.x.len());
+    if system.has_moving_obstacles() && active.is_any_active(system.inverse_mass()) {
+        system.force(x, v, force);
+        active.to_local(force);
+        // The velocities are not needed any more.
+        let displacement = v;
+        displacement.iter_mut().zip(&*end_x).zip(&state.x).for_each(|((d, end), start)| *d = end - start);
+        active.to_local(displacement);
+        let work = active.work_of_reactions([system.mass(), system.inverse_mass()], [z, force, displacement]);
+        system.set_work_of_obstacles(work);
+    }
     active.mark(system.inverse_mass(), spare);
     state.x.copy_from_slice(end_x);
     state.v.copy_from_slice(end_v);

@@ -79,6 +79,14 @@ pub trait Dynamics {
     /// Resets the records of this step before it is solved again.
     fn discard_records(&mut self) {}
 
+    /// Whether any obstacle moves.
+    fn has_moving_obstacles(&self) -> bool {
+        false
+    }
+
+    /// Replaces the recorded work of moving obstacles in this step \[J\].
+    fn set_work_of_obstacles(&mut self, _work: f64) {}
+
     /// Projects positions and velocities at the end of a step on the constraints, given those at its start. If only
     /// vertices that face a wall count (`faces`), bodies may still end beyond one: the next solve, with the facing
     /// vertices constrained, determines where the others end.

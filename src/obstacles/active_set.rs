@@ -266,6 +266,13 @@ impl ActiveSet {
         ActiveSetStatus::Changed
     }
 
+    /// Work of the reactions `M z - f` of walls \[J\], without what they dissipate, for accelerations z, forces and
+    /// displacements along the local axes.
+    pub fn work_of_reactions(&self, [mass, inverse_mass]: [&[f64]; 2], [z, force, displacement]: [&[f64]; 3]) -> f64 {
+        let work = |number: usize| ((mass[number] * z[number] - force[number]) * displacement[number]).max(0.0);
+        (0..z.len()).filter(|number| self.is_constrained(inverse_mass, *number)).map(work).sum()
+    }
+
     /// Marks the constrained coordinates as touched in `before`, the velocities and then positions without walls.
     pub fn mark(&self, inverse_mass: &[f64], before: &mut [f64]) {
         for number in (0..self.inverse.len()).filter(|number| self.is_constrained(inverse_mass, *number)) {

@@ -212,7 +212,7 @@ impl Simulation {
         self.shape += 1;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);
-        self.guard.set_put_in(self.checkpoint.guard.put_in());
+        self.guard.restore_supplied(&self.checkpoint.guard);
         self.scratch.workspace.forget();
         self.scratch.displacement_bound = -1.0;
         while self.state.steps < step {

@@ -227,11 +227,11 @@ impl Simulation {
         for effect in &self.scene.effects[self.scene.element_count()..] {
             effect.force(motion, &mut self.scratch.effects[..effect.scratch()], &mut self.islands.force);
         }
-        let put_in = self.guard.put_in();
+        let guard = self.guard.clone();
         self.multirate.stop_early(true);
         self.step();
         self.multirate.stop_early(false);
-        self.guard.set_put_in(put_in);
+        self.guard.restore_supplied(&guard);
         self.scratch.clear_box = clear_box;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);

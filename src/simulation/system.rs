@@ -381,6 +381,14 @@ impl Dynamics for System<'_> {
         (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
     }
 
+    fn has_moving_obstacles(&self) -> bool {
+        self.scratch.plan.constraints.iter().any(|number| !self.scene.effects[*number].is_steady())
+    }
+
+    fn set_work_of_obstacles(&mut self, work: f64) {
+        self.scratch.supplied = work;
+    }
+
     /// Applies all constraints in rounds until none changes a vertex, because one may move a vertex into another.
     fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
         if !self.constrains() {

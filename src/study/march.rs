@@ -113,7 +113,7 @@ pub const CLOCK: &str =
     if cfg!(target_arch = "wasm32") { "wall time" } else { "processor time of the thread that computes" };
 
 /// Stopwatch. It is started and read in the same thread.
-pub(super) struct Stopwatch {
+pub struct Stopwatch {
     wall: Instant,
     #[cfg(not(target_arch = "wasm32"))]
     processor: Option<cpu_time::ThreadTime>,

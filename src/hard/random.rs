@@ -1,0 +1,214 @@
+//! Random variations of the built-in levels, with every integrator and every constitutive model.
+
+use super::Ledger;
+use crate::{
+    files,
+    guard::Guard,
+    integrators::IntegratorKind,
+    level::{Action, BodyLevel, Level, MassLevel, ScriptedAction, StartShape, Substeps},
+    levels,
+    materials::{MaterialParameters, Model},
+    meshes::NoFiles,
+    quantity::{Angle, Coordinate, Density, Factor, Mass, Point, Poisson, Spin, Time, Velocity, Young},
+    random,
+    scene::Scene,
+    simulation::Simulation,
+    study::Stopwatch,
+};
+
+/// Random variation of a level: other materials, masses, effects, steps, start shapes and velocities, and a pull by the mouse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variation {
+    /// Number in the sequence of its seed.
+    pub number: u32,
+    /// Name of the built-in level.
+    pub base: String,
+    /// Constitutive model of all bodies.
+    pub model: Model,
+    /// The level.
+    pub level: Level,
+}
+
+/// Result of a run of a [`Variation`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Why the level cannot be built, if so.
+    pub refused: Option<String>,
+    /// Fault that stopped the run, if any.
+    pub fault: Option<String>,
+    /// Number of steps taken.
+    pub steps: u64,
+    /// Steps that the guard divided.
+    pub guarded: u64,
+    /// Greatest energy from nowhere, relative to the greatest energy that was available (see [`Ledger`]).
+    pub excess: f64,
+    /// Whether the last state and its energies are finite.
+    pub finite: bool,
+    /// Processor time \[s\].
+    pub seconds: f64,
+}
+
+impl Variation {
+    /// Steps of a run.
+    pub const STEPS: u64 = 100;
+
+    /// Greatest processor time of a run \[s\].
+    pub const SECONDS: f64 = 10.0;
+
+    /// Variation by its number. All integrators and models occur with every level in turn.
+    ///
+    /// # Errors
+    /// If a built-in level cannot be read.
+    pub fn new(seed: u32, number: u32) -> Result<Self, files::FileError> {
+        let (integrators, models) = (IntegratorKind::all(), Model::ALL);
+        let mut turn = number as usize;
+        let mut choose = |count: usize| {
+            let chosen = turn % count;
+            turn /= count;
+            chosen
+        };
+        let integrator = integrators[choose(integrators.len())].clone();
+        let model = models[choose(models.len())];
+        let mut bases = Vec::new();
+        for (file, text) in levels::BUILT_IN {
+            let level = files::parse(text, file)?;
+            if level.toy.is_none() {
+                bases.push((file.strip_suffix(".ron").unwrap_or(file), level));
+            }
+        }
+        let (base, level) = bases.swap_remove(choose(bases.len()));
+        let mut draw = Draw(random::stream(seed.wrapping_mul(1_000_003).wrapping_add(number)));
+        let level = vary(Level { integrator, state: None, ..level }, model, &mut draw);
+        Ok(Self { number, base: base.to_owned(), model, level })
+    }
+
+    /// Runs the variation, with the guard.
+    pub fn run(&self) -> Outcome {
+        let stopwatch = Stopwatch::start();
+        let mut outcome =
+            Outcome { refused: None, fault: None, steps: 0, guarded: 0, excess: 0.0, finite: true, seconds: 0.0 };
+        match Scene::build(&self.level, self.level.mode, &NoFiles, None)
+            .and_then(|scene| Simulation::open(scene, &self.level, self.level.mode))
+        {
+            Ok(simulation) => step(simulation, &mut outcome),
+            Err(error) => outcome.refused = Some(error.to_string()),
+        }
+        outcome.seconds = stopwatch.elapsed().as_secs_f64();
+        outcome
+    }
+}
+
+impl Outcome {
+    /// What is wrong with the run, if anything: a run may only end or stop with a cause.
+    pub fn wrong(&self) -> Option<String> {
+        if !self.finite {
+            return Some("not finite".to_owned());
+        }
+        if self.fault.is_none() && self.excess > Guard::EXCESS {
+            return Some(format!("energy from nowhere: {:.2} times what was available", self.excess));
+        }
+        (self.seconds > Variation::SECONDS).then(|| format!("took {:.1} s", self.seconds))
+    }
+}
+
+fn step(mut simulation: Simulation, outcome: &mut Outcome) {
+    let mut ledger = Ledger::new(simulation.scene(), simulation.energies());
+    for _ in 0..Variation::STEPS {
+        simulation.perform_due(&mut |before, after| ledger.changed(before, after));
+        let work = simulation.work_of_obstacles();
+        simulation.advance(1, &mut || true);
+        ledger.supply(simulation.work_of_obstacles() - work);
+        ledger.record(simulation.energies());
+        if simulation.fault().is_some() {
+            break;
+        }
+    }
+    outcome.fault = simulation.fault().map(ToString::to_string);
+    (outcome.steps, outcome.guarded) = (simulation.state().steps, simulation.counts().guarded);
+    outcome.excess = ledger.gain();
+    outcome.finite = simulation.state().is_finite() && simulation.energies().total().is_finite();
+}
+
+/// Random choices.
+struct Draw<R>(R);
+
+impl<R: Iterator<Item = f64>> Draw<R> {
+    /// Number in [-1, 1).
+    fn number(&mut self) -> f64 {
+        self.0.next().unwrap_or(0.0)
+    }
+
+    /// True with a probability.
+    fn chance(&mut self, probability: f64) -> bool {
+        0.5 * (self.number() + 1.0) < probability
+    }
+
+    /// Factor up to `decades` powers of ten either way.
+    fn factor(&mut self, decades: f64) -> f64 {
+        libm::pow(10.0, decades * self.number())
+    }
+
+    /// Point about the middle of the view \[m\].
+    fn point(&mut self) -> Point {
+        let at = [0.5 + 0.5 * self.number(), 0.5 + 0.5 * self.number()];
+        Point::new(at).unwrap_or(Point(Coordinate::literal(0.0), Coordinate::literal(0.0)))
+    }
+}
+
+fn vary<R: Iterator<Item = f64>>(mut level: Level, model: Model, draw: &mut Draw<R>) -> Level {
+    let substeps = f64::from(level.substeps.get()) * libm::exp2((3.0 * draw.number()).round());
+    level.substeps = Substeps::nearest(substeps.max(1.0));
+    for body in &mut level.bodies {
+        vary_body(body, model, draw);
+    }
+    for listed in &mut level.effects {
+        for number in listed.effect.kind_mut().parameters() {
+            if draw.chance(0.3) {
+                // A value beyond the range leaves the old one.
+                let _ = number.set(number.get() * draw.factor(1.5));
+            }
+        }
+    }
+    if draw.chance(0.4) {
+        let time = |seconds: f64| Time::new(seconds).unwrap_or(Time::literal(0.0));
+        let actions = [Action::Grab(draw.point()), Action::Pull { to: draw.point(), over: time(0.2) }, Action::Release];
+        level.actions = actions
+            .into_iter()
+            .zip([0.0, 0.0, 0.5])
+            .map(|(action, at)| ScriptedAction { at: time(at), every: None, action })
+            .collect();
+    }
+    level
+}
+
+fn vary_body<R: Iterator<Item = f64>>(body: &mut BodyLevel, model: Model, draw: &mut Draw<R>) {
+    body.material = body.material.with_model(model);
+    let young = Young::new(body.material.young().get() * draw.factor(2.0)).unwrap_or(body.material.young());
+    let poisson = if draw.chance(0.2) { 0.499 } else { 0.45 * draw.number().abs() };
+    let poisson = Poisson::new(poisson).unwrap_or(body.material.poisson());
+    body.material = MaterialParameters::new(model, young, poisson, body.material.plane()).unwrap_or(body.material);
+    let factor = draw.factor(2.0);
+    body.mass = match body.mass {
+        MassLevel::Density(density) => MassLevel::Density(Density::new(density.get() * factor).unwrap_or(density)),
+        MassLevel::Total(mass) => MassLevel::Total(Mass::new(mass.get() * factor).unwrap_or(mass)),
+    };
+    if draw.chance(0.3) {
+        let stretch = [body.stretch.0, body.stretch.1];
+        let [x, y] = stretch.map(|old| Factor::new(old.get() * draw.factor(0.3)).unwrap_or(old));
+        body.stretch = (x, y);
+    }
+    if draw.chance(0.05) {
+        body.start = StartShape::Scrambled { seed: (1e6 * draw.number().abs()) as u32 };
+    }
+    if draw.chance(0.2) {
+        body.spin = Spin::new(50.0 * draw.number()).unwrap_or(body.spin);
+    }
+    if draw.chance(0.2) {
+        let old = body.velocity;
+        let mut speed = |old: Velocity| Velocity::new(20.0 * draw.number()).unwrap_or(old);
+        body.velocity = (speed(old.0), speed(old.1));
+    }
+    if draw.chance(0.2) {
+        body.place.turn = Angle::new(180.0 * draw.number()).unwrap_or(body.place.turn);
+    }
+}

@@ -39,7 +39,7 @@ pub struct Hard {
     #[arg(long, value_parser = method)]
     pub integrator: Option<Method>,
     /// Runs so many random variations of the built-in levels instead, with all integrators and models, for 100 steps each.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times", "model", "integrator"])]
     pub random: Option<u32>,
     /// Seed of the random variations.
     #[arg(long, default_value_t = 1, requires = "random")]

@@ -5,7 +5,11 @@ mod common;
 
 use gingerbread::{
     files,
-    hard::{COLUMNS, Case, Entry, Failure, Lasts, Ledger, Method, Run, Sweep, Trial, Verdict, row},
+    hard::{
+        COLUMNS, Case, Entry, Failure, Lasts, Ledger, Method, Run, Sweep, Trial, Verdict,
+        random::{Outcome, Variation},
+        row,
+    },
     level::Level,
     levels::HARD,
     materials::Model,
@@ -268,4 +272,65 @@ fn a_sweep_does_not_depend_on_budget_or_threads() {
         sweep.entries().map(verdict).collect::<Vec<_>>()
     };
     assert_eq!(rows(1, Duration::ZERO), rows(3, Duration::from_mins(1)));
+}
+
+/// The work of walls that press a block and let it go is no energy from nowhere.
+#[test]
+fn work_of_moving_walls_is_supplied_energy() {
+    let wall = |y: f64, speed: f64| {
+        format!(
+            "Moving(obstacle: Cuboid(centre: (0.5, {y}), width: 2, height: 0.2, eps: 0.001),
+               motions: [Slide(velocity: (0, {speed}), until: 0.9), Slide(velocity: (0, {}), from: 1.5, until: 2.4)])",
+            -speed
+        )
+    };
+    let text = format!(
+        "(level: (name: \"pinch\", mode: Collide,
+            bodies: [(name: \"block\", mass: Density(100),
+              mesh: Rectangle(width: 0.4, height: 0.4, columns: 6, rows: 6, diagonals: Alternating, corner: (0.3, 0.3)),
+              material: (model: Corotated, young: 1000, poisson: 0.3))],
+            effects: [(effect: Rayleigh(mass: 10)), (effect: Walls(obstacles: [{}, {}]))]),
+          lasts: Seconds(5), expects: Home)",
+        wall(0.85, -0.15),
+        wall(0.15, 0.15)
+    );
+    let case: Case = files::parse_as(&text, "pinch.ron").unwrap();
+    for model in [Model::Corotated, Model::StableNeoHookean, Model::FixedCorotated] {
+        for method in Method::ALL {
+            let mut run = Run::new(&case, model, method).unwrap();
+            let mut most = 0.0_f64;
+            let verdict = loop {
+                if let Some(verdict) = run.advance().unwrap() {
+                    break verdict;
+                }
+                most = most.max(run.simulation().energies().elastic);
+            };
+            let work = run.simulation().work_of_obstacles();
+            assert!(verdict.held(), "{} {}: {verdict:?}", model.name(), method.name());
+            assert!(most > 1.0 && work > most && work < 2.0 * most, "{}: {work} J for {most} J", method.name());
+            assert_eq!(run.simulation().counts().guarded, 0, "{} {}", model.name(), method.name());
+        }
+    }
+}
+
+/// A random variation depends on seed and number alone, and so does its run.
+#[test]
+fn random_variations_can_be_repeated() {
+    let variation = |seed, number| Variation::new(seed, number).unwrap();
+    assert_eq!(variation(1, 5), variation(1, 5));
+    assert_ne!(variation(1, 5).level, variation(2, 5).level);
+    let mut seen = Vec::new();
+    for number in 0..66 {
+        let Variation { model, level, .. } = variation(3, number);
+        seen.push((model, level.integrator.name()));
+    }
+    seen.sort_by_key(|(model, integrator)| (model.name(), *integrator));
+    seen.dedup();
+    assert_eq!(seen.len(), 66, "every model with every integrator");
+    let timeless = |number| Outcome { seconds: 0.0, ..variation(1, number).run() };
+    for number in 0..22 {
+        let outcome = timeless(number);
+        assert_eq!(outcome, timeless(number));
+        assert!(outcome.finite, "number {number}: {outcome:?}");
+    }
 }

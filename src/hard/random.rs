@@ -36,11 +36,11 @@ pub struct Outcome {
     pub refused: Option<String>,
     /// Fault that stopped the run, if any.
     pub fault: Option<String>,
-    /// Number of steps taken, and of those that the guard divided.
+    /// Number of steps taken.
     pub steps: u64,
     /// Steps that the guard divided.
     pub guarded: u64,
-    /// Greatest energy beyond what was put in, relative to that.
+    /// Greatest energy from nowhere, relative to the greatest energy that was available (see [`Account`]).
     pub excess: f64,
     /// Whether the last state and its energies are finite.
     pub finite: bool,
@@ -105,7 +105,7 @@ impl Outcome {
             return Some("not finite".to_owned());
         }
         if self.fault.is_none() && self.excess > Guard::EXCESS {
-            return Some(format!("energy beyond what was put in: {:.2} times that", self.excess));
+            return Some(format!("energy from nowhere: {:.2} times what was available", self.excess));
         }
         (self.seconds > Variation::SECONDS).then(|| format!("took {:.1} s", self.seconds))
     }

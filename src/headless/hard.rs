@@ -60,7 +60,7 @@ pub struct Hard {
     #[arg(long)]
     pub experiments: bool,
     /// Runs so many random variations of the built-in levels instead, with all integrators and models, for 100 steps each.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times", "model", "integrator", "twins", "no_reference", "experiments"])]
     pub random: Option<u32>,
     /// Seed of the random variations.
     #[arg(long, default_value_t = 1, requires = "random")]
@@ -79,7 +79,7 @@ pub struct Hard {
     pub progress_options: ProgressOptions,
 }
 
-/// Runs hard cases and writes the table. Shows progress. A signal stops the runs early.
+/// Runs hard cases or random variations and writes the table. Shows progress. A signal stops the runs early.
 ///
 /// # Errors
 /// [`HeadlessError`] with the cause and the remedy.
@@ -186,7 +186,7 @@ fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
     let slowest = over.iter().map(|(_, outcome)| outcome.seconds).fold(0.0, f64::max);
     let mut table = format!(
         "{} runs of {} steps, seed {}\n{:>7} went to the end\n{:>7} of them with divided steps\n{:>7} stopped with a cause\n\
-         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was put in, not finite, or over {} s\n\
+         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was available, not finite, or over {} s\n\
          slowest run {slowest:.1} s",
         over.len(),
         Variation::STEPS,

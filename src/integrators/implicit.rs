@@ -81,15 +81,21 @@ pub(super) fn step(
         counts.add(&solve(system, state, workspace, (affine, h)).0);
     }
     let Workspace { numbers, spare, active, .. } = workspace;
-    let [_, _, x, v, z, end_x, end_v, force] = parts::<PARTS>(numbers, state.x.len());
+    let [impulse, _, displacement, velocity, z, end_x, end_v, force] = parts::<PARTS>(numbers, state.x.len());
     if system.has_moving_obstacles() && active.is_any_active(system.inverse_mass()) {
-        system.force(x, v, force);
-        active.to_local(force);
-        // The velocities are not needed any more.
-        let displacement = v;
+        // The stage is in `displacement` and `velocity` until here.
+        system.force(displacement, velocity, force);
         displacement.iter_mut().zip(&*end_x).zip(&state.x).for_each(|((d, end), start)| *d = end - start);
-        active.to_local(displacement);
-        let work = active.work_of_reactions([system.mass(), system.inverse_mass()], [z, force, displacement]);
+        velocity.copy_from_slice(end_v);
+        let changes = end_v.iter().zip(&state.v).zip(system.mass()).zip(&*force);
+        impulse.iter_mut().zip(changes).for_each(|(impulse, (((end, start), mass), force))| {
+            *impulse = mass * (end - start) - h * force;
+        });
+        for values in [&mut *impulse, &mut *displacement, &mut *velocity, &mut *force] {
+            active.to_local(values);
+        }
+        let masses = [system.mass(), system.inverse_mass()];
+        let work = active.work_of_reactions(masses, [z, force, displacement], [impulse, velocity]);
         system.set_work_of_obstacles(work);
     }
     active.mark(system.inverse_mass(), spare);

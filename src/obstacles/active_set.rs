@@ -266,10 +266,19 @@ impl ActiveSet {
         ActiveSetStatus::Changed
     }
 
-    /// Work of the reactions `M z - f` of walls \[J\], without what they dissipate, for accelerations z, forces and
-    /// displacements along the local axes.
-    pub fn work_of_reactions(&self, [mass, inverse_mass]: [&[f64]; 2], [z, force, displacement]: [&[f64]; 3]) -> f64 {
-        let work = |number: usize| ((mass[number] * z[number] - force[number]) * displacement[number]).max(0.0);
+    /// Work of walls in a step \[J\], without what they dissipate: the greater of the work of the reaction `M z - f` along
+    /// the displacement, and of the impulse `M (v' - v) - h f` at the end velocity v'. Positions and velocities of an impact do
+    /// not agree, and a wall may stop in the step. All along the local axes.
+    pub fn work_of_reactions(
+        &self,
+        [mass, inverse_mass]: [&[f64]; 2],
+        [z, force, displacement]: [&[f64]; 3],
+        [impulse, velocity]: [&[f64]; 2],
+    ) -> f64 {
+        let work = |number: usize| {
+            let reaction = mass[number] * z[number] - force[number];
+            (reaction * displacement[number]).max(impulse[number] * velocity[number]).max(0.0)
+        };
         (0..z.len()).filter(|number| self.is_constrained(inverse_mass, *number)).map(work).sum()
     }
 

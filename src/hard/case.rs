@@ -112,7 +112,7 @@ impl Case {
             return Ok(level);
         }
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
-        let limit = critical_step(&scene, &scene.start).unwrap_or(f64::INFINITY);
+        let limit = critical_step(&scene, &scene.start, None).unwrap_or(f64::INFINITY);
         Ok(Level { substeps: Substeps::nearest(1.0 / (60.0 * Method::SHARE * limit)), ..level })
     }
 

@@ -76,7 +76,7 @@ fn explicit(number: usize) -> [Curve; 2] {
     // The longest stable step at rest is as long as a quad is wide, but for a factor.
     let small = sheet(EXPLICIT[2], MODELS[number], "SymplecticEuler");
     let rest = State { x: small.rest.clone(), ..small.start.clone() };
-    let stable = critical_step(&small, &rest).unwrap() * f64::from(EXPLICIT[2]);
+    let stable = critical_step(&small, &rest, None).unwrap() * f64::from(EXPLICIT[2]);
     for n in EXPLICIT {
         let mut scene = sheet(n, MODELS[number], "SymplecticEuler");
         scene.step = SHARE * stable / f64::from(n);

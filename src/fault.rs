@@ -15,7 +15,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::{elements::Field, guard::Guard, integrators::Class, scene::Scene, stability::critical_step, state::State};
+use crate::{
+    effects::Grab, elements::Field, guard::Guard, integrators::Class, scene::Scene, stability::critical_step,
+    state::State,
+};
 
 /// A step that could not be taken. The simulation rests on the last finite state.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,15 +79,15 @@ pub enum Cause {
 }
 
 impl Fault {
-    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier. `finite` is true if the failed step
+    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier; `grab` is the pull. `finite` is true if the failed step
     /// left finite numbers. `step` is the length of the shortest steps of any body or net \[s\].
-    pub fn find(scene: &Scene, [state, before]: [&State; 2], step: f64, finite: bool) -> Self {
+    pub fn find(scene: &Scene, [state, before]: [&State; 2], grab: Option<Grab>, step: f64, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))
             .unwrap_or((Culprit::Toy, None));
         // The limit h w = 2 scaled to that of the scheme; schemes without one are excluded.
         let limit = scene.integrator.kind().stability_limit().and_then(|reach| {
-            let limits = [&scene.start, before].map(|state| critical_step(scene, state));
+            let limits = [&scene.start, before].map(|state| critical_step(scene, state, grab));
             limits.into_iter().flatten().reduce(f64::min).map(|limit| 0.5 * reach * limit)
         });
         let cause = match limit {

@@ -6,7 +6,7 @@
 //! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
 //! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
 //! // Three times the longest stable step.
-//! let step = 3.0 * stability::critical_step(&scene, &scene.start).ok_or("it has stiffness")?;
+//! let step = 3.0 * stability::critical_step(&scene, &scene.start, None).ok_or("it has stiffness")?;
 //! let state = scene.start.clone();
 //! let mut simulation = Simulation::new(Scene { step, ..scene }, state);
 //! simulation.advance(100, &mut || true);
@@ -14,7 +14,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::{level::SavedGuard, report::Energies, scene::Scene};
+use crate::{
+    level::{SavedGuard, Substeps},
+    report::Energies,
+    scene::Scene,
+};
 
 /// Energy check of one run.
 ///
@@ -27,18 +31,18 @@ use crate::{level::SavedGuard, report::Energies, scene::Scene};
 /// show. So a step counts as unstable if M is above twice the available energy and M + P grew by 8 % of M in this one
 /// step, as it does near and above the stability limit.
 ///
-/// Slow growth adds up. Over the whole run, energy from nowhere, M + P less the supplied energy, may be no more than
-/// [`Self::EXCESS`] times the greatest energy that was available since the last change from outside. A step beyond that
-/// counts as unstable however little it adds.
+/// Slow growth adds up. Energy from nowhere is the rise of M + P, less what was supplied since, above its least value at
+/// a check; so dissipated energy does not hide it. It may be no more than [`Self::EXCESS`] times the greatest energy
+/// that was available since the last change from outside. A step beyond that counts as unstable however little it adds.
 ///
-/// Energy gained before detection is only removed as far as the last 10 to 20 steps.
-///
-/// All energies cost as much as a step. They are computed only when the kinetic energy, which is cheap, has grown by
-/// half since the last check.
+/// All energies cost as much as a step. They are computed when the kinetic energy, which is cheap, has grown by half
+/// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before detection is only removed as far as the last 10 to 20 steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guard {
     /// Supplied energy so far \[J\]; computed when it is first needed.
     put_in: Option<f64>,
+    /// Least M + P at a check, moved by energy supplied since \[J\].
+    least: f64,
     /// Energy at the start, and changes from outside since \[J\].
     start: f64,
     /// Work of moving obstacles since the state was set \[J\].
@@ -72,6 +76,13 @@ impl Guard {
     /// Greatest level: up to 2^6 = 64 shorter steps.
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
+    /// Greatest level for a step \[s\]: a frame has no more than [`Substeps::MAX`] of the shorter steps. This bounds the
+    /// work.
+    pub fn most_level(step: f64) -> u32 {
+        let most = f64::from(Substeps::MAX) * 60.0 * step;
+        (1..=Self::MOST).take_while(|level| f64::from(1 << level) <= most).last().unwrap_or(0)
+    }
+
     /// Energy from nowhere that is allowed over a run, as a multiple of the available energy.
     pub const EXCESS: f64 = 1.5;
 
@@ -83,12 +94,13 @@ impl Guard {
     pub fn saved(&self, state: u64) -> Option<SavedGuard> {
         let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
         let (mechanical, total) = last.unwrap_or_default();
-        let finite = [supplied, self.start, self.reference, self.kinetic_threshold, mechanical, total]
+        let finite = [supplied, self.least, self.start, self.reference, self.kinetic_threshold, mechanical, total]
             .into_iter()
             .all(f64::is_finite);
         finite.then_some(SavedGuard {
             state,
             supplied,
+            least: Some(self.least),
             start: self.start,
             reference: self.reference,
             threshold: self.kinetic_threshold,
@@ -116,13 +128,13 @@ impl Guard {
 
     /// Sets the energies at the start.
     pub fn begin(&mut self, energies: Energies) {
-        self.put_in = Some(energies.total());
-        self.start = energies.total();
+        let total = energies.total();
+        (self.put_in, self.least, self.start) = (Some(total), total, total);
     }
 
     /// Restores the supplied energy of an earlier moment.
     pub const fn restore_supplied(&mut self, earlier: &Self) {
-        (self.put_in, self.work) = (earlier.put_in, earlier.work);
+        (self.put_in, self.least, self.work) = (earlier.put_in, earlier.least, earlier.work);
     }
 
     /// Work of moving obstacles since the state was set \[J\].
@@ -133,6 +145,7 @@ impl Guard {
     /// Adds work of moving obstacles \[J\].
     pub fn supply(&mut self, work: f64) {
         self.work += work;
+        self.least += work;
         if let Some(put_in) = &mut self.put_in {
             *put_in += work;
         }
@@ -142,6 +155,7 @@ impl Guard {
     /// [`Self::is_possible`].
     pub fn allow(&mut self, after: Energies) {
         self.put_in = self.put_in.map(|put_in| put_in.max(after.total()));
+        self.least = self.least.max(after.total());
         self.last = None;
     }
 
@@ -162,8 +176,10 @@ impl Guard {
     pub fn changed(&mut self, before: Energies, after: Energies) {
         if let Some(put_in) = &mut self.put_in {
             // Dissipated energy is not available again, but an excess stays.
-            *put_in = put_in.min(before.total()) + after.total() - before.total();
-            self.start += after.total() - before.total();
+            let change = after.total() - before.total();
+            *put_in = put_in.min(before.total()) + change;
+            self.least = self.least.min(before.total()) + change;
+            self.start += change;
         }
         self.reference = 0.0;
         (self.kinetic_threshold, self.last) = (0.0, None);
@@ -177,19 +193,15 @@ impl Guard {
     /// Checks a step by the energies after it, and those before it, if they are known.
     pub fn judge(&mut self, scene: &Scene, before: Option<Energies>, after: Energies) -> Verdict {
         let slack = negligible(scene);
-        if self.put_in.is_some() && self.is_impossible(scene, after.elastic) {
+        if self.put_in.is_some() && self.is_impossible(scene, after.elastic) || !self.keeps_bound(scene, after) {
             return Verdict::Unstable;
         }
         let mechanical = after.kinetic + after.elastic;
         let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
-        self.reference = self.reference.max(available);
         if mechanical <= 2.0 * available.max(0.0) + slack {
             self.last = None;
             self.kinetic_threshold = 1.5 * after.kinetic + slack;
             return Verdict::Fine;
-        }
-        if mechanical > available + Self::EXCESS * self.reference + slack {
-            return Verdict::Unstable;
         }
         let known = before.map(|before| [before.kinetic + before.elastic, before.total()]).or(self.last);
         let Some([was, total]) = known else { return Verdict::Unknown };
@@ -200,25 +212,34 @@ impl Guard {
         Verdict::Fine
     }
 
-    /// Raises the refinement level, if possible. Returns whether it did.
-    pub fn refine(&mut self) -> bool {
+    /// Whether energy from nowhere is within its bound.
+    pub fn keeps_bound(&mut self, scene: &Scene, energies: Energies) -> bool {
+        let (Some(put_in), total) = (self.put_in, energies.total()) else { return true };
+        self.reference = self.reference.max(put_in - energies.potential);
+        let keeps = total - self.least <= Self::EXCESS * self.reference + negligible(scene);
+        self.least = self.least.min(total);
+        keeps
+    }
+
+    /// Raises the refinement level, at most to `most`. Returns whether it did.
+    pub fn refine(&mut self, most: u32) -> bool {
         (self.kinetic_threshold, self.last, self.stable_steps) = (0.0, None, 0);
         self.retry_after = self.retry_after.saturating_mul(2).clamp(Self::RETRY_STEPS[0], Self::RETRY_STEPS[1]);
-        let may = self.level < Self::MOST;
+        let may = self.level < most;
         self.level += u32::from(may);
         may
     }
 
     /// Raises the level once more after a stable length: just below the stability limit the energy of a scheme
     /// oscillates widely.
-    pub fn refine_further(&mut self) {
-        self.level = (self.level + 1).min(Self::MOST);
+    pub fn refine_further(&mut self, most: u32) {
+        self.level = (self.level + 1).min(most.max(self.level));
     }
 
     /// Accepts the energies as supplied by the scene.
     pub fn accept(&mut self, level: u32, energies: Energies) {
         self.restore_level(level);
-        self.put_in = Some(energies.total());
+        (self.put_in, self.least) = (Some(energies.total()), energies.total());
     }
 
     /// Restores an earlier refinement level.
@@ -244,6 +265,7 @@ impl From<&SavedGuard> for Guard {
     fn from(saved: &SavedGuard) -> Self {
         Self {
             put_in: Some(saved.supplied),
+            least: saved.least.unwrap_or(saved.supplied),
             start: saved.start,
             work: 0.0,
             reference: saved.reference,

@@ -228,7 +228,8 @@ impl Simulation {
     /// false; a few more steps may be taken then.
     ///
     /// Every step is checked. If one leaves NaN or infinity, or the [`Guard`] finds it unstable, the state before it is
-    /// restored exactly. In a guarded scene the step is then taken in shorter ones; if that fails too, the fault is
+    /// restored exactly. Energies are checked at the end of each frame of 1/60 s, and within a frame where the kinetic
+    /// energy has grown; see [`Self::check`]. In a guarded scene the step is then taken in shorter ones; if that fails too, the fault is
     /// kept until the state is set anew.
     ///
     /// Scripted actions are performed at their times; see [`Self::follow`].
@@ -245,6 +246,14 @@ impl Simulation {
             }
         }
         taken
+    }
+
+    /// Checks the energy of a state within a frame as at the end of one, and takes the last steps again if it breaks the
+    /// bound of the [`Guard`].
+    pub fn check(&mut self) {
+        if self.fault.is_none() && self.state.steps > self.asked_at && !self.keeps_bound() {
+            self.retake();
+        }
     }
 
     /// Takes steps without scripted actions.
@@ -354,8 +363,11 @@ impl Simulation {
         if !self.validates() {
             return false;
         }
-        if !self.is_guarded() || !self.needs_energy_check() {
+        if !self.is_guarded() {
             return true;
+        }
+        if !self.needs_energy_check() {
+            return !self.ends_frame() || self.keeps_bound();
         }
         let after = self.energies();
         let total = after.total();
@@ -373,6 +385,20 @@ impl Simulation {
             verdict = self.guard.judge(&self.scene, Some(before), after);
         }
         verdict == Verdict::Fine
+    }
+
+    /// Whether a frame ends with the last step.
+    fn ends_frame(&self) -> bool {
+        self.state.steps.is_multiple_of(self.scene.steps_per_frame())
+    }
+
+    /// Whether the energy from nowhere is within its bound. After an implicit step that was checked.
+    fn keeps_bound(&mut self) -> bool {
+        if !self.is_guarded() || self.is_asleep() || self.scene.integrator.kind().class() == Class::Implicit {
+            return true;
+        }
+        let energies = self.energies();
+        self.guard.keeps_bound(&self.scene, energies)
     }
 
     /// Whether a state before a failed step may be kept: its energies are finite, and where the guard is on, possible.
@@ -403,7 +429,8 @@ impl Simulation {
         }
         let began = self.checkpoint.state.steps;
         let mut gains = vec![(failed, self.energies().total())];
-        while self.is_guarded() && self.guard.refine() {
+        let most = Guard::most_level(self.multirate.shortest(self.scene.step));
+        while self.is_guarded() && self.guard.refine(most) {
             self.go_back_to(began);
             self.scratch.counts.retaken += failed - began;
             self.checkpoint.counts = self.scratch.counts;
@@ -413,8 +440,8 @@ impl Simulation {
                 self.step();
                 sound = self.is_sound();
             }
-            if sound {
-                self.guard.refine_further();
+            if sound && self.keeps_bound() {
+                self.guard.refine_further(most);
                 self.stale = true;
                 return true;
             }
@@ -435,7 +462,7 @@ impl Simulation {
         self.go_back_to(last);
         // The cause shows just before the failed step.
         let step = self.multirate.shortest(self.scene.step);
-        let fault = Fault::find(&self.scene, [&self.state, &earlier], step, finite);
+        let fault = Fault::find(&self.scene, [&self.state, &earlier], self.grab, step, finite);
         while last > first && !self.is_kept() {
             last -= 1;
             self.go_back_to(last);

@@ -6,25 +6,31 @@
 //! let level = files::parse(levels::built_in("jelly_disk").ok_or("there is no such level")?, "jelly_disk.ron")?;
 //! let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
 //! let state = scene.first_state(level.state.as_ref())?;
-//! let limit = stability::critical_step(&scene, &state).ok_or("it has stiffness")?;
+//! let limit = stability::critical_step(&scene, &state, None).ok_or("it has stiffness")?;
 //! assert!(scene.step < limit, "the level runs in stable steps");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::{elements::reserve_scratch, random::irregular, scene::Scene, state::State};
+use crate::{
+    effects::{Grab, Motion},
+    elements::reserve_scratch,
+    random::irregular,
+    scene::Scene,
+    state::State,
+};
 
-/// Longest stable step of symplectic Euler near a state \[s\], or `None` if there is no stiffness or it is NaN. The same value
-/// holds for both Verlet schemes without damping.
-pub fn critical_step(scene: &Scene, state: &State) -> Option<f64> {
-    longest_step(scene, state, largest_eigenvalue(scene, state)?)
+/// Longest stable step of symplectic Euler near a state under a pull \[s\], or `None` if there is no stiffness or it is NaN. The
+/// same value holds for both Verlet schemes without damping.
+pub fn critical_step(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<f64> {
+    longest_step(scene, scene.motion(state, grab), largest_eigenvalue(scene, state, grab)?)
 }
 
-/// The largest eigenvalue of M⁻¹ K [1/s²], K the stiffness of all effects at the state; converged.
-pub fn largest_eigenvalue(scene: &Scene, state: &State) -> Option<f64> {
+/// The largest eigenvalue of M⁻¹ K [1/s²], K the stiffness of all effects at the state under a pull; converged.
+pub fn largest_eigenvalue(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<f64> {
     let mut probe = StabilityProbe::default();
     let mut last = 0.0;
     for _ in 0..RESTARTS {
-        let next = probe.largest_eigenvalue(scene, state, ROUNDS)?;
+        let next = probe.largest_eigenvalue(scene, scene.motion(state, grab), ROUNDS)?;
         if next - last <= CONVERGED * next {
             return Some(next);
         }
@@ -56,13 +62,14 @@ pub struct StabilityProbe {
 }
 
 impl StabilityProbe {
-    /// The longest stable step at a state \[s\] after a number of further iterations, each of one product with the
+    /// The longest stable step at a state under a pull \[s\] after a number of further iterations, each of one product with the
     /// stiffness; `None` if there is no stiffness or it is NaN.
-    pub fn refine(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
-        longest_step(scene, state, self.largest_eigenvalue(scene, state, rounds.max(2))?)
+    pub fn refine(&mut self, scene: &Scene, state: &State, grab: Option<Grab>, rounds: usize) -> Option<f64> {
+        let motion = scene.motion(state, grab);
+        longest_step(scene, motion, self.largest_eigenvalue(scene, motion, rounds.max(2))?)
     }
 
-    fn largest_eigenvalue(&mut self, scene: &Scene, state: &State, rounds: usize) -> Option<f64> {
+    fn largest_eigenvalue(&mut self, scene: &Scene, motion: Motion<'_>, rounds: usize) -> Option<f64> {
         let count = scene.inverse_mass.len();
         if count == 0 {
             return None;
@@ -83,7 +90,7 @@ impl StabilityProbe {
         let mut projected = SmallMatrix::new(rounds);
         let mut used = 0;
         for round in 0..rounds {
-            self.multiply(scene, state, round * count);
+            self.multiply(scene, motion, round * count);
             used = round + 1;
             // Full reorthogonalisation, twice: round-off would reintroduce the largest eigenvalue.
             for pass in 0..2 {
@@ -115,7 +122,7 @@ impl StabilityProbe {
     }
 
     /// `M^(-1/2) K M^(-1/2)` times the basis vector that begins here.
-    fn multiply(&mut self, scene: &Scene, state: &State, begin: usize) {
+    fn multiply(&mut self, scene: &Scene, motion: Motion<'_>, begin: usize) {
         let root = |inverse_mass: &f64| inverse_mass.sqrt();
         let vector = &self.basis[begin..];
         for ((displacement, value), inverse_mass) in self.displacement.iter_mut().zip(vector).zip(&scene.inverse_mass) {
@@ -124,7 +131,7 @@ impl StabilityProbe {
         self.product.fill(0.0);
         for effect in &scene.effects {
             let scratch = &mut self.scratch[..effect.scratch()];
-            effect.stiffness_times(scene.motion(state, None), &self.displacement, scratch, &mut self.product);
+            effect.stiffness_times(motion, &self.displacement, scratch, &mut self.product);
         }
         for (product, inverse_mass) in self.product.iter_mut().zip(&scene.inverse_mass) {
             *product *= root(inverse_mass);
@@ -135,8 +142,7 @@ impl StabilityProbe {
 /// The longest stable step for a vibration of squared angular frequency w² and the scene's damping rate c = alpha + beta w²
 /// for it, taken at the old velocity: the characteristic polynomial `z² - (2 - h c - h² w²) z + (1 - h c)` has both roots
 /// inside the unit circle while `h² w² + 2 h c < 4`. Without damping that is h < 2/w.
-fn longest_step(scene: &Scene, state: &State, square: f64) -> Option<f64> {
-    let motion = scene.motion(state, None);
+fn longest_step(scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
     let dampings = scene.effects.iter().map(|effect| effect.damping(motion));
     let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let rate = alpha + beta * square;

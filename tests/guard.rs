@@ -21,7 +21,7 @@ use gingerbread::{
 fn released(model: &str, share: f64, more: &str) -> Simulation {
     let mut run = simulation(&sheet(model, "stretch: (1.2, 1)", more));
     let mut scene = run.scene().clone();
-    scene.step = share * critical_step(&scene, run.state()).unwrap();
+    scene.step = share * critical_step(&scene, run.state(), None).unwrap();
     run.replace_scene(scene);
     run
 }

@@ -5,6 +5,7 @@ mod common;
 
 use gingerbread::{
     files,
+    guard::Guard,
     hard::{
         COLUMNS, Case, Entry, Failure, Lasts, Ledger, Method, Run, Sweep, Trial, Verdict,
         random::{Outcome, Variation},
@@ -310,6 +311,19 @@ fn work_of_moving_walls_is_supplied_energy() {
             assert!(most > 1.0 && work > most && work < 2.0 * most, "{}: {work} J for {most} J", method.name());
             assert_eq!(run.simulation().counts().guarded, 0, "{} {}", model.name(), method.name());
         }
+    }
+}
+
+/// After each step that a caller sees, also where elastic energy grows and kinetic energy does not, where damping has
+/// dissipated most of the energy before it grows again, and just before steps are divided.
+#[test]
+fn random_variations_keep_the_bound_on_energy_from_nowhere() {
+    for number in [2, 26, 33, 177, 254].into_iter().chain((0..66).step_by(5)) {
+        let outcome = Variation::new(1, number).unwrap().run();
+        assert!(
+            outcome.finite && (outcome.fault.is_some() || outcome.gain <= Guard::EXCESS),
+            "{number}: {outcome:?}"
+        );
     }
 }
 

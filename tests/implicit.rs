@@ -213,7 +213,7 @@ fn a_hundred_times_the_stability_limit_gains_no_energy() {
     for model in models() {
         for integrator in ["ImplicitEuler", "Bdf2"] {
             let level = under(sheet(model, "stretch: (1.2, 1)", ""), integrator);
-            let limit = critical_step(built(&level, None).scene(), &built(&level, None).scene().start).unwrap();
+            let limit = critical_step(built(&level, None).scene(), &built(&level, None).scene().start, None).unwrap();
             let mut simulation = built(&level, Some(100.0 * limit));
             let mut energy = simulation.energies().total();
             for step in 0..100 {

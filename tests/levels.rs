@@ -68,7 +68,7 @@ fn every_level_is_stable_at_its_step_with_and_without_damping() {
 
 /// The step over the longest stable one.
 fn share(simulation: &Simulation) -> Option<f64> {
-    let limit = critical_step(simulation.scene(), &rest(simulation))?;
+    let limit = critical_step(simulation.scene(), &rest(simulation), None)?;
     Some(simulation.scene().step / limit)
 }
 
@@ -76,7 +76,7 @@ fn share(simulation: &Simulation) -> Option<f64> {
 fn greatest_share(simulation: &Simulation) -> Option<f64> {
     let shares = simulation.scene().sub_scenes.iter().zip(simulation.substep_plans()).filter_map(|(alone, pace)| {
         let rest = State { x: alone.scene.rest.clone(), ..alone.scene.start.clone() };
-        Some(pace.step / critical_step(&alone.scene, &rest)?)
+        Some(pace.step / critical_step(&alone.scene, &rest, None)?)
     });
     shares.reduce(f64::max)
 }

@@ -136,10 +136,10 @@ fn stability_limit_holds_in_space() {
     };
     let entries: Vec<f64> = (0..count).flat_map(column).collect();
     let greatest = DMatrix::from_vec(count, count, entries).symmetric_eigenvalues().max();
-    let limit = critical_step(&scene, &scene.start).unwrap();
+    let limit = critical_step(&scene, &scene.start, None).unwrap();
     assert!((limit * greatest.sqrt() / 2.0 - 1.0).abs() < 1e-3, "{limit} s");
     let mut probe = StabilityProbe::default();
-    let refined = (0..4).map(|_| probe.refine(&scene, &scene.start, 16)).last().flatten().unwrap();
+    let refined = (0..4).map(|_| probe.refine(&scene, &scene.start, None, 16)).last().flatten().unwrap();
     assert!((refined / limit - 1.0).abs() < 1e-3);
     for (share, is_stable) in [(0.95, true), (1.05, false)] {
         let mut scene = scene.clone();
@@ -158,7 +158,7 @@ fn stability_limit_holds_in_space() {
 #[test]
 fn guard_divides_unstable_steps_in_space() {
     let mut scene = block();
-    scene.step = 1.3 * critical_step(&scene, &scene.start).unwrap();
+    scene.step = 1.3 * critical_step(&scene, &scene.start, None).unwrap();
     let start = moving(&scene);
     let mut simulation = Simulation::new(scene, start);
     let before = simulation.energies().total();

@@ -5,6 +5,7 @@ mod common;
 
 use common::{Random, level, models, reopened, sheet, simulation, systems::built};
 use gingerbread::{
+    effects::Grab,
     files,
     level::Level,
     levels,
@@ -132,7 +133,7 @@ fn steps_are_stable_just_below_the_limit_and_not_above() {
         for effects in ["", "effects: [(effect: Rayleigh(mass: 2, stiffness: 0.01))]"] {
             let growth = |share: f64, steps: u64| {
                 let mut simulation = simulation(&sheet(model, "", &format!("guard: Off, {effects}")));
-                let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
+                let limit = critical_step(simulation.scene(), simulation.state(), None).unwrap();
                 let mut level = sheet(model, "", &format!("guard: Off, {effects}"));
                 level.substeps = gingerbread::level::Substeps::new(1).unwrap();
                 simulation = built(&level, share * limit);
@@ -158,11 +159,30 @@ fn a_probe_amortised_over_frames_finds_the_stability_limit() {
         let mut probe = StabilityProbe::default();
         for _ in 0..40 {
             run(&mut simulation, 10);
-            probe.refine(simulation.scene(), simulation.state(), 3).unwrap();
+            probe.refine(simulation.scene(), simulation.state(), None, 3).unwrap();
         }
-        let seen = probe.refine(simulation.scene(), simulation.state(), 3).unwrap();
-        let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
+        let seen = probe.refine(simulation.scene(), simulation.state(), None, 3).unwrap();
+        let limit = critical_step(simulation.scene(), simulation.state(), None).unwrap();
         assert!((seen / limit - 1.0).abs() < 0.02, "{model}: {seen} against {limit}");
+    }
+}
+
+/// A mouse spring much stiffer than the material: the limit is 2/w with w^2 = k/m of the pulled vertex, whose neighbours
+/// add less than 1 %.
+#[test]
+fn a_stiff_pull_lowers_the_stability_limit() {
+    let stiffness = 1e9;
+    for model in models() {
+        let run = simulation(&sheet(model, "", &format!("effects: [(effect: MouseSpring(stiffness: {stiffness:e}))]")));
+        let (scene, state) = (run.scene(), run.state());
+        let vertex = 7;
+        let grab = Some(Grab { vertex, target: [0.0, 0.0] });
+        let closed_form = 2.0 * (scene.mass[2 * vertex] / stiffness).sqrt();
+        let limit = critical_step(scene, state, grab).unwrap();
+        assert!((limit / closed_form - 1.0).abs() < 0.01, "{model}: {limit} against {closed_form}");
+        assert!(critical_step(scene, state, None).unwrap() > 10.0 * limit, "{model}");
+        let probed = StabilityProbe::default().refine(scene, state, grab, 16).unwrap();
+        assert!((probed / limit - 1.0).abs() < 0.01, "{model}: {probed} against {limit}");
     }
 }
 

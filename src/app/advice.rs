@@ -559,7 +559,7 @@ mod tests {
     }
 
     fn limit(simulation: &Simulation) -> f64 {
-        critical_step(simulation.scene(), &simulation.scene().start).unwrap()
+        critical_step(simulation.scene(), &simulation.scene().start, None).unwrap()
     }
 
     fn facts(sandbox: &Sandbox) -> (Facts, Snapshot) {

@@ -19,14 +19,13 @@ pub struct Account {
     /// Energy put in \[J\].
     put_in: f64,
     gain: f64,
-    excess: f64,
 }
 
 impl Account {
     /// Opens the account of a scene with its energies.
     pub fn new(scene: &Scene, energies: Energies) -> Self {
         let start = energies.total();
-        let mut account = Self { start, work: 0.0, least: start, put_in: negligible(scene), gain: 0.0, excess: 0.0 };
+        let mut account = Self { start, work: 0.0, least: start, put_in: negligible(scene), gain: 0.0 };
         account.record(energies);
         account
     }
@@ -47,21 +46,15 @@ impl Account {
     pub fn record(&mut self, energies: Energies) {
         self.put_in = self.put_in.max(self.start + self.work - energies.potential);
         let balance = energies.total() - self.work;
+        let gain = (balance - self.least) / self.put_in;
         // NaN counts as an infinite gain.
-        let greater = |old: f64, new: f64| if new.is_nan() { f64::INFINITY } else { old.max(new) };
-        self.gain = greater(self.gain, (balance - self.least) / self.put_in);
-        self.excess = greater(self.excess, (balance - self.start) / self.put_in);
+        self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
         self.least = self.least.min(balance);
     }
 
     /// Greatest energy from nowhere, as a share of the energy put in.
     pub const fn gain(&self) -> f64 {
         self.gain
-    }
-
-    /// Greatest energy beyond what was put in, as a share of it: the rise of A above its start.
-    pub const fn excess(&self) -> f64 {
-        self.excess
     }
 
     /// Energy put in \[J\].

@@ -98,7 +98,7 @@ impl Method {
         if !self.is_explicit() {
             return 1.0;
         }
-        let limit = critical_step(scene, &scene.start).unwrap_or(f64::INFINITY);
+        let limit = critical_step(scene, &scene.start, None).unwrap_or(f64::INFINITY);
         1.0 / (60.0 * Self::SHARE * self.relative_limit() * limit)
     }
 

@@ -40,8 +40,8 @@ pub struct Outcome {
     pub steps: u64,
     /// Steps that the guard divided.
     pub guarded: u64,
-    /// Greatest energy from nowhere, relative to the greatest energy that was available (see [`Account`]).
-    pub excess: f64,
+    /// Greatest energy from nowhere, as a share of the energy put in (see [`Account`]).
+    pub gain: f64,
     /// Whether the last state and its energies are finite.
     pub finite: bool,
     /// Processor time \[s\].
@@ -86,7 +86,7 @@ impl Variation {
     pub fn run(&self) -> Outcome {
         let stopwatch = Stopwatch::start();
         let mut outcome =
-            Outcome { refused: None, fault: None, steps: 0, guarded: 0, excess: 0.0, finite: true, seconds: 0.0 };
+            Outcome { refused: None, fault: None, steps: 0, guarded: 0, gain: 0.0, finite: true, seconds: 0.0 };
         match Scene::build(&self.level, self.level.mode, &NoFiles, None)
             .and_then(|scene| Simulation::open(scene, &self.level, self.level.mode))
         {
@@ -104,8 +104,8 @@ impl Outcome {
         if !self.finite {
             return Some("not finite".to_owned());
         }
-        if self.fault.is_none() && self.excess > Guard::EXCESS {
-            return Some(format!("energy from nowhere: {:.2} times what was available", self.excess));
+        if self.fault.is_none() && self.gain > Guard::EXCESS {
+            return Some(format!("energy from nowhere: {:.2} times what was put in", self.gain));
         }
         (self.seconds > Variation::SECONDS).then(|| format!("took {:.1} s", self.seconds))
     }
@@ -117,6 +117,7 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
         simulation.perform_due(&mut |before, after| account.changed(before, after));
         let work = simulation.work_of_obstacles();
         simulation.advance(1, &mut || true);
+        simulation.check();
         account.supply(simulation.work_of_obstacles() - work);
         account.record(simulation.energies());
         if simulation.fault().is_some() {
@@ -125,7 +126,7 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
     }
     outcome.fault = simulation.fault().map(ToString::to_string);
     (outcome.steps, outcome.guarded) = (simulation.state().steps, simulation.counts().guarded);
-    outcome.excess = account.excess();
+    outcome.gain = account.gain();
     outcome.finite = simulation.state().is_finite() && simulation.energies().total().is_finite();
 }
 

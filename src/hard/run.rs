@@ -191,7 +191,7 @@ impl Run {
     /// Between two frames the guard does the same.
     fn adapt_step(&mut self) {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
-        let Some(limit) = self.probe.refine(scene, state, ROUNDS) else { return };
+        let Some(limit) = self.probe.refine(scene, state, self.simulation.grab(), ROUNDS) else { return };
         let wanted = 1.0 / (60.0 * self.share * self.method.relative_limit() * limit);
         let substeps = Substeps::nearest(wanted).get().next_power_of_two().max(self.least).min(Substeps::MAX);
         if substeps > self.substeps || 4 * substeps <= self.substeps {

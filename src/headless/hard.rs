@@ -186,7 +186,7 @@ fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
     let slowest = over.iter().map(|(_, outcome)| outcome.seconds).fold(0.0, f64::max);
     let mut table = format!(
         "{} runs of {} steps, seed {}\n{:>7} went to the end\n{:>7} of them with divided steps\n{:>7} stopped with a cause\n\
-         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was available, not finite, or over {} s\n\
+         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was put in, not finite, or over {} s\n\
          slowest run {slowest:.1} s",
         over.len(),
         Variation::STEPS,

@@ -64,6 +64,9 @@ pub struct SavedGuard {
     /// Energy supplied so far \[J\].
     #[serde(deserialize_with = "finite")]
     pub supplied: f64,
+    /// Least energy at a check, with what was supplied since \[J\].
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_finite")]
+    pub least: Option<f64>,
     /// Energy at the start, with what changes from outside have added \[J\].
     #[serde(default, deserialize_with = "finite")]
     pub start: f64,
@@ -88,6 +91,10 @@ pub struct SavedGuard {
 fn finite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     let number = f64::deserialize(from)?;
     if number.is_finite() { Ok(number) } else { Err(serde::de::Error::custom("an energy must be finite")) }
+}
+
+fn optional_finite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    finite(from).map(Some)
 }
 
 fn both_finite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<(f64, f64)>, D::Error> {

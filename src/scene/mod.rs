@@ -342,6 +342,11 @@ impl Scene {
         })
     }
 
+    /// Number of steps in a frame of 1/60 s, rounded; at least one.
+    pub fn steps_per_frame(&self) -> u64 {
+        (1.0 / (60.0 * self.step)).round().max(1.0) as u64
+    }
+
     /// A state of this scene for effects.
     pub fn motion<'a>(&'a self, state: &'a State, grab: Option<crate::effects::Grab>) -> Motion<'a> {
         Motion {

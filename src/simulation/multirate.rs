@@ -32,6 +32,9 @@ use std::{ops::Range, sync::Arc};
 /// Greatest substep as a fraction of the critical step at rest.
 const SAFETY_FACTOR: f64 = 0.5;
 
+/// Number of substeps between two checks for numbers that are not finite.
+const FINITE_CHECK: u32 = 64;
+
 /// Steppers of all bodies and nets; empty without multirate stepping.
 #[derive(Default)]
 pub(super) struct Multirate {
@@ -126,7 +129,7 @@ impl SubstepStepper {
     fn new(whole: &Scene, sub_scene: &Arc<SubScene>) -> Self {
         let limit = sub_scene.limit(|scene| {
             let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
-            critical_step(scene, &rest)
+            critical_step(scene, &rest, None)
         });
         // Forward Euler and Heun have no stable step without damping: the limit of symplectic Euler is taken for them.
         let stability_limit = whole.integrator.kind().stability_limit().filter(|limit| *limit > 0.0).unwrap_or(2.0);
@@ -182,6 +185,10 @@ impl SubstepStepper {
             let counts = interval.integrator.step(&mut system, &mut self.state, &mut workspace, interval.h);
             self.scratch.workspace = workspace;
             self.scratch.counts.add(&counts);
+            // No number becomes finite again.
+            if substep % FINITE_CHECK == 0 && !self.state.is_finite() {
+                return;
+            }
             if self.scratch.clear_box.is_some() {
                 if !self.state.is_within(self.scratch.clear_box) {
                     return;

@@ -212,7 +212,7 @@ fn is_strip(body: &Body, rest: &[f64], held: impl Fn(u32) -> bool) -> bool {
 /// which is a long implicit step, to zero. Large deflections are thus reached without a jump to another equilibrium.
 pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
     let mut x = scene.start.x.clone();
-    let scale = largest_eigenvalue(scene, &scene.start)?;
+    let scale = largest_eigenvalue(scene, &scene.start, None)?;
     let mut newton = Newton::default();
     let mut counts = NewtonCounts::NONE;
     let softer = |holding: &f64| if *holding > 1e-10 { Some(0.2 * holding) } else { None };

@@ -301,7 +301,7 @@ fn with_tolerance(integrator: &IntegratorKind, value: f64) -> Option<IntegratorK
 
 /// Steps per frame at the stability limit of symplectic Euler near a state; 1 if nothing is stiff.
 pub(super) fn limit(scene: &Scene, start: &State) -> f64 {
-    let steps = [&scene.start, start].into_iter().filter_map(|state| critical_step(scene, state));
+    let steps = [&scene.start, start].into_iter().filter_map(|state| critical_step(scene, state, None));
     steps.reduce(f64::min).map_or(1.0, |step| 1.0 / (60.0 * step))
 }
 

@@ -40,7 +40,7 @@ fn a_still_window_finds_the_stability_limit_and_rests() {
         });
         assert!(frames.count() < 2000, "{name} does not come to rest");
         let simulation = window.state().sandbox().simulation();
-        let limit = critical_step(simulation.scene(), simulation.state()).unwrap();
+        let limit = critical_step(simulation.scene(), simulation.state(), None).unwrap();
         let node = window.get_by_label_contains("Stable up to");
         let words = node.accesskit_node().value().or(node.accesskit_node().label()).unwrap();
         let (number, unit) = words.trim_start_matches("Stable up to ").split_once(' ').unwrap();

@@ -30,7 +30,7 @@ fn substeps(window: &Window) -> u32 {
 /// The longest stable step at the start of the level that is shown [s].
 fn limit(window: &Window) -> f64 {
     let simulation = window.state().sandbox().simulation();
-    critical_step(simulation.scene(), &simulation.scene().start).unwrap()
+    critical_step(simulation.scene(), &simulation.scene().start, None).unwrap()
 }
 
 /// Runs until something is so, for at most so many frames; returns whether it is.

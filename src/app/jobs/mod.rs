@@ -121,7 +121,7 @@ impl Jobs {
         };
         let rounds = (ROUNDS[1] * PER_FRAME / scene.rest.len().max(1)).clamp(ROUNDS[0], ROUNDS[1]);
         let state = State { x: scene.rest.clone(), ..scene.start.clone() };
-        let limit = rest.probe.refine(scene, &state, rounds).map(|limit| 0.5 * reach * limit);
+        let limit = rest.probe.refine(scene, &state, None, rounds).map(|limit| 0.5 * reach * limit);
         rest.settled = match (rest.limit, limit) {
             (Some(before), Some(now)) => (before - now).abs() <= SETTLED * now,
             (_, None) => true,
@@ -251,7 +251,7 @@ impl Jobs {
             return;
         }
         self.unprobed = 0;
-        let limit = self.probe.refine(simulation.scene(), simulation.state(), rounds);
+        let limit = self.probe.refine(simulation.scene(), simulation.state(), simulation.grab(), rounds);
         let settled = match (self.limit, limit) {
             (Some(before), Some(now)) => (before - now).abs() <= SETTLED * now,
             (_, None) => true,

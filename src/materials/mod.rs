@@ -9,6 +9,7 @@
 //!
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 
+mod continuation;
 mod corotated;
 mod fixed_corotated;
 mod hencky;

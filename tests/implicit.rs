@@ -259,7 +259,7 @@ fn a_newton_step_is_limited_by_the_first_inversion() {
         for _ in 0..20 {
             let d: Vec<_> = x.iter().map(|_| random.between(-1.0, 1.0)).collect();
             let longest = scene.effects[0].longest_step(x, &d);
-            if !["NeoHookean", "Hencky"].contains(&model) {
+            if model != "NeoHookean" {
                 assert_eq!(longest, f64::INFINITY, "{model} has no barrier");
                 continue;
             }
@@ -276,7 +276,7 @@ fn a_newton_step_is_limited_by_the_first_inversion() {
 
 #[test]
 fn a_barrier_energy_prevents_inversion_in_implicit_steps() {
-    for model in ["NeoHookean", "Hencky"] {
+    for model in ["NeoHookean"] {
         for integrator in ["ImplicitEuler", "Bdf2"] {
             for seed in 1..9 {
                 let level = under(

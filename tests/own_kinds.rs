@@ -83,6 +83,19 @@ fn own_material_moves_as_the_same_listed_one() {
     }
 }
 
+/// Every listed model has an energy there.
+#[test]
+fn a_crushed_triangle_is_named_where_its_model_has_no_energy() {
+    let mut simulation = simulation(&with_own_material(sheet("NeoHookean", "", "guard: Off")));
+    let mut state = simulation.state().clone();
+    // Vertex 12 is in the middle; it is shot through the body.
+    state.v[24] = 2000.0;
+    simulation.set_state(state);
+    simulation.advance(1000, &mut || true);
+    let fault = simulation.fault().unwrap().to_string();
+    assert!(fault.contains("inverted (inside out), where the energy of Ogden is not defined"), "{fault}");
+}
+
 /// Wind of no speed is drag. With every integrator.
 #[test]
 fn own_effect_acts_as_the_same_listed_one() {

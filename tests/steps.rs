@@ -206,18 +206,6 @@ fn a_blow_up_stops_on_the_last_finite_state() {
 }
 
 #[test]
-fn a_crushed_triangle_is_named_where_its_model_has_no_energy() {
-    let mut simulation = simulation(&sheet("Hencky", "", "guard: Off"));
-    let mut state = simulation.state().clone();
-    // Vertex 12 is in the middle; it is shot through the body.
-    state.v[24] = 2000.0;
-    simulation.set_state(state);
-    simulation.advance(1000, &mut || true);
-    let fault = simulation.fault().unwrap().to_string();
-    assert!(fault.contains("inverted (inside out), where the energy of Hencky is not defined"), "{fault}");
-}
-
-#[test]
 fn mass_is_spread_as_the_level_says() {
     let total = simulation(&level(
         "(name: \"\", bodies: [(name: \"\", mesh: Disk(radius: 0.2, rings: 5), material: (model: Corotated, young: 1, poisson: 0), mass: Total(25))])",

@@ -5,7 +5,7 @@ use super::{
     triangle::{Rest, edges},
 };
 use crate::{
-    materials::{Material, WHOLE},
+    materials::{Material, THIN, WHOLE},
     simd::{LANES, Lanes, Mat2, Real, Wide},
 };
 use pulp::{Arch, Simd, WithSimd};
@@ -113,7 +113,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
         out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
         let mut found = Diagnostics { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
         let mut eights = [Eight::default(); RUN_BLOCKS];
-        let [mut ratios, mut energies, mut values] = [Lanes::default(); 3];
+        let [mut ratios, mut slacks, mut energies, mut values] = [Lanes::default(); 4];
         for (run, corners) in of.corners().chunks(RUN_BLOCKS * LANES).enumerate() {
             for (number, (eight, corners)) in eights.iter_mut().zip(corners.chunks(LANES)).enumerate() {
                 eight.collect(of, x, (run * RUN_BLOCKS + number) * LANES, corners);
@@ -123,6 +123,8 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
                     let (f, area) = eight.part(set, part);
                     let j = f.determinant();
                     j.store(&mut ratios, part);
+                    // Negative where a principal stretch is below THIN: J² is the product of their squares, |F|² the sum.
+                    (j * j - f.norm_squared() * (THIN * THIN)).store(&mut slacks, part);
                     if energy.is_none() {
                         (material.psi(f) * area).store(&mut energies, part);
                     }
@@ -142,7 +144,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
                     }
                     found.least = found.least.min(j);
                     found.inverted += usize::from(j <= 0.0);
-                    if j < WHOLE {
+                    if j < WHOLE || slacks[lane] < 0.0 {
                         let f = of.gradient_of(x.as_flattened(), triangle);
                         found.continued += usize::from(material.is_continued(&f));
                     }

@@ -1,8 +1,9 @@
 //! Hencky model (logarithmic strain).
 
-use super::{COFACTOR, Lame, Material, Moduli, Parts, PlaneStress, outer};
+use super::{COFACTOR, Lame, Material, Moduli, Parts, PlaneStress, continuation::Continuation, outer};
 use crate::simd::{Mat2, Real, polynomial};
-use nalgebra::{Matrix2, Matrix4};
+use nalgebra::{Matrix2, Matrix4, Vector4};
+use std::f64::consts::{FRAC_1_SQRT_2, LN_10};
 
 /// Hencky: Hooke's law between logarithmic strain and Kirchhoff stress.
 ///
@@ -20,8 +21,21 @@ use nalgebra::{Matrix2, Matrix4};
 ///
 /// `psi = (mu + lambda)/2 ln² J + 2 mu y h²`, `P = ((mu + lambda) ln(J) G + mu h K)/J`, `K = F - G - y (F + G)`.
 ///
-/// The energy is defined for J > 0 only; at J <= 0 it and the stress are NaN. Pulled beyond e = 2.72 times its length, a strip
-/// gives way: its force goes as ln(s)/s.
+/// This is used to the last bit where both stretches and J are at least 0.1. Below, ln² is replaced by a function that is
+/// finite for every number, with s2 negative where the triangle is inverted:
+///
+/// `psi = mu (l(s1) + l(s2)) + lambda/2 l(J)`, `l(x) = ln² x` for x >= 0.1, otherwise with the second derivative
+/// `l'' = 2 + (l''(0.1) - 2) (x/0.1)⁶` for 0 < x < 0.1 and `l'' = 2`, that of rest, for x <= 0
+///
+/// (extrapolation in principal stretches past a threshold: Stomakhin, Howes, Schroeder and Teran, *Energetically consistent
+/// invertible elasticity*, Symposium on Computer Animation 2012, whose quadratic polynomial has the constant second derivative
+/// l''(0.1) = 661). Energy, stress and stiffness have no jump at the threshold. l is convex below it. While lambda >= 0, a
+/// triangle that is flat or inverted is pushed back, the harder the farther. A compression to a tenth is far beyond the strains
+/// at which Hooke's law between logarithmic strain and stress describes a material. At s1 = -s2 every rotation is equally near:
+/// there the stress jumps, as that of every energy that pushes the smaller signed stretch alone, and its part along the rotation is
+/// taken as zero.
+///
+/// Pulled beyond e = 2.72 times its length, a strip gives way: its force goes as ln(s)/s.
 #[derive(Clone, Copy, Debug)]
 pub struct Hencky {
     lame: Lame,
@@ -38,6 +52,92 @@ impl Hencky {
     const fn bulk(&self) -> f64 {
         self.lame.mu + self.lame.lambda
     }
+}
+
+/// The least stretch and the least J of the formula.
+const FLAT: f64 = 0.1;
+
+/// l below [`FLAT`]: ln² x has the derivatives 2 ln(x)/x and 2 (1 - ln x)/x².
+const SQUARED_LOGARITHM: Continuation = Continuation {
+    threshold: FLAT,
+    there: [LN_10 * LN_10, -2.0 * LN_10 / FLAT, 2.0 * (1.0 + LN_10) / (FLAT * FLAT)],
+    floor: 2.0,
+};
+
+/// l and its first two derivatives.
+#[inline(always)]
+fn squared_logarithm<R: Real>(x: R) -> [R; 3] {
+    let (flat, log, inverse) = (x.of(FLAT), x.logarithm(), x.of(1.0) / x);
+    let exact = [log * log, log * inverse * 2.0, (-log + 1.0) * inverse * inverse * 2.0];
+    let [energy, force, bend] = SQUARED_LOGARITHM.derivatives(x);
+    [x.if_less(flat, energy, exact[0]), x.if_less(flat, force, exact[1]), x.if_less(flat, bend, exact[2])]
+}
+
+/// The energy with both ranges of l, for every F: with `s1 = (p + q)/sqrt 2` and `s2 = (p - q)/sqrt 2` of [`Parts`].
+struct Continued<R> {
+    parts: Parts<R>,
+    /// l and its first two derivatives at s1, s2 and J.
+    stretches: [[R; 3]; 2],
+    area: [R; 3],
+}
+
+/// Below this q/p the modulus (dpsi/dq)/q is its limit, the second derivative; it is off by the square of that.
+const ROUND: f64 = 1e-5;
+
+impl<R: Real> Continued<R> {
+    #[inline(always)]
+    fn of(parts: Parts<R>) -> Self {
+        let Parts { f, p, q, .. } = parts;
+        let stretches = [p + q, p - q].map(|twice| squared_logarithm(twice * FRAC_1_SQRT_2));
+        Self { parts, stretches, area: squared_logarithm(f.determinant()) }
+    }
+
+    #[inline(always)]
+    fn psi(&self, Lame { mu, lambda }: Lame) -> R {
+        let [[first, ..], [second, ..]] = self.stretches;
+        (first + second) * mu + self.area[0] * (0.5 * lambda)
+    }
+
+    /// Derivatives of the part with mu, by p and by q.
+    #[inline(always)]
+    fn by_parts(&self, mu: f64) -> [R; 2] {
+        let [[_, first, _], [_, second, _]] = self.stretches;
+        let factor = mu * FRAC_1_SQRT_2;
+        [self.parts.if_decided((first + second) * factor), (first - second) * factor]
+    }
+
+    #[inline(always)]
+    fn piola(&self, Lame { mu, lambda }: Lame) -> Mat2<R> {
+        let Parts { f, turned: [c, s], mirrored: [d, t], .. } = self.parts;
+        let [by_p, by_q] = self.by_parts(mu);
+        let shear = Mat2::new(c * by_p + d * by_q, t * by_q - s * by_p, s * by_p + t * by_q, c * by_p - d * by_q);
+        shear + f.cofactor() * (self.area[1] * (0.5 * lambda))
+    }
+
+    #[inline(always)]
+    fn moduli(&self, Lame { mu, lambda }: Lame) -> Moduli<R> {
+        let Parts { p, q, .. } = self.parts;
+        let ([_, by_j, by_jj], [[.., first], [.., second]]) = (self.area, self.stretches);
+        let zero = p.of(0.0);
+        let area = self.parts.moduli([zero, by_j * (0.5 * lambda)], [zero, by_jj * (0.5 * lambda)]);
+        let [by_p, by_q] = self.by_parts(mu);
+        let (mean, apart) = ((first + second) * (0.5 * mu), (first - second) * (0.5 * mu));
+        let [pp, pq, qq] = area.sizes;
+        Moduli {
+            twist: area.twist + self.parts.if_decided(by_p / p),
+            flip: area.flip + (p * ROUND).if_less(q, by_q / q, mean),
+            sizes: [pp + mean, pq + apart, qq + mean],
+        }
+    }
+}
+
+/// Negative where a stretch or J is below [`FLAT`]. Otherwise s1² is above FLAT², and J² + FLAT⁴ - FLAT² tr FᵀF is
+/// (s1² - FLAT²)(s2² - FLAT²).
+#[inline(always)]
+fn slack<R: Real>(f: Mat2<R>, j: R) -> R {
+    const SQUARE: f64 = FLAT * FLAT;
+    let thin = j * j - f.norm_squared() * SQUARE + SQUARE * SQUARE;
+    j.if_less(j.of(FLAT), j - FLAT, thin)
 }
 
 /// Below this y, that is for s1 < 3 s2, h is 1 + y N/D with two polynomials.
@@ -81,6 +181,8 @@ struct Stretches<R> {
     h: [R; 2],
     /// (h - 1)/y.
     growth: R,
+    /// [`slack`], unless it is positive in every lane.
+    slack: Option<R>,
 }
 
 impl<R: Real> Stretches<R> {
@@ -97,7 +199,8 @@ impl<R: Real> Stretches<R> {
         let ([top, rise, bottom], [log, _, below]) = (series(y), series(square));
         let (mut h, mut half_log, mut growth) = ([top, bottom], [log * half, below], rise / bottom);
         let (limit, one) = (y.of(NEAR), y.of(1.0));
-        // Seldom, and twice the work.
+        let mut slack_of = None;
+        // Seldom, and twice the work. Elsewhere J > 1/3 and s1 < 3 s2, so that s2 > 1/3.
         if !(y.all_less(limit) && square.all_less(limit)) {
             let root = (odds / sum).sqrt();
             // (1 + x)/(1 - x) = (1 + x)²/(1 - y), without the difference.
@@ -107,8 +210,10 @@ impl<R: Real> Stretches<R> {
             h = [y.if_less(limit, top, far), y.if_less(limit, bottom, one)];
             let log = square.if_less(limit, half_log[0], j.logarithm() * 0.5);
             half_log = [log, square.if_less(limit, half_log[1], one)];
+            let slack = slack(f, j);
+            slack_of = (!j.of(0.0).all_less(slack)).then_some(slack);
         }
-        Self { even: [s, t], odd: [d, e], j, half_log, sum, y, h, growth }
+        Self { even: [s, t], odd: [d, e], j, half_log, sum, y, h, growth, slack: slack_of }
     }
 
     #[inline(always)]
@@ -126,8 +231,9 @@ impl<R: Real> Stretches<R> {
 impl Material for Hencky {
     const TITLE: &'static str = "Hencky";
     const LETTER: &'static str = "H";
-    const FORMULA: &'static str = "ψ = μ (ln² s₁ + ln² s₂) + λ/2 ln² J,  J = s₁ s₂";
-    const BARRIER: bool = true;
+    const FORMULA: &'static str = "ψ = μ (ln² s₁ + ln² s₂) + λ/2 ln² J,  J = s₁ s₂;  s₂, J ≥ 0.1";
+    const CONTINUATION: &'static str =
+        "s₂ < 0.1 or J < 0.1: each ln² goes on with a second derivative that falls to that of rest at 0";
     const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
 
     type Sheet = Self;
@@ -140,21 +246,32 @@ impl Material for Hencky {
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let stretches = Stretches::of(f);
         let (log, h) = (stretches.j.logarithm(), stretches.h());
-        log * log * (0.5 * self.bulk()) + stretches.y * h * h * (2.0 * self.lame.mu)
+        let exact = log * log * (0.5 * self.bulk()) + stretches.y * h * h * (2.0 * self.lame.mu);
+        let Some(slack) = stretches.slack else { return exact };
+        slack.if_less(slack.of(0.0), Continued::of(Parts::of(f)).psi(self.lame), exact)
     }
 
     /// As G is half the difference of F + G and F - G, P is `(a - y b)(F + G) + (b - a)(F - G)` with
     /// `a = (mu + lambda) ln(J)/(2 J)` and `b = mu h/J`.
     #[inline(always)]
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
-        let Stretches { even: [s, t], odd: [d, e], j, half_log, y, h, .. } = Stretches::of(f);
+        let Stretches { even: [s, t], odd: [d, e], j, half_log, y, h, slack, .. } = Stretches::of(f);
         // One quotient for both.
         let inverse = j.of(1.0) / (half_log[1] * (h[1] * j));
         let a = half_log[0] * h[1] * self.bulk() * inverse;
         let b = h[0] * half_log[1] * self.lame.mu * inverse;
         let (even, odd) = (a - y * b, b - a);
         let (s, t, d, e) = (s * even, t * even, d * odd, e * odd);
-        Mat2::new(s + d, e - t, t + e, s - d)
+        let exact = Mat2::new(s + d, e - t, t + e, s - d);
+        let Some(slack) = slack else { return exact };
+        let (below, zero) = (Continued::of(Parts::of(f)).piola(self.lame), slack.of(0.0));
+        let either = |below: R, exact: R| slack.if_less(zero, below, exact);
+        Mat2::new(
+            either(below.m11, exact.m11),
+            either(below.m12, exact.m12),
+            either(below.m21, exact.m21),
+            either(below.m22, exact.m22),
+        )
     }
 
     /// `J dP = d(J P) - P (G : dF)`. With `dy = 2 (K : dF)/p²` and `(1 - y)(F + G) = K + 2 G` that is
@@ -162,6 +279,16 @@ impl Material for Hencky {
     /// `(mu + lambda) (1 - ln J)/J (G : dF) G + ((mu + lambda) ln J - mu h (1 + y)) dG + mu h (1 - y) dF`,
     /// plus `mu (2 h'/p² - h/(2 J)) (K : dF) K - mu h/J ((K : dF) G + (G : dF) K)`.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
+        if self.is_continued(f) {
+            let parts = Parts::of(Mat2::from(f));
+            let moduli = Continued::of(parts).moduli(self.lame);
+            let columns = [0, 1, 2, 3].map(|entry| {
+                let mut df = Matrix2::zeros();
+                df[entry] = 1.0;
+                Vector4::from_column_slice(Matrix2::from(moduli.change(&parts, Mat2::from(&df))).as_slice())
+            });
+            return Matrix4::from_columns(&columns);
+        }
         let mu = self.lame.mu;
         let stretches = Stretches::of(Mat2::from(f));
         let Stretches { even: [s, t], odd: [d, e], j, sum, y, .. } = stretches;
@@ -198,19 +325,54 @@ impl Material for Hencky {
         let pq = -(bent * y + by_q) * scale * scale * 4.0;
         let qq = bent * scale * scale * 4.0;
         let sizes = [twist + square * bend + pp, parts.p * parts.q * (pq - bend), flip + q_square * (bend + qq)];
-        Moduli { twist, flip, sizes }
+        let exact = Moduli { twist, flip, sizes };
+        let Some(slack) = stretches.slack else { return exact };
+        let (below, zero) = (Continued::of(*parts).moduli(self.lame), slack.of(0.0));
+        let either = |below: R, exact: R| slack.if_less(zero, below, exact);
+        let [pp, pq, qq] = exact.sizes;
+        let [below_pp, below_pq, below_qq] = below.sizes;
+        Moduli {
+            twist: either(below.twist, twist),
+            flip: either(below.flip, flip),
+            sizes: [either(below_pp, pp), either(below_pq, pq), either(below_qq, qq)],
+        }
     }
 
+    fn is_continued(&self, f: &Matrix2<f64>) -> bool {
+        slack(Mat2::from(f), f.determinant()) < 0.0
+    }
+
+    /// lambda/2 l'(J) J, which is lambda ln J from [`FLAT`] on.
     #[inline(always)]
     fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
-        f.determinant().logarithm() * self.lame.lambda
+        let (j, lambda) = (f.determinant(), self.lame.lambda);
+        let (flat, exact) = (j.of(FLAT), j.logarithm() * lambda);
+        if flat.all_less(j) {
+            return exact;
+        }
+        let [_, slope, _] = SQUARED_LOGARITHM.derivatives(j);
+        j.if_less(flat, slope * j * (0.5 * lambda), exact)
     }
 
-    /// (2 mu + lambda) ln w + lambda ln s = 0.
+    /// (2 mu + lambda) ln w + lambda ln s = 0. Where one of the logarithms is continued it is mu l'(w) + lambda/2 l'(s w) s = 0,
+    /// by Newton's method on the logarithm of the width, no step of which is longer than 1.
     fn free_width(&self, stretch: f64) -> Option<f64> {
         let Lame { mu, lambda } = self.lame;
-        let width = libm::pow(stretch, -lambda / (2.0 * mu + lambda));
-        (width > 0.0).then_some(width)
+        let mut width = libm::pow(stretch, -lambda / (2.0 * mu + lambda));
+        if !self.is_continued(&Matrix2::new(stretch, 0.0, 0.0, width)) {
+            return (width > 0.0).then_some(width);
+        }
+        for _ in 0..100 {
+            let ([_, own, own_bend], [_, by_j, by_jj]) = (squared_logarithm(width), squared_logarithm(stretch * width));
+            let stress = mu * own + 0.5 * lambda * by_j * stretch;
+            let slope = mu * own_bend + 0.5 * lambda * by_jj * stretch * stretch;
+            let change = -stress / (slope * width + stress).max(1e-3 * slope.abs() * width);
+            width *= libm::exp(change.clamp(-1.0, 1.0));
+            if change.abs() < 1e-14 {
+                return Some(width);
+            }
+        }
+        None
     }
 }
 
@@ -245,6 +407,9 @@ mod tests {
                 let turn =
                     |angle: f64| Matrix2::new(libm::cos(angle), -libm::sin(angle), libm::sin(angle), libm::cos(angle));
                 let f = turn(after) * Matrix2::new(one, 0.0, 0.0, other) * turn(before);
+                if law.is_continued(&f) {
+                    continue;
+                }
                 let volume = law.lame.lambda * libm::log(one * other);
                 let principal = [one, other].map(|s| (2.0 * law.lame.mu * libm::log(s) + volume) / s);
                 let expected = turn(after) * Matrix2::new(principal[0], 0.0, 0.0, principal[1]) * turn(before);

@@ -9,6 +9,7 @@
 //!
 //! Every model linearises to the same Hooke law at rest: `P = 2 mu e + lambda tr(e) I` with `e = sym(F - I)`.
 
+mod continuation;
 mod corotated;
 mod fixed_corotated;
 mod hencky;
@@ -49,8 +50,11 @@ registry! {
     }
 }
 
-/// Least J = det F from which the formula of every model is used unchanged.
+/// Least J = det F from which the formula of every model is used unchanged, if no principal stretch is below [`THIN`].
 pub const WHOLE: f64 = 0.25;
+
+/// Least principal stretch from which the formula of every model is used unchanged, if J = det F is not below [`WHOLE`].
+pub const THIN: f64 = 0.125;
 
 /// A hyperelastic material in two dimensions, per unit thickness.
 ///
@@ -100,7 +104,7 @@ pub trait Material: Copy + Send + Sync + 'static {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 
     /// Whether this gradient is in the continued range of the formula: never where its determinant is [`WHOLE`] or
-    /// more.
+    /// more and both principal stretches are [`THIN`] or more.
     fn is_continued(&self, _f: &Matrix2<f64>) -> bool {
         false
     }

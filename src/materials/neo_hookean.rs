@@ -1,66 +1,71 @@
 //! Compressible neo-Hookean model.
 
-use super::{COFACTOR, Lame, Material, Moduli, NeoHookeanSheet, Parts, PlaneStress, outer};
+use super::{COFACTOR, Lame, Material, Moduli, NeoHookeanSheet, Parts, PlaneStress, continuation::Continuation, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::LN_10;
 
-/// Compressible neo-Hookean rubber, with a logarithm that resists being squeezed flat.
+/// Compressible neo-Hookean rubber, with a finite energy for flat and inverted triangles.
 ///
 /// With `J = det F` and `G = det(F) F⁻ᵀ`:
 ///
-/// `psi = mu/2 (tr FᵀF - 2) - mu L(J) + lambda/2 L(J)²`, `P = mu F + (lambda L(J) - mu) L'(J) G`
+/// `psi = mu/2 (tr FᵀF - 2) + U(J)`, `U = -mu ln J + lambda/2 ln² J`, `P = mu F + U'(J) G`
 ///
 /// (Bonet and Wood, *Nonlinear Continuum Mechanics for Finite Element Analysis*, 2nd edition, section 6.4.3, in two
-/// dimensions). The model is `L = ln J`. That is used to the last bit down to `J = J0 = 0.1`, which no honest answer goes
-/// below. From there on L is the Taylor series of the logarithm to second order, `L = ln J0 + t - t²/2` with `t = J/J0 - 1`:
-/// energy, stress and stiffness go on without a jump. Below `J = -J0`, where t = -2, it is the tangent of that: energy and stress
-/// have no jump there either, and are finite for every F. While lambda >= 0, a triangle that is flat or inverted is pushed
-/// back, the harder the farther, by an energy that in the end grows as J². (Were the series used all the way it would grow as
-/// J⁴, the eighth power of a length: from a scrambled start Newton's method then loses its way. Were the tangent used from J0
-/// on, a mirror image would be pushed too softly to come home.)
+/// dimensions). This is used to the last bit down to `J = J0 = 0.1`, a compression far beyond what the model describes. From there
+/// on U is continued with the second derivative
+///
+/// `U'' = k + (U''(J0) - k) (J/J0)⁶` for 0 < J < J0, `U'' = k` for J <= 0, `k = U''(1) = lambda + mu`
+///
+/// (extrapolation past a threshold as in Stomakhin, Howes, Schroeder and Teran, *Energetically consistent invertible
+/// elasticity*, Symposium on Computer Animation 2012, whose second derivative stays U''(J0) = (3.3 lambda + mu)/J0²). Energy,
+/// stress and stiffness have no jump and are finite for every F. While lambda >= 0, U is convex and -U' grows as J falls, so that a
+/// flat or inverted triangle is pushed back. For -1 <= J <= 0 the force -U' is between 27.8 lambda + 11.5 mu and
+/// 28.8 lambda + 12.5 mu.
 #[derive(Clone, Copy, Debug)]
 pub struct NeoHookean {
     lame: Lame,
 }
 
-/// J0: where the logarithm is continued by its Taylor series.
+/// J0: where U is continued.
 const FLAT: f64 = 0.1;
-
-/// The t below which the series is continued by its tangent.
-const INVERTED: f64 = -2.0;
-
-/// L and its derivative.
-#[inline(always)]
-fn log<R: Real>(j: R) -> [R; 2] {
-    // The quotient does not wait for the logarithm. Where J is no number or infinite |F|² is so too, and tells.
-    let (mut log, mut slope) = (j.logarithm_of_normal(), j.of(1.0) / j);
-    let flat = j.of(FLAT);
-    // Seldom, and more work.
-    if !flat.all_less(j) {
-        let t = j * (1.0 / FLAT) - 1.0;
-        let u = t.if_less(t.of(INVERTED), t.of(INVERTED), t);
-        let falling = -u + 1.0;
-        log = j.if_less(flat, u - u * u * 0.5 + falling * (t - u) - LN_10, log);
-        slope = j.if_less(flat, falling * (1.0 / FLAT), slope);
-    }
-    [log, slope]
-}
-
-/// L with its first and second derivative.
-#[inline(always)]
-fn derivatives<R: Real>(j: R) -> [R; 3] {
-    let [log, slope] = log(j);
-    let (flat, inverted) = (j.of(FLAT), j.of(FLAT * (1.0 + INVERTED)));
-    let bend = j.if_less(flat, j.of(-(1.0 / FLAT) * (1.0 / FLAT)), -(slope * slope));
-    [log, slope, j.if_less(inverted, j.of(0.0), bend)]
-}
 
 impl NeoHookean {
     /// The model with these parameters.
     pub const fn new(lame: Lame) -> Self {
         Self { lame }
     }
+
+    /// U below [`FLAT`].
+    #[inline(always)]
+    fn continuation(&self) -> Continuation {
+        let Lame { mu, lambda } = self.lame;
+        let (log, inverse) = (-LN_10, 1.0 / FLAT);
+        let pull = lambda * log - mu;
+        let there = [log * (0.5 * lambda * log - mu), pull * inverse, (lambda - pull) * inverse * inverse];
+        Continuation { threshold: FLAT, there, floor: lambda + mu }
+    }
+
+    /// U' and U''.
+    #[inline(always)]
+    fn area<R: Real>(&self, j: R) -> [R; 2] {
+        let Lame { mu, lambda } = self.lame;
+        let [log, inverse] = log(j);
+        let pull = log * lambda - mu;
+        let (slope, bend) = (pull * inverse, inverse * inverse * lambda + pull * -(inverse * inverse));
+        let flat = j.of(FLAT);
+        if flat.all_less(j) {
+            return [slope, bend];
+        }
+        let [_, by_j, by_jj] = self.continuation().derivatives(j);
+        [j.if_less(flat, by_j, slope), j.if_less(flat, by_jj, bend)]
+    }
+}
+
+/// ln J and 1/J. The quotient does not wait for the logarithm. Where J is no number or infinite |F|² is so too, and tells.
+#[inline(always)]
+fn log<R: Real>(j: R) -> [R; 2] {
+    [j.logarithm_of_normal(), j.of(1.0) / j]
 }
 
 impl Material for NeoHookean {
@@ -68,7 +73,8 @@ impl Material for NeoHookean {
     const LETTER: &'static str = "N";
     const FORMULA: &'static str = "ψ = μ/2 (|F|² − 2) − μ ln J + λ/2 ln² J,  J = det F ≥ 0.1";
     const BARRIER: bool = true;
-    const CONTINUATION: &'static str = "J < 0.1: ln J goes on as its Taylor series, below −0.1 as a straight line";
+    const CONTINUATION: &'static str =
+        "J < 0.1: the energy goes on with a stiffness that falls to the one at rest at J = 0";
     const PLANE_STRESS: PlaneStress = PlaneStress::Solved;
 
     type Sheet = NeoHookeanSheet;
@@ -80,65 +86,62 @@ impl Material for NeoHookean {
     #[inline(always)]
     fn psi<R: Real>(&self, f: Mat2<R>) -> R {
         let Lame { mu, lambda } = self.lame;
-        let [log, _] = log(f.determinant());
-        (f.norm_squared() - 2.0) * (0.5 * mu) - log * mu + log * log * (0.5 * lambda)
+        let (j, shear) = (f.determinant(), (f.norm_squared() - 2.0) * (0.5 * mu));
+        let [log, _] = log(j);
+        let exact = shear - log * mu + log * log * (0.5 * lambda);
+        let flat = j.of(FLAT);
+        // Seldom, and more work.
+        if flat.all_less(j) { exact } else { j.if_less(flat, shear + self.continuation().derivatives(j)[0], exact) }
     }
 
     #[inline(always)]
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
-        let Lame { mu, lambda } = self.lame;
-        let j = f.determinant();
-        let [log, slope] = log(j);
-        f * mu + f.cofactor() * ((log * lambda - mu) * slope)
+        f * self.lame.mu + f.cofactor() * self.area(f.determinant())[0]
     }
 
-    /// dP = mu dF + (lambda L'² + (lambda L - mu) L'') (G : dF) G + (lambda L - mu) L' dG.
+    /// dP = mu dF + U'' (G : dF) G + U' dG.
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let Lame { mu, lambda } = self.lame;
-        let [log, slope, bend] = derivatives(f.determinant());
+        let [slope, bend] = self.area(f.determinant());
         let g = Matrix2::from(Mat2::from(f).cofactor());
-        let pull = lambda * log - mu;
-        Matrix4::identity() * mu + outer(&g, &g) * (lambda * slope * slope + pull * bend) + COFACTOR * (pull * slope)
+        Matrix4::identity() * self.lame.mu + outer(&g, &g) * bend + COFACTOR * slope
     }
 
     #[inline(always)]
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
-        let Lame { mu, lambda } = self.lame;
         let j = parts.f.determinant();
-        let [log, slope, bend] = derivatives(j);
-        let pull = log * lambda - mu;
-        let second = slope * slope * lambda + pull * bend;
-        parts.moduli([j.of(0.5 * mu), pull * slope], [j.of(0.0), second])
+        let [slope, bend] = self.area(j);
+        parts.moduli([j.of(0.5 * self.lame.mu), slope], [j.of(0.0), bend])
     }
 
     fn is_continued(&self, f: &Matrix2<f64>) -> bool {
         f.determinant() < FLAT
     }
 
-    /// mu F33 + (lambda L - mu) L' J, which is lambda ln J from J0 on.
+    /// mu F33 + U' J, which is lambda ln J from J0 on.
     #[inline(always)]
     fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         let Lame { mu, lambda } = self.lame;
-        let j = f.determinant();
-        let [log, slope] = log(j);
-        let pull = log * lambda - mu;
-        j.if_less(j.of(FLAT), pull * slope * j, pull) + mu
+        let (j, flat) = (f.determinant(), f.m11.of(FLAT));
+        let pull = log(j)[0] * lambda - mu;
+        let pull = if flat.all_less(j) { pull } else { j.if_less(flat, self.area(j)[0] * j, pull) };
+        pull + mu
     }
 
-    /// mu w² + (lambda L - mu) L' s w = 0, which is mu (w² - 1) + lambda ln(s w) = 0 from J0 on, by Newton's method on
-    /// u = ln w from u = 0.
+    /// mu w² + U' s w = 0, which is mu (w² - 1) + lambda ln(s w) = 0 from J0 on, by Newton's method on u = ln w from u = 0, no
+    /// step of which is longer than 1.
     fn free_width(&self, stretch: f64) -> Option<f64> {
-        let Lame { mu, lambda } = self.lame;
+        let mu = self.lame.mu;
         let mut u = 0.0;
-        for _ in 0..60 {
+        for _ in 0..100 {
             let width = libm::exp(u);
             let j = stretch * width;
-            let [log, slope, bend] = derivatives(j);
-            let pull = lambda * log - mu;
-            let residual = mu * width * width + pull * slope * j;
-            let growth = 2.0 * mu * width * width + (lambda * slope * slope + pull * bend) * j * j + pull * slope * j;
-            u -= residual / growth;
-            if (residual / growth).abs() < 1e-14 {
+            let [slope, bend] = self.area(j);
+            let residual = mu * width * width + slope * j;
+            let stiffness = mu * width * width + bend * j * j;
+            // Below J0 the residual may fall with u, but not that divided by w.
+            let change = residual / (stiffness + residual).max(1e-3 * stiffness.abs());
+            u -= change.clamp(-1.0, 1.0);
+            if change.abs() < 1e-14 {
                 return Some(libm::exp(u));
             }
         }

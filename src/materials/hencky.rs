@@ -88,7 +88,8 @@ impl<R: Real> Continued<R> {
     #[inline(always)]
     fn of(parts: Parts<R>) -> Self {
         let Parts { f, p, q, .. } = parts;
-        let stretches = [p + q, p - q].map(|twice| squared_logarithm(twice * FRAC_1_SQRT_2));
+        // A closure would not be compiled for the vector unit.
+        let stretches = [squared_logarithm((p + q) * FRAC_1_SQRT_2), squared_logarithm((p - q) * FRAC_1_SQRT_2)];
         Self { parts, stretches, area: squared_logarithm(f.determinant()) }
     }
 
@@ -138,6 +139,12 @@ fn slack<R: Real>(f: Mat2<R>, j: R) -> R {
     const SQUARE: f64 = FLAT * FLAT;
     let thin = j * j - f.norm_squared() * SQUARE + SQUARE * SQUARE;
     j.if_less(j.of(FLAT), j - FLAT, thin)
+}
+
+/// The continued value where the slack is negative.
+#[inline(always)]
+fn either<R: Real>(slack: R, below: R, exact: R) -> R {
+    slack.if_less(slack.of(0.0), below, exact)
 }
 
 /// Below this y, that is for s1 < 3 s2, h is 1 + y N/D with two polynomials.
@@ -248,7 +255,7 @@ impl Material for Hencky {
         let (log, h) = (stretches.j.logarithm(), stretches.h());
         let exact = log * log * (0.5 * self.bulk()) + stretches.y * h * h * (2.0 * self.lame.mu);
         let Some(slack) = stretches.slack else { return exact };
-        slack.if_less(slack.of(0.0), Continued::of(Parts::of(f)).psi(self.lame), exact)
+        either(slack, Continued::of(Parts::of(f)).psi(self.lame), exact)
     }
 
     /// As G is half the difference of F + G and F - G, P is `(a - y b)(F + G) + (b - a)(F - G)` with
@@ -264,13 +271,12 @@ impl Material for Hencky {
         let (s, t, d, e) = (s * even, t * even, d * odd, e * odd);
         let exact = Mat2::new(s + d, e - t, t + e, s - d);
         let Some(slack) = slack else { return exact };
-        let (below, zero) = (Continued::of(Parts::of(f)).piola(self.lame), slack.of(0.0));
-        let either = |below: R, exact: R| slack.if_less(zero, below, exact);
+        let below = Continued::of(Parts::of(f)).piola(self.lame);
         Mat2::new(
-            either(below.m11, exact.m11),
-            either(below.m12, exact.m12),
-            either(below.m21, exact.m21),
-            either(below.m22, exact.m22),
+            either(slack, below.m11, exact.m11),
+            either(slack, below.m12, exact.m12),
+            either(slack, below.m21, exact.m21),
+            either(slack, below.m22, exact.m22),
         )
     }
 
@@ -327,14 +333,13 @@ impl Material for Hencky {
         let sizes = [twist + square * bend + pp, parts.p * parts.q * (pq - bend), flip + q_square * (bend + qq)];
         let exact = Moduli { twist, flip, sizes };
         let Some(slack) = stretches.slack else { return exact };
-        let (below, zero) = (Continued::of(*parts).moduli(self.lame), slack.of(0.0));
-        let either = |below: R, exact: R| slack.if_less(zero, below, exact);
+        let below = Continued::of(*parts).moduli(self.lame);
         let [pp, pq, qq] = exact.sizes;
         let [below_pp, below_pq, below_qq] = below.sizes;
         Moduli {
-            twist: either(below.twist, twist),
-            flip: either(below.flip, flip),
-            sizes: [either(below_pp, pp), either(below_pq, pq), either(below_qq, qq)],
+            twist: either(slack, below.twist, twist),
+            flip: either(slack, below.flip, flip),
+            sizes: [either(slack, below_pp, pp), either(slack, below_pq, pq), either(slack, below_qq, qq)],
         }
     }
 

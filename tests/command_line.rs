@@ -185,7 +185,7 @@ fn data_on_standard_output_sends_the_summary_elsewhere() {
     let output = gingerbread(&study("jelly_disk", &["--csv", "-"]));
     assert!(said(&output.stdout).starts_with("# level: ") && said(&output.stderr).contains("Cheapest under"));
     let output = gingerbread(&hard("stretch_2", &["--csv", "-"]));
-    assert!(said(&output.stdout).starts_with("case,model,") && said(&output.stderr).contains("passed ("));
+    assert!(said(&output.stdout).starts_with("case,undamped,model,") && said(&output.stderr).contains("stable ("));
 }
 
 #[test]

@@ -29,8 +29,9 @@ pub struct Run {
     substeps: u32,
     /// Share of the longest stable step, for explicit schemes.
     share: f64,
-    /// Least number of steps in a frame.
+    /// Least and greatest number of steps in a frame.
     least: u32,
+    most: u32,
     probe: StabilityProbe,
     account: Account,
     fence: Fence,
@@ -40,6 +41,9 @@ pub struct Run {
 
 /// Iterations for the longest stable step in every frame.
 const ROUNDS: usize = 6;
+
+/// Greatest number of explicit steps in a frame. A scene that needs more is a failure of explicit schemes.
+pub(super) const MOST: u32 = 1 << 14;
 
 /// Energy from nowhere at which a run stops, relative to the energy put in.
 const HOPELESS: f64 = 1.0;
@@ -68,6 +72,7 @@ impl Run {
             substeps: 1,
             share: Method::SHARE,
             least: 1,
+            most: MOST,
             probe: StabilityProbe::default(),
             fence,
             outside: 0.0,
@@ -81,14 +86,15 @@ impl Run {
         let share = self.share / f64::from(times);
         let end = (self.end.0, self.end.1.saturating_mul(u64::from(times)));
         let least = if self.method.is_explicit() { 1 } else { times };
-        Self { share, end, ..self }.with_least(least)
+        let most = MOST.saturating_mul(times).min(Substeps::MAX);
+        Self { end, share, ..self }.within(least, most)
     }
 
-    /// Same run with at least so many steps in a frame.
+    /// Same run with a least and a greatest number of steps in a frame.
     #[must_use]
-    pub(super) fn with_least(mut self, least: u32) -> Self {
-        self.least = least;
-        self.set_substeps(least.min(Substeps::MAX));
+    pub(super) fn within(mut self, least: u32, most: u32) -> Self {
+        (self.least, self.most) = (least.min(most), most);
+        self.set_substeps(self.least);
         self
     }
 
@@ -193,7 +199,7 @@ impl Run {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
         let Some(limit) = self.probe.refine(scene, state, self.simulation.grab(), ROUNDS) else { return };
         let wanted = 1.0 / (60.0 * self.share * self.method.relative_limit() * limit);
-        let substeps = Substeps::nearest(wanted).get().next_power_of_two().max(self.least).min(Substeps::MAX);
+        let substeps = Substeps::nearest(wanted).get().next_power_of_two().clamp(self.least, self.most);
         if substeps > self.substeps || 4 * substeps <= self.substeps {
             self.set_substeps(substeps);
         }

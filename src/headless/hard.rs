@@ -311,7 +311,8 @@ fn lines(sweep: &Sweep, explanations: &Explanations) -> String {
             (false, Some(why)) => format!("not stable, as expected: {why}"),
         };
         if let Some(experiment) = explanations.of(trial) {
-            mark += &format!(" [stable {experiment}]");
+            // Writing to a string cannot fail.
+            let _ = write!(mark, " [stable {experiment}]");
         }
         let (name, model, method) = (terminal::line(&trial.title()), trial.model.name(), trial.method.name());
         let (ms, decided, accuracy) = (1e3 * entry.seconds, verdict.decided_by(), verdict.accuracy());

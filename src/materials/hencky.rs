@@ -132,7 +132,7 @@ impl<R: Real> Continued<R> {
     }
 }
 
-/// Negative where a stretch or J is below [`FLAT`]. Otherwise s1² is above FLAT², and J² + FLAT⁴ - FLAT² tr FᵀF is
+/// Negative where a stretch or J is below [`FLAT`]. Otherwise s1² is above FLAT², and `J² + FLAT⁴ - FLAT² tr FᵀF` is
 /// (s1² - FLAT²)(s2² - FLAT²).
 #[inline(always)]
 fn slack<R: Real>(f: Mat2<R>, j: R) -> R {

@@ -49,7 +49,8 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("enum Lasts", "hard/case.rs", "Duration of a hard case"),
     ("enum Expects", "hard/case.rs", "Expected end of a hard case"),
     ("struct Cannot", "hard/case.rs", "Known failure of a hard case"),
-    ("enum Method", "hard/case.rs", "Method of a hard case"),
+    ("enum Method", "hard/method.rs", "Method of a hard case"),
+    ("enum Experiment", "hard/experiment.rs", "Experiment of a hard case"),
 ];
 
 /// Types that are lists of kinds or are described by hand, and the headings of their sections.

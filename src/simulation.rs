@@ -418,7 +418,7 @@ impl Simulation {
     /// before the step if that fails. Returns whether the step was taken.
     ///
     /// Where three step lengths agree on the energy gain, the scene supplied it, such as a wall that begins inside a
-    /// body.
+    /// body. Steps that an error-controlled scheme gave up are not divided: it has tried shorter ones itself.
     fn retake(&mut self) -> bool {
         let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
         self.scratch.clear_box = None;
@@ -430,7 +430,8 @@ impl Simulation {
         let began = self.checkpoint.state.steps;
         let mut gains = vec![(failed, self.energies().total())];
         let most = Guard::most_level(self.multirate.shortest(self.scene.step));
-        while self.is_guarded() && self.guard.refine(most) {
+        let gave_up = !finite && self.scene.integrator.kind().class() == Class::ErrorControlled;
+        while self.is_guarded() && !gave_up && self.guard.refine(most) {
             self.go_back_to(began);
             self.scratch.counts.retaken += failed - began;
             self.checkpoint.counts = self.scratch.counts;

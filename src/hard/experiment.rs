@@ -1,6 +1,6 @@
 //! Experiments that show why a run of a hard case is not stable.
 
-use super::{Case, Failure, Method, Reference, Run, Verdict};
+use super::{Case, Failure, Method, Reference, Run, Trial, Verdict};
 use crate::{
     effects::{Compression, EffectKind},
     materials::Model,
@@ -8,8 +8,8 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// A run that differs from an unstable one in one point, and is stable: that point is the cause. Or the motion itself is the
-/// cause.
+/// A run that differs from an unstable one in one point, and in which the failure does not happen: that point is the cause. Or
+/// the motion itself is the cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Experiment {
     /// Steps so many times as short.
@@ -27,30 +27,33 @@ pub enum Experiment {
     Damped,
 }
 
+/// Whether a failure is one of the last state.
+const fn ends(failure: Failure) -> bool {
+    matches!(failure, Failure::Inverted | Failure::Wound | Failure::Strain | Failure::Motion)
+}
+
 impl std::fmt::Display for Experiment {
-    /// Continues "stable".
+    /// Says where the failure does not happen.
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Shorter(times) => write!(out, "in steps {times} times as short"),
-            Self::Motion => write!(out, "never: the reference ends like that"),
-            Self::Compression => write!(out, "with the compression effect"),
-            Self::Model(model) => write!(out, "with the model {}", model.name()),
-            Self::By(method) => write!(out, "with {}", method.name()),
-            Self::Damped => write!(out, "with damping"),
+            Self::Shorter(times) => write!(out, "not in steps {times} times as short"),
+            Self::Motion => write!(out, "in the reference too"),
+            Self::Compression => write!(out, "not with the compression effect"),
+            Self::Model(model) => write!(out, "not with the model {}", model.name()),
+            Self::By(method) => write!(out, "not with {}", method.name()),
+            Self::Damped => write!(out, "not with damping"),
         }
     }
 }
 
 impl Experiment {
-    /// Experiments in the order in which a cause is looked for.
-    pub fn all() -> impl Iterator<Item = Self> {
+    /// Experiments in the order in which a cause is looked for. A scheme that is stable at no step is a cause itself.
+    pub fn all(method: Method) -> Vec<Self> {
+        let steps = [Self::Shorter(4), Self::Shorter(16), Self::Motion];
+        let schemes = [Method::SymplecticEuler, Method::ImplicitEuler, Method::Bdf2].map(Self::By);
         let models = [Model::StableNeoHookean, Model::FixedCorotated, Model::Corotated, Model::NeoHookean];
-        let methods = [Method::ImplicitEuler, Method::SymplecticEuler, Method::Bdf2];
-        [Self::Compression, Self::Shorter(4), Self::Shorter(16), Self::Motion]
-            .into_iter()
-            .chain(methods.map(Self::By))
-            .chain(models.map(Self::Model))
-            .chain([Self::Damped])
+        let [first, then] = if method.is_never_stable() { [schemes, steps] } else { [steps, schemes] };
+        [&[Self::Compression][..], &first, &then, &models.map(Self::Model), &[Self::Damped]].concat()
     }
 
     /// The run of the experiment for a run of a case; `None` if it is that run itself.
@@ -89,22 +92,33 @@ impl Experiment {
     }
 
     /// Experiment that shows why a run is not stable: that of its known failure, or the first of all; `None` if none does.
-    pub fn cause(case: &Case, model: Model, method: Method, failure: Failure) -> Option<Self> {
-        let known = case.cannot(model, method).and_then(|cannot| cannot.shown_by);
-        let shows = |experiment: &Self| experiment.shows(case, model, method, failure) == Ok(true);
-        known.filter(shows).or_else(|| Self::all().find(shows))
+    /// `motion` is the verdict of [`Self::Motion`], which all methods share, once it is known.
+    pub(crate) fn cause(trial: &Trial, failure: Failure, motion: &mut Option<Verdict>) -> Option<Self> {
+        let Trial { case, model, method, .. } = trial;
+        let known = case.cannot(*model, *method).and_then(|cannot| cannot.shown_by);
+        let mut shows = |experiment: &Self| {
+            if *experiment != Self::Motion {
+                return experiment.shows(case, *model, *method, failure) == Ok(true);
+            }
+            if ends(failure) && motion.is_none() {
+                *motion = Self::Motion.verdict(case, *model, *method).ok().flatten();
+            }
+            ends(failure) && motion.as_ref().and_then(|motion| motion.failure).is_some_and(ends)
+        };
+        known.filter(&mut shows).or_else(|| Self::all(*method).into_iter().find(shows))
     }
 
-    /// Whether the experiment shows the cause of a failure.
+    /// Whether the experiment shows the cause of a failure: it is stable. A failure before the end is shown as well by a run
+    /// that fails at its end only.
     ///
     /// # Errors
     /// If a scene cannot be built.
     pub fn shows(self, case: &Case, model: Model, method: Method, failure: Failure) -> Result<bool, SceneError> {
-        let ends = |failure| matches!(failure, Failure::Inverted | Failure::Wound | Failure::Strain | Failure::Motion);
         if self == Self::Motion && !ends(failure) {
             return Ok(false);
         }
         let Some(verdict) = self.verdict(case, model, method)? else { return Ok(false) };
-        Ok(if self == Self::Motion { verdict.failure.is_some_and(ends) } else { verdict.is_stable() })
+        let fails_at_end = verdict.failure.is_some_and(ends);
+        Ok(if self == Self::Motion { fails_at_end } else { verdict.is_stable() || fails_at_end && !ends(failure) })
     }
 }

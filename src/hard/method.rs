@@ -87,6 +87,11 @@ impl Method {
         self.integrator().kind().class() == Class::Explicit
     }
 
+    /// Whether it is stable at no step without damping, as forward Euler and Heun's method.
+    pub fn is_never_stable(self) -> bool {
+        self.integrator().kind().stability_limit() == Some(0.0)
+    }
+
     /// Longest stable step relative to that of symplectic Euler. Forward Euler and Heun's method have none without
     /// damping and take that of symplectic Euler.
     pub fn relative_limit(self) -> f64 {

@@ -4,7 +4,7 @@ use super::{Ending, HeadlessError, Interrupt, Outputs, ProgressOptions, ending};
 use crate::{
     guard::Guard,
     hard::{
-        ACCURATE, COLUMNS, Case, Entry, Experiment, Failure, Method, Sweep, Trial,
+        ACCURATE, COLUMNS, Case, Entry, Experiment, Failure, Method, Sweep, Trial, Verdict,
         random::{Outcome, Variation},
         row,
     },
@@ -211,45 +211,63 @@ fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
 /// Causes of runs that are not stable, found by experiments.
 #[derive(Default)]
 struct Explanations {
-    open: Vec<(Trial, Failure)>,
-    found: Vec<(Trial, Option<Experiment>)>,
+    /// Unstable runs of one case and model each, with the verdict of [`Experiment::Motion`].
+    groups: Vec<(Vec<Explanation>, Option<Verdict>)>,
     threads: usize,
+}
+
+/// Unstable run, whether its cause was looked for, and the experiment that shows it, if one does.
+struct Explanation {
+    trial: Trial,
+    failure: Failure,
+    is_done: bool,
+    cause: Option<Experiment>,
 }
 
 impl Explanations {
     /// Prepares those of the unstable runs of a sweep.
     fn new(sweep: &Sweep, threads: usize) -> Self {
-        let unstable = |(trial, entry): (&Trial, &Entry)| match &entry.verdict {
-            Some(Ok(verdict)) => Some((trial.clone(), verdict.failure?)),
-            _ => None,
-        };
-        let mut open: Vec<_> = sweep.entries().filter_map(unstable).collect();
-        open.reverse();
-        Self { open, found: Vec::new(), threads }
+        let mut groups: Vec<(Vec<Explanation>, Option<Verdict>)> = Vec::new();
+        for (trial, entry) in sweep.entries() {
+            let Some(Ok(Verdict { failure: Some(failure), .. })) = &entry.verdict else { continue };
+            let explanation = Explanation { trial: trial.clone(), failure: *failure, is_done: false, cause: None };
+            let is_shared =
+                |known: &Explanation| Arc::ptr_eq(&known.trial.case, &trial.case) && known.trial.model == trial.model;
+            match groups.last_mut() {
+                Some((group, _)) if group.first().is_some_and(is_shared) => group.push(explanation),
+                _ => groups.push((vec![explanation], None)),
+            }
+        }
+        Self { groups, threads }
     }
 
     /// Works for about `budget`.
     fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
-        while !self.open.is_empty() && !deadline.passed() {
-            let next = self.open.split_off(self.open.len().saturating_sub(self.threads));
-            let mut results: Vec<_> = next.into_iter().rev().map(|(trial, failure)| (trial, failure, None)).collect();
-            spread(self.threads, results.iter_mut().collect(), |(trial, failure, found)| {
-                *found = Experiment::cause(&trial.case, trial.model, trial.method, *failure);
-                true
-            });
-            self.found.extend(results.into_iter().map(|(trial, _, found)| (trial, found)));
-        }
-        let done = self.found.len() as f64 / (self.found.len() + self.open.len()).max(1) as f64;
-        Progress { done, finished: self.open.is_empty() }
+        let is_open = |(group, _): &&mut (Vec<Explanation>, _)| group.iter().any(|explanation| !explanation.is_done);
+        let open: Vec<_> = self.groups.iter_mut().filter(is_open).collect();
+        spread(self.threads, open, |(group, motion)| {
+            for explanation in group.iter_mut().filter(|explanation| !explanation.is_done) {
+                explanation.cause = Experiment::cause(&explanation.trial, explanation.failure, motion);
+                explanation.is_done = true;
+                if deadline.passed() {
+                    return false;
+                }
+            }
+            true
+        });
+        let all = self.groups.iter().flat_map(|(group, _)| group);
+        let (count, done) = (all.clone().count(), all.filter(|explanation| explanation.is_done).count());
+        Progress { done: done as f64 / count.max(1) as f64, finished: done == count }
     }
 
     /// Experiment that shows the cause of a run, if it was found.
     fn of(&self, trial: &Trial) -> Option<Experiment> {
-        let own = |(known, _): &&(Trial, Option<Experiment>)| {
-            Arc::ptr_eq(&known.case, &trial.case) && (known.model, known.method) == (trial.model, trial.method)
+        let is_own = |known: &&Explanation| {
+            Arc::ptr_eq(&known.trial.case, &trial.case)
+                && (known.trial.model, known.trial.method) == (trial.model, trial.method)
         };
-        self.found.iter().find(own).and_then(|(_, found)| *found)
+        self.groups.iter().flat_map(|(group, _)| group).find(is_own)?.cause
     }
 }
 
@@ -312,7 +330,7 @@ fn lines(sweep: &Sweep, explanations: &Explanations) -> String {
         };
         if let Some(experiment) = explanations.of(trial) {
             // Writing to a string cannot fail.
-            let _ = write!(mark, " [stable {experiment}]");
+            let _ = write!(mark, " [{experiment}]");
         }
         let (name, model, method) = (terminal::line(&trial.title()), trial.model.name(), trial.method.name());
         let (ms, decided, accuracy) = (1e3 * entry.seconds, verdict.decided_by(), verdict.accuracy());

@@ -347,7 +347,7 @@ impl Material for Hencky {
         slack(Mat2::from(f), f.determinant()) < 0.0
     }
 
-    /// lambda/2 l'(J) J, which is lambda ln J from [`FLAT`] on.
+    /// lambda/2 l'(J) J, which is lambda ln J from 0.1 on.
     #[inline(always)]
     fn thickness_stress<R: Real>(&self, f: Mat2<R>) -> R {
         let (j, lambda) = (f.determinant(), self.lame.lambda);

@@ -49,7 +49,7 @@ impl std::fmt::Display for Experiment {
 impl Experiment {
     /// Experiments in the order in which a cause is looked for. A scheme that is stable at no step is a cause itself.
     pub fn all(method: Method) -> Vec<Self> {
-        let steps = [Self::Shorter(4), Self::Shorter(16), Self::Motion];
+        let steps = [Self::Motion, Self::Shorter(4), Self::Shorter(16)];
         let schemes = [Method::SymplecticEuler, Method::ImplicitEuler, Method::Bdf2].map(Self::By);
         let models = [Model::StableNeoHookean, Model::FixedCorotated, Model::Corotated, Model::NeoHookean];
         let [first, then] = if method.is_never_stable() { [schemes, steps] } else { [steps, schemes] };

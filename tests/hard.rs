@@ -118,7 +118,7 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], runs: Runs, record: &st
     let mut sweep = Sweep::new(chosen, threads(), compares);
     while !sweep.advance(Duration::from_hours(1)).finished {}
     let stated = |trial: &Trial| trial.case.cannot(trial.model, trial.method).and_then(|cannot| cannot.shown_by);
-    let result = |(trial, entry): (&Trial, &Entry)| row(trial, &entry.verdict.clone().unwrap().unwrap(), stated(trial));
+    let result = |(trial, entry): (&Trial, &Entry)| row(trial, &entry.verdict.clone().unwrap().unwrap(), None);
     let table: Vec<_> = sweep.entries().map(result).collect();
     if renews {
         fs::write(record, format!("{COLUMNS}\n{}\n", table.join("\n"))).unwrap();

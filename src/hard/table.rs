@@ -8,8 +8,8 @@ pub const COLUMNS: &str = "case,undamped,model,method,held,stable,off,off_in,unt
     unsolved_steps,guarded_steps,energy_left,untangle,shown_by,reason";
 
 /// Row of the table for a trial as CSV: the deciding numbers, rounded, and if it is not stable, the reason and the experiment
-/// that shows it, as far as known.
-pub fn row(trial: &Trial, verdict: &Verdict, shown_by: Option<Experiment>) -> String {
+/// that shows it: the one found, or else the one that the file of the case states.
+pub fn row(trial: &Trial, verdict: &Verdict, found: Option<Experiment>) -> String {
     let Trial { name, case, model, method } = trial;
     let Numbers { gain, outside, strain, speed, unsolved, guarded, elastic, opens, distance, .. } = verdict.numbers;
     let yes = |yes: bool| if yes { "yes" } else { "no" };
@@ -21,6 +21,8 @@ pub fn row(trial: &Trial, verdict: &Verdict, shown_by: Option<Experiment>) -> St
     let optional = |share: Option<f64>| share.map_or(String::new(), rounded);
     let (off, until) = (optional(distance.map(|distance| distance.share)), distance.map(|distance| distance.until));
     let until = until.map_or(String::new(), |until| format!("{until:.2}"));
+    let cannot = if verdict.is_stable() { None } else { case.cannot(*model, *method) };
+    let shown_by = found.or_else(|| cannot?.shown_by);
     let cells = [
         name.as_str(),
         yes(case.is_undamped_twin()),
@@ -42,7 +44,7 @@ pub fn row(trial: &Trial, verdict: &Verdict, shown_by: Option<Experiment>) -> St
         &shown_by.map_or(String::new(), |experiment| experiment.to_string()),
     ];
     let reason = verdict.failure.map_or(String::new(), |failure| {
-        let why = case.cannot(*model, *method).map_or("UNEXPLAINED", |cannot| &cannot.why);
+        let why = cannot.map_or("UNEXPLAINED", |cannot| &cannot.why);
         table::quoted(&format!("{}: {}", failure.words(&verdict.numbers), why.replace('"', "'")))
     });
     table::row(cells) + "," + &reason

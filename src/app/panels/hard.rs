@@ -10,7 +10,7 @@ use crate::{
         jobs::{Choice, JobRequest, Known},
         theme::Theme,
     },
-    hard::{ACCURATE, Case, Entry, Method, Trial},
+    hard::{ACCURATE, Cannot, Case, Entry, Method, Trial},
     materials::Model,
 };
 use eframe::egui::{
@@ -259,9 +259,10 @@ fn numbers(runs: &[&(Trial, Entry)], marks: &[Mark]) -> (String, f64) {
 
 /// Reasons why runs of a case are not stable, each once, with its materials.
 fn reasons(runs: &[&(Trial, Entry)], marks: &[Mark]) -> Vec<String> {
-    let mut found: Vec<(&str, Vec<&str>)> = Vec::new();
+    let mut found: Vec<(String, Vec<&str>)> = Vec::new();
     for ((trial, _), _) in runs.iter().zip(marks).filter(|(_, mark)| **mark == Mark::Cannot) {
-        let why = trial.case.cannot(trial.model, trial.method).map_or("", |cannot| &cannot.why);
+        let Some(Cannot { why, shown_by, .. }) = trial.case.cannot(trial.model, trial.method) else { continue };
+        let why = shown_by.map_or_else(|| why.clone(), |experiment| format!("{why} ({experiment})"));
         let at = found.iter().position(|(known, _)| *known == why).unwrap_or(found.len());
         if at == found.len() {
             found.push((why, Vec::new()));

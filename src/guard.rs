@@ -154,7 +154,8 @@ impl Guard {
     /// Accepts the energies of a stable scheme, where more energy was supplied than is known; see
     /// [`Self::is_possible`].
     pub fn allow(&mut self, after: Energies) {
-        self.supply_unknown(after);
+        self.put_in = self.put_in.map(|put_in| put_in.max(after.total()));
+        self.least = self.least.max(after.total());
         self.last = None;
     }
 
@@ -238,15 +239,7 @@ impl Guard {
     /// Accepts the energies as supplied by the scene.
     pub fn accept(&mut self, level: u32, energies: Energies) {
         self.restore_level(level);
-        self.supply_unknown(energies);
-        self.least = self.least.max(energies.total());
-    }
-
-    /// Adds the energy above what was supplied as work of obstacles, which push bodies out.
-    fn supply_unknown(&mut self, energies: Energies) {
-        if let Some(put_in) = self.put_in {
-            self.supply((energies.total() - put_in).max(0.0));
-        }
+        (self.put_in, self.least) = (Some(energies.total()), energies.total());
     }
 
     /// Restores an earlier refinement level.

@@ -196,7 +196,7 @@ impl Simulation {
         1 << self.guard.level()
     }
 
-    /// Work of obstacles since the state was set \[J\], an estimate: of moving ones, and of those that push bodies out.
+    /// Work of moving obstacles since the state was set, an estimate \[J\].
     pub const fn work_of_obstacles(&self) -> f64 {
         self.guard.work()
     }

@@ -36,7 +36,8 @@ use crate::{
 /// that was available since the last change from outside. A step beyond that counts as unstable however little it adds.
 ///
 /// All energies cost as much as a step. They are computed when the kinetic energy, which is cheap, has grown by half
-/// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before detection is only removed as far as the last 10 to 20 steps.
+/// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before
+/// detection is only removed as far as the last 10 to 20 steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guard {
     /// Supplied energy so far \[J\]; computed when it is first needed.
@@ -76,10 +77,9 @@ impl Guard {
     /// Greatest level: up to 2^6 = 64 shorter steps.
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
-    /// Greatest level for a step \[s\]: a frame has no more than [`Substeps::MAX`] of the shorter steps. This bounds the
-    /// work.
+    /// Greatest level for a step \[s\], which bounds the work; see [`Substeps::most_parts`].
     pub fn most_level(step: f64) -> u32 {
-        let most = f64::from(Substeps::MAX) * 60.0 * step;
+        let most = Substeps::most_parts(step);
         (1..=Self::MOST).take_while(|level| f64::from(1 << level) <= most).last().unwrap_or(0)
     }
 
@@ -212,7 +212,7 @@ impl Guard {
         Verdict::Fine
     }
 
-    /// Whether energy from nowhere is within its bound.
+    /// Records energies. Returns whether energy from nowhere is within its bound; NaN is not.
     pub fn keeps_bound(&mut self, scene: &Scene, energies: Energies) -> bool {
         let (Some(put_in), total) = (self.put_in, energies.total()) else { return true };
         self.reference = self.reference.max(put_in - energies.potential);

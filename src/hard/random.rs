@@ -117,7 +117,7 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
         simulation.perform_due(&mut |before, after| ledger.changed(before, after));
         let work = simulation.work_of_obstacles();
         simulation.advance(1, &mut || true);
-        simulation.check();
+        simulation.check_energy();
         ledger.supply(simulation.work_of_obstacles() - work);
         ledger.record(simulation.energies());
         if simulation.fault().is_some() {

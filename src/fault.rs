@@ -79,8 +79,8 @@ pub enum Cause {
 }
 
 impl Fault {
-    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier; `grab` is the pull. `finite` is true if the failed step
-    /// left finite numbers. `step` is the length of the shortest steps of any body or net \[s\].
+    /// Determines the cause: `state` is the last valid state, `before` one a few steps earlier; `grab` is the pull. `finite`
+    /// is true if the failed step left finite numbers. `step` is the length of the shortest steps of any body or net \[s\].
     pub fn find(scene: &Scene, [state, before]: [&State; 2], grab: Option<Grab>, step: f64, finite: bool) -> Self {
         let (culprit, crushed) = worst_triangle(scene, state)
             .or_else(|| worst_spring(scene, state).map(|spring| (spring, None)))

@@ -36,7 +36,8 @@ use crate::{
 /// that was available since the last change from outside. A step beyond that counts as unstable however little it adds.
 ///
 /// All energies cost as much as a step. They are computed when the kinetic energy, which is cheap, has grown by half
-/// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before detection is only removed as far as the last 10 to 20 steps.
+/// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before
+/// detection is only removed as far as the last 10 to 20 steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guard {
     /// Supplied energy so far \[J\]; computed when it is first needed.
@@ -76,10 +77,9 @@ impl Guard {
     /// Greatest level: up to 2^6 = 64 shorter steps.
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
-    /// Greatest level for a step \[s\]: a frame has no more than [`Substeps::MAX`] of the shorter steps. This bounds the
-    /// work.
+    /// Greatest level for a step \[s\], which bounds the work; see [`Substeps::most_parts`].
     pub fn most_level(step: f64) -> u32 {
-        let most = f64::from(Substeps::MAX) * 60.0 * step;
+        let most = Substeps::most_parts(step);
         (1..=Self::MOST).take_while(|level| f64::from(1 << level) <= most).last().unwrap_or(0)
     }
 
@@ -154,7 +154,8 @@ impl Guard {
     /// Accepts the energies of a stable scheme, where more energy was supplied than is known; see
     /// [`Self::is_possible`].
     pub fn allow(&mut self, after: Energies) {
-        self.supply_unknown(after);
+        self.put_in = self.put_in.map(|put_in| put_in.max(after.total()));
+        self.least = self.least.max(after.total());
         self.last = None;
     }
 
@@ -211,7 +212,7 @@ impl Guard {
         Verdict::Fine
     }
 
-    /// Whether energy from nowhere is within its bound.
+    /// Records energies. Returns whether energy from nowhere is within its bound; NaN is not.
     pub fn keeps_bound(&mut self, scene: &Scene, energies: Energies) -> bool {
         let (Some(put_in), total) = (self.put_in, energies.total()) else { return true };
         self.reference = self.reference.max(put_in - energies.potential);
@@ -238,15 +239,7 @@ impl Guard {
     /// Accepts the energies as supplied by the scene.
     pub fn accept(&mut self, level: u32, energies: Energies) {
         self.restore_level(level);
-        self.supply_unknown(energies);
-        self.least = self.least.max(energies.total());
-    }
-
-    /// Adds the energy above what was supplied as work of obstacles, which push bodies out.
-    fn supply_unknown(&mut self, energies: Energies) {
-        if let Some(put_in) = self.put_in {
-            self.supply((energies.total() - put_in).max(0.0));
-        }
+        (self.put_in, self.least) = (Some(energies.total()), energies.total());
     }
 
     /// Restores an earlier refinement level.

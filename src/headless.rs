@@ -309,7 +309,7 @@ fn step_with_progress(progress_options: &ProgressOptions, simulation: &mut Simul
             piece = (10 * piece).min(most);
         }
     }
-    simulation.check();
+    simulation.check_energy();
 }
 
 /// Final state as CSV: one row per vertex with 17 significant digits, which restore the same bits. A toy has one row.

@@ -196,7 +196,7 @@ impl Simulation {
         1 << self.guard.level()
     }
 
-    /// Work of obstacles since the state was set \[J\], an estimate: of moving ones, and of those that push bodies out.
+    /// Work of moving obstacles since the state was set, an estimate \[J\].
     pub const fn work_of_obstacles(&self) -> f64 {
         self.guard.work()
     }
@@ -228,9 +228,9 @@ impl Simulation {
     /// false; a few more steps may be taken then.
     ///
     /// Every step is checked. If one leaves NaN or infinity, or the [`Guard`] finds it unstable, the state before it is
-    /// restored exactly. Energies are checked at the end of each frame of 1/60 s, and within a frame where the kinetic
-    /// energy has grown; see [`Self::check`]. In a guarded scene the step is then taken in shorter ones; if that fails too, the fault is
-    /// kept until the state is set anew.
+    /// restored exactly. In a guarded scene the step is then taken in shorter ones; if that fails too, the fault is
+    /// kept until the state is set anew. Energies are checked at the end of each frame of 1/60 s, and within a frame where
+    /// the kinetic energy has grown; see [`Self::check_energy`].
     ///
     /// Scripted actions are performed at their times; see [`Self::follow`].
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
@@ -250,7 +250,7 @@ impl Simulation {
 
     /// Checks the energy of a state within a frame as at the end of one, and takes the last steps again if it breaks the
     /// bound of the [`Guard`].
-    pub fn check(&mut self) {
+    pub fn check_energy(&mut self) {
         if self.fault.is_none() && self.state.steps > self.asked_at && !self.keeps_bound() {
             self.retake();
         }

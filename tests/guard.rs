@@ -109,6 +109,44 @@ fn energy_from_nowhere_is_bounded_over_a_run() {
     }
 }
 
+/// The bound is above the least energy, not above that at the start. What is saved holds it.
+#[test]
+fn dissipated_energy_does_not_hide_energy_from_nowhere() {
+    let scene = released("Corotated", 0.1, "").scene().clone();
+    let moving = |kinetic| Energies { kinetic, elastic: 0.0, potential: 0.0 };
+    let mut guard = Guard::default();
+    guard.begin(moving(10.0));
+    assert!(guard.keeps_bound(&scene, moving(4.0)));
+    let mut reopened = Guard::from(&guard.saved(0).unwrap());
+    assert_eq!(reopened, guard);
+    for guard in [&mut guard, &mut reopened] {
+        assert!(guard.keeps_bound(&scene, moving(18.9)) && !guard.keeps_bound(&scene, moving(19.1)));
+        assert!(!guard.keeps_bound(&scene, moving(f64::NAN)));
+        // Work of a wall is no energy from nowhere.
+        guard.supply(2.0);
+        assert!(guard.keeps_bound(&scene, moving(21.1)));
+    }
+}
+
+/// A step 9 times the stability limit, which 16 shorter ones would hold: a frame would have 960,000 of them.
+#[test]
+fn a_frame_is_divided_into_no_more_steps_than_a_level_may_have() {
+    let run = |substeps: u32, mass: f64| {
+        let text = format!(
+            "(name: \"\", substeps: {substeps}, nets: [(name: \"s\", net: Chain(from: (0.2, 0.5), to: (0.8, 0.5), springs: 1,
+                stiffness: 1e11, rest: 0.5), mass: {mass:e})])"
+        );
+        let mut run = simulation(&level(&text));
+        run.advance(1000, &mut || true);
+        run
+    };
+    // Steps 100 times as long for 10,000 times the mass.
+    let (long, short) = (run(600, 1.0), run(60_000, 1e-4));
+    assert!(long.fault().is_none() && long.guard_substeps() >= 16, "{:?}", long.fault());
+    assert!(short.fault().is_some() && short.counts().retaken == 0, "{:?}", short.counts());
+    assert_eq!([1.0, 30_000.0, 100_000.0].map(|count| Guard::most_level(1.0 / (60.0 * count))), [6, 1, 0]);
+}
+
 /// Energy of motion gives an explicit explosion away. Equations may be answered by a shape that stores more and hardly moves.
 #[test]
 fn after_every_implicit_step_it_looks_at_what_is_stored_too() {

@@ -6,6 +6,7 @@ mod common;
 use common::{Random, level, models, reopened, sheet, simulation, systems::built};
 use gingerbread::{
     effects::Grab,
+    fault::Cause,
     files,
     level::Level,
     levels,
@@ -183,6 +184,14 @@ fn a_stiff_pull_lowers_the_stability_limit() {
         assert!(critical_step(scene, state, None).unwrap() > 10.0 * limit, "{model}");
         let probed = StabilityProbe::default().refine(scene, state, grab, 16).unwrap();
         assert!((probed / limit - 1.0).abs() < 0.01, "{model}: {probed} against {limit}");
+        // A fault names that limit.
+        let text = format!("guard: Off, effects: [(effect: MouseSpring(stiffness: {stiffness:e}))]");
+        let mut run = simulation(&sheet(model, "", &text));
+        run.set_grab(grab);
+        run.advance(1000, &mut || true);
+        let cause = &run.fault().unwrap().cause;
+        let named = matches!(cause, Cause::StepTooLong { limit, .. } if (limit / closed_form - 1.0).abs() < 0.01);
+        assert!(named, "{model}: {cause:?} against {closed_form}");
     }
 }
 

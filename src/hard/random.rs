@@ -117,7 +117,7 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
         simulation.perform_due(&mut |before, after| account.changed(before, after));
         let work = simulation.work_of_obstacles();
         simulation.advance(1, &mut || true);
-        simulation.check();
+        simulation.check_energy();
         account.supply(simulation.work_of_obstacles() - work);
         account.record(simulation.energies());
         if simulation.fault().is_some() {

@@ -28,6 +28,11 @@ impl Substeps {
         Self(libm::ceil(steps).clamp(1.0, f64::from(Self::MAX)) as u32)
     }
 
+    /// Greatest number of equal parts of a step \[s\] of which a frame has no more than [`Self::MAX`]; at least one.
+    pub fn most_parts(step: f64) -> f64 {
+        libm::floor(f64::from(Self::MAX) * 60.0 * step).max(1.0)
+    }
+
     /// Twice as many, as far as that is allowed.
     #[must_use]
     pub fn doubled(self) -> Self {

@@ -32,7 +32,7 @@ use std::{ops::Range, sync::Arc};
 /// Greatest substep as a fraction of the critical step at rest.
 const SAFETY_FACTOR: f64 = 0.5;
 
-/// Number of substeps between two checks for numbers that are not finite.
+/// Number of substeps between two checks for numbers that are not finite or far too large.
 const FINITE_CHECK: u32 = 64;
 
 /// Steppers of all bodies and nets; empty without multirate stepping.
@@ -133,9 +133,8 @@ impl SubstepStepper {
         });
         // Forward Euler and Heun have no stable step without damping: the limit of symplectic Euler is taken for them.
         let stability_limit = whole.integrator.kind().stability_limit().filter(|limit| *limit > 0.0).unwrap_or(2.0);
-        let most = (f64::from(Substeps::MAX) * 60.0 * whole.step).max(1.0);
         let wanted = limit.map_or(1.0, |limit| whole.step / (SAFETY_FACTOR * 0.5 * stability_limit * limit));
-        let steps = libm::ceil(wanted).clamp(1.0, libm::floor(most)) as u32;
+        let steps = libm::ceil(wanted).clamp(1.0, Substeps::most_parts(whole.step)) as u32;
         Self {
             sub_scene: Arc::clone(sub_scene),
             plan: SubstepPlan { steps, step: substep(whole.step, steps), limit },
@@ -185,7 +184,7 @@ impl SubstepStepper {
             let counts = interval.integrator.step(&mut system, &mut self.state, &mut workspace, interval.h);
             self.scratch.workspace = workspace;
             self.scratch.counts.add(&counts);
-            // No number becomes finite again.
+            // The whole step is refused then.
             if substep % FINITE_CHECK == 0 && !self.state.is_finite() {
                 return;
             }

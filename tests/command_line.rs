@@ -320,7 +320,7 @@ fn tables_keep_their_columns_whatever_a_name_holds() {
     let output = gingerbread(&hard(&case, &["--csv", "-"]));
     let mut reader = csv::Reader::from_reader(output.stdout.as_slice());
     let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
-    assert!(rows.len() == 1 && rows[0].len() == 11 && &rows[0][0] == name, "{rows:?}");
+    assert!(rows.len() == 1 && rows[0].len() == 19 && &rows[0][0] == name, "{rows:?}");
     let level = folder.with(
         "level.ron",
         &PIECES.replace("\"pieces\"", "\"a, \\\"b\\\"\\n#c\\u{1b}[31m\"").replace("mass:", "spin: 3, mass:"),

@@ -187,7 +187,7 @@ fn hard_cases_run_as_levels_and_continue_bit_equal() {
         }
         assert!(run.state() == straight.state(), "{file}: {}", difference(&run, &straight));
     }
-    assert_eq!(with_actions, 4);
+    assert_eq!(with_actions, 7);
 }
 
 /// A large body steps in batches, in which checkpoints are far apart.

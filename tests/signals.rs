@@ -93,7 +93,7 @@ fn an_interrupted_study_or_gallery_writes_what_there_is() {
         assert!(printed.contains("Partial: stopped by SIGINT") && told.contains("partial"), "{printed}{told}");
         let table = fs::read_to_string(&csv).unwrap();
         assert!(table.starts_with("# partial: stopped by SIGINT at about "), "{table}");
-        assert!(table.contains("case,model") || table.contains("# level: "), "{table}");
+        assert!(table.contains("case,undamped,model") || table.contains("# level: "), "{table}");
     }
 }
 

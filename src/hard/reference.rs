@@ -96,7 +96,7 @@ impl Scale {
     fn distance(&self, scene: &Scene, [a, b]: [&Moment; 2], [speed, energy]: [f64; 2]) -> (f64, Quantity) {
         let [speed, energy] = [speed.max(self.least[0]), energy.max(self.least[1])];
         let squares = a.x.iter().zip(&b.x).zip(&scene.mass).map(|((a, b), mass)| mass * (a - b) * (a - b));
-        let momentum = (a.momentum[0] - b.momentum[0]).hypot(a.momentum[1] - b.momentum[1]);
+        let momentum = libm::hypot(a.momentum[0] - b.momentum[0], a.momentum[1] - b.momentum[1]);
         let differences = [
             ((squares.sum::<f64>() / self.mass).sqrt() / self.size, Quantity::Position),
             (momentum / (self.mass * speed), Quantity::Momentum),

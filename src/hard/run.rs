@@ -223,8 +223,8 @@ impl Run {
 fn greatest_strain(scene: &Scene, x: &[f64]) -> f64 {
     let strains = scene.bodies.iter().flat_map(|body| body.elements.gradients(x)).map(|(f, _)| {
         // s1 + s2 and |s1 - s2|, the smaller stretch with the sign of det F.
-        let sum = (f.m11 + f.m22).hypot(f.m21 - f.m12);
-        let difference = (f.m11 - f.m22).hypot(f.m21 + f.m12);
+        let sum = libm::hypot(f.m11 + f.m22, f.m21 - f.m12);
+        let difference = libm::hypot(f.m11 - f.m22, f.m21 + f.m12);
         (0.5 * (sum + difference) - 1.0).abs().max((0.5 * (sum - difference) - 1.0).abs())
     });
     strains.fold(0.0, |most: f64, strain| if strain <= most { most } else { strain })

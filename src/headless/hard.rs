@@ -348,11 +348,12 @@ fn lines(sweep: &Sweep, explanations: &Explanations) -> String {
 /// greatest energy left in those \[J\].
 fn counts(sweep: &Sweep, starts: usize) -> String {
     let mut text =
-        format!("{:<12} {:<17} {:<21} stable        by Untangle  energy left [J]", "case", "model", "integrator");
+        format!("{:<20} {:<17} {:<21} stable        by Untangle  energy left [J]", "case", "model", "integrator");
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
-        let Trial { name, model, method, .. } = group[0].0;
-        let (name, model, method) = (terminal::line(name), model.name(), method.name());
+        let Trial { name, case, model, method } = group[0].0;
+        let undamped = if case.is_undamped_twin() { ", undamped" } else { "" };
+        let (name, model, method) = (format!("{}{undamped}", terminal::line(name)), model.name(), method.name());
         let over = group.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
         let opens = |entry: &Entry| matches!(&entry.verdict, Some(Ok(verdict)) if verdict.numbers.opens);
         let count = group.iter().filter(|(_, entry)| stable(entry)).count();
@@ -366,7 +367,7 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
         let left = if least <= most { format!("{least:.1e} to {most:.1e}") } else { String::new() };
         let held = format!("{count} of {over}");
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n{name:<12} {model:<17} {method:<21} {held:<13} {opened:<12} {left}");
+        let _ = write!(text, "\n{name:<20} {model:<17} {method:<21} {held:<13} {opened:<12} {left}");
         text.truncate(text.trim_end().len());
     }
     text

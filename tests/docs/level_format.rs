@@ -377,7 +377,7 @@ pub fn page() -> String {
     }
     integrators(&mut page);
     page.push_str("\n## Hard cases\n");
-    for kind in ["Case", "Lasts", "Expects", "Cannot", "Method"] {
+    for kind in ["Case", "Lasts", "Expects", "Cannot", "Method", "Experiment"] {
         section(&mut page, kind);
     }
     page

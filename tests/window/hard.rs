@@ -40,15 +40,16 @@ fn a_case_runs_with_every_material_beside_the_scene() {
     );
     let told = window.get_by_label_contains("Corotated, Implicit Euler: ").accesskit_node().label().unwrap_or_default();
     assert!(told.contains("strain ") && told.contains(" % off in "), "{told}");
-    let summary = window.get_by_label_contains("5 of 246 stable").accesskit_node().label().unwrap_or_default();
-    assert!(summary.contains(", 1 known not to be"), "{summary}");
+    assert!(window.query_by_label_contains("5 of 246 stable (5 more than 10 % off), 1 known not to be").is_some());
     assert!(window.state().snapshot().time > time, "time goes on");
 }
 
-/// Chooses an integrator of the gallery.
+/// Chooses an integrator of the gallery. The list may still be open from the choice before.
 fn choose(window: &mut Window, title: &str) {
-    window.get_by_label("Integrators of hard cases").click_accesskit();
-    window.run_steps(3);
+    if window.query_all_by_label(title).next().is_none() {
+        window.get_by_label("Integrators of hard cases").click_accesskit();
+        window.run_steps(3);
+    }
     window.get_all_by_label(title).last().unwrap().click_accesskit();
     window.run_steps(3);
 }

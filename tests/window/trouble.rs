@@ -48,7 +48,7 @@ fn when_time_stops_the_banner_says_why_and_its_buttons_mend_it() {
     let mut wild = level("gingerbread_house");
     wild.substeps = Substeps::new(2).unwrap();
     wild.guard = Toggle::Off;
-    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::Hencky);
+    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::StVenantKirchhoff);
     for label in ["Reset", "Shorter steps (2 × ", "Switch the guard on"] {
         let mut window = open_level(wild.clone(), 1280.0, 800.0);
         press(&mut window, Key::T);

@@ -284,7 +284,7 @@ fn a_fault_in_one_pane_stops_both_at_the_same_time() {
     for count in [1, 3, 7] {
         let (mut a, mut panes) = pair("gingerbread_house");
         panes.choose(Pane::A);
-        panes.apply(&mut a, Pane::B, Command::SetModel(Model::Hencky)).unwrap();
+        panes.apply(&mut a, Pane::B, Command::SetModel(Model::StVenantKirchhoff)).unwrap();
         panes.apply(&mut a, Pane::B, substeps(count)).unwrap();
         panes.apply(&mut a, Pane::B, Command::SetGuard(Toggle::Off)).unwrap();
         panes.apply(&mut a, Pane::A, Command::SetMode(Mode::Collide)).unwrap();

@@ -171,9 +171,8 @@ fn a_level_opens_in_both_and_undo_brings_both_back() {
 
 #[test]
 fn a_fault_in_b_is_told_with_its_pane_and_mended_there() {
-    let mut wild = level("gingerbread_house");
+    let mut wild = level("gingerbread_pulled");
     wild.guard = gingerbread::level::Toggle::Off;
-    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::StVenantKirchhoff);
     let mut window = open_level(wild, 1280.0, 800.0);
     press(&mut window, Key::B);
     let substeps = seen(&window)[0].level.substeps;

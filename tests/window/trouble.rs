@@ -6,7 +6,6 @@ use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use gingerbread::files::Disk;
 use gingerbread::level::{SavedState, Substeps, Toggle};
-use gingerbread::materials::Model;
 use gingerbread::quantity::{Point, Time};
 use gingerbread::scene::Scene;
 
@@ -45,10 +44,9 @@ fn what_is_saved_opens_again_as_it_was() {
 
 #[test]
 fn when_time_stops_the_banner_says_why_and_its_buttons_mend_it() {
-    let mut wild = level("gingerbread_house");
+    let mut wild = level("gingerbread_pulled");
     wild.substeps = Substeps::new(2).unwrap();
     wild.guard = Toggle::Off;
-    wild.bodies[0].material = wild.bodies[0].material.with_model(Model::StVenantKirchhoff);
     for label in ["Reset", "Shorter steps (2 × ", "Switch the guard on"] {
         let mut window = open_level(wild.clone(), 1280.0, 800.0);
         press(&mut window, Key::T);

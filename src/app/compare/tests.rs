@@ -281,10 +281,9 @@ fn one_slider_drag_is_one_undo_step_in_both_panes() {
 /// The panels then show the pane with the fault.
 #[test]
 fn a_fault_in_one_pane_stops_both_at_the_same_time() {
-    for count in [1, 3, 7] {
-        let (mut a, mut panes) = pair("gingerbread_house");
+    for count in [1, 2, 3] {
+        let (mut a, mut panes) = pair("gingerbread_pulled");
         panes.choose(Pane::A);
-        panes.apply(&mut a, Pane::B, Command::SetModel(Model::StVenantKirchhoff)).unwrap();
         panes.apply(&mut a, Pane::B, substeps(count)).unwrap();
         panes.apply(&mut a, Pane::B, Command::SetGuard(Toggle::Off)).unwrap();
         panes.apply(&mut a, Pane::A, Command::SetMode(Mode::Collide)).unwrap();

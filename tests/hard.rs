@@ -199,10 +199,8 @@ fn every_run_of_every_hard_case_is_stable_or_explained() {
     compare(all_cases(), &Method::ALL, Runs::All, "tests/hard_cases.csv");
 }
 
-/// The same on meshes of 2000 triangles and for twice the time, for what is hardest; takes minutes.
-#[test]
-#[ignore = "takes minutes: cargo test --test hard -- --ignored fine"]
-fn the_hardest_cases_are_stable_on_fine_meshes_or_explained() {
+/// The hardest cases on meshes of 2000 triangles and for twice the time.
+fn fine_cases() -> Vec<(&'static str, Case)> {
     let names = [
         "corner",
         "dragged_through",
@@ -218,8 +216,22 @@ fn the_hardest_cases_are_stable_on_fine_meshes_or_explained() {
         "thin_wall",
         "twisted",
     ];
-    let fine = names.map(|name| (name, case(name).with_triangles(2000).unwrap().lasting(2).unwrap()));
-    compare(fine.to_vec(), &[Method::ImplicitEuler, Method::Bdf2], Runs::All, "tests/hard_cases_fine.csv");
+    names.map(|name| (name, case(name).with_triangles(2000).unwrap().lasting(2).unwrap())).to_vec()
+}
+
+/// Methods with which fine meshes run.
+const FINE_METHODS: [Method; 2] = [Method::ImplicitEuler, Method::Bdf2];
+
+#[test]
+fn the_hardest_cases_are_stable_on_fine_meshes_or_explained() {
+    compare(fine_cases(), &FINE_METHODS, Runs::Some, "tests/hard_cases_fine.csv");
+}
+
+/// The same for the whole product of cases, models and methods.
+#[test]
+#[ignore = "takes ten minutes: cargo test --test hard -- --ignored every_run"]
+fn every_run_of_the_hardest_cases_on_fine_meshes_is_stable_or_explained() {
+    compare(fine_cases(), &FINE_METHODS, Runs::All, "tests/hard_cases_fine.csv");
 }
 
 #[test]

@@ -7,11 +7,12 @@ use gingerbread::{
     files,
     guard::Guard,
     hard::{
-        Account, COLUMNS, Case, Entry, Expects, Failure, Lasts, Method, Quantity, Run, Sweep, Trial, Verdict,
+        Account, COLUMNS, Case, Entry, Expects, Experiment, Failure, Lasts, Method, Quantity, Run, Sweep, Trial,
+        Verdict,
         random::{Outcome, Variation},
         row,
     },
-    level::Level,
+    level::{Level, Substeps},
     levels::HARD,
     materials::Model,
     quantity::Spin,
@@ -516,4 +517,11 @@ fn random_variations_can_be_repeated() {
         assert_eq!(outcome, timeless(number));
         assert!(outcome.finite, "number {number}: {outcome:?}");
     }
+}
+
+#[test]
+fn an_experiment_without_steps_is_refused() {
+    let read = |times: &str| files::parse_as::<Experiment>(&format!("Shorter({times})"), "case.ron");
+    assert_eq!(read("4").unwrap(), Experiment::Shorter(Substeps::nearest(4.0)));
+    assert!(read("0").unwrap_err().to_string().contains("at least 1"));
 }

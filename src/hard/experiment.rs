@@ -3,6 +3,7 @@
 use super::{Case, Failure, Method, Reference, Run, Trial, Verdict};
 use crate::{
     effects::{Compression, EffectKind},
+    level::Substeps,
     materials::Model,
     scene::SceneError,
 };
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Experiment {
     /// Steps so many times as short.
-    Shorter(u32),
+    Shorter(Substeps),
     /// The motion ends like that: the reference, which gains no energy, has inverted or folded triangles, strain or speed
     /// at its end too.
     Motion,
@@ -36,7 +37,7 @@ impl std::fmt::Display for Experiment {
     /// Says where the failure does not happen.
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Shorter(times) => write!(out, "not in steps {times} times as short"),
+            Self::Shorter(times) => write!(out, "not in steps {} times as short", times.get()),
             Self::Motion => write!(out, "in the reference too"),
             Self::Compression => write!(out, "not with the compression effect"),
             Self::Model(model) => write!(out, "not with the model {}", model.name()),
@@ -49,7 +50,8 @@ impl std::fmt::Display for Experiment {
 impl Experiment {
     /// Experiments in the order in which a cause is looked for. A scheme that is stable at no step is a cause itself.
     pub fn all(method: Method) -> Vec<Self> {
-        let steps = [Self::Motion, Self::Shorter(4), Self::Shorter(16)];
+        let shorter = |times: f64| Self::Shorter(Substeps::nearest(times));
+        let steps = [Self::Motion, shorter(4.0), shorter(16.0)];
         let schemes = [Method::SymplecticEuler, Method::ImplicitEuler, Method::Bdf2].map(Self::By);
         let models = [Model::StableNeoHookean, Model::FixedCorotated, Model::Corotated, Model::NeoHookean];
         let [first, then] = if method.is_never_stable() { [schemes, steps] } else { [steps, schemes] };
@@ -62,7 +64,7 @@ impl Experiment {
     /// If its level cannot be built.
     pub fn prepare(self, case: &Case, model: Model, method: Method) -> Result<Option<Run>, SceneError> {
         let run = match self {
-            Self::Shorter(times) => Run::new(case, model, method)?.finer(times),
+            Self::Shorter(times) => Run::new(case, model, method)?.finer(times.get()),
             Self::Motion => Run::new(case, model, Method::VelocityVerlet)?.finer(Reference::FINER),
             Self::Compression => {
                 let listed =

@@ -1,7 +1,7 @@
 //! Reference motion of a hard case, and the distance of a run from it.
 
 use super::{Case, Method, Run, run::MOST};
-use crate::{guard::negligible, materials::Model, scene::Scene, scene::SceneError, simulation::Simulation};
+use crate::{materials::Model, scene::Scene, scene::SceneError, simulation::Simulation};
 
 /// Reference motion of a case with a model: velocity Verlet in at least [`Self::STEPS`] steps a frame of 1/60 s, and in steps
 /// at most [`Self::FINER`] times as short as those of the explicit schemes, which take up to 16,384 in a frame.
@@ -11,8 +11,7 @@ use crate::{guard::negligible, materials::Model, scene::Scene, scene::SceneError
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
     moments: Vec<Moment>,
-    /// Greatest speed (root mean square over the mass) \[m/s\], mechanical energy \[J\].
-    speed: f64,
+    /// Energy put in (see [`super::Account`]) \[J\].
     energy: f64,
     chaotic: bool,
 }
@@ -31,11 +30,11 @@ pub(super) struct Moment {
 pub enum Quantity {
     /// Positions, root mean square over the mass, relative to the size of the bodies.
     Position,
-    /// Momentum, relative to the mass times the greatest speed.
+    /// Momentum, relative to that of the bodies if all energy put in moved them together.
     Momentum,
-    /// Angular momentum about the centre of the rest positions, relative to that times the size.
+    /// Angular momentum about the centre of the rest positions, relative to that momentum times the size.
     AngularMomentum,
-    /// Mechanical energy, relative to its greatest value.
+    /// Kinetic and elastic energy, relative to the energy put in.
     Energy,
 }
 
@@ -69,8 +68,6 @@ pub(super) struct Scale {
     mass: f64,
     size: f64,
     centre: [f64; 2],
-    /// Least speed and energy that count \[m/s, J\].
-    least: [f64; 2],
 }
 
 impl Scale {
@@ -78,8 +75,7 @@ impl Scale {
         let mass = scene.mass.iter().step_by(2).sum::<f64>();
         let count = scene.rest.len() as f64 / 2.0;
         let centre = [0, 1].map(|axis| scene.rest.iter().skip(axis).step_by(2).sum::<f64>() / count);
-        let energy = negligible(scene);
-        Self { mass, size, centre, least: [(2.0 * energy / mass).sqrt(), energy] }
+        Self { mass, size, centre }
     }
 
     pub fn moment(&self, simulation: &Simulation) -> Moment {
@@ -92,9 +88,9 @@ impl Scale {
         Moment { x: state.x.clone(), momentum, angular_momentum, mechanical: energies.kinetic + energies.elastic }
     }
 
-    /// Greatest relative difference of two moments, relative to a speed and an energy.
-    fn distance(&self, scene: &Scene, [a, b]: [&Moment; 2], [speed, energy]: [f64; 2]) -> (f64, Quantity) {
-        let [speed, energy] = [speed.max(self.least[0]), energy.max(self.least[1])];
+    /// Greatest relative difference of two moments, where so much energy was put in \[J\].
+    fn distance(&self, scene: &Scene, [a, b]: [&Moment; 2], energy: f64) -> (f64, Quantity) {
+        let speed = (2.0 * energy / self.mass).sqrt();
         let squares = a.x.iter().zip(&b.x).zip(&scene.mass).map(|((a, b), mass)| mass * (a - b) * (a - b));
         let momentum = libm::hypot(a.momentum[0] - b.momentum[0], a.momentum[1] - b.momentum[1]);
         let differences = [
@@ -168,11 +164,9 @@ impl ReferenceRun {
         }
         let [fine, coarse] = self.runs.each_ref().map(|run| self.scale.moment(run.simulation()));
         let reference = &mut self.reference;
-        let kinetic = self.runs[0].simulation().energies().kinetic;
-        reference.speed = reference.speed.max((2.0 * kinetic / self.scale.mass).sqrt());
-        reference.energy = reference.energy.max(fine.mechanical);
+        reference.energy = self.runs[0].put_in();
         let scene = self.runs[0].simulation().scene();
-        let (share, _) = self.scale.distance(scene, [&fine, &coarse], [reference.speed, reference.energy]);
+        let (share, _) = self.scale.distance(scene, [&fine, &coarse], reference.energy);
         if share > Reference::KNOWN || share.is_nan() {
             reference.chaotic = true;
             return Ok(true);
@@ -209,8 +203,7 @@ impl Comparison {
         let Some(moment) = reference.moments.get(self.frame) else { return };
         self.frame += 1;
         let own = self.scale.moment(simulation);
-        let scales = [reference.speed, reference.energy];
-        let (share, quantity) = self.scale.distance(simulation.scene(), [&own, moment], scales);
+        let (share, quantity) = self.scale.distance(simulation.scene(), [&own, moment], reference.energy);
         let most = self.most.get_or_insert(Distance { share, quantity, until: 0.0 });
         if share > most.share || share.is_nan() {
             (most.share, most.quantity) = (share, quantity);

@@ -118,6 +118,11 @@ impl Run {
         Self { share, ..self }
     }
 
+    /// Energy put in so far (see [`Account`]) \[J\].
+    pub(super) const fn put_in(&self) -> f64 {
+        self.account.put_in()
+    }
+
     /// Simulation of the run.
     pub const fn simulation(&self) -> &Simulation {
         &self.simulation

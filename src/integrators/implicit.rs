@@ -17,6 +17,9 @@ const ROUND_OFF: f64 = 1e-13;
 /// Most solves with added wall constraints.
 const MOST_CONTACT_SOLVES: usize = 8;
 
+/// Most solves that do not converge in a step.
+const MOST_UNCONVERGED: u64 = 2;
+
 /// Most iterations of the active set.
 const MOST_ACTIVE_SETS: usize = 6;
 
@@ -168,6 +171,9 @@ fn solve(
         }
         if !more {
             return (counts, true);
+        }
+        if counts.unconverged >= MOST_UNCONVERGED {
+            break;
         }
         if affine.end != 1.0 {
             // An impact is not smooth; an undamped scheme would excite high frequencies.

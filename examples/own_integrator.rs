@@ -48,15 +48,15 @@ impl FirstOrder for RungeKutta3 {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let ([start, at, k1, k2, k3], spare) = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(start);
-        system.rate(start, k1);
+        system.rate(0.0, start, k1);
         for ((at, start), k1) in at.iter_mut().zip(&*start).zip(&*k1) {
             *at = start + 0.5 * h * k1;
         }
-        system.rate(at, k2);
+        system.rate(0.5 * h, at, k2);
         for (((at, start), k1), k2) in at.iter_mut().zip(&*start).zip(&*k1).zip(&*k2) {
             *at = start + h * (2.0 * k2 - k1);
         }
-        system.rate(at, k3);
+        system.rate(h, at, k3);
         for ((((at, start), k1), k2), k3) in at.iter_mut().zip(&*start).zip(&*k1).zip(&*k2).zip(&*k3) {
             *at = start + h / 6.0 * (k1 + 4.0 * k2 + k3);
         }

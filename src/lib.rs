@@ -32,7 +32,7 @@
 //! | [`nets`] | particles and springs: chains, sheets, lists |
 //! | [`solvers`] | sparse matrices of small blocks, their factorisation, conjugate gradients, Newton's method |
 //! | [`obstacles`] | contact with rigid obstacles; the only module that uses parry2d |
-//! | [`effects`] and [`elements`] | forces and constraints: gravity, damping, walls, and the triangles and springs |
+//! | [`effects`], [`elements`] and [`contact`] | forces and constraints: gravity, damping, walls, the triangles and springs, and contact by a potential |
 //! | [`state`] | positions and velocities |
 //! | [`integrators`] | time integration, independent of physics |
 //! | [`toys`] | small systems with an exact solution: the circle, the pendulum |
@@ -76,6 +76,7 @@ pub mod solvers;
 
 pub mod obstacles;
 
+pub mod contact;
 pub mod effects;
 pub mod elements;
 

@@ -36,7 +36,7 @@ use std::{any::Any, fmt};
 /// impl FirstOrder for Euler {
 ///     fn step(&self, system: &mut dyn Ode, state: &mut State, _: &mut Workspace, h: f64) -> StepCounts {
 ///         let mut rate = vec![0.0; state.x.len()];
-///         system.rate(&state.x, &mut rate);
+///         system.rate(0.0, &state.x, &mut rate);
 ///         state.x.iter_mut().zip(&rate).for_each(|(x, rate)| *x += h * rate);
 ///         StepCounts::ONE
 ///     }

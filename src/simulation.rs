@@ -345,8 +345,10 @@ impl Simulation {
             // Scenes reject toys with such a scheme.
             (Some(_), Scheme::Second(_)) => StepCounts::ONE,
             (None, _) => {
-                let mut system = System { scene: &self.scene, scratch: &mut self.scratch, grab: self.grab, time };
-                integrator.step(&mut system, &mut self.state, &mut workspace, h)
+                let mut system = System::begin(&self.scene, &mut self.scratch, self.grab, time, &mut self.state);
+                let counts = integrator.step(&mut system, &mut self.state, &mut workspace, h);
+                system.end(h, &mut self.state);
+                counts
             }
         };
         self.scratch.workspace = workspace;

@@ -129,7 +129,8 @@ impl StabilityProbe {
             *displacement = value * root(inverse_mass);
         }
         self.product.fill(0.0);
-        for effect in &scene.effects {
+        // Contact counts with its greatest stiffness, whether it acts now or not.
+        for effect in scene.effects.iter().filter(|effect| effect.contact().is_none()) {
             let scratch = &mut self.scratch[..effect.scratch()];
             effect.stiffness_times(motion, &self.displacement, scratch, &mut self.product);
         }
@@ -145,6 +146,8 @@ impl StabilityProbe {
 fn longest_step(scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
     let dampings = scene.effects.iter().map(|effect| effect.damping(motion));
     let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let square = square
+        + scene.effects.iter().filter_map(|effect| Some(effect.contact()?.square_frequency(motion))).sum::<f64>();
     let rate = alpha + beta * square;
     let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
     step.is_finite().then_some(step)

@@ -7,7 +7,7 @@
 //! assert!(!state.is_finite());
 //! ```
 
-use crate::effects::Bounds;
+use crate::{contact::Anchor, effects::Bounds};
 
 /// Positions and velocities, flat: as many numbers a vertex as the scene has dimensions.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub struct State {
     pub steps: u64,
     /// Memory of the integrator between steps.
     pub memory: Vec<f64>,
+    /// Anchors of friction, in the order of their contacts.
+    pub anchors: Vec<Anchor>,
     /// For each body and then each net, the number of consecutive checks below the sleep threshold; the greatest number
     /// if it sleeps. Empty before the first check.
     pub slow_checks: Vec<u32>,
@@ -55,9 +57,10 @@ impl State {
         self.v.copy_from_slice(v);
     }
 
-    /// Hash of every bit of positions and velocities (FNV-1a, 64 bit): equal states have equal hashes.
+    /// Hash of every bit of positions, velocities and anchors of friction (FNV-1a, 64 bit): equal states have equal hashes.
     pub fn hash(&self) -> u64 {
-        let numbers = self.x.iter().chain(&self.v);
+        let anchors = self.anchors.iter().flat_map(|anchor| &anchor.point);
+        let numbers = self.x.iter().chain(&self.v).chain(anchors);
         numbers
             .flat_map(|number| number.to_bits().to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))

@@ -146,7 +146,7 @@ fn an_idle_effect_is_not_called_and_says_why() {
         assert_eq!(run.advance(30, &mut || true), 30);
         let acting = run.costs().last().unwrap();
         assert_eq!((acting.calls, acting.elements), (0, 0), "{}", kind.name());
-        let touching = ["Friction", "Restitution"].contains(&kind.name());
+        let touching = ["Friction", "Restitution", "Contact"].contains(&kind.name());
         assert!(touching || (acting.skipped == 30 && acting.idle.is_some()), "{}: {acting:?}", kind.name());
         level.effects[0].switch = Switch::On;
         let mut run = simulation(&level);
@@ -225,7 +225,7 @@ fn an_effect_listed_twice_is_refused_or_warned_about() {
         Scene::build(&level, level.mode, &NoFiles, None).unwrap().messages.join("; ")
     };
     let edges = "(effect: Boundary(least: (0, 0), greatest: (1, 1))),";
-    for kind in ["Friction(coefficient: 0.1)", "Restitution(coefficient: 0.1)"] {
+    for kind in ["Friction(coefficient: 0.1)", "Restitution(coefficient: 0.1)", "Contact()"] {
         let why = refused(&format!("(effect: {kind}), {edges} (effect: {kind}, switch: Off)"));
         assert!(why.contains("effects 1 and 3") && why.contains("take one of them out"), "{why}");
     }
@@ -234,6 +234,8 @@ fn an_effect_listed_twice_is_refused_or_warned_about() {
     assert_eq!(told(&format!("{edges} {edges} (effect: Gravity(down: 1)), (effect: Gravity(down: 1))")), "");
     assert!(told("(effect: Friction(coefficient: 0.3))").contains("needs walls or a domain boundary"));
     assert!(told("(effect: Walls(obstacles: []))").contains("no obstacles"));
+    let both = told(&format!("{edges} (effect: Contact(dissipation: 1)), (effect: Restitution(coefficient: 0.3))"));
+    assert!(both.contains("Restitution does nothing") && both.contains("returns 0.59 of the speed"), "{both}");
 }
 
 #[test]

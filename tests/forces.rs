@@ -59,7 +59,7 @@ fn stiffness_times_a_displacement_is_the_change_of_force() {
         let x = shaken(&simulation.scene().rest, 0.015, 1);
         let d = shaken(&vec![0.0; x.len()], 1.0, 2);
         let mut product = vec![0.0; x.len()];
-        let motion = Motion { dimension: 2, x: &x, v: &d, mass: &d, inverse_mass: &d, grab: None };
+        let motion = Motion { dimension: 2, x: &x, v: &d, mass: &d, inverse_mass: &d, ..Motion::NONE };
         body.stiffness_times(motion, &d, &mut vec![0.0; body.scratch()], &mut product);
         let best = difference_error(&x, &d, &product, |x| forces(body, x));
         assert!(best < 1e-8, "{model}: {best:e}");
@@ -148,10 +148,26 @@ fn effect_forces_are_minus_the_derivative_of_energy() {
         let x = shaken(&scene.rest, 0.01, 5);
         let v = vec![0.0; x.len()];
         let energy = |x: &[f64]| {
-            effect.energy(Motion { dimension: 2, x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab })
+            effect.energy(Motion {
+                dimension: 2,
+                x,
+                v: &v,
+                mass: &scene.mass,
+                inverse_mass: &scene.inverse_mass,
+                grab,
+                ..Motion::NONE
+            })
         };
         let mut force = vec![0.0; x.len()];
-        let motion = Motion { dimension: 2, x: &x, v: &v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab };
+        let motion = Motion {
+            dimension: 2,
+            x: &x,
+            v: &v,
+            mass: &scene.mass,
+            inverse_mass: &scene.inverse_mass,
+            grab,
+            ..Motion::NONE
+        };
         effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);
         for number in 0..x.len() {
             let (mut ahead, mut behind) = (x.clone(), x.clone());
@@ -171,7 +187,7 @@ fn damping_force(mass: f64, stiffness: f64, x: &[f64], v: &[f64], simulation: &S
     let scene = simulation.scene();
     let effect = listed.effect.kind().build(&of(scene)).unwrap();
     let mut force = vec![0.0; x.len()];
-    let motion = Motion { dimension: 2, x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None };
+    let motion = Motion { dimension: 2, x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, ..Motion::NONE };
     effect.force(motion, &mut vec![0.0; effect.scratch()], &mut force);
     force
 }
@@ -203,7 +219,7 @@ fn at_rest_damping_is_rayleighs() {
         v: &v,
         mass: &scene.mass,
         inverse_mass: &scene.inverse_mass,
-        grab: None,
+        ..Motion::NONE
     };
     let body = elements(&simulation);
     body.stiffness_times(motion, &v, &mut vec![0.0; body.scratch()], &mut expected);

@@ -17,7 +17,7 @@ const ROOMS: &[&[&str]] = &[
     &["nets"],
     &["solvers"],
     &["obstacles"],
-    &["effects", "elements"],
+    &["contact", "effects", "elements"],
     &["state"],
     &["integrators"],
     &["toys"],

@@ -22,7 +22,7 @@ use gingerbread::{
 struct Circle;
 
 impl Ode for Circle {
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+    fn rate(&mut self, _: f64, x: &[f64], rate: &mut [f64]) {
         rate.copy_from_slice(&[-x[1], x[0]]);
     }
 }

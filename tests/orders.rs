@@ -57,7 +57,7 @@ fn measured_order_matches_on_a_free_sheet() {
 struct Pendulum;
 
 impl Dynamics for Pendulum {
-    fn force(&mut self, x: &[f64], _: &[f64], force: &mut [f64]) {
+    fn force(&mut self, _: f64, x: &[f64], _: &[f64], force: &mut [f64]) {
         force.copy_from_slice(&[-libm::sin(x[0]), 0.0]);
     }
 
@@ -69,7 +69,7 @@ impl Dynamics for Pendulum {
         &[1.0; 2]
     }
 
-    fn stiffness_times(&mut self, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&mut self, _: f64, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
         product[0] += libm::cos(x[0]) * d[0];
     }
 
@@ -79,7 +79,7 @@ impl Dynamics for Pendulum {
 
     fn sparsity_pattern(&self, _: &mut dyn FnMut(u32, u32)) {}
 
-    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
+    fn add_stiffness(&mut self, _: f64, x: &[f64], _: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         if let Some(matrix) = matrix.blocks::<2>() {
             matrix.diagonal(0, &(Matrix2::new(libm::cos(x[0]), 0.0, 0.0, 0.0) * weights.position));
         }

@@ -121,7 +121,8 @@ fn swept_triangles_match_single_ones_for_every_model() {
     for_every_sheet(|simulation, x, model| {
         let elements = &simulation.scene().bodies[0].elements;
         let (energy, expected) = one_by_one(simulation, x);
-        let motion = Motion { dimension: 2, x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
+        let motion =
+            Motion { dimension: 2, x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], ..Motion::NONE };
         let (mut scratch, mut force) = (vec![f64::NAN; elements.scratch()], vec![0.0; x.len()]);
         elements.force(motion, &mut scratch, &mut force);
         // Stresses of 100 Pa on edges of 0.1 m.
@@ -162,7 +163,8 @@ fn bits_of(elements: &dyn Effect, motion: Motion<'_>) -> Vec<u64> {
 fn every_instruction_set_gives_the_same_bits() {
     assert!(sets().len() > 1 || !cfg!(target_arch = "x86_64"), "beside plain numbers there should be lanes");
     for_every_sheet(|simulation, x, model| {
-        let motion = Motion { dimension: 2, x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
+        let motion =
+            Motion { dimension: 2, x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], ..Motion::NONE };
         let plain = bits_of(&simulation.scene().bodies[0].elements.in_set(Arch::Scalar), motion);
         for set in sets() {
             let found = bits_of(&simulation.scene().bodies[0].elements.in_set(set), motion);
@@ -175,7 +177,7 @@ fn every_instruction_set_gives_the_same_bits() {
     ));
     let (mut random, scene) = (Random(7), net.scene());
     let x: Vec<_> = scene.rest.iter().map(|x| x + random.between(-0.02, 0.02)).collect();
-    let motion = Motion { dimension: 2, x: &x, v: &x, mass: &scene.mass, inverse_mass: &[], grab: None };
+    let motion = Motion { dimension: 2, x: &x, v: &x, mass: &scene.mass, inverse_mass: &[], ..Motion::NONE };
     let plain = bits_of(&scene.nets[0].springs.in_set(Arch::Scalar), motion);
     for set in sets() {
         assert_eq!(bits_of(&scene.nets[0].springs.in_set(set), motion), plain, "springs with {set:?}");
@@ -361,7 +363,8 @@ fn swept_stiffness_matches_single_triangles() {
         let mut pattern = Vec::new();
         elements.sparsity_pattern(&mut |a, b| pattern.push([a, b]));
         let mut matrix = BlockMatrix::<2>::new(x.len() / 2, &pattern);
-        let motion = Motion { dimension: 2, x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], grab: None };
+        let motion =
+            Motion { dimension: 2, x, v: x, mass: &simulation.scene().mass, inverse_mass: &[], ..Motion::NONE };
         let d: Vec<_> = x.iter().map(|_| random.between(-1.0, 1.0)).collect();
         for (tangent, change) in kinds {
             matrix.clear();

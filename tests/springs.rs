@@ -28,7 +28,7 @@ fn nets() -> impl Iterator<Item = (&'static str, Springs, Vec<f64>)> {
 }
 
 fn at<'a>(x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
-    Motion { dimension: 2, x, v, mass: v, inverse_mass: v, grab: None }
+    Motion { dimension: 2, x, v, mass: v, inverse_mass: v, ..Motion::NONE }
 }
 
 fn forces(springs: &Springs, x: &[f64]) -> Vec<f64> {
@@ -346,7 +346,7 @@ fn spring_forces_are_summed_in_the_order_of_the_springs() {
         // The ends of a spring in the last net are in one place.
         let [a, b] = scene.nets[1].springs.links()[1].ends.map(|end| 2 * end as usize);
         (x[a], x[a + 1]) = (x[b], x[b + 1]);
-        let motion = Motion { dimension: 2, x: &x, v: &x, mass: &scene.mass, inverse_mass: &[], grab: None };
+        let motion = Motion { dimension: 2, x: &x, v: &x, mass: &scene.mass, inverse_mass: &[], ..Motion::NONE };
         for springs in scene.nets.iter().map(|net| &net.springs) {
             let mut expected = vec![0.0; x.len()];
             for link in springs.links() {

@@ -2,6 +2,7 @@
 
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
+    contact::{ObstacleContact, PlacedObstacle},
     elements::Elements,
     obstacles::{
         Contact, ContactQuery, Depenetration, Obstacle, STEEP, Start, SweptMotion, depenetration_of, push_out_vertex,
@@ -9,6 +10,7 @@ use crate::{
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The four edges of the world: a vertex that gets beyond one is put back on it and loses its velocity outwards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,7 +46,7 @@ impl EffectParameters for Boundary {
         vec![Shape::Edges(self.least.get(), self.greatest.get())]
     }
 
-    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
+    fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let (least, greatest) = (self.least.get(), self.greatest.get());
         if least[0] < greatest[0] && least[1] < greatest[1] {
             let edge = |axis: usize, inwards: f64| Edge {
@@ -52,7 +54,12 @@ impl EffectParameters for Boundary {
                 at: if inwards > 0.0 { least } else { greatest }[axis],
                 inwards,
             };
-            Ok(Box::new(Edges { least, greatest, all: [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)] }))
+            let all = [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)];
+            let contact = elements.skin.map(|skin| {
+                let place = |edge: &Edge| PlacedObstacle { obstacle: Box::new(edge.clone()), motions: Vec::new() };
+                ObstacleContact::new(skin, Arc::clone(&elements.skinned), all.iter().map(place).collect())
+            });
+            Ok(Box::new(Edges { least, greatest, all, contact }))
         } else {
             Err(format!(
                 "the lower left corner {least:?} of the domain must lie below and left of its upper right corner {greatest:?}"
@@ -62,6 +69,7 @@ impl EffectParameters for Boundary {
 }
 
 /// One edge of the domain.
+#[derive(Clone)]
 struct Edge {
     axis: usize,
     at: f64,
@@ -76,20 +84,21 @@ impl Edge {
         normal
     }
 
-    fn distance(&self, point: [f64; 2]) -> f64 {
+    /// Distance of a point from the edge \[m\]; negative beyond it.
+    fn signed_distance(&self, point: [f64; 2]) -> f64 {
         self.inwards * (point[self.axis] - self.at)
     }
 }
 
 /// An edge as an obstacle, for depenetration.
 impl Obstacle for Edge {
-    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
-        let distance = self.distance(point);
-        (distance < 0.0).then(|| Contact { distance, normal: self.normal() })
+    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact> {
+        let distance = self.signed_distance(point);
+        (distance < reach).then(|| Contact { distance, normal: self.normal() })
     }
 
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
-        self.distance(least).min(self.distance(greatest)) < 0.0
+        self.signed_distance(least).min(self.signed_distance(greatest)) < 0.0
     }
 
     fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
@@ -101,7 +110,7 @@ impl Obstacle for Edge {
     }
 
     fn depenetration_distance(&self, point: [f64; 2], direction: [f64; 2]) -> Option<f64> {
-        let depth = -self.distance(point);
+        let depth = -self.signed_distance(point);
         let along = self.inwards * direction[self.axis];
         (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
     }
@@ -116,6 +125,7 @@ struct Edges {
     greatest: [f64; 2],
     /// Two edges for each axis, in the order of the axes.
     all: [Edge; 4],
+    contact: Option<ObstacleContact>,
 }
 
 impl Effect for Edges {
@@ -129,6 +139,14 @@ impl Effect for Edges {
 
     fn elements(&self, motion: Motion<'_>) -> usize {
         motion.x.len() / 2
+    }
+
+    fn set_number(&mut self, number: usize) {
+        self.contact.iter_mut().for_each(|contact| contact.set_number(number));
+    }
+
+    fn contact(&self) -> Option<&ObstacleContact> {
+        self.contact.as_ref()
     }
 
     fn is_clear(&self, Bounds([least, greatest]): Bounds) -> bool {
@@ -197,7 +215,9 @@ impl Edges {
         let before = [start.v[2 * vertex], start.v[2 * vertex + 1]];
         let seen =
             ContactQuery::new(([start.effect, side], edge), SweptMotion::STILL, [from, from]).for_obstacle(start);
-        if let Some(step) = seen.depenetration_step(vertex, edge.distance(from), edge.inwards * before[axis], 0.0) {
+        if let Some(step) =
+            seen.depenetration_step(vertex, edge.signed_distance(from), edge.inwards * before[axis], 0.0)
+        {
             return push_out_vertex(&seen, (vertex, step), normal, x, v);
         }
         let mut after = [v[0], v[1]];

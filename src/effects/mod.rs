@@ -6,7 +6,7 @@
 //!
 //! let drag = Drag::default().build(&Elements::default())?;
 //! let (x, v) = ([0.0, 0.0], [2.0, 0.0]);
-//! let motion = Motion { dimension: 2, x: &x, v: &v, mass: &[1.0; 2], inverse_mass: &[1.0; 2], grab: None };
+//! let motion = Motion { dimension: 2, x: &x, v: &v, mass: &[1.0; 2], inverse_mass: &[1.0; 2], ..Motion::NONE };
 //! let mut force = [0.0; 2];
 //! drag.force(motion, &mut [], &mut force);
 //! assert_eq!(force, [-0.2, 0.0]);
@@ -16,6 +16,7 @@
 mod boundary;
 mod bounds;
 mod compression;
+mod contact;
 mod drag;
 mod friction;
 mod gravity;
@@ -27,6 +28,7 @@ mod walls;
 pub use boundary::Boundary;
 pub use bounds::Bounds;
 pub use compression::Compression;
+pub use contact::Contact;
 pub use drag::Drag;
 pub use friction::Friction;
 pub use gravity::Gravity;
@@ -37,6 +39,7 @@ pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
+    contact::{Anchor, ObstacleContact, Skin},
     elements::{Elements, EulerUpdate, UniformForce},
     obstacles::{ContactQuery, Depenetration, Start, Surface},
     quantity::Quantity,
@@ -56,6 +59,7 @@ registry! {
         Restitution(Restitution),
         Friction(Friction),
         Compression(Compression),
+        Contact(Contact),
     }
 }
 
@@ -154,9 +158,17 @@ pub struct Motion<'a> {
     pub inverse_mass: &'a [f64],
     /// Vertex that the mouse pulls.
     pub grab: Option<Grab>,
+    /// Simulated time \[s\].
+    pub time: f64,
+    /// Anchors of friction, in the order of their contacts.
+    pub anchors: &'a [Anchor],
 }
 
 impl Motion<'_> {
+    /// Nothing, at the start of time.
+    pub const NONE: Self =
+        Self { dimension: 1, x: &[], v: &[], mass: &[], inverse_mass: &[], grab: None, time: 0.0, anchors: &[] };
+
     /// Number of vertices.
     pub fn vertices(&self) -> usize {
         self.x.len() / self.dimension
@@ -191,6 +203,9 @@ pub trait Effect: Send + Sync {
     /// Name in reports.
     fn name(&self) -> &'static str;
 
+    /// Tells the effect its number in the scene.
+    fn set_number(&mut self, _number: usize) {}
+
     /// Number of elements (vertices, triangles, ...) in one call.
     fn elements(&self, motion: Motion<'_>) -> usize;
 
@@ -201,8 +216,8 @@ pub trait Effect: Send + Sync {
 
     /// Reason why [`Self::force`] adds nothing at this moment, if so: in a few words, and at less cost than adding it.
     /// Only if every bit stays as it is.
-    fn idle(&self, _motion: Motion<'_>) -> Option<&'static str> {
-        None
+    fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
+        self.contact()?.idle(motion)
     }
 
     /// Whether [`Self::constrain`] changes nothing, now and at any later time, in steps in which all vertices stay in a
@@ -222,12 +237,16 @@ pub trait Effect: Send + Sync {
     }
 
     /// Stored energy \[J\].
-    fn energy(&self, _motion: Motion<'_>) -> f64 {
-        0.0
+    fn energy(&self, motion: Motion<'_>) -> f64 {
+        self.contact().map_or(0.0, |contact| contact.energy(motion))
     }
 
     /// Adds the force on every vertex \[N\] to `force`, flat.
-    fn force(&self, _motion: Motion<'_>, _scratch: &mut [f64], _force: &mut [f64]) {}
+    fn force(&self, motion: Motion<'_>, _scratch: &mut [f64], force: &mut [f64]) {
+        if let Some(contact) = self.contact() {
+            contact.force(motion, force);
+        }
+    }
 
     /// The uniform force, if [`Self::force`] adds exactly that.
     fn uniform_force(&self) -> Option<UniformForce> {
@@ -245,7 +264,11 @@ pub trait Effect: Send + Sync {
     fn euler_update(&self, _vertices: &mut EulerUpdate<'_>, _scratch: &mut [f64]) {}
 
     /// Adds `-d force/dx * d` \[N\] for a displacement `d` \[m\], both flat, to `product`.
-    fn stiffness_times(&self, _motion: Motion<'_>, _d: &[f64], _scratch: &mut [f64], _product: &mut [f64]) {}
+    fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _scratch: &mut [f64], product: &mut [f64]) {
+        if let Some(contact) = self.contact() {
+            contact.stiffness_times(motion, d, product);
+        }
+    }
 
     /// Sparsity pattern: calls `add` for every pair of different vertices whose forces depend on each other, in the
     /// order in which [`Self::add_stiffness`] adds their blocks. A pair may occur more than once.
@@ -255,11 +278,25 @@ pub trait Effect: Send + Sync {
     /// the order of [`Self::sparsity_pattern`]. [`SparseMatrix`] gives the blocks of the dimension of the effect. The
     /// matrix is symmetric; an unsymmetric part is omitted and only slows
     /// Newton's method down.
-    fn add_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut dyn SparseMatrix) {}
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        if let Some(contact) = self.contact() {
+            contact.add_stiffness(motion, weights, matrix);
+        }
+    }
 
     /// Rayleigh's alpha [1/s] and beta \[s\], if this is damping; the largest over the vertices.
-    fn damping(&self, _motion: Motion<'_>) -> [f64; 2] {
-        [0.0; 2]
+    fn damping(&self, motion: Motion<'_>) -> [f64; 2] {
+        self.contact().map_or([0.0; 2], |contact| contact.damping(motion))
+    }
+
+    /// Contact by a potential, if it has that: its energy and forces are those of the effect.
+    fn contact(&self) -> Option<&ObstacleContact> {
+        None
+    }
+
+    /// Skin of all bodies, if the effect sets it.
+    fn skin(&self) -> Option<Skin> {
+        None
     }
 
     /// Largest multiple of the displacement `d` \[m\] from the positions `x` that stays within the barrier of an energy;
@@ -298,7 +335,7 @@ pub trait Effect: Send + Sync {
         false
     }
 
-    /// Whether it is a constraint. A constraint has no force.
+    /// Whether it is a constraint. A constraint has no force but that of [`Self::contact`].
     fn constrains(&self) -> bool {
         false
     }

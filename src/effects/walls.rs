@@ -2,12 +2,13 @@
 
 use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape};
 use crate::{
+    contact::{ObstacleContact, PlacedObstacle},
     elements::Elements,
     obstacles::{
-        Ball, ContactQuery, Depenetration, MotionKind, Obstacle, ObstacleKind, Rigid, Start, SweptMotion,
-        depenetration_of, free_region, placed,
+        Ball, ContactQuery, Depenetration, ObstacleKind, Rigid, Start, SweptMotion, depenetration_of, free_region,
+        placed,
     },
-    quantity::Quantity,
+    quantity::{Quantity, Reach},
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -89,21 +90,26 @@ impl EffectParameters for Walls {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
+        // With a potential a vertex stops only where its skin is all but used up.
+        let margin = elements.skin.and_then(|(skin, _)| Reach::new(elements.skinned.least_gap(skin)).ok());
         let build = |(number, kind): (usize, &ObstacleKind)| {
+            let mut kind = kind.clone();
+            if let Some(margin) = margin {
+                kind.kind_mut().set_margin(margin);
+            }
             let obstacle = kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
-            Ok::<_, String>(Wall { obstacle, motions: kind.kind().motions() })
+            Ok::<_, String>(PlacedObstacle { obstacle, motions: kind.kind().motions() })
         };
-        let obstacles = self.obstacles.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>()?;
-        Ok(Box::new(Contacts { obstacles, boundary: Arc::clone(&elements.boundary) }))
+        let build = || self.obstacles.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>();
+        let contact = match elements.skin {
+            Some(skin) => Some(ObstacleContact::new(skin, Arc::clone(&elements.skinned), build()?)),
+            None => None,
+        };
+        Ok(Box::new(Contacts { obstacles: build()?, boundary: Arc::clone(&elements.boundary), contact }))
     }
 }
 
-struct Wall {
-    obstacle: Box<dyn Obstacle>,
-    motions: Vec<MotionKind>,
-}
-
-impl Wall {
+impl PlacedObstacle {
     /// Its motion in a step.
     fn swept_motion(&self, [start, end]: [f64; 2]) -> SweptMotion {
         if self.motions.is_empty() {
@@ -114,9 +120,10 @@ impl Wall {
 }
 
 struct Contacts {
-    obstacles: Vec<Wall>,
+    obstacles: Vec<PlacedObstacle>,
     /// Edges of the bodies' boundaries, with the body on their left.
     boundary: Arc<Vec<[u32; 2]>>,
+    contact: Option<ObstacleContact>,
 }
 
 /// Most passes over stopped edges, because stopping one may make others touch; after them an edge stays at its start.
@@ -184,6 +191,14 @@ impl Effect for Contacts {
 
     fn elements(&self, motion: Motion<'_>) -> usize {
         self.obstacles.len() * motion.x.len() / 2
+    }
+
+    fn set_number(&mut self, number: usize) {
+        self.contact.iter_mut().for_each(|contact| contact.set_number(number));
+    }
+
+    fn contact(&self) -> Option<&ObstacleContact> {
+        self.contact.as_ref()
     }
 
     fn is_clear(&self, Bounds([least, greatest]): Bounds) -> bool {

@@ -36,7 +36,10 @@ pub use spring::Springs;
 pub(crate) use tangent::Isotropic;
 pub use triangle::Triangles;
 
-use crate::effects::Effect;
+use crate::{
+    contact::{Skin, SurfaceVertices},
+    effects::Effect,
+};
 use std::{ops::Range, sync::Arc};
 
 /// All elements of one body or net: an effect whose energy is elastic.
@@ -63,4 +66,8 @@ pub struct Elements {
     pub springs: Vec<Arc<Springs>>,
     /// Edges of the boundaries of all bodies, with the body on their left.
     pub boundary: Arc<Vec<[u32; 2]>>,
+    /// Vertices that can have a skin.
+    pub skinned: Arc<SurfaceVertices>,
+    /// Skin of all bodies, where contact has a potential, and the coefficient of friction.
+    pub skin: Option<(Skin, f64)>,
 }

@@ -69,6 +69,8 @@ const STAGES: [&[f64]; 6] = [
     &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
+/// Place of each stage in the inner step.
+const NODES: [f64; 6] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
 /// Weights of the rates in the estimate of the error: fifth order less fourth.
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
@@ -96,7 +98,7 @@ impl FirstOrder for DormandPrince {
         let [mut length, mut before] = if known { [past[0].min(h), past[1]] } else { [h, 1e-4] };
         let mut counts = StepCounts { inner_steps: 0, ..StepCounts::ONE };
         let (mut done, mut retry) = (0.0, false);
-        system.rate(x, rates[0]);
+        system.rate(0.0, x, rates[0]);
         while done < h {
             if counts.inner_steps + counts.rejected >= MOST {
                 counts.newton.unconverged += 1;
@@ -106,7 +108,7 @@ impl FirstOrder for DormandPrince {
             // A remainder of round-off size is added to the last inner step.
             let last = done + 1.0001 * length >= h;
             let inner = if last { h - done } else { length };
-            stages(system, x, next, &mut rates, inner);
+            stages(system, x, next, &mut rates, [done, inner]);
             let error = self.error(x, next, &rates, inner);
             // The comparison is false for NaN.
             let good = error <= 1.0;
@@ -127,6 +129,7 @@ impl FirstOrder for DormandPrince {
             before = error.clamp(1e-4, 1e4);
             retry = false;
             x.copy_from_slice(next);
+            system.end_step(done, x);
             let [first, .., seventh] = rates.each_mut();
             first.swap_with_slice(seventh);
         }
@@ -150,13 +153,14 @@ impl DormandPrince {
     }
 }
 
-/// The result of one inner step, and its rates; the last is that at the result.
-fn stages(system: &mut dyn Ode, x: &[f64], next: &mut [f64], rates: &mut [&mut [f64]; 7], h: f64) {
+/// The result of one inner step from a time since the start of the step and with a length \[s\], and its rates; the last is
+/// that at the result.
+fn stages(system: &mut dyn Ode, x: &[f64], next: &mut [f64], rates: &mut [&mut [f64]; 7], [start, h]: [f64; 2]) {
     for (stage, weights) in STAGES.iter().enumerate() {
         for (number, (next, x)) in next.iter_mut().zip(x).enumerate() {
             let along: f64 = weights.iter().zip(&*rates).map(|(weight, rate)| weight * rate[number]).sum();
             *next = x + h * along;
         }
-        system.rate(next, rates[stage + 1]);
+        system.rate(start + NODES[stage] * h, next, rates[stage + 1]);
     }
 }

@@ -43,7 +43,7 @@ impl FirstOrder for ForwardEuler {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let ([x, next, rate], spare) = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(x);
-        system.rate(x, rate);
+        system.rate(0.0, x, rate);
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
         }

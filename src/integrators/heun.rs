@@ -42,11 +42,11 @@ impl FirstOrder for Heun {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let ([x, next, rate, end_rate], spare) = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(x);
-        system.rate(x, rate);
+        system.rate(0.0, x, rate);
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
         }
-        system.rate(next, end_rate);
+        system.rate(h, next, end_rate);
         for (((next, x), rate), end_rate) in next.iter_mut().zip(&*x).zip(&*rate).zip(&*end_rate) {
             *next = x + 0.5 * h * (rate + end_rate);
         }

@@ -37,6 +37,11 @@ impl Affine {
     pub const fn euler(h: f64) -> Self {
         Self { ax: h * h, av: h, end: 1.0 }
     }
+
+    /// Time of the stage since the start of a step of length h \[s\].
+    fn time(self, h: f64) -> f64 {
+        h / self.end
+    }
 }
 
 /// Solves `M z = f(x^ + ax z, v^ + av z)`, where `predicted` gives x^ and v^ for each number, and sets the state to the
@@ -69,7 +74,7 @@ pub(super) fn step(
         let (tried, settled) = solve(system, state, workspace, (in_contact, h));
         counts.add(&NewtonCounts { unconverged: 0, ..tried });
         let solved = settled && tried.unconverged == 0;
-        reactions = if solved { drop_pulling(system, workspace, state.x.len()) } else { ActiveSetStatus::Abandoned };
+        reactions = if solved { drop_pulling(system, workspace, state.x.len(), h) } else { ActiveSetStatus::Abandoned };
         // A step without active walls is one of the scheme itself.
         if reactions == ActiveSetStatus::Accepted
             && affine.end != 1.0
@@ -87,7 +92,7 @@ pub(super) fn step(
     let [impulse, _, displacement, velocity, z, end_x, end_v, force] = parts::<PARTS>(numbers, state.x.len());
     if system.has_moving_obstacles() && active.is_any_active(system.inverse_mass()) {
         // The stage is in `displacement` and `velocity` until here.
-        system.force(displacement, velocity, force);
+        system.force(affine.time(h), displacement, velocity, force);
         displacement.iter_mut().zip(&*end_x).zip(&state.x).for_each(|((d, end), start)| *d = end - start);
         velocity.copy_from_slice(end_v);
         let changes = end_v.iter().zip(&state.v).zip(system.mass()).zip(&*force);
@@ -153,15 +158,26 @@ fn solve(
     let mut facing_only = true;
     for pass in 1..=MOST_CONTACT_SOLVES {
         let (origin, velocity) = (&state.x, &state.v);
-        let mut stage =
-            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, active, x, v, affine };
+        let mut stage = Stage {
+            system: &mut *system,
+            origin,
+            velocity,
+            predicted_x,
+            predicted_v,
+            active,
+            x,
+            v,
+            affine,
+            time: affine.time(h),
+        };
         counts.add(&newton.solve(&mut stage, z));
         stage.evaluate(z);
         active.set_free(system.inverse_mass(), end_x, |number| along(origin[number], x[number], affine.end));
         active.set_free(system.inverse_mass(), end_v, |number| along(velocity[number], v[number], affine.end));
+        let last = pass == MOST_CONTACT_SOLVES || counts.unconverged >= MOST_UNCONVERGED;
         let mut more = false;
         while !more {
-            facing_only &= pass < MOST_CONTACT_SOLVES;
+            facing_only &= !last;
             apply_constraints(system, [origin, velocity], (end_x, end_v), spare, facing_only);
             more |= active.add(z, [end_x, end_v], spare, smooth);
             if !facing_only {
@@ -172,7 +188,7 @@ fn solve(
         if !more {
             return (counts, true);
         }
-        if counts.unconverged >= MOST_UNCONVERGED {
+        if last {
             break;
         }
         if affine.end != 1.0 {
@@ -204,7 +220,7 @@ fn add_resting(
     }
     let Workspace { numbers, spare, active, .. } = workspace;
     let [predicted_x, predicted_v, _, v, z, end_x, end_v, _] = parts::<PARTS>(numbers, state.x.len());
-    system.force(&state.x, &state.v, v);
+    system.force(0.0, &state.x, &state.v, v);
     for (((v, before), inverse), end) in v.iter_mut().zip(&state.v).zip(system.inverse_mass()).zip(&mut *end_v) {
         *v = if *inverse == 0.0 { 0.0 } else { before + h * *v * inverse };
         *end = *v;
@@ -229,10 +245,10 @@ fn add_resting(
 }
 
 /// Drops constraints whose reaction pulls, after a solve of `count` numbers.
-fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace, count: usize) -> ActiveSetStatus {
+fn drop_pulling(system: &mut dyn Dynamics, workspace: &mut Workspace, count: usize, h: f64) -> ActiveSetStatus {
     let Workspace { numbers, active, .. } = workspace;
     let [_, _, x, v, z, _, _, force] = parts::<PARTS>(numbers, count);
-    system.force(x, v, force);
+    system.force(h, x, v, force);
     active.drop_pulling([system.mass(), system.inverse_mass()], z, force)
 }
 
@@ -254,6 +270,8 @@ pub(super) struct Stage<'s, 'a> {
     pub x: &'a mut [f64],
     pub v: &'a mut [f64],
     pub affine: Affine,
+    /// Time of the stage since the start of the step \[s\].
+    pub time: f64,
 }
 
 impl Stage<'_, '_> {
@@ -271,7 +289,7 @@ impl Stage<'_, '_> {
 impl Equations for Stage<'_, '_> {
     fn residual(&mut self, z: &[f64], g: &mut [f64]) {
         self.evaluate(z);
-        self.system.force(self.x, self.v, g);
+        self.system.force(self.time, self.x, self.v, g);
         self.active.to_local(g);
         for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(self.system.mass()).zip(self.active.inverse()) {
             *g = if *inverse == 0.0 { 0.0 } else { mass * z - *g };
@@ -285,7 +303,7 @@ impl Equations for Stage<'_, '_> {
     fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut dyn SparseMatrix) {
         self.evaluate(z);
         let weights = Weights { position: self.affine.ax, velocity: self.affine.av, tangent };
-        self.system.add_stiffness(self.x, self.v, weights, matrix);
+        self.system.add_stiffness(self.time, self.x, self.v, weights, matrix);
         self.active.matrix_to_local(matrix);
         let mass = self.system.mass();
         matrix.add_to_diagonal(&|number| mass[number]);

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 /// First order. For linear forces it is implicit Euler, and L-stable; for others a long step follows the tangent too far and
 /// may throw vertices about (Baraff and Witkin, *Large Steps in Cloth Simulation*, SIGGRAPH 1998; Deuflhard, *Recent Progress
 /// in Extrapolation Methods*, SIAM Review 27, 1985). Where K makes the matrix indefinite, the masses in it are raised.
-/// A step with an impact is one of implicit Euler, which solves for the body with what hit a wall held there.
+/// A step with an impact is one of implicit Euler: where a wall stops a vertex, and where a contact potential leaves more than
+/// [`RESIDUAL`] of the forces unbalanced, because its linearisation does not hold for the whole step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinearlyImplicitEuler {}
@@ -42,6 +43,9 @@ impl Integrator for LinearlyImplicitEuler {
     }
 }
 
+/// Greatest unbalanced force in contact, as a fraction of the forces.
+const RESIDUAL: f64 = 0.1;
+
 /// Fraction of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
 const IMPACT: f64 = 0.1;
 
@@ -54,8 +58,8 @@ impl SecondOrder for LinearlyImplicitEuler {
         none.fill(0.0);
         g.fill(0.0);
         force.fill(0.0);
-        system.force(&state.x, &state.v, force);
-        system.stiffness_times(&state.x, &state.v, &state.v, g);
+        system.force(h, &state.x, &state.v, force);
+        system.stiffness_times(h, &state.x, &state.v, &state.v, g);
         for ((g, force), inverse_mass) in g.iter_mut().zip(&*force).zip(system.inverse_mass()) {
             *g = if *inverse_mass == 0.0 { 0.0 } else { h * *g - force };
         }
@@ -65,8 +69,9 @@ impl SecondOrder for LinearlyImplicitEuler {
         let (origin, predicted_x): (&[f64], &[f64]) = (before, before);
         let velocity = &*predicted_v;
         let mut stage =
-            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, active, x, v, affine };
+            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, active, x, v, affine, time: h };
         let newton = newton.linear(&mut stage, none, g, z);
+        let touches = system.touches(0.0, before, predicted_v);
         for (number, z) in z.iter().enumerate() {
             state.v[number] += h * z;
             state.x[number] += h * state.v[number];
@@ -74,11 +79,24 @@ impl SecondOrder for LinearlyImplicitEuler {
         apply_constraints(system, [before, predicted_v], (&mut state.x, &mut state.v), spare, false);
         let fastest = predicted_v.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
         let stopped = |number: usize| (state.v[number] - predicted_v[number]).abs() > IMPACT * fastest;
-        if (0..state.x.len()).any(|number| is_touched([&state.x, &state.v], spare, number) && stopped(number)) {
+        let hits = (0..state.x.len()).any(|number| is_touched([&state.x, &state.v], spare, number) && stopped(number));
+        if hits || (touches || system.touches(h, &state.x, &state.v)) && is_unbalanced(system, state, h, z, force) {
             state.x.copy_from_slice(before);
             state.v.copy_from_slice(predicted_v);
             return ImplicitEuler::default().step(system, state, workspace, h);
         }
         StepCounts { newton, ..StepCounts::ONE }
     }
+}
+
+/// Whether the forces at the end of a step of length h differ from those of the accelerations z.
+fn is_unbalanced(system: &mut dyn Dynamics, state: &State, h: f64, z: &[f64], force: &mut [f64]) -> bool {
+    system.force(h, &state.x, &state.v, force);
+    let (mut missing, mut all) = (0.0, 0.0);
+    for (((force, z), mass), inverse_mass) in force.iter().zip(z).zip(system.mass()).zip(system.inverse_mass()) {
+        let difference = mass * z - force;
+        missing += difference * difference * inverse_mass;
+        all += force * force * inverse_mass;
+    }
+    missing > RESIDUAL * RESIDUAL * all
 }

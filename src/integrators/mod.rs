@@ -11,7 +11,7 @@
 //! struct Decay;
 //!
 //! impl Ode for Decay {
-//!     fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+//!     fn rate(&mut self, _time: f64, x: &[f64], rate: &mut [f64]) {
 //!         rate.iter_mut().zip(x).for_each(|(rate, x)| *rate = -x);
 //!     }
 //! }

@@ -100,7 +100,7 @@ impl SecondOrder for PositionVerlet {
         let loads = f64::from(system.load_fingerprint());
         memory::open(state, TAG, h, 2 * count + 1);
         if !is_continued || memory::read(state)[2 * count] != loads {
-            system.force(&state.x, &state.v, force);
+            system.force(0.0, &state.x, &state.v, force);
             let (displacement, increments) = memory::own(&mut state.memory).split_at_mut(count);
             increment(system, force, h, increments);
             if !is_continued {
@@ -121,7 +121,7 @@ impl SecondOrder for PositionVerlet {
             x[number] += displacement[number];
             v[number] = (displacement[number] + 0.5 * increments[number]) / h;
         }
-        system.force(x, v, force);
+        system.force(h, x, v, force);
         increment(system, force, h, increments);
         for ((v, displacement), increment) in v.iter_mut().zip(&*displacement).zip(&*increments) {
             *v = (displacement + 0.5 * increment) / h;

@@ -45,9 +45,10 @@ impl FirstOrder for RungeKutta4 {
         let ([x, next, stage, rate], spare) = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(x);
         next.copy_from_slice(x);
-        // Weight of each rate in the result, and how far along it the next one is taken.
-        for (number, (weight, along)) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)].into_iter().enumerate() {
-            system.rate(if number == 0 { x } else { stage }, rate);
+        stage.copy_from_slice(x);
+        // Place of each rate in the step, its weight in the result, and how far along it the next one is taken.
+        for (place, weight, along) in [(0.0, 1.0, 0.5), (0.5, 2.0, 0.5), (0.5, 2.0, 1.0), (1.0, 1.0, 0.0)] {
+            system.rate(place * h, stage, rate);
             for (((next, stage), x), rate) in next.iter_mut().zip(&mut *stage).zip(&*x).zip(&*rate) {
                 *next += h / 6.0 * weight * rate;
                 *stage = x + h * along * rate;

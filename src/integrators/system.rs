@@ -2,24 +2,29 @@
 
 use crate::solvers::{SparseMatrix, Weights};
 
-/// A system of first order, `dX/dt = f(X)`, flat and of any length.
+/// A system of first order, `dX/dt = f(t, X)`, flat and of any length.
 ///
 /// In a [`State`](crate::state::State) X is the positions followed by the velocities; a system of first order that is
 /// not a [`Dynamics`] keeps all of X in the positions and leaves the velocities empty.
 pub trait Ode {
-    /// Writes f(X) to `rate`.
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]);
+    /// Writes f(t, X) to `rate`, at a time since the start of the step \[s\].
+    fn rate(&mut self, time: f64, x: &[f64], rate: &mut [f64]);
+
+    /// Ends a step, or an inner step that is followed by another, at a time since the start of the step \[s\]. Schemes with
+    /// inner steps call it after each; whoever calls a scheme calls it in the end.
+    fn end_step(&mut self, _time: f64, _x: &[f64]) {}
 
     /// Projects the end of a step from `before` to `after` on the constraints. `spare` is scratch.
     fn apply_constraints(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
 }
 
-/// A system of second order, `M a = f(x, v)`, with a diagonal mass matrix and constraints on single vertices.
+/// A system of second order, `M a = f(t, x, v)`, with a diagonal mass matrix and constraints on single vertices.
 ///
 /// [`Rates`] makes it an [`Ode`], with X = (x, v).
 pub trait Dynamics {
-    /// Writes the force \[N\] at these positions \[m\] and velocities [m/s]; all flat and of one length.
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]);
+    /// Writes the force \[N\] at a time since the start of the step \[s\], at these positions \[m\] and velocities [m/s];
+    /// all flat and of one length.
+    fn force(&mut self, time: f64, x: &[f64], v: &[f64], force: &mut [f64]);
 
     /// A hash of everything that forces depend on beside positions and velocities, such as the pull of the mouse: a
     /// stored force is valid while it stays the same.
@@ -30,7 +35,7 @@ pub trait Dynamics {
     /// Symplectic Euler update, `v += h f(x, v)/m`, then `x += h v`. `force` is scratch of the same length. A system
     /// may update vertices while their forces are in the cache.
     fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
-        self.force(x, v, force);
+        self.force(0.0, x, v, force);
         symplectic_euler_update(x, v, force, self.inverse_mass(), h);
     }
 
@@ -41,7 +46,7 @@ pub trait Dynamics {
     fn inverse_mass(&self) -> &[f64];
 
     /// Adds `-df/dx d` \[N\] for a displacement `d` \[m\] to `product`.
-    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
+    fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
 
     /// Number of numbers of a vertex, which is the size of the blocks of the stiffness matrix: 1, 2 or 3.
     fn block_size(&self) -> usize;
@@ -51,7 +56,7 @@ pub trait Dynamics {
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix);
+    fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix);
 
     /// Largest multiple of the displacement `d` \[m\] from the positions `x` \[m\] that stays within the barriers of all
     /// energies.
@@ -62,6 +67,11 @@ pub trait Dynamics {
     /// Whether [`Self::constrain`] does anything.
     fn constrains(&self) -> bool {
         true
+    }
+
+    /// Whether a contact potential acts at a time since the start of the step \[s\].
+    fn touches(&self, _time: f64, _x: &[f64], _v: &[f64]) -> bool {
+        false
     }
 
     /// Whether contacts have friction.
@@ -78,6 +88,9 @@ pub trait Dynamics {
 
     /// Resets the records of this step before it is solved again.
     fn discard_records(&mut self) {}
+
+    /// Ends a step or an inner step; see [`Ode::end_step`].
+    fn end_step(&mut self, _time: f64, _x: &[f64], _v: &[f64]) {}
 
     /// Whether any obstacle moves.
     fn has_moving_obstacles(&self) -> bool {
@@ -107,9 +120,9 @@ pub fn symplectic_euler_update(x: &mut [f64], v: &mut [f64], force: &[f64], inve
 pub struct Rates<'a>(pub &'a mut dyn Dynamics);
 
 impl Ode for Rates<'_> {
-    fn rate(&mut self, state: &[f64], rate: &mut [f64]) {
+    fn rate(&mut self, time: f64, state: &[f64], rate: &mut [f64]) {
         let ((x, v), (dx, dv)) = (state.split_at(state.len() / 2), rate.split_at_mut(state.len() / 2));
-        self.0.force(x, v, dv);
+        self.0.force(time, x, v, dv);
         for (acceleration, inverse_mass) in dv.iter_mut().zip(self.0.inverse_mass()) {
             *acceleration *= inverse_mass;
         }
@@ -117,6 +130,11 @@ impl Ode for Rates<'_> {
         for ((dx, v), inverse_mass) in dx.iter_mut().zip(v).zip(self.0.inverse_mass()) {
             *dx = if *inverse_mass == 0.0 { 0.0 } else { *v };
         }
+    }
+
+    fn end_step(&mut self, time: f64, state: &[f64]) {
+        let (x, v) = state.split_at(state.len() / 2);
+        self.0.end_step(time, x, v);
     }
 
     fn apply_constraints(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {

@@ -47,13 +47,13 @@ impl SecondOrder for VelocityVerlet {
             before.copy_from_slice(&state.x);
             before_v.copy_from_slice(&state.v);
         }
-        system.force(&state.x, &state.v, force);
+        system.force(0.0, &state.x, &state.v, force);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
             let a = force[number] * inverse_mass;
             state.x[number] += h * (state.v[number] + 0.5 * h * a);
             predicted[number] = state.v[number] + h * a;
         }
-        system.force(&state.x, predicted, end_force);
+        system.force(h, &state.x, predicted, end_force);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
             state.v[number] += 0.5 * h * (force[number] + end_force[number]) * inverse_mass;
         }

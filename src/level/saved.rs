@@ -20,6 +20,9 @@ pub struct SavedState {
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
+    /// Anchors of friction: number of the effect, of the obstacle in it, and of the vertex, and the place on the obstacle \[m\].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub anchors: Vec<((u32, u32, u32), Point)>,
     /// How calm each body and then each net has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,
@@ -46,6 +49,7 @@ impl SavedState {
             positions,
             velocities,
             memory: Vec::new(),
+            anchors: Vec::new(),
             calm: Vec::new(),
             pulled: None,
             guard: None,

@@ -30,6 +30,10 @@ impl ObstacleParameters for Ball {
         Ok(Box::new(Solid::new(shape, centre, self.eps.get()).with_rim(&[[centre, centre]], radius, &[centre])))
     }
 
+    fn set_margin(&mut self, margin: Reach) {
+        self.eps = margin;
+    }
+
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.radius, &mut self.eps]
     }

@@ -158,8 +158,8 @@ impl<'a> ContactQuery<'a> {
 
 /// The obstacle at the end of the step.
 impl Obstacle for ContactQuery<'_> {
-    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
-        let contact = self.obstacle.contact(self.swept_motion.end.back(point))?;
+    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact> {
+        let contact = self.obstacle.distance(self.swept_motion.end.back(point), reach)?;
         Some(Contact { normal: self.swept_motion.end.normal(contact.normal), ..contact })
     }
 

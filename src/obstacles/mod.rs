@@ -50,7 +50,10 @@ pub use polygon::Polygon;
 pub use resolve::{Surface, push_out_vertex};
 pub use swept_motion::{Rigid, SweptMotion};
 
-use crate::{quantity::Quantity, registry::registry};
+use crate::{
+    quantity::{Quantity, Reach},
+    registry::registry,
+};
 use std::cell::Cell;
 
 registry! {
@@ -86,6 +89,9 @@ pub trait ObstacleParameters {
     fn notes(&self) -> Option<String> {
         None
     }
+
+    /// Replaces the contact margin eps.
+    fn set_margin(&mut self, margin: Reach);
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
@@ -181,8 +187,13 @@ impl Start<'_> {
 
 /// An obstacle ready for stepping.
 pub trait Obstacle: Send + Sync {
+    /// The nearest surface, if the point is nearer to it than `reach` \[m\] or inside.
+    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact>;
+
     /// The nearest surface, if the point is within eps of it or inside.
-    fn contact(&self, point: [f64; 2]) -> Option<Contact>;
+    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
+        self.distance(point, self.margin())
+    }
 
     /// Whether any point of a box could be within eps; conservative.
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;

@@ -50,6 +50,10 @@ impl ObstacleParameters for Plane {
         Ok(Box::new(Wall { shape: HalfSpace::new(normal), origin: Vector::new(x, y), eps: self.eps.get() }))
     }
 
+    fn set_margin(&mut self, margin: Reach) {
+        self.eps = margin;
+    }
+
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.eps]
     }
@@ -64,10 +68,10 @@ impl ObstacleParameters for Plane {
 }
 
 impl Obstacle for Wall {
-    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
+    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact> {
         let normal = self.shape.normal;
         let distance = (Vector::new(point[0], point[1]) - self.origin).dot(normal);
-        (distance < self.eps).then_some(Contact { distance, normal: [normal.x, normal.y] })
+        (distance < reach).then_some(Contact { distance, normal: [normal.x, normal.y] })
     }
 
     /// Tests the corner that is farthest against the normal.

@@ -80,6 +80,10 @@ impl ObstacleParameters for Polygon {
         Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get()).with_rim(&around, 0.0, &outer)))
     }
 
+    fn set_margin(&mut self, margin: Reach) {
+        self.eps = margin;
+    }
+
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.eps]
     }

@@ -78,9 +78,9 @@ fn snapped(normal: Vector) -> Vector {
 }
 
 impl<S: Shape> Obstacle for Solid<S> {
-    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
+    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact> {
         let point = Vector::new(point[0], point[1]);
-        if !self.near.contains_local_point(point) {
+        if !self.near.loosened((reach - self.eps).max(0.0)).contains_local_point(point) {
             return None;
         }
         let size = self.near.half_extents().length();
@@ -89,7 +89,7 @@ impl<S: Shape> Obstacle for Solid<S> {
             // At the centre of a ball every direction is equally short; a point beside it has one.
             (away, distance) = self.nearest(point + Vector::Y * (1e-6 * size));
         }
-        if distance >= self.eps {
+        if distance >= reach {
             return None;
         }
         let near = distance.abs() < 1e-7 * size;

@@ -64,7 +64,7 @@ impl Rigid {
     }
 
     /// Maps a direction of the shape to the world.
-    pub(super) fn normal(&self, normal: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn normal(&self, normal: [f64; 2]) -> [f64; 2] {
         self.turned(normal)
     }
 

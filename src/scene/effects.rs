@@ -2,6 +2,7 @@
 
 use super::{Scene, SceneError};
 use crate::{
+    contact::SurfaceVertices,
     effects::{DuplicatePolicy, Effect},
     elements::{ElasticElements, Elements},
     level::{EffectLevel, Level, RunMode, Switch, When},
@@ -12,28 +13,60 @@ use std::sync::Arc;
 impl Scene {
     /// Builds the effects of a level: elasticity first, then what is switched on for a mode, in the order of the list.
     pub(super) fn add_effects(&mut self, level: &Level, mode: RunMode) -> Result<(), SceneError> {
-        let elements = Elements {
+        let mut elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
             boundary: Arc::clone(&self.boundary),
+            skinned: Arc::new(self.surface_vertices()),
+            skin: None,
         };
         let bodies = elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn ElasticElements>);
         let nets = elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn ElasticElements>);
         self.set_parts(bodies.chain(nets).collect());
         self.messages.extend(examined(&level.effects)?);
         let mut touching = Touching::default();
-        for listed in &level.effects {
+        let build = |listed: &EffectLevel, elements: &Elements| {
             let name = listed.effect.name();
-            // An effect that is off is built too, so that its errors are found.
-            let effect = listed.effect.kind().build(&elements).map_err(|why| SceneError::Effect { name, why })?;
-            touching.add(effect.as_ref());
-            if listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide) {
-                self.effects.push(Arc::from(effect));
-                self.auto.push(listed.switch == Switch::Auto);
-            }
+            listed.effect.kind().build(elements).map_err(|why| SceneError::Effect { name, why })
+        };
+        let acts =
+            |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
+        // An effect that is off is built too, so that its errors are found.
+        for listed in &level.effects {
+            touching.add(build(listed, &elements)?.as_ref());
+        }
+        let (mut surface, mut skin) = (Surface::default(), None);
+        for listed in level.effects.iter().filter(acts) {
+            let effect = build(listed, &elements)?;
+            effect.set_surface(&mut surface);
+            skin = skin.or(effect.skin());
+        }
+        elements.skin = skin.map(|skin| (skin, surface.friction));
+        for listed in level.effects.iter().filter(acts) {
+            let mut effect = build(listed, &elements)?;
+            effect.set_number(self.effects.len());
+            self.effects.push(Arc::from(effect));
+            self.auto.push(listed.switch == Switch::Auto);
+        }
+        if skin.is_some() && surface.restitution != 0.0 {
+            let message =
+                "Restitution does nothing: with a contact potential the dissipation of the skin says how much returns";
+            self.messages.push(message.to_owned());
         }
         self.messages.extend(touching.messages());
         Ok(())
+    }
+
+    /// Vertices that can have a skin: the boundaries of bodies, and the particles of nets.
+    fn surface_vertices(&self) -> SurfaceVertices {
+        let mut surface = SurfaceVertices::default();
+        for body in &self.bodies {
+            let edges: Vec<_> =
+                body.boundary.iter().map(|edge| edge.map(|vertex| vertex + body.vertices.start as u32)).collect();
+            surface.add_body(&body.elements, &edges, &self.rest, &self.mass);
+        }
+        self.nets.iter().for_each(|net| surface.add_net(&net.springs, &self.mass));
+        surface
     }
 
     /// Writes an outward vector at each boundary vertex, the sum of the normals of its two edges with the lengths of
@@ -95,7 +128,7 @@ impl Touching {
     fn add(&mut self, effect: &dyn Effect) {
         let mut surface = Surface::default();
         effect.set_surface(&mut surface);
-        if surface != Surface::default() {
+        if surface != Surface::default() || effect.skin().is_some() {
             self.surface_effects.push(effect.name());
         }
         self.constraints |= effect.constrains();

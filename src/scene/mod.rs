@@ -338,6 +338,7 @@ impl Scene {
             time: saved.time.get(),
             steps: saved.steps,
             slow_checks: saved.calm.clone(),
+            anchors: self.unlisted_anchors(&saved.anchors),
             memory: saved.memory.iter().map(|number| number.get()).collect(),
         })
     }
@@ -356,6 +357,8 @@ impl Scene {
             mass: &self.mass,
             inverse_mass: &self.inverse_mass,
             grab,
+            time: state.time,
+            anchors: &state.anchors,
         }
     }
 

@@ -11,9 +11,11 @@
 
 use super::{Owner, Scene};
 use crate::{
+    contact::{Anchor, ContactName},
     elements::{STAGE_ELEMENTS, is_unpartitioned},
     meshes::{Mesh, Numbering},
     nets::Net,
+    quantity::Point,
     state::State,
 };
 use std::{borrow::Cow, ops::Range};
@@ -51,9 +53,28 @@ impl Scene {
     /// the scene.
     pub fn listed_state<'a>(&self, state: &'a State) -> Cow<'a, State> {
         match (self.listed(&state.x), self.listed(&state.v)) {
-            (Cow::Owned(x), Cow::Owned(v)) => Cow::Owned(State { x, v, ..state.clone() }),
+            (Cow::Owned(x), Cow::Owned(v)) => {
+                let mut anchors = state.anchors.clone();
+                for anchor in &mut anchors {
+                    let vertex = &mut anchor.contact.vertex;
+                    *vertex = self.listed_vertex(*vertex as usize).map_or(*vertex, |listed| listed as u32);
+                }
+                Cow::Owned(State { x, v, anchors, ..state.clone() })
+            }
             _ => Cow::Borrowed(state),
         }
+    }
+
+    /// Anchors of friction from how the level lists vertices; those of vertices that do not exist are omitted.
+    pub(super) fn unlisted_anchors(&self, saved: &[((u32, u32, u32), Point)]) -> Vec<Anchor> {
+        let anchor = |((effect, obstacle, place), point): &((u32, u32, u32), Point)| {
+            let vertex = self.unlisted_vertex(*place as usize)? as u32;
+            let contact = ContactName { effect: *effect, obstacle: *obstacle, vertex };
+            Some(Anchor { contact, point: point.get() })
+        };
+        let mut anchors: Vec<_> = saved.iter().filter_map(anchor).collect();
+        anchors.sort_unstable_by_key(|anchor| anchor.contact);
+        anchors
     }
 
     /// All bodies and nets.

@@ -18,6 +18,7 @@ use super::{
     system::{ASLEEP as WHY_ASLEEP, Scratch, System},
 };
 use crate::{
+    contact::{Anchor, ContactName},
     effects::Grab,
     integrators::Integrator,
     level::Substeps,
@@ -144,6 +145,31 @@ impl SubstepStepper {
         }
     }
 
+    /// Loads the anchors of its contacts, with the numbers of its own scene.
+    fn load_anchors(&mut self, whole: &State) {
+        let SubScene { vertices, effects, .. } = &*self.sub_scene;
+        self.state.anchors.clear();
+        for anchor in &whole.anchors {
+            let ContactName { effect, obstacle, vertex } = anchor.contact;
+            let own = effects.iter().position(|number| *number == effect as usize);
+            if let Some(own) = own.filter(|_| vertices.contains(&(vertex as usize))) {
+                let contact = ContactName { effect: own as u32, obstacle, vertex: vertex - vertices.start as u32 };
+                self.state.anchors.push(Anchor { contact, ..*anchor });
+            }
+        }
+    }
+
+    /// Replaces the anchors of its contacts in the state of the scene.
+    fn store_anchors(&self, whole: &mut State) {
+        let SubScene { vertices, effects, .. } = &*self.sub_scene;
+        whole.anchors.retain(|anchor| !vertices.contains(&(anchor.contact.vertex as usize)));
+        whole.anchors.extend(self.state.anchors.iter().map(|anchor| {
+            let ContactName { effect, obstacle, vertex } = anchor.contact;
+            let (effect, vertex) = (effects[effect as usize] as u32, vertex + vertices.start as u32);
+            Anchor { contact: ContactName { effect, obstacle, vertex }, ..*anchor }
+        }));
+    }
+
     fn numbers(&self) -> Range<usize> {
         self.sub_scene.scene.numbers(&self.sub_scene.vertices)
     }
@@ -163,9 +189,11 @@ impl SubstepStepper {
         self.state.v.clear();
         self.state.v.extend_from_slice(&whole.v[self.numbers()]);
         self.load_memory(whole);
+        self.load_anchors(whole);
         self.take_substeps(interval);
         whole.x[self.numbers()].copy_from_slice(&self.state.x);
         whole.v[self.numbers()].copy_from_slice(&self.state.v);
+        self.store_anchors(whole);
         parent.inside = parent.inside.max(self.scratch.inside);
         parent.merge(&mut self.scratch, &self.sub_scene.effects);
     }
@@ -180,8 +208,9 @@ impl SubstepStepper {
             let mut workspace = std::mem::take(&mut self.scratch.workspace);
             let scene = &self.sub_scene.scene;
             let time = [at(substep), at(substep + 1)];
-            let mut system = System { scene, scratch: &mut self.scratch, grab: interval.grab, time };
+            let mut system = System::begin(scene, &mut self.scratch, interval.grab, time, &mut self.state);
             let counts = interval.integrator.step(&mut system, &mut self.state, &mut workspace, interval.h);
+            system.end(interval.h, &mut self.state);
             self.scratch.workspace = workspace;
             self.scratch.counts.add(&counts);
             // The whole step is refused then.
@@ -228,6 +257,7 @@ impl Simulation {
             supplied += stepper.scratch.supplied;
         }
         multirate.write_memory(&mut state.memory);
+        state.anchors.sort_unstable_by_key(|anchor| anchor.contact);
         guard.supply(supplied);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{BATCH, Simulation};
 use crate::{
+    contact::{Anchor, ContactName},
     effects::Grab,
     guard::Guard,
     level::{Level, RunMode, SavedState},
@@ -163,7 +164,12 @@ impl Simulation {
         let points =
             |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
         let state = self.scene.listed_state(state);
+        let anchor = |anchor: &Anchor| {
+            let ContactName { effect, obstacle, vertex } = anchor.contact;
+            Some(((effect, obstacle, vertex), Point::new(anchor.point).ok()?))
+        };
         Some(SavedState {
+            anchors: state.anchors.iter().map(anchor).collect::<Option<_>>()?,
             calm: state.slow_checks.clone(),
             memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
             ..SavedState::new((state.steps, Time::new(state.time).ok()?), points(&state.x)?, points(&state.v)?)

@@ -1,6 +1,7 @@
 //! A scene, or a toy, as a system for integrators, with the scratch and the statistics of its steps.
 
 use crate::{
+    contact::{Anchor, ObstacleContact},
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
     integrators::{Class, Dynamics, Ode, Workspace, symplectic_euler_update},
@@ -16,6 +17,9 @@ use web_time::Instant;
 
 /// Reason for skipping elements of sleeping bodies.
 pub(super) const ASLEEP: &str = "asleep";
+
+/// Reason for skipping an effect that only sets surface properties: it has no force of its own.
+const PART_OF_CONTACT: &str = "part of the walls";
 
 /// Most rounds of all constraints in a step.
 const TURNS: usize = 4;
@@ -35,6 +39,8 @@ pub(super) struct Plan {
     pub sleeping: Vec<usize>,
     /// Surface properties of contacts.
     pub surface: Surface,
+    /// Whether contact has a potential, and constraints only keep what the skin cannot hold.
+    pub potential: bool,
     /// Number of triangles of awake bodies, which a step computes.
     pub triangles: usize,
 }
@@ -57,6 +63,14 @@ impl Plan {
                 plan.triangles += body.mesh.triangles().len();
             }
             effect.set_surface(&mut plan.surface);
+            if effect.contact().is_some() && !asleep {
+                plan.forces.push(number);
+                plan.potential = true;
+            }
+        }
+        if plan.potential {
+            // Friction and restitution are those of the potential.
+            plan.surface = Surface::default();
         }
         plan
     }
@@ -77,6 +91,8 @@ pub(super) struct Scratch {
     pub inside: Inside,
     /// Contacts and penetrations at the start of the step.
     pub contact_cache: ContactCache,
+    /// Anchors of friction between steps.
+    pub contacts: Contacts,
     pub plan: Plan,
     /// 1/mass [1/kg] with zero for sleeping vertices; empty while nothing sleeps.
     pub masked_inverse_mass: Vec<f64>,
@@ -166,6 +182,9 @@ impl Scratch {
 
     /// Records that all constraints, and with them the surface effects, were skipped.
     pub fn pass_over_constraints(&mut self) {
+        if self.plan.potential {
+            return;
+        }
         for number in &self.plan.constraints {
             self.costs[*number].pass_over(NO_OBSTACLE_NEAR);
         }
@@ -183,12 +202,54 @@ pub(super) struct System<'a> {
     pub grab: Option<Grab>,
     /// Simulated time at the start and at the end of the step \[s\].
     pub time: [f64; 2],
+    /// Contacts between steps.
+    pub contacts: Contacts,
 }
 
-impl System<'_> {
-    fn motion<'a>(&'a self, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
+/// Contacts between two steps or inner steps.
+#[derive(Default)]
+pub(super) struct Contacts {
+    /// Anchors of friction.
+    pub anchors: Vec<Anchor>,
+    /// Scratch for the next anchors.
+    pub next: Vec<Anchor>,
+    /// Time since the start of the step \[s\], and power of moving obstacles then \[W\].
+    power: (f64, f64),
+}
+
+impl<'a> System<'a> {
+    /// A scene in a state, whose anchors it takes until [`Self::end`].
+    pub fn begin(
+        scene: &'a Scene,
+        scratch: &'a mut Scratch,
+        grab: Option<Grab>,
+        time: [f64; 2],
+        state: &mut State,
+    ) -> Self {
+        let mut contacts = std::mem::take(&mut scratch.contacts);
+        std::mem::swap(&mut contacts.anchors, &mut state.anchors);
+        let mut system = Self { scene, scratch, grab, time, contacts };
+        system.contacts.power = (0.0, system.power_of_obstacles(0.0, &state.x, &state.v));
+        system
+    }
+
+    /// Ends the step of length h \[s\] and returns the anchors to the state.
+    pub fn end(mut self, h: f64, state: &mut State) {
+        self.end_step(h, &state.x, &state.v);
+        std::mem::swap(&mut self.contacts.anchors, &mut state.anchors);
+        self.scratch.contacts = self.contacts;
+    }
+
+    fn power_of_obstacles(&self, time: f64, x: &[f64], v: &[f64]) -> f64 {
+        let motion = self.motion(time, x, v);
+        contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum()
+    }
+
+    /// A motion at a time since the start of the step \[s\].
+    fn motion<'m>(&'m self, time: f64, x: &'m [f64], v: &'m [f64]) -> Motion<'m> {
         let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
-        Motion { dimension: self.scene.dimension, x, v, mass, inverse_mass, grab: self.grab }
+        let (time, anchors) = (self.time[0] + time, &self.contacts.anchors);
+        Motion { dimension: self.scene.dimension, x, v, mass, inverse_mass, grab: self.grab, time, anchors }
     }
 }
 
@@ -219,6 +280,11 @@ impl System<'_> {
     }
 }
 
+/// The contacts of a scene by a potential.
+fn contacts(scene: &Scene) -> impl Iterator<Item = &ObstacleContact> {
+    scene.effects.iter().filter_map(|effect| effect.contact())
+}
+
 /// The effects of a scene without the elements of sleeping bodies.
 fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effect> {
     let acts = |(number, effect): (usize, &'a Arc<dyn Effect>)| (!plan.sleeping.contains(&number)).then_some(&**effect);
@@ -236,6 +302,8 @@ impl System<'_> {
             mass: &scene.mass,
             inverse_mass: &scene.inverse_mass,
             grab: self.grab,
+            time: self.time[0],
+            anchors: &self.contacts.anchors,
         };
         let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
         counts.force_evaluations += 1;
@@ -253,7 +321,7 @@ impl System<'_> {
 }
 
 impl Dynamics for System<'_> {
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
+    fn force(&mut self, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
         let motion = Motion {
             dimension: scene.dimension,
@@ -262,6 +330,8 @@ impl Dynamics for System<'_> {
             mass: &scene.mass,
             inverse_mass: &scene.inverse_mass,
             grab: self.grab,
+            time: self.time[0] + time,
+            anchors: &self.contacts.anchors,
         };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
@@ -296,8 +366,8 @@ impl Dynamics for System<'_> {
 
     /// If only elements and uniform forces act, the vertices are updated during force assembly.
     fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
-        let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(x, v)) else {
-            self.force(x, v, force);
+        let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(0.0, x, v)) else {
+            self.force(0.0, x, v, force);
             return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
         };
         self.count_euler_update(x, v);
@@ -324,11 +394,12 @@ impl Dynamics for System<'_> {
         }
     }
 
-    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let scene = self.scene;
         let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
         let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
-        let motion = Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
+        let (grab, time, anchors) = (self.grab, self.time[0] + time, &self.contacts.anchors);
+        let motion = Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass, grab, time, anchors };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
@@ -344,8 +415,8 @@ impl Dynamics for System<'_> {
         }
     }
 
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
-        let motion = self.motion(x, v);
+    fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
+        let motion = self.motion(time, x, v);
         for effect in awake(self.scene, &self.scratch.plan) {
             effect.add_stiffness(motion, weights, matrix);
         }
@@ -357,6 +428,11 @@ impl Dynamics for System<'_> {
 
     fn constrains(&self) -> bool {
         self.scratch.clear_box.is_none() && !self.scratch.plan.constraints.is_empty()
+    }
+
+    fn touches(&self, time: f64, x: &[f64], v: &[f64]) -> bool {
+        let motion = self.motion(time, x, v);
+        contacts(self.scene).any(|contact| contact.touches(motion))
     }
 
     fn has_friction(&self) -> bool {
@@ -379,6 +455,23 @@ impl Dynamics for System<'_> {
 
     fn discard_records(&mut self) {
         (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
+    }
+
+    fn end_step(&mut self, time: f64, x: &[f64], v: &[f64]) {
+        let power = self.power_of_obstacles(time, x, v);
+        let (before, was) = std::mem::replace(&mut self.contacts.power, (time, power));
+        self.scratch.supplied += 0.5 * (time - before) * (power + was);
+        let mut next = std::mem::take(&mut self.contacts.next);
+        next.clear();
+        let motion = self.motion(time, x, v);
+        contacts(self.scene).for_each(|contact| contact.drag_anchors(motion, &mut next));
+        std::mem::swap(&mut self.contacts.anchors, &mut next);
+        self.contacts.next = next;
+        if self.scratch.plan.potential {
+            for number in &self.scratch.plan.surface_effects {
+                self.scratch.costs[*number].pass_over(PART_OF_CONTACT);
+            }
+        }
     }
 
     fn has_moving_obstacles(&self) -> bool {
@@ -433,14 +526,15 @@ impl Dynamics for System<'_> {
             let number = self.scratch.plan.constraints[turn % count];
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
             if cost.auto && effect.is_clear(*swept_bounds.get_or_insert_with(|| Bounds::around(before_x, x))) {
-                if turn < count {
+                if turn < count && effect.contact().is_none() {
                     cost.pass_over(NO_OBSTACLE_NEAR);
                 }
                 quiet += 1;
                 continue;
             }
-            let motion = Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass, grab: self.grab };
-            let elements = (turn < count).then(|| effect.elements(motion));
+            let (dimension, mass) = (scene.dimension, &scene.mass);
+            let motion = Motion { dimension, x, v, mass, inverse_mass, grab: self.grab, ..Motion::NONE };
+            let elements = (turn < count && effect.contact().is_none()).then(|| effect.elements(motion));
             start.effect = number;
             let touched = self.scratch.call_effect(number, elements, |_| effect.constrain(&start, x, v));
             if touched > 0 {
@@ -456,7 +550,8 @@ impl Dynamics for System<'_> {
         self.scratch.supplied += supplied.get();
         self.scratch.inside = self.scratch.inside.max(inside.get());
         self.scratch.counts.constrained += all as u64;
-        for number in &self.scratch.plan.surface_effects {
+        let surface_effects = if self.scratch.plan.potential { &[][..] } else { &self.scratch.plan.surface_effects };
+        for number in surface_effects {
             let cost = &mut self.scratch.costs[*number];
             if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
         }
@@ -505,7 +600,7 @@ pub(super) struct ToySystem<'a> {
 }
 
 impl Ode for ToySystem<'_> {
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+    fn rate(&mut self, _: f64, x: &[f64], rate: &mut [f64]) {
         self.counts.force_evaluations += 1;
         if let &[a, b] = x {
             rate.copy_from_slice(&self.toy.rate([a, b]));

@@ -264,7 +264,7 @@ impl<'a> Balance<'a> {
 
     fn motion(&self) -> Motion<'_> {
         let Scene { dimension, mass, inverse_mass, .. } = self.scene;
-        Motion { dimension: *dimension, x: &self.x, v: &self.still, mass, inverse_mass, grab: None }
+        Motion { dimension: *dimension, x: &self.x, v: &self.still, mass, inverse_mass, ..Motion::NONE }
     }
 }
 

@@ -23,11 +23,11 @@ impl<'a> Physics<'a> {
 }
 
 fn motion<'a>(scene: &'a Scene, x: &'a [f64], v: &'a [f64]) -> Motion<'a> {
-    Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, grab: None }
+    Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass: &scene.inverse_mass, ..Motion::NONE }
 }
 
 impl Dynamics for Physics<'_> {
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
+    fn force(&mut self, _: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         force.fill(0.0);
         for effect in &self.scene.effects {
             effect.force(motion(self.scene, x, v), &mut self.scratch[..effect.scratch()], force);
@@ -42,7 +42,7 @@ impl Dynamics for Physics<'_> {
         &self.scene.inverse_mass
     }
 
-    fn stiffness_times(&mut self, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&mut self, _: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         for effect in &self.scene.effects {
             effect.stiffness_times(motion(self.scene, x, v), d, &mut self.scratch[..effect.scratch()], product);
         }
@@ -56,7 +56,7 @@ impl Dynamics for Physics<'_> {
         self.scene.effects.iter().for_each(|effect| effect.sparsity_pattern(add));
     }
 
-    fn add_stiffness(&mut self, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
+    fn add_stiffness(&mut self, _: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         self.scene.effects.iter().for_each(|effect| effect.add_stiffness(motion(self.scene, x, v), weights, matrix));
     }
 

@@ -36,7 +36,7 @@ impl Oscillator {
 }
 
 impl Dynamics for Oscillator {
-    fn force(&mut self, x: &[f64], v: &[f64], force: &mut [f64]) {
+    fn force(&mut self, _: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         self.evaluations += 1;
         let stiffness = self.square * (1.0 + self.cubic * (x[0] * x[0] + x[1] * x[1]));
         for axis in 0..2 {
@@ -52,7 +52,7 @@ impl Dynamics for Oscillator {
         &[1.0 / MASS; 2]
     }
 
-    fn stiffness_times(&mut self, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
+    fn stiffness_times(&mut self, _: f64, x: &[f64], _: &[f64], d: &[f64], product: &mut [f64]) {
         let force = self.stiffness(x) * nalgebra::Vector2::new(d[0], d[1]);
         product[0] += force.x;
         product[1] += force.y;
@@ -64,7 +64,7 @@ impl Dynamics for Oscillator {
 
     fn sparsity_pattern(&self, _: &mut dyn FnMut(u32, u32)) {}
 
-    fn add_stiffness(&mut self, x: &[f64], _: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
+    fn add_stiffness(&mut self, _: f64, x: &[f64], _: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         let damping = Matrix2::from_diagonal_element(weights.velocity * MASS * self.damping);
         if let Some(matrix) = matrix.blocks::<2>() {
             matrix.diagonal(0, &(self.stiffness(x) * weights.position + damping));
@@ -76,7 +76,7 @@ impl Dynamics for Oscillator {
 pub struct Rate<'a>(pub &'a ToyKind);
 
 impl Ode for Rate<'_> {
-    fn rate(&mut self, x: &[f64], rate: &mut [f64]) {
+    fn rate(&mut self, _: f64, x: &[f64], rate: &mut [f64]) {
         rate.copy_from_slice(&self.0.kind().rate([x[0], x[1]]));
     }
 }

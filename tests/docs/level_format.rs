@@ -75,8 +75,8 @@ macro_rules! specs {
 const SPECS: &[(&str, &Spec)] = specs![
     Young Poisson Density Mass Coordinate Time Period Length Width Height Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
     DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
-    ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength Triangles
-    Tolerance Cells Springs Rings
+    ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
+    SkinThickness ImpactSpeed Dissipation Triangles Tolerance Cells Springs Rings
 ];
 
 /// Longest example that is shown [characters].

@@ -1,0 +1,51 @@
+//! Friction with memory: an elastic-plastic spring to an anchor on the surface.
+
+use super::Potential;
+
+/// A contact by name: an obstacle, or one of its parts, and a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ContactName {
+    /// Number of the effect that the obstacle belongs to.
+    pub effect: u32,
+    /// Number of the obstacle in the effect.
+    pub obstacle: u32,
+    /// The vertex.
+    pub vertex: u32,
+}
+
+/// Anchor of the spring of friction of a contact, which is kept between steps.
+///
+/// With the tangential displacement u from the anchor, the friction of an area A with pressure p, of which the potential
+/// gives q, is `T = -clip(A (k u + c q v), mu A p)`: k is the [tangential stiffness](Potential::tangential_stiffness) and v the sliding velocity, so that sticking
+/// is elastic and damped like the pressure, and sliding is Coulomb's law. The anchor does not move within a step, so
+/// that forces are smooth there. After the step it is dragged until `k |u| <= mu p`, and lost where the contact ends
+/// (a Dahl model; Canudas de Wit et al., *A New Model for Control of Systems with Friction*, IEEE Transactions on Automatic
+/// Control 40, 1995). Coulomb's law smoothed by velocity would creep under any load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// The contact.
+    pub contact: ContactName,
+    /// The anchor, in the frame of the obstacle \[m\].
+    pub point: [f64; 2],
+}
+
+impl Potential {
+    /// Tangential traction \[Pa\] against a displacement u \[m\] from the anchor and a damping traction \[Pa\], at most `limit`
+    /// \[Pa\]. Returns also whether it sticks.
+    pub(super) fn traction(self, u: f64, damping: f64, limit: f64) -> (f64, bool) {
+        let wanted = self.tangential_stiffness() * u + damping;
+        (wanted.clamp(-limit, limit), wanted.abs() < limit)
+    }
+
+    /// Energy of the spring of friction per area [J/m²].
+    pub(super) fn friction_energy(self, u: f64, limit: f64) -> f64 {
+        let u = self.dragged(u, limit);
+        0.5 * self.tangential_stiffness() * u * u
+    }
+
+    /// Displacement from the anchor after it was dragged \[m\].
+    pub(super) fn dragged(self, u: f64, limit: f64) -> f64 {
+        let most = limit / self.tangential_stiffness();
+        u.clamp(-most, most)
+    }
+}

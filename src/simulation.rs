@@ -38,7 +38,7 @@ pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
 use std::cell::RefCell;
-use system::{Scratch, System, ToySystem};
+use system::{Scratch, System, ToySystem, contacts};
 
 /// A running scene.
 pub struct Simulation {
@@ -288,6 +288,9 @@ impl Simulation {
     /// Takes a step, or sets a fault. Returns whether it was taken.
     fn take_step(&mut self) -> bool {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
+            if self.stale {
+                self.ease_overlaps();
+            }
             // A checkpoint that a run continues from was set at this step already.
             if self.stale || self.checkpoint.state.steps != self.state.steps {
                 self.count_slow_checks();
@@ -307,6 +310,14 @@ impl Simulation {
         // Replay from the checkpoint needs all steps since then to have one length.
         self.stale |= self.guard.record_stable_step();
         true
+    }
+
+    /// Completes the memory of contacts in a state that was not stepped to: vertices that were put into an obstacle.
+    fn ease_overlaps(&mut self) {
+        let mut anchors = Vec::new();
+        let motion = self.scene.motion(&self.state, self.grab);
+        contacts(&self.scene).for_each(|contact| contact.ease_overlap(motion, &mut anchors));
+        self.state.anchors = anchors;
     }
 
     /// Takes one step, divided as the guard requires.

@@ -146,9 +146,9 @@ impl StabilityProbe {
 fn longest_step(scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
     let dampings = scene.effects.iter().map(|effect| effect.damping(motion));
     let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    let square = square
-        + scene.effects.iter().filter_map(|effect| Some(effect.contact()?.square_frequency(motion))).sum::<f64>();
     let rate = alpha + beta * square;
+    let contacts = scene.effects.iter().filter_map(|effect| effect.contact());
+    let square = square + contacts.map(|contact| contact.square_frequency(motion)).sum::<f64>();
     let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
     step.is_finite().then_some(step)
 }

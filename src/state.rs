@@ -22,7 +22,7 @@ pub struct State {
     pub steps: u64,
     /// Memory of the integrator between steps.
     pub memory: Vec<f64>,
-    /// Anchors of friction, in the order of their contacts.
+    /// Memory of contacts, in the order of their names.
     pub anchors: Vec<Anchor>,
     /// For each body and then each net, the number of consecutive checks below the sleep threshold; the greatest number
     /// if it sleeps. Empty before the first check.
@@ -57,9 +57,9 @@ impl State {
         self.v.copy_from_slice(v);
     }
 
-    /// Hash of every bit of positions, velocities and anchors of friction (FNV-1a, 64 bit): equal states have equal hashes.
+    /// Hash of every bit of positions, velocities and the memory of contacts (FNV-1a, 64 bit): equal states have equal hashes.
     pub fn hash(&self) -> u64 {
-        let anchors = self.anchors.iter().flat_map(|anchor| &anchor.point);
+        let anchors = self.anchors.iter().flat_map(|anchor| anchor.point.iter().chain([&anchor.overlap]));
         let numbers = self.x.iter().chain(&self.v).chain(anchors);
         numbers
             .flat_map(|number| number.to_bits().to_le_bytes())

@@ -1,4 +1,4 @@
-//! Friction with memory: an elastic-plastic spring to an anchor on the surface.
+//! Memory of contacts: friction by an elastic-plastic spring to an anchor on the surface, and overlap at the start.
 
 use super::Potential;
 
@@ -13,7 +13,10 @@ pub struct ContactName {
     pub vertex: u32,
 }
 
-/// Anchor of the spring of friction of a contact, which is kept between steps.
+/// What is kept of a contact between steps: the anchor of the spring of friction, and the overlap at the start.
+///
+/// A vertex that is put into the skin or into an obstacle, not moved there by steps, begins without a force: its gap counts from
+/// where it is. This overlap then decreases at a tenth of the wave speed, so that the pressure grows slowly and parts the two.
 ///
 /// With the tangential displacement u from the anchor, the friction of an area A with pressure p, of which the potential
 /// gives q, is `T = -clip(A (k u + c q v), mu A p)`: k is the [tangential stiffness](Potential::tangential_stiffness) and v the sliding velocity, so that sticking
@@ -27,6 +30,8 @@ pub struct Anchor {
     pub contact: ContactName,
     /// The anchor, in the frame of the obstacle \[m\].
     pub point: [f64; 2],
+    /// Overlap at the start that is left: it is added to the gap \[m\].
+    pub overlap: f64,
 }
 
 impl Potential {

@@ -7,7 +7,6 @@ use crate::{
     solvers::{SparseMatrix, Weights},
 };
 use nalgebra::Matrix2;
-use std::sync::Arc;
 
 /// An obstacle with the motion that it is told.
 pub struct PlacedObstacle {
@@ -26,7 +25,8 @@ pub struct ObstacleContact {
     friction: f64,
     /// Greatest thickness of the skin \[m\].
     reach: f64,
-    surface: Arc<SurfaceVertices>,
+    /// The vertices with the potentials of their skins.
+    vertices: Vec<(SurfaceVertex, Potential)>,
     obstacles: Vec<PlacedObstacle>,
 }
 
@@ -44,8 +44,10 @@ struct Touch<'a> {
     /// Position \[m\], and velocity relative to the obstacle [m/s].
     x: [f64; 2],
     v: [f64; 2],
-    /// Displacement from the anchor along the tangent \[m\].
-    u: Option<f64>,
+    /// Displacement from the anchor along the tangent \[m\], and overlap at the start \[m\]; `None` for a new contact.
+    memory: Option<(f64, f64)>,
+    /// The same as it is kept.
+    kept: Option<Anchor>,
 }
 
 impl Touch<'_> {
@@ -67,6 +69,13 @@ impl Touch<'_> {
         [along * nx + across * tx, along * ny + across * ty]
     }
 
+    /// Memory of the contact with a displacement from the anchor and an overlap \[m\].
+    fn anchor(&self, u: f64, overlap: f64) -> Anchor {
+        let [dx, dy] = self.vector([0.0, u]);
+        let point = self.at.back([self.x[0] - dx, self.x[1] - dy]);
+        Anchor { contact: self.name, point, overlap }
+    }
+
     fn pressure(&self) -> f64 {
         self.potential.pressure(self.contact.distance)
     }
@@ -84,13 +93,13 @@ impl Touch<'_> {
 
     /// Energy \[J\].
     fn energy(&self) -> f64 {
-        let friction = self.u.map_or(0.0, |u| self.potential.friction_energy(u, self.limit()));
+        let friction = self.memory.map_or(0.0, |(u, _)| self.potential.friction_energy(u, self.limit()));
         self.vertex.area * (self.potential.energy(self.contact.distance) + friction)
     }
 
     /// Traction of friction against the tangent \[Pa\], and whether it sticks.
     fn traction(&self) -> (f64, bool) {
-        let Some(u) = self.u else { return (0.0, false) };
+        let Some((u, _)) = self.memory else { return (0.0, false) };
         let [_, sliding] = self.components(self.v);
         self.potential.traction(u, self.dissipation * self.pressure() * sliding, self.limit())
     }
@@ -118,12 +127,13 @@ impl Touch<'_> {
 
 impl ObstacleContact {
     /// Contact with some obstacles, where the surface has a skin and friction.
-    pub fn new((skin, friction): (Skin, f64), surface: Arc<SurfaceVertices>, obstacles: Vec<PlacedObstacle>) -> Self {
-        let reach = surface.greatest_thickness(skin);
-        Self { number: 0, skin, friction, reach, surface, obstacles }
+    pub fn new((skin, friction): (Skin, f64), surface: &SurfaceVertices, obstacles: Vec<PlacedObstacle>) -> Self {
+        let vertices: Vec<_> = surface.iter().map(|vertex| (*vertex, surface.potential(skin, vertex))).collect();
+        let reach = vertices.iter().map(|(_, potential)| potential.thickness).fold(0.0, f64::max);
+        Self { number: 0, skin, friction, reach, vertices, obstacles }
     }
 
-    /// Calls `act` for each vertex in contact, in the order of their names.
+    /// Calls `act` for each vertex within its skin of an obstacle, in the order of their names.
     fn each(&self, motion: Motion<'_>, mut act: impl FnMut(&Touch<'_>)) {
         let [least, greatest] = self.bounds(motion.x).grown(self.reach).0;
         let mut anchors = motion.anchors.iter().peekable();
@@ -134,31 +144,36 @@ impl ObstacleContact {
             if still && !obstacle.is_near(least, greatest) {
                 continue;
             }
-            for vertex in self.surface.iter() {
-                let number_of_x = 2 * vertex.vertex as usize;
-                let (x, v) = (pair(motion.x, number_of_x), pair(motion.v, number_of_x));
-                let potential = self.surface.potential(self.skin, vertex);
+            for (vertex, potential) in &self.vertices {
+                let first = 2 * vertex.vertex as usize;
+                let x = pair(motion.x, first);
                 let seen = if still { x } else { at.back(x) };
-                let Some(contact) = obstacle.distance(seen, potential.thickness) else { continue };
+                // The skin begins at the contact margin, or at its thickness if that is greater.
+                let offset = (obstacle.margin() - potential.thickness).max(0.0);
+                let Some(contact) = obstacle.distance(seen, potential.thickness + offset) else { continue };
+                let v = pair(motion.v, first);
                 let normal = if still { contact.normal } else { at.normal(contact.normal) };
                 let wall = if still { [0.0; 2] } else { at.velocity_at(x) };
                 let name = ContactName { effect: self.number, obstacle: number as u32, vertex: vertex.vertex };
                 let mut touch = Touch {
                     vertex,
                     name,
-                    potential,
+                    potential: *potential,
                     dissipation: self.skin.dissipation,
                     friction: self.friction,
                     at,
-                    contact: Contact { normal, ..contact },
+                    contact: Contact { normal, distance: contact.distance - offset },
                     x,
                     v: [v[0] - wall[0], v[1] - wall[1]],
-                    u: None,
+                    memory: None,
+                    kept: None,
                 };
                 while anchors.next_if(|anchor| anchor.contact < name).is_some() {}
-                touch.u = anchors.peek().filter(|anchor| anchor.contact == name).map(|anchor| {
+                touch.kept = anchors.peek().filter(|anchor| anchor.contact == name).map(|anchor| **anchor);
+                touch.memory = touch.kept.map(|anchor| {
                     let [ax, ay] = at.point(anchor.point);
-                    touch.components([x[0] - ax, x[1] - ay])[1]
+                    touch.contact.distance += anchor.overlap;
+                    (touch.components([x[0] - ax, x[1] - ay])[1], anchor.overlap)
                 });
                 act(&touch);
             }
@@ -168,7 +183,7 @@ impl ObstacleContact {
     /// Box around the vertices.
     fn bounds(&self, x: &[f64]) -> Bounds {
         let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for vertex in self.surface.iter() {
+        for (vertex, _) in &self.vertices {
             let point = pair(x, 2 * vertex.vertex as usize);
             for axis in 0..2 {
                 bounds[0][axis] = bounds[0][axis].min(point[axis]);
@@ -181,17 +196,20 @@ impl ObstacleContact {
     /// Whether a skin is compressed.
     pub fn touches(&self, motion: Motion<'_>) -> bool {
         let mut touches = false;
-        self.each(motion, |_| touches = true);
+        self.each(motion, |touch| touches |= touch.pressure() > 0.0);
         touches
     }
 
-    /// Power of the moving obstacles on the bodies \[W\].
+    /// Power of the moving obstacles on the bodies, and of the decrease of overlap at the start \[W\].
     pub fn power_of_obstacles(&self, motion: Motion<'_>) -> f64 {
         let mut power = 0.0;
-        if self.moves() {
+        if self.moves() || motion.anchors.iter().any(|anchor| anchor.overlap > 0.0) {
             self.each(motion, |touch| {
                 let ([fx, fy], [vx, vy]) = (touch.force(), touch.at.velocity_at(touch.x));
                 power += fx * vx + fy * vy;
+                if touch.memory.is_some_and(|(_, overlap)| overlap > 0.0) {
+                    power += touch.vertex.area * touch.pressure() * touch.vertex.parting;
+                }
             });
         }
         power
@@ -199,27 +217,28 @@ impl ObstacleContact {
 
     /// Greatest square of the angular frequency of a vertex on its fully compressed skin [1/s²].
     pub fn square_frequency(&self, motion: Motion<'_>) -> f64 {
-        let square = |vertex: &SurfaceVertex| {
+        let square = |(vertex, potential): &(SurfaceVertex, Potential)| {
             let inverse = pair(motion.inverse_mass, 2 * vertex.vertex as usize);
-            let stiffness = self.surface.potential(self.skin, vertex).greatest_stiffness();
-            vertex.area * stiffness * inverse[0].max(inverse[1])
+            vertex.area * potential.greatest_stiffness() * inverse[0].max(inverse[1])
         };
-        self.surface.iter().map(square).fold(0.0, f64::max)
+        self.vertices.iter().map(square).fold(0.0, f64::max)
     }
 
-    /// Adds the anchors of friction after a step, in the order of their contacts: new contacts get one, and those that slide drag
-    /// theirs.
-    pub fn drag_anchors(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
-        if self.friction == 0.0 {
-            return;
-        }
+    /// Adds the memory of all contacts after a step of length h \[s\], in the order of their names: new contacts get an anchor,
+    /// those that slide drag theirs, and overlap decreases.
+    pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) {
         self.each(motion, |touch| {
-            if touch.pressure() > 0.0 {
-                let u = touch.potential.dragged(touch.u.unwrap_or(0.0), touch.limit());
-                let [dx, dy] = touch.vector([0.0, u]);
-                let point = touch.at.back([touch.x[0] - dx, touch.x[1] - dy]);
-                anchors.push(Anchor { contact: touch.name, point });
-            }
+            let (u, overlap) = touch.memory.unwrap_or_default();
+            let overlap = (overlap - h * touch.vertex.parting).max(0.0);
+            anchors.push(touch.anchor(touch.potential.dragged(u, touch.limit()), overlap));
+        });
+    }
+
+    /// Adds the memory of all contacts of a state that was not stepped to: those without memory begin without a force.
+    pub fn ease_overlap(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
+        self.each(motion, |touch| {
+            let missing = touch.potential.thickness - touch.contact.distance;
+            anchors.push(touch.kept.unwrap_or_else(|| touch.anchor(0.0, missing)));
         });
     }
 
@@ -248,12 +267,15 @@ impl ObstacleContact {
 
     /// Adds the forces \[N\].
     pub fn force(&self, motion: Motion<'_>, force: &mut [f64]) {
-        self.each(motion, |touch| {
-            let at = 2 * touch.vertex.vertex as usize;
-            let [x, y] = touch.force();
-            force[at] += x;
-            force[at + 1] += y;
+        self.each_force(motion, |vertex, [x, y]| {
+            force[2 * vertex] += x;
+            force[2 * vertex + 1] += y;
         });
+    }
+
+    /// Calls `act` for each vertex in contact with the force on it \[N\].
+    pub fn each_force(&self, motion: Motion<'_>, mut act: impl FnMut(usize, [f64; 2])) {
+        self.each(motion, |touch| act(touch.vertex.vertex as usize, touch.force()));
     }
 
     /// Adds the product of the stiffness with a displacement \[N\].

@@ -23,6 +23,8 @@ pub struct SurfaceVertex {
     pub vertex: u32,
     /// Area of the surface that belongs to it at rest, at a thickness of the sheet of 1 m [m²]: half of its boundary edges.
     pub area: f64,
+    /// Speed at which overlap at the start decreases: a tenth of the wave speed [m/s].
+    pub parting: f64,
     /// Number of its body or net in the list of [`SurfaceVertices`].
     part: u32,
 }
@@ -93,6 +95,7 @@ impl SurfaceVertices {
         self.vertices.extend(areas.map(|(vertex, area)| SurfaceVertex {
             vertex: (first + vertex) as u32,
             area: *area,
+            parting: 0.1 * (part.young / part.density).sqrt(),
             part: number,
         }));
     }
@@ -120,15 +123,12 @@ impl SurfaceVertices {
         Potential { modulus, thickness: skin.thickness * part.edge }
     }
 
-    /// Least gap \[m\]: a small part of the thickness, so that round-off never makes it negative.
-    pub fn least_gap(&self, skin: Skin) -> f64 {
+    /// Distance \[m\] at which a vertex stops in front of an obstacle with the contact margin eps \[m\]: where its skin is used up
+    /// but for a small part, so that round-off never makes the gap negative.
+    pub fn least_distance(&self, skin: Skin, eps: f64) -> f64 {
         const SHARE: f64 = 0.02;
-        let least = self.parts.iter().map(|part| skin.thickness * part.edge).fold(f64::INFINITY, f64::min);
-        if least.is_finite() { SHARE * least } else { 0.0 }
-    }
-
-    /// Greatest thickness of a skin \[m\].
-    pub fn greatest_thickness(&self, skin: Skin) -> f64 {
-        self.parts.iter().map(|part| skin.thickness * part.edge).fold(0.0, f64::max)
+        let thicknesses = self.parts.iter().map(|part| skin.thickness * part.edge);
+        let [least, greatest] = thicknesses.fold([f64::INFINITY, 0.0], |[a, b], d| [d.min(a), d.max(b)]);
+        (eps - greatest).max(0.0) + if least.is_finite() { SHARE * least } else { 0.0 }
     }
 }

@@ -10,7 +10,6 @@ use crate::{
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// The four edges of the world: a vertex that gets beyond one is put back on it and loses its velocity outwards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,7 +56,7 @@ impl EffectParameters for Boundary {
             let all = [edge(0, 1.0), edge(0, -1.0), edge(1, 1.0), edge(1, -1.0)];
             let contact = elements.skin.map(|skin| {
                 let place = |edge: &Edge| PlacedObstacle { obstacle: Box::new(edge.clone()), motions: Vec::new() };
-                ObstacleContact::new(skin, Arc::clone(&elements.skinned), all.iter().map(place).collect())
+                ObstacleContact::new(skin, &elements.skinned, all.iter().map(place).collect())
             });
             Ok(Box::new(Edges { least, greatest, all, contact }))
         } else {

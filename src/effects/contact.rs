@@ -2,7 +2,7 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
-    contact::{Skin, restitution},
+    contact::Skin,
     elements::Elements,
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
@@ -49,15 +49,6 @@ impl EffectParameters for Contact {
 
     fn duplicate_policy(&self) -> DuplicatePolicy {
         DuplicatePolicy::Ambiguous("a contact has one potential")
-    }
-
-    fn notes(&self) -> Vec<String> {
-        let e = restitution(self.dissipation.get(), 1.0);
-        if e == 1.0 {
-            Vec::new()
-        } else {
-            vec![format!("at 1 m/s the skin returns {e:.2} of the speed of a rigid mass")]
-        }
     }
 
     fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {

@@ -90,22 +90,27 @@ impl EffectParameters for Walls {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        // With a potential a vertex stops only where its skin is all but used up.
-        let margin = elements.skin.and_then(|(skin, _)| Reach::new(elements.skinned.least_gap(skin)).ok());
-        let build = |(number, kind): (usize, &ObstacleKind)| {
-            let mut kind = kind.clone();
-            if let Some(margin) = margin {
-                kind.kind_mut().set_margin(margin);
+        let build = |kinds: &[ObstacleKind]| {
+            let build = |(number, kind): (usize, &ObstacleKind)| {
+                let obstacle =
+                    kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
+                Ok::<_, String>(PlacedObstacle { obstacle, motions: kind.kind().motions() })
+            };
+            kinds.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>()
+        };
+        let (mut obstacles, mut contact) = (build(&self.obstacles)?, None);
+        if let Some((skin, friction)) = elements.skin {
+            // A vertex stops only where its skin is used up.
+            let mut kinds = self.obstacles.clone();
+            for (kind, placed) in kinds.iter_mut().zip(&obstacles) {
+                let distance = elements.skinned.least_distance(skin, placed.obstacle.margin());
+                kind.kind_mut().set_margin(Reach::new(distance).map_err(|error| error.to_string())?);
             }
-            let obstacle = kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
-            Ok::<_, String>(PlacedObstacle { obstacle, motions: kind.kind().motions() })
-        };
-        let build = || self.obstacles.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>();
-        let contact = match elements.skin {
-            Some(skin) => Some(ObstacleContact::new(skin, Arc::clone(&elements.skinned), build()?)),
-            None => None,
-        };
-        Ok(Box::new(Contacts { obstacles: build()?, boundary: Arc::clone(&elements.boundary), contact }))
+            let stops = build(&kinds)?;
+            contact = Some(ObstacleContact::new((skin, friction), &elements.skinned, obstacles));
+            obstacles = stops;
+        }
+        Ok(Box::new(Contacts { obstacles, boundary: Arc::clone(&elements.boundary), contact }))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Saved state of a running level.
 
 use super::is_default;
-use crate::quantity::{Coordinate, Point, Time};
+use crate::quantity::{Coordinate, Point, Reach, Time};
 use serde::{Deserialize, Serialize};
 
 /// A moment of a running scene: enough to continue bit for bit.
@@ -20,9 +20,9 @@ pub struct SavedState {
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
-    /// Anchors of friction: number of the effect, of the obstacle in it, and of the vertex, and the place on the obstacle \[m\].
+    /// Contacts: number of the effect, of the obstacle in it, and of the vertex; anchor of friction on the obstacle \[m\]; overlap at the start that is left \[m\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub anchors: Vec<((u32, u32, u32), Point)>,
+    pub anchors: Vec<((u32, u32, u32), Point, Reach)>,
     /// How calm each body and then each net has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,

@@ -15,7 +15,7 @@ use crate::{
     elements::{STAGE_ELEMENTS, is_unpartitioned},
     meshes::{Mesh, Numbering},
     nets::Net,
-    quantity::Point,
+    quantity::{Point, Reach},
     state::State,
 };
 use std::{borrow::Cow, ops::Range};
@@ -66,11 +66,11 @@ impl Scene {
     }
 
     /// Anchors of friction from how the level lists vertices; those of vertices that do not exist are omitted.
-    pub(super) fn unlisted_anchors(&self, saved: &[((u32, u32, u32), Point)]) -> Vec<Anchor> {
-        let anchor = |((effect, obstacle, place), point): &((u32, u32, u32), Point)| {
+    pub(super) fn unlisted_anchors(&self, saved: &[((u32, u32, u32), Point, Reach)]) -> Vec<Anchor> {
+        let anchor = |((effect, obstacle, place), point, overlap): &((u32, u32, u32), Point, Reach)| {
             let vertex = self.unlisted_vertex(*place as usize)? as u32;
             let contact = ContactName { effect: *effect, obstacle: *obstacle, vertex };
-            Some(Anchor { contact, point: point.get() })
+            Some(Anchor { contact, point: point.get(), overlap: overlap.get() })
         };
         let mut anchors: Vec<_> = saved.iter().filter_map(anchor).collect();
         anchors.sort_unstable_by_key(|anchor| anchor.contact);

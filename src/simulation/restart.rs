@@ -6,7 +6,7 @@ use crate::{
     effects::Grab,
     guard::Guard,
     level::{Level, RunMode, SavedState},
-    quantity::{Coordinate, Point, Time},
+    quantity::{Coordinate, Point, Reach, Time},
     report::{Counts, EffectCost},
     scene::{Scene, SceneError},
     state::State,
@@ -166,7 +166,7 @@ impl Simulation {
         let state = self.scene.listed_state(state);
         let anchor = |anchor: &Anchor| {
             let ContactName { effect, obstacle, vertex } = anchor.contact;
-            Some(((effect, obstacle, vertex), Point::new(anchor.point).ok()?))
+            Some(((effect, obstacle, vertex), Point::new(anchor.point).ok()?, Reach::new(anchor.overlap).ok()?))
         };
         Some(SavedState {
             anchors: state.anchors.iter().map(anchor).collect::<Option<_>>()?,

@@ -161,7 +161,9 @@ impl Scratch {
             return None;
         }
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
-        let mut acting = self.plan.forces.iter().filter(acts).map(|number| scene.effects[*number].uniform_force());
+        // Those of contact are added afterwards.
+        let forces = self.plan.forces.iter().filter(|number| scene.effects[**number].contact().is_none());
+        let mut acting = forces.filter(acts).map(|number| scene.effects[*number].uniform_force());
         let all = acting.try_fold(UniformForce::default(), |all, next| all.and(next?));
         all.filter(|_| !self.timed)
     }
@@ -213,6 +215,8 @@ pub(super) struct Contacts {
     pub anchors: Vec<Anchor>,
     /// Scratch for the next anchors.
     pub next: Vec<Anchor>,
+    /// Forces of contact on vertices at the start of the step \[N\].
+    forces: Vec<(usize, [f64; 2])>,
     /// Time since the start of the step \[s\], and power of moving obstacles then \[W\].
     power: (f64, f64),
 }
@@ -281,7 +285,7 @@ impl System<'_> {
 }
 
 /// The contacts of a scene by a potential.
-fn contacts(scene: &Scene) -> impl Iterator<Item = &ObstacleContact> {
+pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = &ObstacleContact> {
     scene.effects.iter().filter_map(|effect| effect.contact())
 }
 
@@ -312,6 +316,9 @@ impl System<'_> {
         }
         for number in plan.elements.iter().chain(&plan.forces) {
             let (effect, cost) = (&scene.effects[*number], &mut costs[*number]);
+            if effect.contact().is_some() {
+                continue;
+            }
             match effect.idle(motion).filter(|_| cost.auto) {
                 Some(why) => cost.pass_over(why),
                 None => cost.call(effect.elements(motion)),
@@ -320,8 +327,9 @@ impl System<'_> {
     }
 }
 
-impl Dynamics for System<'_> {
-    fn force(&mut self, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
+impl System<'_> {
+    /// Writes the forces \[N\], with or without those of contact.
+    fn forces(&mut self, with_contact: bool, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
         let motion = Motion {
             dimension: scene.dimension,
@@ -344,6 +352,9 @@ impl Dynamics for System<'_> {
             let Plan { elements, forces, .. } = &self.scratch.plan;
             let number = if turn < count[0] { elements[turn] } else { forces[turn - count[0]] };
             let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
+            if !with_contact && effect.contact().is_some() {
+                continue;
+            }
             if cost.auto
                 && let Some(why) = effect.idle(motion)
             {
@@ -353,6 +364,55 @@ impl Dynamics for System<'_> {
             let (size, elements) = (effect.scratch(), Some(effect.elements(motion)));
             self.scratch.call_effect(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
+    }
+
+    /// Finds the forces of contact at the start of a step, for [`Self::add_contact_forces`].
+    fn find_contact_forces(&mut self, x: &[f64], v: &[f64]) {
+        if !self.scratch.plan.potential {
+            return;
+        }
+        let mut found = std::mem::take(&mut self.contacts.forces);
+        found.clear();
+        for turn in 0..self.scratch.plan.forces.len() {
+            let number = self.scratch.plan.forces[turn];
+            let Some(contact) = self.scene.effects[number].contact() else { continue };
+            let motion = self.motion(0.0, x, v);
+            let idle = contact.idle(motion).filter(|_| self.scratch.costs[number].auto);
+            let elements = self.scene.effects[number].elements(motion);
+            if let Some(why) = idle {
+                self.scratch.costs[number].pass_over(why);
+                continue;
+            }
+            let start = self.scratch.timed.then(Instant::now);
+            contact.each_force(motion, |vertex, force| found.push((vertex, force)));
+            let cost = &mut self.scratch.costs[number];
+            cost.time += start.map_or(std::time::Duration::ZERO, |start| start.elapsed());
+            cost.call(elements);
+        }
+        self.contacts.forces = found;
+    }
+
+    /// Adds the forces of contact to a step of symplectic Euler of length h \[s\] after it was taken with the others. Few
+    /// vertices touch, and the step of all of them stays as it is.
+    fn add_contact_forces(&mut self, x: &mut [f64], v: &mut [f64], h: f64) {
+        let (mut kinetic, inverse_mass) = (0.0, self.inverse_mass());
+        for (vertex, force) in &self.contacts.forces {
+            for (number, force) in (2 * vertex..).zip(force) {
+                let change = h * force * inverse_mass[number];
+                kinetic += 0.5 * self.scene.mass[number] * change * (2.0 * v[number] + change);
+                v[number] += change;
+                x[number] += h * change;
+            }
+        }
+        if let Some(all) = &mut self.scratch.kinetic {
+            *all += kinetic;
+        }
+    }
+}
+
+impl Dynamics for System<'_> {
+    fn force(&mut self, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
+        self.forces(true, time, x, v, force);
     }
 
     /// Hash of the pull of the mouse, and of the sleeping bodies and nets, whose elements are skipped.
@@ -366,9 +426,11 @@ impl Dynamics for System<'_> {
 
     /// If only elements and uniform forces act, the vertices are updated during force assembly.
     fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+        self.find_contact_forces(x, v);
         let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(0.0, x, v)) else {
-            self.force(0.0, x, v, force);
-            return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
+            self.forces(false, 0.0, x, v, force);
+            symplectic_euler_update(x, v, force, self.inverse_mass(), h);
+            return self.add_contact_forces(x, v, h);
         };
         self.count_euler_update(x, v);
         let scene = self.scene;
@@ -380,6 +442,7 @@ impl Dynamics for System<'_> {
             scene.effects[*number].euler_update(&mut vertices, effects);
         }
         self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
+        self.add_contact_forces(x, v, h);
     }
 
     fn mass(&self) -> &[f64] {
@@ -464,12 +527,13 @@ impl Dynamics for System<'_> {
         let mut next = std::mem::take(&mut self.contacts.next);
         next.clear();
         let motion = self.motion(time, x, v);
-        contacts(self.scene).for_each(|contact| contact.drag_anchors(motion, &mut next));
+        contacts(self.scene).for_each(|contact| contact.drag_anchors(motion, time - before, &mut next));
         std::mem::swap(&mut self.contacts.anchors, &mut next);
         self.contacts.next = next;
         if self.scratch.plan.potential {
             for number in &self.scratch.plan.surface_effects {
-                self.scratch.costs[*number].pass_over(PART_OF_CONTACT);
+                let cost = &mut self.scratch.costs[*number];
+                if cost.auto { cost.pass_over(PART_OF_CONTACT) } else { cost.call(0) }
             }
         }
     }

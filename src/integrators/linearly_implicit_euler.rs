@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 /// may throw vertices about (Baraff and Witkin, *Large Steps in Cloth Simulation*, SIGGRAPH 1998; Deuflhard, *Recent Progress
 /// in Extrapolation Methods*, SIAM Review 27, 1985). Where K makes the matrix indefinite, the masses in it are raised.
 /// A step with an impact is one of implicit Euler: where a wall stops a vertex, and where a contact potential leaves more than
-/// [`RESIDUAL`] of the forces unbalanced, because its linearisation does not hold for the whole step.
+/// a tenth of the forces unbalanced, because its linearisation does not hold for the whole step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinearlyImplicitEuler {}

@@ -21,7 +21,7 @@ pub struct Skin {
 pub struct SurfaceVertex {
     /// Its number in the scene.
     pub vertex: u32,
-    /// Area of the surface that belongs to it at rest, at a thickness of the sheet of 1 m [m²]: half of its boundary edges.
+    /// Area of the surface that belongs to it at rest, at a thickness of the sheet of 1 m \[m²\]: half of its boundary edges.
     pub area: f64,
     /// Speed at which overlap at the start decreases: a tenth of the wave speed [m/s].
     pub parting: f64,

@@ -100,6 +100,7 @@ impl Simulation {
             elastic: RefCell::default(),
         };
         simulation.apply_sleep();
+        simulation.ease_overlaps();
         simulation
     }
 
@@ -119,6 +120,7 @@ impl Simulation {
         self.scratch.fit(&self.scene);
         (self.islands, self.multirate) = (Islands::new(&self.scene), Multirate::new(&self.scene));
         self.wake_all(paced);
+        self.ease_overlaps();
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
             _ => self.guard.reset(),
@@ -138,6 +140,7 @@ impl Simulation {
         self.fault = None;
         self.seek();
         self.apply_sleep();
+        self.ease_overlaps();
     }
 
     /// Sets or ends the pull of the mouse.
@@ -288,9 +291,6 @@ impl Simulation {
     /// Takes a step, or sets a fault. Returns whether it was taken.
     fn take_step(&mut self) -> bool {
         if self.stale || self.state.steps.is_multiple_of(BATCH) {
-            if self.stale {
-                self.ease_overlaps();
-            }
             // A checkpoint that a run continues from was set at this step already.
             if self.stale || self.checkpoint.state.steps != self.state.steps {
                 self.count_slow_checks();
@@ -314,6 +314,9 @@ impl Simulation {
 
     /// Completes the memory of contacts in a state that was not stepped to: vertices that were put into an obstacle.
     fn ease_overlaps(&mut self) {
+        if self.state.x.len() != self.scene.rest.len() {
+            return;
+        }
         let mut anchors = Vec::new();
         let motion = self.scene.motion(&self.state, self.grab);
         contacts(&self.scene).for_each(|contact| contact.ease_overlap(motion, &mut anchors));

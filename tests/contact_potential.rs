@@ -439,6 +439,7 @@ fn what_begins_inside_is_parted_gently() {
         let level = Level { integrator: integrator(scheme), ..level(text) };
         let mut simulation = common::simulation(&level);
         let mut fastest = 0.0_f64;
+        assert!(simulation.energies().total().abs() < 1e-12, "overlap has no energy");
         for _ in 0..120 {
             simulation.advance(simulation.scene().steps_per_frame(), &mut || true);
             assert!(simulation.fault().is_none(), "{scheme}: {:?}", simulation.fault());

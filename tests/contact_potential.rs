@@ -454,3 +454,61 @@ fn what_begins_inside_is_parted_gently() {
         assert!(out, "{scheme}");
     }
 }
+
+/// A block that was pushed comes to rest after `v²/(2 mu g)`.
+#[test]
+fn a_sliding_block_stops_where_coulomb_says() {
+    let base = level(
+        "(name: \"\", bodies: [(name: \"block\", mesh: Rectangle(corner: (0, 0.0073), width: 0.2, height: 0.05, columns: 8, rows: 2),
+            material: (model: Corotated, young: 20000, poisson: 0.3, plane: Stress), mass: Density(100))],
+        effects: [(effect: Gravity(down: 9.81)), (effect: Rayleigh(mass: 0, stiffness: 0.001)), (effect: Friction(coefficient: 0.3)),
+            (effect: Contact(modulus: 1, dissipation: 20)),
+            (effect: Walls(obstacles: [Plane(point: (0, 0), normal: (0, 1), eps: 0)]))])",
+    );
+    for (scheme, step) in [
+        ("SymplecticEuler()", 0.1),
+        ("VelocityVerlet()", 0.1),
+        ("RungeKutta4()", 0.1),
+        ("DormandPrince(relative: 1e-6, absolute: 1e-6)", 12.5),
+        ("ImplicitEuler()", 1.0),
+        ("LinearlyImplicitEuler()", 1.0),
+        ("ImplicitMidpoint()", 1.0),
+        ("Bdf2()", 1.0),
+    ] {
+        let mut simulation = started(&base, scheme, 1e-3 * step);
+        advance(&mut simulation, 0.5);
+        let mut state = simulation.state().clone();
+        let middle = |x: &[f64]| x.iter().step_by(2).sum::<f64>() / (x.len() / 2) as f64;
+        let from = middle(&state.x);
+        state.v.iter_mut().step_by(2).for_each(|v| *v += 1.0);
+        simulation.set_state(state);
+        advance(&mut simulation, 1.0);
+        let way = middle(&simulation.state().x) - from;
+        let error = way / (1.0 / (2.0 * 0.3 * 9.81)) - 1.0;
+        assert!(error.abs() < 0.005, "{scheme}: {error:e}");
+    }
+}
+
+/// A stiff undamped disk rolls down a slope of 1 in 5 with `2/3 g sin`: gravity is turned in place of the floor. Damping and a
+/// coarse boundary would slow it.
+#[test]
+fn a_disk_rolls_without_sliding() {
+    let base = level(
+        "(name: \"\", bodies: [(name: \"disk\", mesh: Disk(centre: (0, 0.1075), radius: 0.1, rings: 16),
+            material: (model: Corotated, young: 200000, poisson: 0.3, plane: Stress), mass: Density(100))],
+        effects: [(effect: Gravity(down: 9.617, right: 1.9234)), (effect: Friction(coefficient: 0.8)), (effect: Contact(modulus: 1)),
+            (effect: Walls(obstacles: [Plane(point: (0, 0), normal: (0, 1), eps: 0)]))])",
+    );
+    for (scheme, step) in [("VelocityVerlet()", 0.05), ("ImplicitMidpoint()", 0.5), ("Bdf2()", 1.0)] {
+        let mut simulation = started(&base, scheme, 1e-3 * step);
+        let places = [0.2, 0.4, 0.4].map(|time| {
+            advance(&mut simulation, time);
+            let (x, mass) = (&simulation.state().x, &simulation.scene().mass);
+            let moment: f64 = x.iter().zip(mass).step_by(2).map(|(x, mass)| x * mass).sum();
+            moment / mass.iter().step_by(2).sum::<f64>()
+        });
+        let acceleration = (places[2] - 2.0 * places[1] + places[0]) / 0.16;
+        let error = acceleration / (2.0 / 3.0 * 1.9234) - 1.0;
+        assert!(error.abs() < 0.01, "{scheme}: {error:e}");
+    }
+}

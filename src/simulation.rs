@@ -100,7 +100,7 @@ impl Simulation {
             elastic: RefCell::default(),
         };
         simulation.apply_sleep();
-        simulation.ease_overlaps();
+        simulation.find_initial_penetrations();
         simulation
     }
 
@@ -120,7 +120,7 @@ impl Simulation {
         self.scratch.fit(&self.scene);
         (self.islands, self.multirate) = (Islands::new(&self.scene), Multirate::new(&self.scene));
         self.wake_all(paced);
-        self.ease_overlaps();
+        self.find_initial_penetrations();
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
             _ => self.guard.reset(),
@@ -140,7 +140,7 @@ impl Simulation {
         self.fault = None;
         self.seek();
         self.apply_sleep();
-        self.ease_overlaps();
+        self.find_initial_penetrations();
     }
 
     /// Sets or ends the pull of the mouse.
@@ -312,14 +312,14 @@ impl Simulation {
         true
     }
 
-    /// Completes the memory of contacts in a state that was not stepped to: vertices that were put into an obstacle.
-    fn ease_overlaps(&mut self) {
+    /// Completes the memory of contacts in a state that no step led to: vertices in an obstacle get an initial penetration.
+    fn find_initial_penetrations(&mut self) {
         if self.state.x.len() != self.scene.rest.len() {
             return;
         }
         let mut anchors = Vec::new();
         let motion = self.scene.motion(&self.state, self.grab);
-        contacts(&self.scene).for_each(|contact| contact.ease_overlap(motion, &mut anchors));
+        contacts(&self.scene).for_each(|contact| contact.add_penetrations(motion, &mut anchors));
         self.state.anchors = anchors;
     }
 

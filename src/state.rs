@@ -59,7 +59,7 @@ impl State {
 
     /// Hash of every bit of positions, velocities and the memory of contacts (FNV-1a, 64 bit): equal states have equal hashes.
     pub fn hash(&self) -> u64 {
-        let anchors = self.anchors.iter().flat_map(|anchor| anchor.point.iter().chain([&anchor.overlap]));
+        let anchors = self.anchors.iter().flat_map(|anchor| anchor.point.iter().chain([&anchor.penetration]));
         let numbers = self.x.iter().chain(&self.v).chain(anchors);
         numbers
             .flat_map(|number| number.to_bits().to_le_bytes())

@@ -439,7 +439,7 @@ fn what_begins_inside_is_parted_gently() {
         let level = Level { integrator: integrator(scheme), ..level(text) };
         let mut simulation = common::simulation(&level);
         let mut fastest = 0.0_f64;
-        assert!(simulation.energies().total().abs() < 1e-12, "overlap has no energy");
+        assert!(simulation.energies().total().abs() < 1e-12, "an initial penetration has no energy");
         for _ in 0..120 {
             simulation.advance(simulation.scene().steps_per_frame(), &mut || true);
             assert!(simulation.fault().is_none(), "{scheme}: {:?}", simulation.fault());
@@ -448,7 +448,7 @@ fn what_begins_inside_is_parted_gently() {
         // The waves in it travel at 3 m/s.
         assert!(fastest < 3.0, "{scheme}: {fastest} m/s");
         assert_eq!(simulation.inversion().1, 0, "{scheme}");
-        assert!(simulation.state().anchors.iter().all(|anchor| anchor.overlap == 0.0), "{scheme}");
+        assert!(simulation.state().anchors.iter().all(|anchor| anchor.penetration == 0.0), "{scheme}");
         let out =
             simulation.state().x.chunks_exact(2).all(|x| x[0] > 0.0 && x[1] > 0.0 && (x[0] - 0.3).hypot(x[1]) > 0.05);
         assert!(out, "{scheme}");

@@ -1,4 +1,4 @@
-//! Memory of contacts: friction by an elastic-plastic spring to an anchor on the surface, and overlap at the start.
+//! Memory of contacts: friction by an elastic-plastic spring to an anchor on the surface, and initial penetration.
 
 use super::Potential;
 
@@ -13,14 +13,14 @@ pub struct ContactName {
     pub vertex: u32,
 }
 
-/// What is kept of a contact between steps: the anchor of the spring of friction, and the overlap at the start.
+/// State of a contact between steps: the anchor of the spring of friction, and the initial penetration.
 ///
-/// A vertex that is put into the skin or into an obstacle, not moved there by steps, begins without a force: its gap counts from
-/// where it is. This overlap then decreases at a tenth of the wave speed, so that the pressure grows slowly and parts the two.
+/// A vertex that is placed in the skin or in an obstacle, not moved there by steps, has no force at first: its initial penetration
+/// is added to the gap. It then decreases at a tenth of the wave speed, so that the pressure grows slowly.
 ///
 /// With the tangential displacement u from the anchor, the friction of an area A with pressure p, of which the potential
-/// gives q, is `T = -clip(A (k u + c q v), mu A p)`: k is the [tangential stiffness](Potential::tangential_stiffness) and v the sliding velocity, so that sticking
-/// is elastic and damped like the pressure, and sliding is Coulomb's law. The anchor does not move within a step, so
+/// gives q, is `T = -clip(A (k u + c q v), mu A p)`: k is the
+/// [tangential stiffness](Potential::tangential_stiffness) and v the sliding velocity, so that sticking is elastic and damped like the pressure, and sliding is Coulomb's law. The anchor does not move within a step, so
 /// that forces are smooth there. After the step it is dragged until `k |u| <= mu p`, and lost where the contact ends
 /// (a Dahl model; Canudas de Wit et al., *A New Model for Control of Systems with Friction*, IEEE Transactions on Automatic
 /// Control 40, 1995). Coulomb's law smoothed by velocity would creep under any load.
@@ -30,8 +30,8 @@ pub struct Anchor {
     pub contact: ContactName,
     /// The anchor, in the frame of the obstacle \[m\].
     pub point: [f64; 2],
-    /// Overlap at the start that is left: it is added to the gap \[m\].
-    pub overlap: f64,
+    /// Rest of the initial penetration \[m\]; it is added to the gap.
+    pub penetration: f64,
 }
 
 impl Potential {

@@ -44,7 +44,7 @@ struct Touch<'a> {
     /// Position \[m\], and velocity relative to the obstacle [m/s].
     x: [f64; 2],
     v: [f64; 2],
-    /// Displacement from the anchor along the tangent \[m\], and overlap at the start \[m\]; `None` for a new contact.
+    /// Displacement from the anchor along the tangent \[m\], and initial penetration \[m\]; `None` for a new contact.
     memory: Option<(f64, f64)>,
     /// The same as it is kept.
     kept: Option<Anchor>,
@@ -69,11 +69,11 @@ impl Touch<'_> {
         [along * nx + across * tx, along * ny + across * ty]
     }
 
-    /// Memory of the contact with a displacement from the anchor and an overlap \[m\].
-    fn anchor(&self, u: f64, overlap: f64) -> Anchor {
+    /// Memory of the contact with a displacement from the anchor and an initial penetration \[m\].
+    fn anchor(&self, u: f64, penetration: f64) -> Anchor {
         let [dx, dy] = self.vector([0.0, u]);
         let point = self.at.back([self.x[0] - dx, self.x[1] - dy]);
-        Anchor { contact: self.name, point, overlap }
+        Anchor { contact: self.name, point, penetration }
     }
 
     fn pressure(&self) -> f64 {
@@ -172,8 +172,8 @@ impl ObstacleContact {
                 touch.kept = anchors.peek().filter(|anchor| anchor.contact == name).map(|anchor| **anchor);
                 touch.memory = touch.kept.map(|anchor| {
                     let [ax, ay] = at.point(anchor.point);
-                    touch.contact.distance += anchor.overlap;
-                    (touch.components([x[0] - ax, x[1] - ay])[1], anchor.overlap)
+                    touch.contact.distance += anchor.penetration;
+                    (touch.components([x[0] - ax, x[1] - ay])[1], anchor.penetration)
                 });
                 act(&touch);
             }
@@ -200,15 +200,15 @@ impl ObstacleContact {
         touches
     }
 
-    /// Power of the moving obstacles on the bodies, and of the decrease of overlap at the start \[W\].
+    /// Power of the moving obstacles on the bodies, and of the decrease of initial penetration \[W\].
     pub fn power_of_obstacles(&self, motion: Motion<'_>) -> f64 {
         let mut power = 0.0;
-        if self.moves() || motion.anchors.iter().any(|anchor| anchor.overlap > 0.0) {
+        if self.moves() || motion.anchors.iter().any(|anchor| anchor.penetration > 0.0) {
             self.each(motion, |touch| {
                 let ([fx, fy], [vx, vy]) = (touch.force(), touch.at.velocity_at(touch.x));
                 power += fx * vx + fy * vy;
-                if touch.memory.is_some_and(|(_, overlap)| overlap > 0.0) {
-                    power += touch.vertex.area * touch.pressure() * touch.vertex.parting;
+                if touch.memory.is_some_and(|(_, penetration)| penetration > 0.0) {
+                    power += touch.vertex.area * touch.pressure() * touch.vertex.depenetration_speed;
                 }
             });
         }
@@ -225,17 +225,17 @@ impl ObstacleContact {
     }
 
     /// Adds the memory of all contacts after a step of length h \[s\], in the order of their names: new contacts get an anchor,
-    /// those that slide drag theirs, and overlap decreases.
+    /// those that slide drag theirs, and the initial penetration decreases.
     pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) {
         self.each(motion, |touch| {
-            let (u, overlap) = touch.memory.unwrap_or_default();
-            let overlap = (overlap - h * touch.vertex.parting).max(0.0);
-            anchors.push(touch.anchor(touch.potential.dragged(u, touch.limit()), overlap));
+            let (u, penetration) = touch.memory.unwrap_or_default();
+            let penetration = (penetration - h * touch.vertex.depenetration_speed).max(0.0);
+            anchors.push(touch.anchor(touch.potential.dragged(u, touch.limit()), penetration));
         });
     }
 
     /// Adds the memory of all contacts of a state that was not stepped to: those without memory begin without a force.
-    pub fn ease_overlap(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
+    pub fn add_penetrations(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
         self.each(motion, |touch| {
             let missing = touch.potential.thickness - touch.contact.distance;
             anchors.push(touch.kept.unwrap_or_else(|| touch.anchor(0.0, missing)));

@@ -23,8 +23,8 @@ pub struct SurfaceVertex {
     pub vertex: u32,
     /// Area of the surface that belongs to it at rest, at a thickness of the sheet of 1 m \[m²\]: half of its boundary edges.
     pub area: f64,
-    /// Speed at which overlap at the start decreases: a tenth of the wave speed [m/s].
-    pub parting: f64,
+    /// Speed at which the initial penetration decreases: a tenth of the wave speed [m/s].
+    pub depenetration_speed: f64,
     /// Number of its body or net in the list of [`SurfaceVertices`].
     part: u32,
 }
@@ -95,7 +95,7 @@ impl SurfaceVertices {
         self.vertices.extend(areas.map(|(vertex, area)| SurfaceVertex {
             vertex: (first + vertex) as u32,
             area: *area,
-            parting: 0.1 * (part.young / part.density).sqrt(),
+            depenetration_speed: 0.1 * (part.young / part.density).sqrt(),
             part: number,
         }));
     }

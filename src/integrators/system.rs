@@ -11,7 +11,7 @@ pub trait Ode {
     fn rate(&mut self, time: f64, x: &[f64], rate: &mut [f64]);
 
     /// Ends a step, or an inner step that is followed by another, at a time since the start of the step \[s\]. Schemes with
-    /// inner steps call it after each; whoever calls a scheme calls it in the end.
+    /// inner steps call it after each; the caller of a scheme calls it at the end of the step.
     fn end_step(&mut self, _time: f64, _x: &[f64]) {}
 
     /// Projects the end of a step from `before` to `after` on the constraints. `spare` is scratch.

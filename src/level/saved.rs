@@ -20,7 +20,7 @@ pub struct SavedState {
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
-    /// Contacts: number of the effect, of the obstacle in it, and of the vertex; anchor of friction on the obstacle \[m\]; overlap at the start that is left \[m\].
+    /// Contacts: number of the effect, of the obstacle in it, and of the vertex; anchor of friction on the obstacle \[m\]; rest of the initial penetration \[m\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub anchors: Vec<((u32, u32, u32), Point, Reach)>,
     /// How calm each body and then each net has been; the greatest number if it sleeps.

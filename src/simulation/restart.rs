@@ -166,7 +166,7 @@ impl Simulation {
         let state = self.scene.listed_state(state);
         let anchor = |anchor: &Anchor| {
             let ContactName { effect, obstacle, vertex } = anchor.contact;
-            Some(((effect, obstacle, vertex), Point::new(anchor.point).ok()?, Reach::new(anchor.overlap).ok()?))
+            Some(((effect, obstacle, vertex), Point::new(anchor.point).ok()?, Reach::new(anchor.penetration).ok()?))
         };
         Some(SavedState {
             anchors: state.anchors.iter().map(anchor).collect::<Option<_>>()?,

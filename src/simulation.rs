@@ -13,6 +13,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod contacts;
 mod displacement_bound;
 mod energies;
 mod multirate;
@@ -31,6 +32,7 @@ use crate::{
     scene::Scene,
     state::State,
 };
+use contacts::{contacts, surface_contact};
 use energies::Elastic;
 use multirate::Multirate;
 use restart::Checkpoint;
@@ -38,7 +40,7 @@ pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
 use std::cell::RefCell;
-use system::{Scratch, System, ToySystem, contacts};
+use system::{Scratch, System, ToySystem};
 
 /// A running scene.
 pub struct Simulation {
@@ -307,6 +309,7 @@ impl Simulation {
         if !self.is_sound() {
             return self.retake();
         }
+        self.wake_pressed();
         // Replay from the checkpoint needs all steps since then to have one length.
         self.stale |= self.guard.record_stable_step();
         true
@@ -321,6 +324,12 @@ impl Simulation {
         let motion = self.scene.motion(&self.state, self.grab);
         contacts(&self.scene).for_each(|contact| contact.add_penetrations(motion, &mut anchors));
         self.state.anchors = anchors;
+    }
+
+    /// Number of boundary edges that cross each other, where contact has a potential, by an exact test: zero is a proof that
+    /// none do.
+    pub fn count_crossings(&self) -> Option<usize> {
+        surface_contact(&self.scene).map(|contact| contact.count_crossings(&self.state.x))
     }
 
     /// Takes one step, divided as the guard requires.

@@ -148,7 +148,7 @@ fn longest_step(scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
     let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let rate = alpha + beta * square;
     let contacts = scene.effects.iter().filter_map(|effect| effect.contact());
-    let square = square + contacts.map(|contact| contact.square_frequency(motion)).sum::<f64>();
+    let square = square + contacts.map(|contact| contact.square_frequency(motion)).fold(0.0, f64::max);
     let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
     step.is_finite().then_some(step)
 }

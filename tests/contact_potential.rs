@@ -110,7 +110,8 @@ fn forces_and_stiffness_are_derivatives() {
     let still = vec![0.0; count];
     // Slow, so that what sticks keeps sticking.
     let v: Vec<_> = (0..count).map(|_| random.between(-1e-2, 1e-2)).collect();
-    let contacts: Vec<_> = scene.effects.iter().filter_map(|effect| effect.contact()).collect();
+    let with_obstacles = scene.effects.iter().filter(|effect| effect.surface_contact().is_none());
+    let contacts: Vec<_> = with_obstacles.filter_map(|effect| effect.contact()).collect();
     assert_eq!(contacts.len(), 2);
     for effect in contacts {
         let at = |x, v, anchors| motion(&scene, x, v, anchors);
@@ -186,12 +187,12 @@ fn bouncing_gains_no_energy() {
         let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
         critical_step(&scene, &scene.start, None).unwrap()
     };
-    assert!(2e-3 < 0.5 * limit, "steps are at most 1/w: {limit}");
+    assert!(1.9e-3 < 0.5 * limit, "steps are at most 1/w: {limit}");
     for (scheme, step, most) in [
-        ("SymplecticEuler()", 2.0, 0.1),
-        ("VelocityVerlet()", 2.0, 0.01),
-        ("PositionVerlet()", 2.0, 0.01),
-        ("RungeKutta4()", 2.0, 1e-4),
+        ("SymplecticEuler()", 1.9, 0.1),
+        ("VelocityVerlet()", 1.9, 0.01),
+        ("PositionVerlet()", 1.9, 0.01),
+        ("RungeKutta4()", 1.9, 1e-4),
         ("DormandPrince(relative: 1e-4, absolute: 1e-4)", 1000.0 / 60.0, 5e-4),
         ("DormandPrince(relative: 1e-6, absolute: 1e-6)", 1000.0 / 60.0, 1e-5),
         ("ImplicitEuler()", 1000.0 / 60.0, 1e-11),

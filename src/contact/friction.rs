@@ -2,13 +2,13 @@
 
 use super::Potential;
 
-/// A contact by name: an obstacle, or one of its parts, and a vertex.
+/// A contact by name: a vertex, and the surface that it touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ContactName {
-    /// Number of the effect that the obstacle belongs to.
+    /// Number of the effect that the surface belongs to.
     pub effect: u32,
-    /// Number of the obstacle in the effect.
-    pub obstacle: u32,
+    /// Number of the obstacle in the effect, or of the edge of a boundary.
+    pub surface: u32,
     /// The vertex.
     pub vertex: u32,
 }
@@ -28,7 +28,7 @@ pub struct ContactName {
 pub struct Anchor {
     /// The contact.
     pub contact: ContactName,
-    /// The anchor, in the frame of the obstacle \[m\].
+    /// The anchor \[m\]: a point in the frame of the obstacle, or a length along the loop of a boundary at rest, and zero.
     pub point: [f64; 2],
     /// Rest of the initial penetration \[m\]; it is added to the gap.
     pub penetration: f64,

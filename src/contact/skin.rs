@@ -2,6 +2,7 @@
 
 use super::Potential;
 use crate::elements::{Springs, Triangles};
+use std::ops::Range;
 
 /// Parameters of the skin, relative to each body or net.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +26,34 @@ pub struct SurfaceVertex {
     pub area: f64,
     /// Speed at which the initial penetration decreases: a tenth of the wave speed [m/s].
     pub depenetration_speed: f64,
-    /// Number of its body or net in the list of [`SurfaceVertices`].
-    part: u32,
+    /// Number of its part in the list of [`SurfaceVertices`].
+    pub part: u32,
 }
 
-/// What the skin of a body or net is relative to.
+/// An edge of the boundary of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceEdge {
+    /// Its ends, by their numbers in the scene, with the body on the left.
+    pub ends: [u32; 2],
+    /// Number of its part in the list of [`SurfaceVertices`].
+    pub part: u32,
+    /// The edges before and after it around the boundary.
+    pub neighbours: [u32; 2],
+    /// Length at rest \[m\].
+    pub length: f64,
+    /// Length of the boundary at rest up to its first end, and of the whole loop \[m\].
+    pub arc: [f64; 2],
+}
+
+/// A body or net with a skin, and what the skin is relative to.
+#[derive(Clone, Debug, PartialEq)]
 struct Part {
+    /// Number of the body, or after all bodies of the net.
+    number: usize,
+    /// Its vertices in the list.
+    vertices: Range<usize>,
+    /// Whether it has edges. The particles of nets touch without the springs between them.
+    is_body: bool,
     /// Young's modulus of the plane \[Pa\]; for nets that of a sheet with the stiffness of the structural springs.
     young: f64,
     /// Mean length of the boundary edges; for nets of the springs \[m\].
@@ -40,11 +62,14 @@ struct Part {
     density: f64,
 }
 
-/// All vertices of a scene that have a skin, ascending.
+/// All vertices of a scene that have a skin, ascending, and the edges between those of bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceVertices {
     vertices: Vec<SurfaceVertex>,
+    edges: Vec<SurfaceEdge>,
     parts: Vec<Part>,
+    /// Number of bodies and nets that were added.
+    count: usize,
 }
 
 impl SurfaceVertices {
@@ -65,11 +90,66 @@ impl SurfaceVertices {
         let lame = body.material().lame();
         let total: f64 = mass[2 * first..2 * body.vertices().end].iter().step_by(2).sum();
         let part = Part {
+            number: self.count,
+            vertices: 0..0,
+            is_body: true,
             young: 4.0 * lame.mu * (lame.lambda + lame.mu) / (lame.lambda + 2.0 * lame.mu),
             edge: areas.iter().sum::<f64>() / boundary.len().max(1) as f64,
             density: total / body.rest_areas().sum::<f64>(),
         };
-        self.add(part, first, &areas);
+        if self.add(part, first, &areas) {
+            self.add_edges(boundary, &length);
+        }
+    }
+
+    /// Adds the edges of the last part. Where several loops meet in a vertex, any edge that leaves it follows one that
+    /// arrives.
+    fn add_edges(&mut self, boundary: &[[u32; 2]], length: &dyn Fn([u32; 2]) -> f64) {
+        let (first, part) = (self.edges.len(), self.parts.len() as u32 - 1);
+        let mut leaving: Vec<_> = boundary.iter().zip(0..).map(|([a, _], edge)| (*a, edge)).collect();
+        leaving.sort_unstable();
+        let mut taken = vec![false; boundary.len()];
+        let mut follow = |vertex: u32| {
+            let from = leaving.partition_point(|(other, _)| *other < vertex);
+            let next = leaving[from..].iter().take_while(|(other, _)| *other == vertex);
+            let next = next.map(|(_, edge)| *edge as usize).find(|edge| !taken[*edge])?;
+            taken[next] = true;
+            Some(next)
+        };
+        let mut neighbours = vec![[0; 2]; boundary.len()];
+        for (edge, [_, b]) in boundary.iter().enumerate() {
+            // Every vertex of a boundary has as many edges that arrive as edges that leave.
+            let next = follow(*b).unwrap_or(edge);
+            (neighbours[edge][1], neighbours[next][0]) = ((first + next) as u32, (first + edge) as u32);
+        }
+        self.edges.extend(boundary.iter().zip(neighbours).map(|(ends, neighbours)| SurfaceEdge {
+            ends: *ends,
+            part,
+            neighbours,
+            length: length(*ends),
+            arc: [f64::NAN; 2],
+        }));
+        for start in first..self.edges.len() {
+            if self.edges[start].arc[0].is_nan() {
+                self.measure_loop(start);
+            }
+        }
+    }
+
+    /// Sets the lengths along the loop of an edge.
+    fn measure_loop(&mut self, start: usize) {
+        let (mut along, mut edge) = (0.0, start);
+        while self.edges[edge].arc[0].is_nan() {
+            let SurfaceEdge { arc, length, neighbours, .. } = &mut self.edges[edge];
+            arc[0] = along;
+            along += *length;
+            edge = neighbours[1] as usize;
+        }
+        edge = start;
+        while self.edges[edge].arc[1].is_nan() {
+            self.edges[edge].arc[1] = along;
+            edge = self.edges[edge].neighbours[1] as usize;
+        }
     }
 
     /// Adds the particles of a net.
@@ -80,17 +160,25 @@ impl SurfaceVertices {
         let vertices = net.vertices();
         let particle =
             mass[2 * vertices.start..2 * vertices.end].iter().step_by(2).sum::<f64>() / vertices.len() as f64;
-        let part = Part { young: mean(&|link| links[link].stiffness), edge, density: particle / (edge * edge) };
+        let part = Part {
+            number: self.count,
+            vertices: 0..0,
+            is_body: false,
+            young: mean(&|link| links[link].stiffness),
+            edge,
+            density: particle / (edge * edge),
+        };
         self.add(part, vertices.start, &vec![edge; vertices.len()]);
     }
 
-    /// Adds the vertices from `first` on that have an area, if all quantities of the part are positive.
-    fn add(&mut self, part: Part, first: usize, areas: &[f64]) {
+    /// Adds the vertices from `first` on that have an area, if all quantities of the part are positive; returns whether
+    /// they are.
+    fn add(&mut self, mut part: Part, first: usize, areas: &[f64]) -> bool {
+        self.count += 1;
         if !(part.edge > 0.0 && part.density.is_finite()) {
-            return;
+            return false;
         }
-        let number = self.parts.len() as u32;
-        self.parts.push(part);
+        let (number, before) = (self.parts.len() as u32, self.vertices.len());
         let areas = areas.iter().enumerate().filter(|(_, area)| **area > 0.0);
         self.vertices.extend(areas.map(|(vertex, area)| SurfaceVertex {
             vertex: (first + vertex) as u32,
@@ -98,11 +186,49 @@ impl SurfaceVertices {
             depenetration_speed: 0.1 * (part.young / part.density).sqrt(),
             part: number,
         }));
+        part.vertices = before..self.vertices.len();
+        self.parts.push(part);
+        true
+    }
+
+    /// The edges of all boundaries.
+    pub fn edges(&self) -> &[SurfaceEdge] {
+        &self.edges
+    }
+
+    /// Number of parts.
+    pub const fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The vertices of a part, by their places in the list.
+    pub fn vertices_of(&self, part: usize) -> Range<usize> {
+        self.parts[part].vertices.clone()
+    }
+
+    /// Whether a part is a body.
+    pub fn is_body(&self, part: u32) -> bool {
+        self.parts[part as usize].is_body
+    }
+
+    /// Number of the body or net of a part: bodies first.
+    pub fn owner(&self, part: u32) -> usize {
+        self.parts[part as usize].number
+    }
+
+    /// Mean length of the boundary edges of all parts, the greatest \[m\].
+    pub fn greatest_edge(&self) -> f64 {
+        self.parts.iter().map(|part| part.edge).fold(0.0, f64::max)
     }
 
     /// The vertices.
     pub fn iter(&self) -> impl Iterator<Item = &SurfaceVertex> + Clone {
         self.vertices.iter()
+    }
+
+    /// A vertex, by its place in the list.
+    pub fn at(&self, place: u32) -> &SurfaceVertex {
+        &self.vertices[place as usize]
     }
 
     /// Number of vertices.
@@ -118,7 +244,17 @@ impl SurfaceVertices {
     /// Potential of the skin of a vertex: its modulus is the greater of a multiple of Young's modulus and of `6 rho v²` for
     /// the fastest impact v, at which the skin is not compressed beyond its thickness.
     pub fn potential(&self, skin: Skin, vertex: &SurfaceVertex) -> Potential {
-        let part = self.parts[vertex.part as usize];
+        self.potential_of(skin, vertex.part as usize)
+    }
+
+    /// Potential between two parts: their skins one behind the other, so that the softer one counts most.
+    pub fn potential_between(&self, skin: Skin, parts: [usize; 2]) -> Potential {
+        let [a, b] = parts.map(|part| self.potential_of(skin, part));
+        Potential { modulus: 2.0 / (1.0 / a.modulus + 1.0 / b.modulus), thickness: 0.5 * (a.thickness + b.thickness) }
+    }
+
+    fn potential_of(&self, skin: Skin, part: usize) -> Potential {
+        let part = &self.parts[part];
         let modulus = (skin.modulus * part.young).max(6.0 * part.density * skin.speed * skin.speed);
         Potential { modulus, thickness: skin.thickness * part.edge }
     }

@@ -2,7 +2,7 @@
 
 use super::{Bounds, Effect, EffectParameters, Motion, Shape};
 use crate::{
-    contact::{ObstacleContact, PlacedObstacle},
+    contact::{ContactTerm, ObstacleContact, PlacedObstacle},
     elements::Elements,
     obstacles::{
         Contact, ContactQuery, Depenetration, Obstacle, STEEP, Start, SweptMotion, depenetration_of, push_out_vertex,
@@ -144,8 +144,8 @@ impl Effect for Edges {
         self.contact.iter_mut().for_each(|contact| contact.set_number(number));
     }
 
-    fn contact(&self) -> Option<&ObstacleContact> {
-        self.contact.as_ref()
+    fn contact(&self) -> Option<&dyn ContactTerm> {
+        self.contact.as_ref().map(|contact| contact as &dyn ContactTerm)
     }
 
     fn is_clear(&self, Bounds([least, greatest]): Bounds) -> bool {

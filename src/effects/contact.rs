@@ -2,14 +2,15 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
-    contact::Skin,
+    contact::{ContactTerm, Skin, SurfaceContact},
     elements::Elements,
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
 use serde::{Deserialize, Serialize};
 
-/// Contact with walls and the domain boundary by a smooth potential of a thin skin, with the same forces for every integrator; see
-/// [`crate::contact`]. Without it a velocity filter acts at the end of each step.
+/// Contact of bodies with each other, with themselves, and with walls and the domain boundary, by a smooth potential of a thin skin,
+/// with the same forces for every integrator; see [`crate::contact`]. Without it bodies do not touch each other, and a velocity
+/// filter at walls acts at the end of each step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
@@ -40,7 +41,7 @@ impl EffectParameters for Contact {
     }
 
     fn about(&self) -> &'static str {
-        "Bodies have a thin elastic skin. It pushes back with the pressure −dφ/dg (1 − c dg/dt) at a gap g, for every integrator alike; friction is an elastic spring that slides at μ p."
+        "Bodies touch walls, each other and themselves. They have a thin elastic skin, which pushes back with the pressure −dφ/dg (1 − c dg/dt) at a gap g, for every integrator alike; friction is an elastic spring that slides at μ p."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -51,32 +52,50 @@ impl EffectParameters for Contact {
         DuplicatePolicy::Ambiguous("a contact has one potential")
     }
 
-    fn build(&self, _: &Elements) -> Result<Box<dyn Effect>, String> {
-        Ok(Box::new(ContactEffect(Skin {
+    fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
+        let skin = Skin {
             modulus: self.modulus.get(),
             thickness: self.thickness.get(),
             speed: self.speed.get(),
             dissipation: self.dissipation.get(),
-        })))
+        };
+        // Its friction is not known before all effects are built once.
+        let surface = elements.skin.map(|skin| SurfaceContact::new(skin, &elements.skinned, &elements.rest));
+        Ok(Box::new(ContactEffect { skin, surface }))
     }
 }
 
-struct ContactEffect(Skin);
+struct ContactEffect {
+    skin: Skin,
+    surface: Option<SurfaceContact>,
+}
 
 impl Effect for ContactEffect {
     fn name(&self) -> &'static str {
         "Contact potential"
     }
 
-    fn elements(&self, _: Motion<'_>) -> usize {
-        0
+    fn elements(&self, motion: Motion<'_>) -> usize {
+        motion.candidates.map_or(0, |candidates| candidates.pairs().len())
     }
 
-    fn is_surface_effect(&self) -> bool {
-        true
+    fn dimension(&self) -> Option<usize> {
+        Some(2)
+    }
+
+    fn set_number(&mut self, number: usize) {
+        self.surface.iter_mut().for_each(|surface| surface.set_number(number));
+    }
+
+    fn contact(&self) -> Option<&dyn ContactTerm> {
+        self.surface_contact().map(|surface| surface as &dyn ContactTerm)
+    }
+
+    fn surface_contact(&self) -> Option<&SurfaceContact> {
+        self.surface.as_ref().filter(|surface| !surface.is_empty())
     }
 
     fn skin(&self) -> Option<Skin> {
-        Some(self.0)
+        Some(self.skin)
     }
 }

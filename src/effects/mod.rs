@@ -39,7 +39,7 @@ pub use restitution::Restitution;
 pub use walls::Walls;
 
 use crate::{
-    contact::{Anchor, ObstacleContact, Skin},
+    contact::{Anchor, Candidates, ContactTerm, Pair, Skin, SurfaceContact},
     elements::{Elements, EulerUpdate, UniformForce},
     obstacles::{ContactQuery, Depenetration, Start, Surface},
     quantity::Quantity,
@@ -162,12 +162,26 @@ pub struct Motion<'a> {
     pub time: f64,
     /// Anchors of friction, in the order of their contacts.
     pub anchors: &'a [Anchor],
+    /// Pairs that may be near each other at these positions; without them they are found where they are needed.
+    pub candidates: Option<&'a Candidates>,
+    /// Pairs that have blocks in the stiffness matrix.
+    pub pattern: &'a [Pair],
 }
 
 impl Motion<'_> {
     /// Nothing, at the start of time.
-    pub const NONE: Self =
-        Self { dimension: 1, x: &[], v: &[], mass: &[], inverse_mass: &[], grab: None, time: 0.0, anchors: &[] };
+    pub const NONE: Self = Self {
+        dimension: 1,
+        x: &[],
+        v: &[],
+        mass: &[],
+        inverse_mass: &[],
+        grab: None,
+        time: 0.0,
+        anchors: &[],
+        candidates: None,
+        pattern: &[],
+    };
 
     /// Number of vertices.
     pub fn vertices(&self) -> usize {
@@ -290,7 +304,12 @@ pub trait Effect: Send + Sync {
     }
 
     /// Contact by a potential, if it has that: its energy and forces are those of the effect.
-    fn contact(&self) -> Option<&ObstacleContact> {
+    fn contact(&self) -> Option<&dyn ContactTerm> {
+        None
+    }
+
+    /// That contact, if it is one of surfaces with each other.
+    fn surface_contact(&self) -> Option<&SurfaceContact> {
         None
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Bounds, Effect, EffectParameters, Group, Motion, Shape};
 use crate::{
-    contact::{ObstacleContact, PlacedObstacle},
+    contact::{ContactTerm, ObstacleContact, PlacedObstacle},
     elements::Elements,
     obstacles::{
         Ball, ContactQuery, Depenetration, ObstacleKind, Rigid, Start, SweptMotion, depenetration_of, free_region,
@@ -202,8 +202,8 @@ impl Effect for Contacts {
         self.contact.iter_mut().for_each(|contact| contact.set_number(number));
     }
 
-    fn contact(&self) -> Option<&ObstacleContact> {
-        self.contact.as_ref()
+    fn contact(&self) -> Option<&dyn ContactTerm> {
+        self.contact.as_ref().map(|contact| contact as &dyn ContactTerm)
     }
 
     fn is_clear(&self, Bounds([least, greatest]): Bounds) -> bool {

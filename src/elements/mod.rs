@@ -66,6 +66,8 @@ pub struct Elements {
     pub springs: Vec<Arc<Springs>>,
     /// Edges of the boundaries of all bodies, with the body on their left.
     pub boundary: Arc<Vec<[u32; 2]>>,
+    /// Positions at rest, flat \[m\].
+    pub rest: Arc<Vec<f64>>,
     /// Vertices that can have a skin.
     pub skinned: Arc<SurfaceVertices>,
     /// Skin of all bodies, where contact has a potential, and the coefficient of friction.

@@ -128,10 +128,15 @@ impl FirstOrder for DormandPrince {
             length = if last && good { proposed.max(length) } else { proposed }.min(h).max(LEAST * h);
             before = error.clamp(1e-4, 1e4);
             retry = false;
+            let cut = system.truncate(done, x, next);
             x.copy_from_slice(next);
             system.end_step(done, x);
             let [first, .., seventh] = rates.each_mut();
-            first.swap_with_slice(seventh);
+            if cut {
+                system.rate(done, x, first);
+            } else {
+                first.swap_with_slice(seventh);
+            }
         }
         memory::own(&mut state.memory).copy_from_slice(&[length, before]);
         system.apply_constraints(start, x, spare);

@@ -313,6 +313,11 @@ impl Equations for Stage<'_, '_> {
         self.system.sparsity_pattern(add);
     }
 
+    fn pattern_changes(&mut self, z: &[f64]) -> bool {
+        self.evaluate(z);
+        self.system.pattern_changes(self.x)
+    }
+
     fn longest_step(&mut self, z: &[f64], step: &[f64]) -> f64 {
         self.evaluate(z);
         // The buffer of velocities is free here.

@@ -14,6 +14,12 @@ pub trait Ode {
     /// inner steps call it after each; the caller of a scheme calls it at the end of the step.
     fn end_step(&mut self, _time: f64, _x: &[f64]) {}
 
+    /// Applies constraints that may not wait for the end of the step to an inner step from `before` to `after`, which ends at
+    /// a time since the start of the step \[s\]; returns whether anything changed.
+    fn truncate(&mut self, _time: f64, _before: &[f64], _after: &mut [f64]) -> bool {
+        false
+    }
+
     /// Projects the end of a step from `before` to `after` on the constraints. `spare` is scratch.
     fn apply_constraints(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
 }
@@ -55,12 +61,18 @@ pub trait Dynamics {
     /// in which [`Self::add_stiffness`] adds their blocks.
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
+    /// Adds vertex pairs to the sparsity pattern whose forces depend on each other at positions x \[m\] alone. Returns whether
+    /// the pattern has changed since the last call.
+    fn pattern_changes(&mut self, _x: &[f64]) -> bool {
+        false
+    }
+
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix);
 
     /// Largest multiple of the displacement `d` \[m\] from the positions `x` \[m\] that stays within the barriers of all
     /// energies.
-    fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
+    fn longest_step(&mut self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY
     }
 
@@ -70,7 +82,7 @@ pub trait Dynamics {
     }
 
     /// Whether a contact potential acts at a time since the start of the step \[s\].
-    fn touches(&self, _time: f64, _x: &[f64], _v: &[f64]) -> bool {
+    fn touches(&mut self, _time: f64, _x: &[f64], _v: &[f64]) -> bool {
         false
     }
 
@@ -99,6 +111,11 @@ pub trait Dynamics {
 
     /// Replaces the recorded work of moving obstacles in this step \[J\].
     fn set_work_of_obstacles(&mut self, _work: f64) {}
+
+    /// Applies constraints that may not wait for the end of the step; see [`Ode::truncate`].
+    fn truncate(&mut self, _time: f64, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
+        false
+    }
 
     /// Projects positions and velocities at the end of a step on the constraints, given those at its start. If only
     /// vertices that face a wall count (`faces`), bodies may still end beyond one: the next solve, with the facing
@@ -135,6 +152,12 @@ impl Ode for Rates<'_> {
     fn end_step(&mut self, time: f64, state: &[f64]) {
         let (x, v) = state.split_at(state.len() / 2);
         self.0.end_step(time, x, v);
+    }
+
+    fn truncate(&mut self, time: f64, before: &[f64], after: &mut [f64]) -> bool {
+        let half = after.len() / 2;
+        let (x, v) = after.split_at_mut(half);
+        self.0.truncate(time, before.split_at(half).into(), x, v)
     }
 
     fn apply_constraints(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {

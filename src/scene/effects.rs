@@ -17,6 +17,7 @@ impl Scene {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
             boundary: Arc::clone(&self.boundary),
+            rest: Arc::new(self.rest.clone()),
             skinned: Arc::new(self.surface_vertices()),
             skin: None,
         };
@@ -128,10 +129,10 @@ impl Touching {
     fn add(&mut self, effect: &dyn Effect) {
         let mut surface = Surface::default();
         effect.set_surface(&mut surface);
-        if surface != Surface::default() || effect.skin().is_some() {
+        if surface != Surface::default() {
             self.surface_effects.push(effect.name());
         }
-        self.constraints |= effect.constrains();
+        self.constraints |= effect.constrains() || effect.skin().is_some();
     }
 
     /// Messages for the user.

@@ -359,6 +359,8 @@ impl Scene {
             grab,
             time: state.time,
             anchors: &state.anchors,
+            candidates: None,
+            pattern: &[],
         }
     }
 

@@ -67,9 +67,9 @@ impl Scene {
 
     /// Anchors of friction from how the level lists vertices; those of vertices that do not exist are omitted.
     pub(super) fn unlisted_anchors(&self, saved: &[((u32, u32, u32), Point, Reach)]) -> Vec<Anchor> {
-        let anchor = |((effect, obstacle, place), point, penetration): &((u32, u32, u32), Point, Reach)| {
+        let anchor = |((effect, surface, place), point, penetration): &((u32, u32, u32), Point, Reach)| {
             let vertex = self.unlisted_vertex(*place as usize)? as u32;
-            let contact = ContactName { effect: *effect, obstacle: *obstacle, vertex };
+            let contact = ContactName { effect: *effect, surface: *surface, vertex };
             Some(Anchor { contact, point: point.get(), penetration: penetration.get() })
         };
         let mut anchors: Vec<_> = saved.iter().filter_map(anchor).collect();

@@ -45,6 +45,11 @@ impl Scene {
         if level.paces == SubstepMode::Same || self.integrator.kind().class() != Class::Explicit {
             return Ok(());
         }
+        if self.parts.len() > 1 && self.effects.iter().any(|effect| effect.surface_contact().is_some()) {
+            let message = "All bodies take the same steps, because they may touch each other";
+            self.messages.push(message.to_owned());
+            return Ok(());
+        }
         let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {
             let elements = Elements { triangles: vec![Arc::clone(&body.elements)], ..Elements::default() };
             (Level { bodies: vec![listed.clone()], ..Level::default() }, body.vertices.clone(), elements)

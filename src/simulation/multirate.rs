@@ -150,10 +150,10 @@ impl SubstepStepper {
         let SubScene { vertices, effects, .. } = &*self.sub_scene;
         self.state.anchors.clear();
         for anchor in &whole.anchors {
-            let ContactName { effect, obstacle, vertex } = anchor.contact;
+            let ContactName { effect, surface, vertex } = anchor.contact;
             let own = effects.iter().position(|number| *number == effect as usize);
             if let Some(own) = own.filter(|_| vertices.contains(&(vertex as usize))) {
-                let contact = ContactName { effect: own as u32, obstacle, vertex: vertex - vertices.start as u32 };
+                let contact = ContactName { effect: own as u32, surface, vertex: vertex - vertices.start as u32 };
                 self.state.anchors.push(Anchor { contact, ..*anchor });
             }
         }
@@ -164,9 +164,9 @@ impl SubstepStepper {
         let SubScene { vertices, effects, .. } = &*self.sub_scene;
         whole.anchors.retain(|anchor| !vertices.contains(&(anchor.contact.vertex as usize)));
         whole.anchors.extend(self.state.anchors.iter().map(|anchor| {
-            let ContactName { effect, obstacle, vertex } = anchor.contact;
+            let ContactName { effect, surface, vertex } = anchor.contact;
             let (effect, vertex) = (effects[effect as usize] as u32, vertex + vertices.start as u32);
-            Anchor { contact: ContactName { effect, obstacle, vertex }, ..*anchor }
+            Anchor { contact: ContactName { effect, surface, vertex }, ..*anchor }
         }));
     }
 

@@ -165,8 +165,8 @@ impl Simulation {
             |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
         let state = self.scene.listed_state(state);
         let anchor = |anchor: &Anchor| {
-            let ContactName { effect, obstacle, vertex } = anchor.contact;
-            Some(((effect, obstacle, vertex), Point::new(anchor.point).ok()?, Reach::new(anchor.penetration).ok()?))
+            let ContactName { effect, surface, vertex } = anchor.contact;
+            Some(((effect, surface, vertex), Point::new(anchor.point).ok()?, Reach::new(anchor.penetration).ok()?))
         };
         Some(SavedState {
             anchors: state.anchors.iter().map(anchor).collect::<Option<_>>()?,

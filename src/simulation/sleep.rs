@@ -1,5 +1,5 @@
 //! Sleep: the forces of a body or net at rest are not computed and its vertices stay in place, until something acts on
-//! it. Bodies and nets do not interact, so that each sleeps independently.
+//! it. Those that press on each other sleep together and wake each other; all others sleep independently.
 //!
 //! L is the size of the body or net at rest, and tau = [`WINDOW`]. It falls asleep when
 //!
@@ -16,8 +16,8 @@
 //!
 //! Velocities of a sleeping body are zero; its positions keep every bit, asleep and on waking.
 
-use super::{BATCH, Simulation};
-use crate::{elements::ElasticElements, scene::Scene, state::State};
+use super::{BATCH, Simulation, contacts::surface_contact};
+use crate::{effects::Motion, elements::ElasticElements, scene::Scene, state::State};
 use std::{ops::Range, sync::Arc};
 
 /// tau: time below the sleep threshold before sleep \[s\].
@@ -35,7 +35,7 @@ const CHECK_RATE: f64 = 120.0;
 /// Value of [`State::slow_checks`](crate::state::State::slow_checks) of a sleeping body.
 pub(super) const ASLEEP: u32 = u32::MAX;
 
-/// A body or a net, which sleeps independently.
+/// A body or a net.
 struct Island {
     vertices: Range<usize>,
     /// Its numbers in the state.
@@ -196,13 +196,21 @@ impl Simulation {
         }
         self.step_from_rest();
         let islands = std::mem::take(&mut self.islands.all);
+        let rest: Vec<_> = islands
+            .iter()
+            .enumerate()
+            .map(|(number, island)| {
+                let slow_checks = self.checkpoint.state.slow_checks[number];
+                let slow = slow_checks >= checks && slow_checks != ASLEEP;
+                slow && !has_exploded(&self.scene, number, &self.checkpoint.state) && self.rests(number, island)
+            })
+            .collect();
+        let sleeps = self.all_pressing(rest);
         for (number, island) in islands.iter().enumerate() {
             let slow_checks = self.checkpoint.state.slow_checks[number];
             if slow_checks >= checks && slow_checks != ASLEEP {
-                let exploded = has_exploded(&self.scene, number, &self.checkpoint.state);
-                let rests = !exploded && self.rests(number, island);
-                self.checkpoint.state.slow_checks[number] = if rests { ASLEEP } else { 0 };
-                if rests {
+                self.checkpoint.state.slow_checks[number] = if sleeps[number] { ASLEEP } else { 0 };
+                if sleeps[number] {
                     self.checkpoint.state.v[island.numbers.clone()].fill(0.0);
                     self.joined = false;
                 }
@@ -214,6 +222,46 @@ impl Simulation {
         self.revision += 1;
         self.shape += 1;
         self.apply_sleep();
+    }
+
+    /// Of the bodies and nets that rest, those on which only such ones, and sleeping ones, press at the checkpoint.
+    fn all_pressing(&self, mut rest: Vec<bool>) -> Vec<bool> {
+        let Some(contact) = surface_contact(&self.scene) else { return rest };
+        let state = &self.checkpoint.state;
+        let mut pressing = Vec::new();
+        contact.each_pressing(self.scene.motion(state, self.grab), &mut |owners| pressing.push(owners));
+        let asleep = |number: usize| state.slow_checks[number] == ASLEEP;
+        loop {
+            let awake = |number: usize, rest: &[bool]| !rest[number] && !asleep(number);
+            let disturbed = pressing.iter().find_map(|[a, b]| match [rest[*a], rest[*b]] {
+                [true, false] if awake(*b, &rest) => Some(*a),
+                [false, true] if awake(*a, &rest) => Some(*b),
+                _ => None,
+            });
+            let Some(number) = disturbed else { return rest };
+            rest[number] = false;
+        }
+    }
+
+    /// Wakes sleeping bodies and nets on which others press.
+    pub(super) fn wake_pressed(&mut self) {
+        if self.islands.asleep == 0 || self.is_asleep() {
+            return;
+        }
+        let Self { scratch, scene, state, islands, grab, .. } = self;
+        let Some(contact) = surface_contact(scene) else { return };
+        scratch.contacts.update(scene, &state.x);
+        let motion = Motion { candidates: Some(&scratch.contacts.candidates), ..scene.motion(state, *grab) };
+        let mut woken = Vec::new();
+        contact.each_pressing(motion, &mut |owners| {
+            if let [true, false] | [false, true] = owners.map(|number| state.slow_checks.get(number) == Some(&ASLEEP)) {
+                woken.extend(owners.map(|number| islands.all[number].vertices.start));
+            }
+        });
+        woken.dedup();
+        for vertex in woken {
+            self.wake(vertex);
+        }
     }
 
     /// Takes one step from rest, one substep of each body and net, and measures the external forces. Statistics are not

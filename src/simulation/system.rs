@@ -1,7 +1,8 @@
 //! A scene, or a toy, as a system for integrators, with the scratch and the statistics of its steps.
 
+use super::contacts::{Contacts, contacts, surface_contact};
 use crate::{
-    contact::{Anchor, ObstacleContact},
+    contact::Means,
     effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
     integrators::{Class, Dynamics, Ode, Workspace, symplectic_euler_update},
@@ -64,7 +65,9 @@ impl Plan {
             }
             effect.set_surface(&mut plan.surface);
             if effect.contact().is_some() && !asleep {
-                plan.forces.push(number);
+                if effect.constrains() {
+                    plan.forces.push(number);
+                }
                 plan.potential = true;
             }
         }
@@ -206,19 +209,8 @@ pub(super) struct System<'a> {
     pub time: [f64; 2],
     /// Contacts between steps.
     pub contacts: Contacts,
-}
-
-/// Contacts between two steps or inner steps.
-#[derive(Default)]
-pub(super) struct Contacts {
-    /// Anchors of friction.
-    pub anchors: Vec<Anchor>,
-    /// Scratch for the next anchors.
-    pub next: Vec<Anchor>,
-    /// Forces of contact on vertices at the start of the step \[N\].
-    forces: Vec<(usize, [f64; 2])>,
-    /// Time since the start of the step \[s\], and power of moving obstacles then \[W\].
-    power: (f64, f64),
+    /// Whether constraints were applied to every inner step already.
+    is_truncated: bool,
 }
 
 impl<'a> System<'a> {
@@ -232,7 +224,11 @@ impl<'a> System<'a> {
     ) -> Self {
         let mut contacts = std::mem::take(&mut scratch.contacts);
         std::mem::swap(&mut contacts.anchors, &mut state.anchors);
-        let mut system = Self { scene, scratch, grab, time, contacts };
+        let mut system = Self { scene, scratch, grab, time, contacts, is_truncated: false };
+        system.contacts.update(scene, &state.x);
+        if scene.integrator.kind().class() == Class::Implicit {
+            system.contacts.begin_pattern(scene, &state.x);
+        }
         system.contacts.power = (0.0, system.power_of_obstacles(0.0, &state.x, &state.v));
         system
     }
@@ -251,9 +247,8 @@ impl<'a> System<'a> {
 
     /// A motion at a time since the start of the step \[s\].
     fn motion<'m>(&'m self, time: f64, x: &'m [f64], v: &'m [f64]) -> Motion<'m> {
-        let (mass, inverse_mass) = (&self.scene.mass, self.inverse_mass());
-        let (time, anchors) = (self.time[0] + time, &self.contacts.anchors);
-        Motion { dimension: self.scene.dimension, x, v, mass, inverse_mass, grab: self.grab, time, anchors }
+        let time = self.time[0] + time;
+        Motion { inverse_mass: self.inverse_mass(), ..motion(self.scene, &self.contacts, self.grab, time, [x, v]) }
     }
 }
 
@@ -284,9 +279,27 @@ impl System<'_> {
     }
 }
 
-/// The contacts of a scene by a potential.
-pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = &ObstacleContact> {
-    scene.effects.iter().filter_map(|effect| effect.contact())
+/// A motion of a scene at a time \[s\], at positions and velocities.
+fn motion<'m>(
+    scene: &'m Scene,
+    contacts: &'m Contacts,
+    grab: Option<Grab>,
+    time: f64,
+    [x, v]: [&'m [f64]; 2],
+) -> Motion<'m> {
+    let Contacts { anchors, candidates, pattern, .. } = contacts;
+    Motion {
+        dimension: scene.dimension,
+        x,
+        v,
+        mass: &scene.mass,
+        inverse_mass: &scene.inverse_mass,
+        grab,
+        time,
+        anchors,
+        candidates: Some(candidates),
+        pattern,
+    }
 }
 
 /// The effects of a scene without the elements of sleeping bodies.
@@ -299,16 +312,7 @@ impl System<'_> {
     /// Updates the statistics of a step in which elements update the vertices themselves.
     pub fn count_euler_update(&mut self, x: &[f64], v: &[f64]) {
         let scene = self.scene;
-        let motion = Motion {
-            dimension: scene.dimension,
-            x,
-            v,
-            mass: &scene.mass,
-            inverse_mass: &scene.inverse_mass,
-            grab: self.grab,
-            time: self.time[0],
-            anchors: &self.contacts.anchors,
-        };
+        let motion = motion(scene, &self.contacts, self.grab, self.time[0], [x, v]);
         let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
         counts.force_evaluations += 1;
         for number in &plan.sleeping {
@@ -331,16 +335,8 @@ impl System<'_> {
     /// Writes the forces \[N\], with or without those of contact.
     fn forces(&mut self, with_contact: bool, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
-        let motion = Motion {
-            dimension: scene.dimension,
-            x,
-            v,
-            mass: &scene.mass,
-            inverse_mass: &scene.inverse_mass,
-            grab: self.grab,
-            time: self.time[0] + time,
-            anchors: &self.contacts.anchors,
-        };
+        self.contacts.update(scene, x);
+        let motion = motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
         for number in &self.scratch.plan.sleeping {
@@ -371,6 +367,7 @@ impl System<'_> {
         if !self.scratch.plan.potential {
             return;
         }
+        self.contacts.update(self.scene, x);
         let mut found = std::mem::take(&mut self.contacts.forces);
         found.clear();
         for turn in 0..self.scratch.plan.forces.len() {
@@ -459,10 +456,11 @@ impl Dynamics for System<'_> {
 
     fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let scene = self.scene;
+        self.contacts.update(scene, x);
         let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
         let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
-        let (grab, time, anchors) = (self.grab, self.time[0] + time, &self.contacts.anchors);
-        let motion = Motion { dimension: scene.dimension, x, v, mass: &scene.mass, inverse_mass, grab, time, anchors };
+        let motion = motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
+        let motion = Motion { inverse_mass, ..motion };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
@@ -475,7 +473,15 @@ impl Dynamics for System<'_> {
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for effect in awake(self.scene, &self.scratch.plan) {
             effect.sparsity_pattern(add);
+            if let Some(contact) = effect.surface_contact() {
+                contact.sparsity_pattern(&self.contacts.pattern, add);
+            }
         }
+    }
+
+    fn pattern_changes(&mut self, x: &[f64]) -> bool {
+        self.contacts.update(self.scene, x);
+        self.contacts.extend_pattern(self.scene, x)
     }
 
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
@@ -485,15 +491,17 @@ impl Dynamics for System<'_> {
         }
     }
 
-    fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
-        awake(self.scene, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(f64::INFINITY, f64::min)
+    fn longest_step(&mut self, x: &[f64], d: &[f64]) -> f64 {
+        let apart = self.contacts.longest_step(self.scene, x, d);
+        awake(self.scene, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(apart, f64::min)
     }
 
     fn constrains(&self) -> bool {
-        self.scratch.clear_box.is_none() && !self.scratch.plan.constraints.is_empty()
+        self.meets_obstacles() || surface_contact(self.scene).is_some()
     }
 
-    fn touches(&self, time: f64, x: &[f64], v: &[f64]) -> bool {
+    fn touches(&mut self, time: f64, x: &[f64], v: &[f64]) -> bool {
+        self.contacts.update(self.scene, x);
         let motion = self.motion(time, x, v);
         contacts(self.scene).any(|contact| contact.touches(motion))
     }
@@ -504,7 +512,7 @@ impl Dynamics for System<'_> {
 
     fn project_contact_velocity(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
         let effects = &self.scene.effects;
-        if !self.constrains() || !self.scratch.plan.constraints.iter().all(|number| effects[*number].is_steady()) {
+        if !self.meets_obstacles() || !self.scratch.plan.constraints.iter().all(|number| effects[*number].is_steady()) {
             return false;
         }
         let supplied = std::mem::take(&mut self.scratch.supplied);
@@ -521,15 +529,13 @@ impl Dynamics for System<'_> {
     }
 
     fn end_step(&mut self, time: f64, x: &[f64], v: &[f64]) {
+        self.contacts.update(self.scene, x);
         let power = self.power_of_obstacles(time, x, v);
         let (before, was) = std::mem::replace(&mut self.contacts.power, (time, power));
         self.scratch.supplied += 0.5 * (time - before) * (power + was);
-        let mut next = std::mem::take(&mut self.contacts.next);
-        next.clear();
-        let motion = self.motion(time, x, v);
-        contacts(self.scene).for_each(|contact| contact.drag_anchors(motion, time - before, &mut next));
-        std::mem::swap(&mut self.contacts.anchors, &mut next);
-        self.contacts.next = next;
+        let next = self.contacts.take_next();
+        let next = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, next);
+        self.contacts.set_anchors(next);
         if self.scratch.plan.potential {
             for number in &self.scratch.plan.surface_effects {
                 let cost = &mut self.scratch.costs[*number];
@@ -546,9 +552,72 @@ impl Dynamics for System<'_> {
         self.scratch.supplied = work;
     }
 
+    fn constrain(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
+        if self.is_truncated {
+            return;
+        }
+        self.keep_out_of_obstacles(before, x, v, faces);
+        if faces || !self.cut(Means::All, before[0], x, v) {
+            return;
+        }
+        // What kept bodies apart may have moved vertices into obstacles, and the other way round; cuts do neither.
+        self.keep_out_of_obstacles(before, x, v, faces);
+        self.cut(Means::Cuts, before[0], x, v);
+    }
+
+    /// The skin holds inner steps apart; a filter alone acts at the end of the whole step.
+    fn truncate(&mut self, time: f64, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
+        if !self.scratch.plan.potential {
+            return false;
+        }
+        let constrained = self.scratch.counts.constrained;
+        self.is_truncated = false;
+        let (whole, start) = (self.time, self.time[0]);
+        self.time = [start + self.contacts.power.0, start + time];
+        self.constrain(before, x, v, false);
+        (self.time, self.is_truncated) = (whole, true);
+        self.scratch.counts.constrained > constrained
+    }
+}
+
+impl System<'_> {
+    /// Keeps a step from `start` from crossing surfaces; returns whether any met.
+    fn cut(&mut self, means: Means, start: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
+        if !self.contacts.meets(self.scene, start, x) {
+            return false;
+        }
+        let before = self.energy(x, v);
+        let Self { scene, scratch, contacts, .. } = self;
+        let masked = &scratch.masked_inverse_mass;
+        let inverse_mass = if masked.is_empty() { &scene.inverse_mass } else { masked };
+        scratch.counts.constrained += contacts.truncate(scene, means, (start, inverse_mass), [x, v]) as u64;
+        scratch.kinetic = None;
+        let gained = self.energy(x, v) - before;
+        if gained > 0.0 {
+            let Self { scene, scratch, contacts, .. } = self;
+            let masked = &scratch.masked_inverse_mass;
+            let inverse_mass = if masked.is_empty() { &scene.inverse_mass } else { masked };
+            contacts.dissipate(scene, gained, inverse_mass, v);
+        }
+        true
+    }
+
+    /// Total energy at the end of the step \[J\].
+    fn energy(&mut self, x: &[f64], v: &[f64]) -> f64 {
+        self.contacts.update(self.scene, x);
+        let motion = self.motion(self.time[1] - self.time[0], x, v);
+        let kinetic = self.scene.mass.iter().zip(v).map(|(mass, v)| 0.5 * mass * v * v).sum::<f64>();
+        kinetic + self.scene.effects.iter().map(|effect| effect.energy(motion)).sum::<f64>()
+    }
+
+    /// Whether obstacles may act in this step.
+    fn meets_obstacles(&self) -> bool {
+        self.scratch.clear_box.is_none() && !self.scratch.plan.constraints.is_empty()
+    }
+
     /// Applies all constraints in rounds until none changes a vertex, because one may move a vertex into another.
-    fn constrain(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
-        if !self.constrains() {
+    fn keep_out_of_obstacles(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
+        if !self.meets_obstacles() {
             return;
         }
         self.scratch.kinetic = None;

@@ -20,6 +20,11 @@ pub trait Equations {
     /// Sparsity pattern of the derivative: its vertex pairs, in the order in which it adds them.
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
+    /// Adds vertex pairs to the pattern that the derivative at z needs. Returns whether it has changed since the last call.
+    fn pattern_changes(&mut self, _z: &[f64]) -> bool {
+        false
+    }
+
     /// Largest allowed multiple of a step from z.
     fn longest_step(&mut self, _z: &[f64], _step: &[f64]) -> f64 {
         f64::INFINITY
@@ -241,10 +246,14 @@ impl Newton {
         solve_tolerance: SolveTolerance,
         counts: &mut NewtonCounts,
     ) -> Option<Regularisation> {
-        let system = self.system.as_mut()?;
         if !z.iter().all(|z| z.is_finite()) {
             return None;
         }
+        if equations.pattern_changes(z) {
+            self.system = analyse(self.system.take(), equations, z.len(), self.linear_solver);
+            self.system.as_mut()?.begin();
+        }
+        let system = self.system.as_mut()?;
         let mut filled = None;
         for regularisation in (least.0..=Regularisation::MOST).map(Regularisation) {
             let tangent = regularisation.tangent();

@@ -60,7 +60,7 @@ impl Dynamics for Physics<'_> {
         self.scene.effects.iter().for_each(|effect| effect.add_stiffness(motion(self.scene, x, v), weights, matrix));
     }
 
-    fn longest_step(&self, x: &[f64], d: &[f64]) -> f64 {
+    fn longest_step(&mut self, x: &[f64], d: &[f64]) -> f64 {
         self.scene.effects.iter().map(|effect| effect.longest_step(x, d)).fold(f64::INFINITY, f64::min)
     }
 

@@ -1,0 +1,361 @@
+//! A contact at one moment, as a weighted stencil of vertices, and what follows from it alike for every kind of contact.
+
+use super::{Anchor, ContactName, Potential};
+use crate::{
+    effects::Motion,
+    obstacles::Rigid,
+    solvers::{SparseMatrix, Tangent, Weights},
+};
+use nalgebra::Matrix2;
+
+/// Something that touches at one moment: up to three vertices with weights w, so that the gap is `g = n . sum(w x) - c` with
+/// the unit normal n.
+///
+/// Its energy per area is that of the [`Potential`] at g, and the force on a vertex `A p (1 - c dg/dt) w n` less the friction
+/// `A T s`. Here s is the derivative of the slip by the position of the vertex, the place of the contact along a surface. So
+/// forces between bodies leave linear and angular momentum as they are, because neither the gap nor the slip changes where all
+/// vertices move rigidly.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// Name.
+    pub name: ContactName,
+    /// Its vertices, by their numbers in the scene.
+    pub vertices: [u32; 3],
+    /// How many of them there are.
+    pub count: usize,
+    /// w.
+    pub weights: [f64; 3],
+    /// n.
+    pub normal: [f64; 2],
+    /// s of each vertex.
+    pub slips: [[f64; 2]; 3],
+    /// Area at a thickness of the sheet of 1 m \[m²\]; negative where the contact is subtracted because its neighbours count
+    /// it twice.
+    pub area: f64,
+    /// Potential of the skin.
+    pub potential: Potential,
+    /// c [s/m].
+    pub dissipation: f64,
+    /// mu.
+    pub friction: f64,
+    /// Speed at which the initial penetration decreases [m/s].
+    pub depenetration_speed: f64,
+    /// g \[m\].
+    pub gap: f64,
+    /// dg/dt [m/s].
+    pub approach: f64,
+    /// Rate of the slip [m/s].
+    pub sliding: f64,
+    /// Velocity of an obstacle at the contact [m/s].
+    pub obstacle_velocity: [f64; 2],
+    /// How the gap curves.
+    pub curvature: Curvature,
+    /// Where along the surface it is.
+    pub place: Place,
+    /// Slip since the anchor, and initial penetration, which the gap contains \[m\]; `None` for a new contact.
+    pub memory: Option<(f64, f64)>,
+    /// The anchor that these come from.
+    pub kept: Option<Anchor>,
+}
+
+/// Second derivative of a gap by the positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curvature {
+    /// Zero, or omitted.
+    Flat,
+    /// Distance of a point from a line through an edge of this length \[m\].
+    Edge(f64),
+    /// Distance of two points.
+    Points,
+}
+
+/// Where along a surface a contact is.
+#[derive(Clone, Copy, Debug)]
+pub enum Place {
+    /// A vertex at a position \[m\] on an obstacle, which is placed like this.
+    Obstacle(Rigid, [f64; 2]),
+    /// At a length along a loop of a boundary at rest, of this length around \[m\]; and length now over length at rest.
+    Loop {
+        /// Length along the loop.
+        along: f64,
+        /// Length around.
+        around: f64,
+        /// Length now over length at rest.
+        stretch: f64,
+    },
+}
+
+/// Change of an edge, as a difference of its two ends, by vertex: those of [`Touch`] with an edge are the vertex and the ends.
+const EDGE: [f64; 3] = [0.0, -1.0, 1.0];
+
+impl Touch {
+    /// p \[Pa\].
+    pub fn pressure(&self) -> f64 {
+        self.potential.pressure(self.gap)
+    }
+
+    /// Factor of the pressure by dissipation (Hunt and Crossley, 1975): `1 - c dg/dt`, never negative.
+    fn damped(&self) -> f64 {
+        (1.0 - self.dissipation * self.approach).max(0.0)
+    }
+
+    /// Greatest friction \[Pa\].
+    fn limit(&self) -> f64 {
+        self.friction * self.pressure() * self.damped()
+    }
+
+    /// T \[Pa\], and whether it sticks.
+    fn traction(&self) -> (f64, bool) {
+        let Some((u, _)) = self.memory else { return (0.0, false) };
+        self.potential.traction(u, self.dissipation * self.pressure() * self.sliding, self.limit())
+    }
+
+    /// Energy \[J\].
+    pub fn energy(&self) -> f64 {
+        let friction = self.memory.map_or(0.0, |(u, _)| self.potential.friction_energy(u, self.limit()));
+        self.area * (self.potential.energy(self.gap) + friction)
+    }
+
+    /// Force \[N\] on each vertex.
+    pub fn forces(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let (normal, slip) = (self.area * self.pressure() * self.damped(), -self.area * self.traction().0);
+        let [nx, ny] = self.normal;
+        (0..self.count).map(move |i| {
+            let (n, [sx, sy]) = (normal * self.weights[i], self.slips[i]);
+            (self.vertices[i] as usize, [n * nx + slip * sx, n * ny + slip * sy])
+        })
+    }
+
+    /// Power of a moving obstacle, and of the decrease of the initial penetration \[W\].
+    pub fn power(&self) -> f64 {
+        let ([vx, vy], pressure) = (self.obstacle_velocity, self.area * self.pressure());
+        let on_vertex = self.forces().next().map_or(0.0, |(_, [fx, fy])| fx * vx + fy * vy);
+        let eased = self.memory.is_some_and(|(_, penetration)| penetration > 0.0);
+        on_vertex + if eased { pressure * self.depenetration_speed } else { 0.0 }
+    }
+
+    /// Stiffness and damping of the force along the normal and along the slip [N/m, N s/m]. The change of the greatest
+    /// friction with the pressure is omitted: it is not symmetric.
+    fn stiffness(&self) -> [[f64; 2]; 2] {
+        let (area, damped, pressure) = (self.area, self.damped(), self.pressure());
+        let damping = if damped > 0.0 { area * self.dissipation * pressure } else { 0.0 };
+        let along = [area * damped * self.potential.stiffness(self.gap), damping];
+        let across = if self.traction().1 {
+            [area * self.potential.tangential_stiffness(), area * self.dissipation * pressure]
+        } else {
+            [0.0; 2]
+        };
+        [along, across]
+    }
+
+    /// Greatest damping of the force [N s/m].
+    pub fn damping(&self) -> f64 {
+        let [[_, normal], [_, slip]] = self.stiffness();
+        normal.max(slip)
+    }
+
+    /// Weighted stiffness and damping, ready to be taken apart into blocks.
+    pub fn linearised(&self, weights: Weights) -> Linearised<'_> {
+        let [normal, slip] =
+            self.stiffness().map(|[stiffness, damping]| weights.position * stiffness + weights.velocity * damping);
+        let force = weights.position * self.area * self.pressure() * self.damped();
+        match weights.tangent {
+            Tangent::Exact => Linearised { touch: self, normal, slip, force },
+            // What is subtracted, and the curvature, are negative.
+            _ => Linearised { touch: self, normal: normal.max(0.0), slip: slip.max(0.0), force: 0.0 },
+        }
+    }
+
+    /// Memory of the contact after a step of length h \[s\]: the anchor is dragged, and the initial penetration decreases.
+    pub fn dragged(&self, h: f64) -> Anchor {
+        let (u, penetration) = self.memory.unwrap_or_default();
+        let penetration = (penetration - h * self.depenetration_speed).max(0.0);
+        self.anchor(self.potential.dragged(u, self.limit()), penetration)
+    }
+
+    /// Memory of the contact in a state that no step led to: without memory it begins without a force.
+    pub fn begun(&self) -> Anchor {
+        let missing = self.potential.thickness - self.gap;
+        self.kept.filter(|kept| kept.contact == self.name).unwrap_or_else(|| self.anchor(0.0, missing))
+    }
+
+    /// Memory of the contact with a slip since the anchor and an initial penetration \[m\].
+    fn anchor(&self, u: f64, penetration: f64) -> Anchor {
+        let point = match self.place {
+            Place::Obstacle(at, [x, y]) => {
+                let [sx, sy] = self.slips[0];
+                at.back([x - u * sx, y - u * sy])
+            }
+            Place::Loop { along, stretch, .. } => [along - u / stretch, 0.0],
+        };
+        Anchor { contact: self.name, point, penetration }
+    }
+
+    /// Takes over the memory of an anchor.
+    pub fn remember(&mut self, anchor: Anchor) {
+        let u = match self.place {
+            Place::Obstacle(at, [x, y]) => {
+                let ([ax, ay], [sx, sy]) = (at.point(anchor.point), self.slips[0]);
+                (x - ax) * sx + (y - ay) * sy
+            }
+            Place::Loop { along, around, stretch } => {
+                let u = along - anchor.point[0];
+                stretch * (u - around * (u / around).round())
+            }
+        };
+        self.gap += anchor.penetration;
+        (self.memory, self.kept) = (Some((u, anchor.penetration)), Some(anchor));
+    }
+}
+
+/// Stiffness of a contact.
+pub struct Linearised<'a> {
+    touch: &'a Touch,
+    normal: f64,
+    slip: f64,
+    /// Force along the normal, which turns with it.
+    force: f64,
+}
+
+impl Linearised<'_> {
+    /// Block of two of its vertices.
+    ///
+    /// With the direction t of an edge of length L, d = [`EDGE`] and q = w t, the second derivative of the distance from it is
+    /// `-((d n) q' + q (d n)')/L - g (d n) (d n)'/L²`, and that of the distance of two points `q q'/g`: both follow from
+    /// `dn = -t (n . d x)/L` for the edge and `dn = t (t . w x)/g` for the points.
+    pub fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
+        let Touch { weights: w, normal: [nx, ny], slips, gap, memory, .. } = self.touch;
+        let outer = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| Matrix2::new(ax * bx, ax * by, ay * bx, ay * by);
+        let (normal, along) = ([*nx, *ny], [-ny, *nx]);
+        let block = outer(normal, normal) * (self.normal * w[i] * w[j]) + outer(slips[i], slips[j]) * self.slip;
+        // The geometry knows nothing of an initial penetration.
+        let gap = gap - memory.map_or(0.0, |(_, penetration)| penetration);
+        match self.touch.curvature {
+            Curvature::Flat => block,
+            Curvature::Edge(length) => {
+                let turned = outer(normal, along) * (EDGE[i] * w[j]) + outer(along, normal) * (w[i] * EDGE[j]);
+                let curved = turned / length + outer(normal, normal) * (gap * EDGE[i] * EDGE[j] / (length * length));
+                block + curved * self.force
+            }
+            Curvature::Points => block - outer(along, along) * (self.force * w[i] * w[j] / gap),
+        }
+    }
+}
+
+/// Contact by a potential: a term of the physics like an element. A kind of contact says what touches; everything else follows
+/// from that.
+pub trait ContactTerm: Send + Sync {
+    /// Calls `act` for everything that touches, in the order of the names.
+    fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch));
+
+    /// Reason why nothing can touch, if so.
+    fn idle(&self, motion: Motion<'_>) -> Option<&'static str>;
+
+    /// Greatest square of the angular frequency of a vertex on its fully compressed skin [1/s²].
+    fn square_frequency(&self, motion: Motion<'_>) -> f64;
+
+    /// Whether the surface that it touches may move by itself.
+    fn moves(&self) -> bool {
+        false
+    }
+
+    /// Whether blocks of the stiffness have a place in the matrix, as they do where only single vertices touch; with others see
+    /// [`super::SurfaceContact`].
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        let Some(matrix) = matrix.blocks::<2>() else { return };
+        self.each(motion, &mut |touch| {
+            matrix.diagonal(touch.vertices[0] as usize, &touch.linearised(weights).block(0, 0));
+        });
+    }
+}
+
+impl dyn ContactTerm + '_ {
+    /// Whether a skin is compressed.
+    pub fn touches(&self, motion: Motion<'_>) -> bool {
+        let mut touches = false;
+        self.each(motion, &mut |touch| touches |= touch.pressure() > 0.0);
+        touches
+    }
+
+    /// Power of moving obstacles on the bodies, and of the decrease of initial penetration \[W\].
+    pub fn power_of_obstacles(&self, motion: Motion<'_>) -> f64 {
+        let mut power = 0.0;
+        if self.moves() || motion.anchors.iter().any(|anchor| anchor.penetration > 0.0) {
+            self.each(motion, &mut |touch| power += touch.power());
+        }
+        power
+    }
+
+    /// Energy \[J\].
+    pub fn energy(&self, motion: Motion<'_>) -> f64 {
+        let mut energy = 0.0;
+        self.each(motion, &mut |touch| energy += touch.energy());
+        energy
+    }
+
+    /// Calls `act` for each vertex in contact with a force on it \[N\].
+    pub fn each_force(&self, motion: Motion<'_>, mut act: impl FnMut(usize, [f64; 2])) {
+        self.each(motion, &mut |touch| touch.forces().for_each(|(vertex, force)| act(vertex, force)));
+    }
+
+    /// Adds the forces \[N\].
+    pub fn force(&self, motion: Motion<'_>, force: &mut [f64]) {
+        self.each_force(motion, |vertex, [x, y]| {
+            force[2 * vertex] += x;
+            force[2 * vertex + 1] += y;
+        });
+    }
+
+    /// Adds the product of the stiffness with a displacement \[N\].
+    pub fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], product: &mut [f64]) {
+        let weights = Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Exact };
+        self.each(motion, &mut |touch| {
+            let linearised = touch.linearised(weights);
+            for i in 0..touch.count {
+                for j in 0..touch.count {
+                    let ([x, y], block) = (pair(d, touch.vertices[j]), linearised.block(i, j));
+                    let at = 2 * touch.vertices[i] as usize;
+                    product[at] += block.m11 * x + block.m12 * y;
+                    product[at + 1] += block.m21 * x + block.m22 * y;
+                }
+            }
+        });
+    }
+
+    /// Rates of damping, as [`crate::effects::Effect::damping`].
+    pub fn damping(&self, motion: Motion<'_>) -> [f64; 2] {
+        let mut greatest = 0.0_f64;
+        self.each(motion, &mut |touch| {
+            let inverse = |i: usize| {
+                let [x, y] = pair(motion.inverse_mass, touch.vertices[i]);
+                touch.weights[i].abs() * x.max(y)
+            };
+            greatest = greatest.max(touch.damping() * (0..touch.count).map(inverse).sum::<f64>());
+        });
+        [greatest, 0.0]
+    }
+
+    /// Adds the memory of all contacts after a step of length h \[s\], in the order of their names.
+    pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) {
+        self.each(motion, &mut |touch| {
+            if touch.area > 0.0 {
+                anchors.push(touch.dragged(h));
+            }
+        });
+    }
+
+    /// Adds the memory of all contacts of a state that was not stepped to.
+    pub fn add_penetrations(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
+        self.each(motion, &mut |touch| {
+            if touch.area > 0.0 {
+                anchors.push(touch.begun());
+            }
+        });
+    }
+}
+
+/// The two numbers of a vertex.
+pub(super) fn pair(values: &[f64], vertex: u32) -> [f64; 2] {
+    let at = 2 * vertex as usize;
+    [values[at], values[at + 1]]
+}

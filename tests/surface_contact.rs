@@ -1,0 +1,289 @@
+//! Facts about contact of bodies with each other and with themselves.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+mod common;
+
+use common::{Random, level};
+use gingerbread::{
+    contact::{Anchor, Candidates, ContactTerm, SurfaceContact},
+    effects::Motion,
+    integrators::IntegratorKind,
+    level::{Level, Toggle},
+    meshes::NoFiles,
+    scene::Scene,
+    simulation::Simulation,
+    solvers::{BlockMatrix, Tangent, Weights},
+};
+
+fn integrator(text: &str) -> IntegratorKind {
+    level(&format!("(name: \"\", bodies: [], integrator: {text})")).integrator
+}
+
+/// A simulation without guard and sleep in steps of a length [s].
+fn started(base: &Level, scheme: &str, step: f64) -> Simulation {
+    let level = Level { integrator: integrator(scheme), guard: Toggle::Off, sleep: Toggle::Off, ..base.clone() };
+    let scene = Scene { step, ..Scene::build(&level, level.mode, &NoFiles, None).unwrap() };
+    Simulation::open(scene, &level, level.mode).unwrap()
+}
+
+fn surface_contact(scene: &Scene) -> &SurfaceContact {
+    scene.effects.iter().find_map(|effect| effect.surface_contact()).unwrap()
+}
+
+/// A man under a box, with the particles of a net on top.
+const NEAR: &str = "(name: \"\", bodies: [
+        (name: \"man\", mesh: Gingerbread(), material: (model: Corotated, young: 1000, poisson: 0.3, plane: Stress), mass: Density(100)),
+        (name: \"box\", mesh: Rectangle(corner: (0.4, 0.828), width: 0.2, height: 0.1, columns: 6, rows: 3), material: (model: Corotated, young: 3000, poisson: 0.3, plane: Stress), mass: Density(100))],
+    nets: [(name: \"net\", net: Sheet(corner: (0.4, 0.931), width: 0.2, height: 0.1, columns: 8, rows: 2, structural: 100, shear: 50, flexion: 20), mass: 0.01)],
+    effects: [(effect: Contact(dissipation: 0.3)), (effect: Friction(coefficient: 0.5))])";
+
+/// The man, squeezed so that his limbs touch each other, and all others, displaced irregularly.
+fn squeezed(scene: &Scene, random: &mut Random) -> Vec<f64> {
+    let man = scene.bodies[0].vertices.len();
+    let mut x = scene.rest.clone();
+    for vertex in 0..man {
+        x[2 * vertex] = 0.5 + 0.35 * (x[2 * vertex] - 0.5);
+    }
+    for x in &mut x {
+        *x += random.between(-1e-3, 1e-3);
+    }
+    x
+}
+
+fn motion<'a>(
+    (scene, candidates, pattern): (&'a Scene, &'a Candidates, &'a [[u32; 2]]),
+    [x, v]: [&'a [f64]; 2],
+    anchors: &'a [Anchor],
+) -> Motion<'a> {
+    let (mass, inverse_mass) = (&scene.mass, &scene.inverse_mass);
+    Motion { dimension: 2, x, v, mass, inverse_mass, anchors, candidates: Some(candidates), pattern, ..Motion::NONE }
+}
+
+#[test]
+fn forces_and_stiffness_are_derivatives() {
+    let level = level(NEAR);
+    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+    let (contact, count) = (surface_contact(&scene), scene.rest.len());
+    let (mut kinds, mut corners) = ([0; 3], [0; 2]);
+    for seed in 0..40 {
+        let mut random = Random(seed);
+        let x = squeezed(&scene, &mut random);
+        let still = vec![0.0; count];
+        let v: Vec<_> = (0..count).map(|_| random.between(-1e-2, 1e-2)).collect();
+        let mut candidates = Candidates::default();
+        contact.update(&mut candidates, &x);
+        let mut pattern = Vec::new();
+        contact.add_near(&candidates, &x, &mut pattern);
+        let near = (&scene, &candidates, pattern.as_slice());
+        let owner = |vertex: u32| {
+            scene.bodies.iter().filter(|body| body.vertices.start <= vertex as usize).count()
+                + usize::from(vertex as usize >= scene.bodies[1].vertices.end)
+        };
+        contact.each(motion(near, [&x, &still], &[]), &mut |touch| {
+            kinds[match [owner(touch.vertices[0]), owner(touch.vertices[1])] {
+                [a, b] if a == b => 0,
+                [3, _] => 2,
+                _ => 1,
+            }] += 1;
+            if touch.weights.contains(&0.0) {
+                corners[usize::from(touch.area < 0.0)] += 1;
+            }
+        });
+        let contact = contact as &dyn ContactTerm;
+        let force = |x: &[f64], v: &[f64], anchors: &[Anchor]| {
+            let mut force = vec![0.0; count];
+            contact.force(motion(near, [x, v], anchors), &mut force);
+            force
+        };
+        let difference = |of: &dyn Fn(&[f64]) -> f64, at: &[f64], number: usize, by: f64| {
+            let mut moved = at.to_vec();
+            moved[number] = at[number] + by;
+            let ahead = of(&moved);
+            moved[number] = at[number] - by;
+            (ahead - of(&moved)) / (2.0 * by)
+        };
+        let bare = force(&x, &still, &[]);
+        let greatest = bare.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+        for number in (0..count).filter(|number| bare[*number] != 0.0) {
+            let slope = difference(&|x| contact.energy(motion(near, [x, &still], &[])), &x, number, 1e-8);
+            assert!((bare[number] + slope).abs() < 1e-5 * greatest, "{number}: {} and {slope}", bare[number]);
+        }
+        // Each contact adds nothing to the momenta.
+        let sums = (0..count)
+            .step_by(2)
+            .fold([0.0; 3], |[a, b, c], i| [a + bare[i], b + bare[i + 1], c + x[i] * bare[i + 1] - x[i + 1] * bare[i]]);
+        assert!(sums.iter().all(|sum| sum.abs() < 1e-13 * greatest * count as f64), "{sums:?}");
+        // The product with the stiffness is the change of the force, and that with the matrix the same.
+        let d: Vec<_> = (0..count).map(|_| random.between(-1.0, 1.0)).collect();
+        let along = |by: f64| x.iter().zip(&d).map(|(x, d)| x + by * d).collect::<Vec<_>>();
+        let (ahead, behind) = (force(&along(1e-8), &still, &[]), force(&along(-1e-8), &still, &[]));
+        let mut times = vec![0.0; count];
+        contact.stiffness_times(motion(near, [&x, &still], &[]), &d, &mut times);
+        let stiffest = times.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        for number in 0..count {
+            let slope = (behind[number] - ahead[number]) / 2e-8;
+            assert!((times[number] - slope).abs() < 1e-5 * stiffest, "{number}: {} and {slope}", times[number]);
+        }
+        let mut pairs = Vec::new();
+        surface_contact(&scene).sparsity_pattern(&pattern, &mut |a, b| pairs.push([a, b]));
+        let mut matrix = BlockMatrix::<2>::new(count / 2, &pairs);
+        let mut anchors = Vec::new();
+        contact.drag_anchors(motion(near, [&x, &still], &[]), 1e-4, &mut anchors);
+        for anchor in &mut anchors {
+            anchor.point[0] += random.between(-1e-6, 1e-6);
+        }
+        let weights = Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Exact };
+        let mut product = vec![0.0; count];
+        contact.add_stiffness(motion(near, [&x, &v], &anchors), weights, &mut matrix);
+        matrix.add_product(&d, &mut product);
+        times.fill(0.0);
+        contact.stiffness_times(motion(near, [&x, &v], &anchors), &d, &mut times);
+        let greatest = times.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        assert!(times.iter().zip(&product).all(|(a, b)| (a - b).abs() <= 1e-12 * greatest));
+        // What Newton's method takes instead is positive semidefinite.
+        for tangent in [Tangent::Definite, Tangent::Absolute] {
+            matrix.clear();
+            product.fill(0.0);
+            contact.add_stiffness(motion(near, [&x, &v], &anchors), Weights { tangent, ..weights }, &mut matrix);
+            matrix.add_product(&d, &mut product);
+            assert!(d.iter().zip(&product).map(|(a, b)| a * b).sum::<f64>() >= 0.0);
+        }
+    }
+    // Self-contact, bodies, nets; corners, and corners subtracted.
+    assert!(kinds.iter().chain(&corners).all(|count| *count >= 4), "{kinds:?} {corners:?}");
+}
+
+const DISKS: &str = "(name: \"\", bodies: [
+        (name: \"left\", mesh: Disk(centre: (0.2, 0.5), radius: 0.1, rings: 5), velocity: (1, 0.02), material: (model: Corotated, young: 1000, poisson: 0.3, plane: Stress), mass: Density(100)),
+        (name: \"right\", mesh: Disk(centre: (0.45, 0.53), radius: 0.12, rings: 6), material: (model: NeoHookean, young: 2000, poisson: 0.3, plane: Stress), mass: Density(100))],
+    effects: [EFFECTS])";
+
+/// Linear and angular momentum [kg m/s, kg m²/s].
+fn momenta(simulation: &Simulation) -> [f64; 3] {
+    let (mass, x, v) = (&simulation.scene().mass, &simulation.state().x, &simulation.state().v);
+    let mut sums = [0.0; 3];
+    for i in (0..x.len()).step_by(2) {
+        sums[0] += mass[i] * v[i];
+        sums[1] += mass[i] * v[i + 1];
+        sums[2] += mass[i] * (x[i] * v[i + 1] - x[i + 1] * v[i]);
+    }
+    sums
+}
+
+/// Schemes with steps that resolve a contact of the disks [ms].
+const STEPS: [(&str, f64); 11] = [
+    ("SymplecticEuler()", 0.5),
+    ("VelocityVerlet()", 0.5),
+    ("PositionVerlet()", 0.5),
+    ("Heun()", 0.1),
+    ("RungeKutta4()", 0.5),
+    ("DormandPrince(relative: 1e-4, absolute: 1e-4)", 10.0),
+    ("DormandPrince(relative: 1e-6, absolute: 1e-6)", 10.0),
+    ("LinearlyImplicitEuler()", 10.0),
+    ("ImplicitEuler()", 10.0),
+    ("ImplicitMidpoint()", 2.0),
+    ("Bdf2()", 10.0),
+];
+
+/// The disks meet a little off their centres, with and without friction: energy is at most gained as without contact, and momenta
+/// stay, where the scheme keeps them.
+#[test]
+fn two_disks_keep_momentum_and_energy() {
+    for effects in ["(effect: Contact())", "(effect: Contact(dissipation: 1)), (effect: Friction(coefficient: 0.5))"] {
+        for (scheme, step) in STEPS {
+            let mut simulation = started(&level(&DISKS.replace("EFFECTS", effects)), scheme, 1e-3 * step);
+            let (before, start) = (momenta(&simulation), simulation.energies().total());
+            let mut most = 0.0_f64;
+            while simulation.state().time < 0.5 {
+                simulation.advance(1, &mut || true);
+                assert!(simulation.fault().is_none(), "{:?}", simulation.fault());
+                most = most.max(simulation.energies().total() / start - 1.0);
+            }
+            let after = momenta(&simulation);
+            let change = [0, 1, 2].map(|i| ((after[i] - before[i]) / before[0]).abs());
+            let speed = simulation.state().v[2 * simulation.scene().bodies[1].vertices.start];
+            assert!(speed > 0.1, "{scheme}: they met");
+            assert!(change[0] <= 1e-12 && change[1] <= 1e-12, "{scheme}: {change:?}");
+            // Angular momentum: in kg m²/s over that of the velocity at 1 m.
+            let turned = match scheme {
+                "SymplecticEuler()" | "VelocityVerlet()" | "PositionVerlet()" => 1e-12,
+                "ImplicitMidpoint()" => 1e-9,
+                "LinearlyImplicitEuler()" | "ImplicitEuler()" | "Bdf2()" => 2e-3,
+                _ => 1e-6,
+            };
+            assert!(change[2] <= turned, "{scheme}: {change:?}");
+            let gain = match scheme {
+                "SymplecticEuler()" | "Heun()" | "ImplicitMidpoint()" => 0.01,
+                "DormandPrince(relative: 1e-4, absolute: 1e-4)" => 0.003,
+                "VelocityVerlet()" | "PositionVerlet()" => 1e-3,
+                "RungeKutta4()" | "DormandPrince(relative: 1e-6, absolute: 1e-6)" => 1e-5,
+                _ => 1e-12,
+            };
+            assert!(most <= gain, "{scheme}: {most:e}");
+            let counts = simulation.counts();
+            assert_eq!((counts.unconverged, counts.constrained), (0, 0), "{scheme}");
+            assert_eq!(simulation.count_crossings(), Some(0));
+        }
+    }
+}
+
+/// At a speed that no skin holds, at which a step is longer than several triangles, surfaces do not cross in any step, and energy is
+/// not above the bound of the guard.
+#[test]
+fn surfaces_never_cross() {
+    for (scheme, step) in STEPS {
+        for (speed, steps) in [(5.0, 60.0), (100.0, 10.0)] {
+            let text = DISKS
+                .replace("EFFECTS", "(effect: Contact())")
+                .replace("velocity: (1,", &format!("velocity: ({speed},"));
+            let mut simulation = started(&level(&text), scheme, 1e-3 * step);
+            if speed > 50.0 {
+                simulation.replace_scene(Scene { guard: true, ..simulation.scene().clone() });
+            }
+            let before = momenta(&simulation);
+            while simulation.state().time < 1e-3 * steps {
+                simulation.advance(1, &mut || true);
+                assert!(simulation.fault().is_none(), "{scheme} at {speed}: {:?}", simulation.fault());
+                assert_eq!(simulation.count_crossings(), Some(0), "{scheme} at {speed} m/s");
+            }
+            let counts = simulation.counts();
+            assert!(counts.constrained > 0 || speed < 50.0, "{scheme}: the skin held");
+            let after = momenta(&simulation);
+            if speed < 50.0 && counts.newton_iterations == 0 {
+                assert!((after[0] / before[0] - 1.0).abs() < 1e-12, "{scheme}: {after:?}");
+            }
+        }
+    }
+}
+
+/// The certificate finds a crossing of two edges, a vertex that touches an edge, and a particle of a net in a body; shared corners
+/// are none.
+#[test]
+fn the_certificate_finds_crossings() {
+    let level = level(NEAR);
+    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+    let contact = surface_contact(&scene);
+    assert_eq!(contact.count_crossings(&scene.rest), 0);
+    let mut x = scene.rest.clone();
+    let [man, other] = [0, 1].map(|body| scene.bodies[body].vertices.clone());
+    // The box sinks into the head.
+    (other.start..other.end).for_each(|vertex| x[2 * vertex + 1] -= 0.05);
+    assert!(contact.count_crossings(&x) >= 2);
+    // Of the net a particle, which is placed within the man.
+    x.copy_from_slice(&scene.rest);
+    let net = scene.nets[0].vertices.start;
+    (x[2 * net], x[2 * net + 1]) = (0.5, 0.5);
+    assert_eq!(contact.count_crossings(&x), 1);
+    // A corner of the box exactly on the middle of an edge.
+    x.copy_from_slice(&scene.rest);
+    let edge = scene.boundary.iter().find(|edge| man.contains(&(edge[0] as usize))).unwrap();
+    let corner = other.clone().find(|vertex| scene.rest[2 * vertex..2 * vertex + 2] == [0.4, 0.828]).unwrap();
+    let [a, b] = edge.map(|vertex| vertex as usize);
+    x[2 * a] = 0.125;
+    x[2 * b] = 0.25;
+    (x[2 * a + 1], x[2 * b + 1]) = (-1.0, -1.0);
+    (x[2 * corner], x[2 * corner + 1]) = (0.1875, -1.0);
+    assert!(contact.count_crossings(&x) > 0);
+    x[0] = f64::NAN;
+    assert_eq!(contact.count_crossings(&[f64::NAN].repeat(x.len())), 1);
+}

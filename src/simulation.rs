@@ -323,6 +323,8 @@ impl Simulation {
         let mut anchors = Vec::new();
         let motion = self.scene.motion(&self.state, self.grab);
         contacts(&self.scene).for_each(|contact| contact.add_penetrations(motion, &mut anchors));
+        anchors.sort_unstable_by_key(|anchor| anchor.contact);
+        anchors.dedup_by_key(|anchor| anchor.contact);
         self.state.anchors = anchors;
     }
 

@@ -12,6 +12,8 @@ pub type Pair = [u32; 2];
 /// there, of all parts. Contact looks at the distance of each pair itself, so that nothing depends on the age of the lists.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
+    /// Distance within which the lists have all pairs \[m\].
+    near: f64,
     coarse: List,
     fine: List,
     /// Cells of the grid, with the edges in them.
@@ -30,32 +32,24 @@ struct List {
     shifts: Vec<[f64; 2]>,
 }
 
-/// Distances of the lists \[m\].
-#[derive(Clone, Copy)]
-struct Distances {
-    /// Within which all pairs are needed.
-    near: f64,
-    /// By which a vertex may move with the fine list, and with the coarse list.
-    spare: [f64; 2],
-}
-
 impl Candidates {
-    /// Makes the list contain all pairs within `reach` \[m\] at positions x \[m\].
-    pub fn update(&mut self, surface: &SurfaceVertices, x: &[f64], reach: f64) {
-        let distances = Distances { near: reach, spare: [0.5 * reach, surface.greatest_edge()] };
-        let Distances { near, spare: [fine, coarse] } = distances;
-        if self.fine.holds(surface, x, fine) {
+    /// Makes the list contain all pairs within a distance \[m\] at positions x \[m\].
+    pub fn update(&mut self, surface: &SurfaceVertices, x: &[f64], near: f64) {
+        let enough = near <= self.near;
+        if enough && self.fine.holds(surface, x, 0.5 * self.near) {
             return;
         }
-        if !self.coarse.holds(surface, x, coarse - fine) {
+        self.near = near;
+        // Each vertex may move by half of the distance with the fine list, and by an edge length with the coarse one.
+        let (within, edge) = (2.0 * near, surface.greatest_edge());
+        if !(enough && self.coarse.holds(surface, x, edge)) {
             let mut pairs = std::mem::take(&mut self.coarse.pairs);
-            self.find(surface, x, near + 2.0 * coarse, &mut pairs);
+            self.find(surface, x, within + 2.0 * edge, &mut pairs);
             self.coarse.pairs = pairs;
             self.coarse.mark(surface, x);
         }
         let Self { coarse, fine: list, .. } = self;
         list.pairs.clear();
-        let within = near + 2.0 * fine;
         list.pairs.extend(coarse.pairs.iter().filter(|pair| squared_distance(surface, x, **pair) < within * within));
         list.mark(surface, x);
     }

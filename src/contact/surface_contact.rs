@@ -1,7 +1,7 @@
 //! Contact of the boundaries of bodies with each other and with themselves, and of the particles of nets with bodies.
 
 use super::{
-    Candidates, ContactName, ContactTerm, Curvature, Pair, Place, Potential, Skin, SurfaceEdge, SurfaceVertex,
+    Anchor, Candidates, ContactName, ContactTerm, Curvature, Pair, Place, Potential, Skin, SurfaceEdge, SurfaceVertex,
     SurfaceVertices, Touch, count_crossings, touch::pair,
 };
 use crate::{
@@ -154,9 +154,11 @@ impl SurfaceContact {
         seen.distance > 0.0 && beyond.distance > 0.0
     }
 
-    /// Makes the candidates contain all pairs that may touch at positions x \[m\].
-    pub fn update(&self, candidates: &mut Candidates, x: &[f64]) {
-        candidates.update(&self.surface, x, self.near());
+    /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts.
+    pub fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
+        let own = anchors.iter().filter(|anchor| anchor.contact.effect == self.number);
+        let deepest = own.map(|anchor| anchor.penetration).fold(0.0, f64::max);
+        candidates.update(&self.surface, x, self.near() + deepest);
     }
 
     /// Adds the pairs that are near at positions x \[m\], in their order: a function of the positions alone.
@@ -184,11 +186,17 @@ impl SurfaceContact {
         let (point, potential) = (pair(motion.x, vertex.vertex), self.potential(edge.part, vertex.part));
         let seen = Seen::new(motion.x, edge, point);
         let own = edge.part == vertex.part;
-        // A vertex inside its own body may be next to the opposite boundary.
-        let deepest = if own { 0.0 } else { -DEPTH * potential.thickness };
+        // A vertex inside its own body may be next to the opposite boundary; one that began inside another body is let out.
+        let deepest = if own { 0.0 } else { -DEPTH * potential.thickness - self.penetration(motion, pair_) };
         let outside = |seen: &Seen| seen.distance > deepest;
         let within = |seen: &Seen| seen.share > 0.0 && seen.share < 1.0;
-        if within(&seen) && outside(&seen) && seen.distance < potential.thickness {
+        let is_nearest = |other: u32| {
+            let other = Seen::new(motion.x, &self.surface.edges()[other as usize], point);
+            !within(&other) || other.distance <= seen.distance
+        };
+        // Inside a body only the nearest edge pushes.
+        let acts = outside(&seen) && (seen.distance > 0.0 || edge.neighbours.into_iter().all(is_nearest));
+        if within(&seen) && acts && seen.distance < potential.thickness {
             act(&self.at_edge(motion, pair_, &seen));
         }
         let [before, after] = edge.neighbours;
@@ -200,7 +208,7 @@ impl SurfaceContact {
             Some(next) if at_end && next.share <= 0.0 => {
                 self.at_corner(motion, pair_, (1, [seen.normal(), next.normal()]), 1.0, act);
             }
-            Some(next) if within(&seen) && within(&next) && outside(&seen) && outside(&next) => {
+            Some(next) if within(&seen) && within(&next) && seen.distance.min(next.distance) > 0.0 => {
                 self.at_corner(motion, pair_, (1, [seen.normal(), next.normal()]), -1.0, act);
             }
             None if at_end => self.at_corner(motion, pair_, (1, [seen.normal(); 2]), 1.0, act),
@@ -329,16 +337,48 @@ impl SurfaceContact {
             touch.approach += touch.weights[i] * (nx * vx + ny * vy);
             touch.sliding += touch.slips[i][0] * vx + touch.slips[i][1] * vy;
         }
-        let [before, after] = self.surface.edges()[edge as usize].neighbours;
-        let kept = [edge, before, after].into_iter().find_map(|surface| {
-            let name = ContactName { surface, ..touch.name };
-            let at = motion.anchors.binary_search_by(|anchor| anchor.contact.cmp(&name)).ok()?;
-            Some(motion.anchors[at])
-        });
-        if let Some(anchor) = kept.filter(|_| touch.area > 0.0) {
+        if touch.area > 0.0
+            && let Some(anchor) = self.kept(motion, edge, touch.name.vertex)
+        {
             touch.remember(anchor);
         }
         touch
+    }
+
+    /// Memory of a vertex at an edge, or at the edge that it came from.
+    fn kept(&self, motion: Motion<'_>, edge: u32, vertex: u32) -> Option<Anchor> {
+        let [before, after] = self.surface.edges()[edge as usize].neighbours;
+        [edge, before, after].into_iter().find_map(|surface| {
+            let name = ContactName { effect: self.number, surface, vertex };
+            let at = motion.anchors.binary_search_by(|anchor| anchor.contact.cmp(&name)).ok()?;
+            Some(motion.anchors[at])
+        })
+    }
+
+    /// Initial penetration of a pair \[m\].
+    fn penetration(&self, motion: Motion<'_>, [edge, vertex]: Pair) -> f64 {
+        if !motion.anchors.iter().any(|anchor| anchor.penetration > 0.0) {
+            return 0.0;
+        }
+        let kept = self.kept(motion, edge, self.surface.at(vertex).vertex);
+        kept.map_or(0.0, |anchor| anchor.penetration)
+    }
+
+    /// Pairs of each vertex that is inside another body with the nearest edge of that body.
+    fn inside(&self, x: &[f64]) -> Vec<Pair> {
+        let all = 0..self.surface.edges().len() as u32;
+        let mut found = Vec::new();
+        for (place, vertex) in self.surface.iter().enumerate() {
+            for part in (0..self.surface.parts() as u32).filter(|part| *part != vertex.part) {
+                let own = |edge: &u32| self.surface.edges()[*edge as usize].part == part;
+                let Some(first) = all.clone().find(own) else { continue };
+                if self.is_inside(x, [first, place as u32]) {
+                    let pairs = all.clone().filter(own).map(|edge| [edge, place as u32]);
+                    found.extend(pairs.min_by(|a, b| self.distance(x, *a).total_cmp(&self.distance(x, *b))));
+                }
+            }
+        }
+        found
     }
 
     /// Calls `act` with the numbers of the bodies or nets of each pair that presses on each other.
@@ -362,7 +402,7 @@ impl SurfaceContact {
             return act(candidates.pairs());
         }
         let mut candidates = Candidates::default();
-        self.update(&mut candidates, motion.x);
+        self.update(&mut candidates, motion.x, motion.anchors);
         act(candidates.pairs());
     }
 }
@@ -370,6 +410,17 @@ impl SurfaceContact {
 impl ContactTerm for SurfaceContact {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         self.with_candidates(motion, |pairs| pairs.iter().for_each(|pair| self.each_of(motion, *pair, act)));
+    }
+
+    fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+        self.each(motion, act);
+        for pair_ in self.inside(motion.x) {
+            let (edge, vertex) = self.members(pair_);
+            let seen = Seen::new(motion.x, edge, pair(motion.x, vertex.vertex));
+            if seen.share > 0.0 && seen.share < 1.0 && seen.distance < 0.0 {
+                act(&self.at_edge(motion, pair_, &seen));
+            }
+        }
     }
 
     /// A pair takes part with both masses, which can double the square.

@@ -248,6 +248,11 @@ pub trait ContactTerm: Send + Sync {
     /// Calls `act` for everything that touches, in the order of the names.
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch));
 
+    /// The same for a state that no step led to: also what is deep inside something.
+    fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+        self.each(motion, act);
+    }
+
     /// Reason why nothing can touch, if so.
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str>;
 
@@ -346,7 +351,7 @@ impl dyn ContactTerm + '_ {
 
     /// Adds the memory of all contacts of a state that was not stepped to.
     pub fn add_penetrations(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
-        self.each(motion, &mut |touch| {
+        self.each_at_start(motion, &mut |touch| {
             if touch.area > 0.0 {
                 anchors.push(touch.begun());
             }

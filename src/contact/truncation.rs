@@ -154,7 +154,7 @@ impl SurfaceContact {
             return;
         }
         if farthest <= self.near() {
-            self.update(candidates, start);
+            candidates.update(self.surface(), start, self.near());
             pairs.extend_from_slice(candidates.pairs());
         } else {
             search.find(self.surface(), start, farthest, pairs);
@@ -246,7 +246,7 @@ impl SurfaceContact {
     }
 
     /// Whether the vertex of a pair is inside the part of the edge.
-    fn is_inside(&self, x: &[f64], [edge, vertex]: Pair) -> bool {
+    pub(super) fn is_inside(&self, x: &[f64], [edge, vertex]: Pair) -> bool {
         let part = self.surface().edges()[edge as usize].part;
         let [px, py] = pair(x, self.surface().at(vertex).vertex);
         // A ray to the right crosses the boundary an odd number of times.

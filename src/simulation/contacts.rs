@@ -46,7 +46,7 @@ impl Contacts {
     /// Finds the pairs that may be near at positions x.
     pub fn update(&mut self, scene: &Scene, x: &[f64]) {
         if let Some(contact) = surface_contact(scene) {
-            contact.update(&mut self.candidates, x);
+            contact.update(&mut self.candidates, x, &self.anchors);
         }
     }
 

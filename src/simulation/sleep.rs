@@ -224,23 +224,25 @@ impl Simulation {
         self.apply_sleep();
     }
 
-    /// Of the bodies and nets that rest, those on which only such ones, and sleeping ones, press at the checkpoint.
-    fn all_pressing(&self, mut rest: Vec<bool>) -> Vec<bool> {
+    /// Of the bodies and nets that rest, those on which only such ones, and sleeping ones, press at the checkpoint. The counters
+    /// of the others begin anew together.
+    fn all_pressing(&mut self, mut rest: Vec<bool>) -> Vec<bool> {
         let Some(contact) = surface_contact(&self.scene) else { return rest };
-        let state = &self.checkpoint.state;
         let mut pressing = Vec::new();
-        contact.each_pressing(self.scene.motion(state, self.grab), &mut |owners| pressing.push(owners));
-        let asleep = |number: usize| state.slow_checks[number] == ASLEEP;
-        loop {
-            let awake = |number: usize, rest: &[bool]| !rest[number] && !asleep(number);
-            let disturbed = pressing.iter().find_map(|[a, b]| match [rest[*a], rest[*b]] {
-                [true, false] if awake(*b, &rest) => Some(*a),
-                [false, true] if awake(*a, &rest) => Some(*b),
-                _ => None,
-            });
-            let Some(number) = disturbed else { return rest };
-            rest[number] = false;
+        let motion = self.scene.motion(&self.checkpoint.state, self.grab);
+        contact.each_pressing(motion, &mut |owners| pressing.push(owners));
+        let slow_checks = &mut self.checkpoint.state.slow_checks;
+        let mut changes = true;
+        while std::mem::take(&mut changes) {
+            for [a, b] in &pressing {
+                for [one, other] in [[*a, *b], [*b, *a]] {
+                    if rest[one] && !rest[other] && slow_checks[other] != ASLEEP {
+                        (rest[one], slow_checks[other], changes) = (false, 0, true);
+                    }
+                }
+            }
         }
+        rest
     }
 
     /// Wakes sleeping bodies and nets on which others press.

@@ -25,7 +25,8 @@ use crate::{
     sandbox::Sandbox,
     scene::{Body, extent},
 };
-use std::{ops::Range, sync::Arc};
+use std::{ops::Range, sync::Arc, time::Duration};
+use web_time::Instant;
 
 pub use crate::{
     elements::Field,
@@ -72,6 +73,8 @@ pub struct Snapshot {
     pub inverted: usize,
     /// Number of vertices whose triangles do not go round them exactly once: folds.
     pub wound: usize,
+    /// Crossings of the surfaces of bodies, by an exact test, and the time that it took; `None` if contact has no potential.
+    pub crossings: Option<(usize, Duration)>,
     /// Simulated time \[s\].
     pub time: f64,
     /// Steps taken.
@@ -293,6 +296,8 @@ impl Sandbox {
             simulation.set_elastic_energies(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
         }
         snapshot.wound = Tangle::of_all(scene, x).wound;
+        let start = Instant::now();
+        snapshot.crossings = simulation.count_crossings().map(|count| (count, start.elapsed()));
         snapshot.evaluations += 1;
     }
 

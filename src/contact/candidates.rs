@@ -1,6 +1,9 @@
 //! Pairs of an edge and a vertex that are near each other, kept while the vertices move little.
 
-use super::{SurfaceVertices, touch::pair};
+use super::{
+    SurfaceVertices,
+    touch::{length, pair},
+};
 
 /// An edge and a vertex, by their places in the lists of [`SurfaceVertices`].
 pub type Pair = [u32; 2];
@@ -32,16 +35,19 @@ struct List {
     shifts: Vec<[f64; 2]>,
 }
 
+/// Distance by which a vertex may move before the fine list is made anew, as a fraction of that within which it has all pairs.
+const SPARE: f64 = 0.2;
+
 impl Candidates {
     /// Makes the list contain all pairs within a distance \[m\] at positions x \[m\].
     pub fn update(&mut self, surface: &SurfaceVertices, x: &[f64], near: f64) {
         let enough = near <= self.near;
-        if enough && self.fine.holds(surface, x, 0.5 * self.near) {
+        if enough && self.fine.holds(surface, x, SPARE * self.near) {
             return;
         }
         self.near = near;
-        // Each vertex may move by half of the distance with the fine list, and by an edge length with the coarse one.
-        let (within, edge) = (2.0 * near, surface.greatest_edge());
+        // Each vertex may move by the spare distance with the fine list, and by an edge length with the coarse one.
+        let (within, edge) = ((1.0 + 2.0 * SPARE) * near, surface.greatest_edge());
         if !(enough && self.coarse.holds(surface, x, edge)) {
             let mut pairs = std::mem::take(&mut self.coarse.pairs);
             self.find(surface, x, within + 2.0 * edge, &mut pairs);
@@ -125,7 +131,7 @@ impl List {
         let mut displacements = all();
         (0..surface.parts()).all(|part| {
             let [sx, sy] = shifts[part];
-            let apart = libm::hypot(sx - shift[0], sy - shift[1]);
+            let apart = length([sx - shift[0], sy - shift[1]]);
             // NaN fails the comparison.
             let left = distance - apart;
             let squares = displacements.by_ref().take(surface.vertices_of(part).len());
@@ -146,7 +152,7 @@ fn mean<I: Iterator<Item = [f64; 2]>>(all: impl Fn() -> I, part: std::ops::Range
 }
 
 /// Square of the distance of a vertex from an edge \[m²\].
-fn squared_distance(surface: &SurfaceVertices, x: &[f64], [edge, vertex]: Pair) -> f64 {
+pub(super) fn squared_distance(surface: &SurfaceVertices, x: &[f64], [edge, vertex]: Pair) -> f64 {
     let [a, b] = surface.edges()[edge as usize].ends.map(|end| pair(x, end));
     let point = pair(x, surface.at(vertex).vertex);
     let ([ex, ey], [px, py]) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);

@@ -16,7 +16,7 @@ pub struct ContactName {
 /// State of a contact between steps: the anchor of the spring of friction, and the initial penetration.
 ///
 /// A vertex that is placed in the skin or in an obstacle, not moved there by steps, has no force at first: its initial penetration
-/// is added to the gap. It then decreases at a tenth of the wave speed, so that the pressure grows slowly.
+/// is added to the gap. It then decreases at a tenth of the wave speed until the surfaces are apart, so that the pressure grows slowly.
 ///
 /// With the tangential displacement u from the anchor, the friction of an area A with pressure p, of which the potential
 /// gives q, is `T = -clip(A (k u + c q v), mu A p)`: k is the

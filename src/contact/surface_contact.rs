@@ -2,7 +2,10 @@
 
 use super::{
     Anchor, Candidates, ContactName, ContactTerm, Curvature, Pair, Place, Potential, Skin, SurfaceEdge, SurfaceVertex,
-    SurfaceVertices, Touch, count_crossings, touch::pair,
+    SurfaceVertices, Touch,
+    candidates::squared_distance,
+    count_crossings,
+    touch::{length, pair},
 };
 use crate::{
     effects::{Motion, NO_OBSTACLE_NEAR},
@@ -46,7 +49,7 @@ struct Seen {
 impl Seen {
     fn new(x: &[f64], edge: &SurfaceEdge, [px, py]: [f64; 2]) -> Self {
         let [[ax, ay], [bx, by]] = edge.ends.map(|end| pair(x, end));
-        let length = libm::hypot(bx - ax, by - ay);
+        let length = length([bx - ax, by - ay]);
         let [ex, ey] = [(bx - ax) / length, (by - ay) / length];
         let (px, py) = (px - ax, py - ay);
         Self { share: (px * ex + py * ey) / length, distance: px * ey - py * ex, along: [ex, ey], length }
@@ -129,7 +132,7 @@ impl SurfaceContact {
             return seen.distance.abs();
         }
         let [px, py] = pair(x, edge.ends[usize::from(seen.share >= 1.0)]);
-        libm::hypot(point[0] - px, point[1] - py)
+        length([point[0] - px, point[1] - py])
     }
 
     /// Whether an edge and a vertex can touch.
@@ -156,8 +159,7 @@ impl SurfaceContact {
 
     /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts.
     pub fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
-        let own = anchors.iter().filter(|anchor| anchor.contact.effect == self.number);
-        let deepest = own.map(|anchor| anchor.penetration).fold(0.0, f64::max);
+        let deepest = self.own_anchors(anchors).iter().map(|anchor| anchor.penetration).fold(0.0, f64::max);
         candidates.update(&self.surface, x, self.near() + deepest);
     }
 
@@ -177,6 +179,17 @@ impl SurfaceContact {
         }
     }
 
+    /// Calls `act` for everything that touches in some pairs. Most of them are too far apart.
+    fn each_of_all(&self, motion: Motion<'_>, pairs: &[Pair], act: &mut dyn FnMut(Pair, &Touch)) {
+        let anchors = self.own_anchors(motion.anchors);
+        let motion = Motion { anchors, ..motion };
+        let deepest = anchors.iter().map(|anchor| anchor.penetration).fold(0.0, f64::max);
+        let within = (self.reach + deepest) * (self.reach + deepest);
+        for pair in pairs.iter().filter(|pair| squared_distance(&self.surface, motion.x, **pair) < within) {
+            self.each_of(motion, *pair, &mut |touch| act(*pair, touch));
+        }
+    }
+
     /// Calls `act` for everything that touches in a pair.
     fn each_of(&self, motion: Motion<'_>, pair_: Pair, act: &mut dyn FnMut(&Touch)) {
         let (edge, vertex) = self.members(pair_);
@@ -187,7 +200,12 @@ impl SurfaceContact {
         let seen = Seen::new(motion.x, edge, point);
         let own = edge.part == vertex.part;
         // A vertex inside its own body may be next to the opposite boundary; one that began inside another body is let out.
-        let deepest = if own { 0.0 } else { -DEPTH * potential.thickness - self.penetration(motion, pair_) };
+        let penetration = || self.kept(motion, pair_).map_or(0.0, |anchor| anchor.penetration);
+        let deepest = match seen.distance {
+            0.0.. => 0.0,
+            _ if own => 0.0,
+            _ => -DEPTH * potential.thickness - penetration(),
+        };
         let outside = |seen: &Seen| seen.distance > deepest;
         let within = |seen: &Seen| seen.share > 0.0 && seen.share < 1.0;
         let is_nearest = |other: u32| {
@@ -263,7 +281,7 @@ impl SurfaceContact {
         let corner = edge.ends[end];
         let ([px, py], [cx, cy]) = (pair(motion.x, vertex.vertex), pair(motion.x, corner));
         let (dx, dy) = (px - cx, py - cy);
-        let gap = libm::hypot(dx, dy);
+        let gap = length([dx, dy]);
         let outward = normals.iter().map(|[nx, ny]| nx * dx + ny * dy).sum::<f64>();
         let is_outside = outward > 0.0 || sign < 0.0;
         if !(is_outside && gap > 0.0 && gap < self.potential(edge.part, vertex.part).thickness) {
@@ -330,7 +348,7 @@ impl SurfaceContact {
     }
 
     /// Completes a contact: velocities, and its memory or that of the next edge that the vertex came from.
-    fn touch(&self, motion: Motion<'_>, [edge, _]: Pair, mut touch: Touch) -> Touch {
+    fn touch(&self, motion: Motion<'_>, pair_: Pair, mut touch: Touch) -> Touch {
         let [nx, ny] = touch.normal;
         for i in 0..touch.count {
             let [vx, vy] = pair(motion.v, touch.vertices[i]);
@@ -338,7 +356,7 @@ impl SurfaceContact {
             touch.sliding += touch.slips[i][0] * vx + touch.slips[i][1] * vy;
         }
         if touch.area > 0.0
-            && let Some(anchor) = self.kept(motion, edge, touch.name.vertex)
+            && let Some(anchor) = self.kept(motion, pair_)
         {
             touch.remember(anchor);
         }
@@ -346,22 +364,19 @@ impl SurfaceContact {
     }
 
     /// Memory of a vertex at an edge, or at the edge that it came from.
-    fn kept(&self, motion: Motion<'_>, edge: u32, vertex: u32) -> Option<Anchor> {
+    fn kept(&self, motion: Motion<'_>, [edge, vertex]: Pair) -> Option<Anchor> {
         let [before, after] = self.surface.edges()[edge as usize].neighbours;
         [edge, before, after].into_iter().find_map(|surface| {
-            let name = ContactName { effect: self.number, surface, vertex };
+            let name = ContactName { effect: self.number, surface, vertex: self.surface.at(vertex).vertex };
             let at = motion.anchors.binary_search_by(|anchor| anchor.contact.cmp(&name)).ok()?;
             Some(motion.anchors[at])
         })
     }
 
-    /// Initial penetration of a pair \[m\].
-    fn penetration(&self, motion: Motion<'_>, [edge, vertex]: Pair) -> f64 {
-        if !motion.anchors.iter().any(|anchor| anchor.penetration > 0.0) {
-            return 0.0;
-        }
-        let kept = self.kept(motion, edge, self.surface.at(vertex).vertex);
-        kept.map_or(0.0, |anchor| anchor.penetration)
+    /// The anchors of this contact.
+    fn own_anchors<'a>(&self, anchors: &'a [Anchor]) -> &'a [Anchor] {
+        let place = |effect: u32| anchors.partition_point(|anchor| anchor.contact.effect < effect);
+        &anchors[place(self.number)..place(self.number + 1)]
     }
 
     /// Pairs of each vertex that is inside another body with the nearest edge of that body.
@@ -384,15 +399,12 @@ impl SurfaceContact {
     /// Calls `act` with the numbers of the bodies or nets of each pair that presses on each other.
     pub fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
         self.with_candidates(motion, |pairs| {
-            for pair in pairs {
-                let (edge, vertex) = self.members(*pair);
-                let owners = [edge.part, vertex.part].map(|part| self.surface.owner(part));
-                self.each_of(motion, *pair, &mut |touch| {
-                    if touch.pressure() > 0.0 {
-                        act(owners);
-                    }
-                });
-            }
+            self.each_of_all(motion, pairs, &mut |pair, touch| {
+                if touch.pressure() > 0.0 {
+                    let (edge, vertex) = self.members(pair);
+                    act([edge.part, vertex.part].map(|part| self.surface.owner(part)));
+                }
+            });
         });
     }
 
@@ -409,7 +421,7 @@ impl SurfaceContact {
 
 impl ContactTerm for SurfaceContact {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
-        self.with_candidates(motion, |pairs| pairs.iter().for_each(|pair| self.each_of(motion, *pair, act)));
+        self.with_candidates(motion, |pairs| self.each_of_all(motion, pairs, &mut |_, touch| act(touch)));
     }
 
     fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {

@@ -126,12 +126,10 @@ impl Touch {
         })
     }
 
-    /// Power of a moving obstacle, and of the decrease of the initial penetration \[W\].
+    /// Power of a moving obstacle \[W\].
     pub fn power(&self) -> f64 {
-        let ([vx, vy], pressure) = (self.obstacle_velocity, self.area * self.pressure());
-        let on_vertex = self.forces().next().map_or(0.0, |(_, [fx, fy])| fx * vx + fy * vy);
-        let eased = self.memory.is_some_and(|(_, penetration)| penetration > 0.0);
-        on_vertex + if eased { pressure * self.depenetration_speed } else { 0.0 }
+        let [vx, vy] = self.obstacle_velocity;
+        self.forces().next().map_or(0.0, |(_, [fx, fy])| fx * vx + fy * vy)
     }
 
     /// Stiffness and damping of the force along the normal and along the slip [N/m, N s/m]. The change of the greatest
@@ -166,11 +164,20 @@ impl Touch {
         }
     }
 
-    /// Memory of the contact after a step of length h \[s\]: the anchor is dragged, and the initial penetration decreases.
-    pub fn dragged(&self, h: f64) -> Anchor {
-        let (u, penetration) = self.memory.unwrap_or_default();
-        let penetration = (penetration - h * self.depenetration_speed).max(0.0);
-        self.anchor(self.potential.dragged(u, self.limit()), penetration)
+    /// Memory of the contact after a step of length h \[s\]: the anchor is dragged, and the initial penetration decreases, as long
+    /// as the surfaces are nearer than a part of the thickness of the skin. Returns also the energy that this supplies \[J\].
+    pub fn dragged(&self, h: f64) -> (Anchor, f64) {
+        /// That part.
+        const LEFT: f64 = 0.25;
+        let (u, before) = self.memory.unwrap_or_default();
+        let missing = LEFT * self.potential.thickness - (self.gap - before);
+        let decrease = (h * self.depenetration_speed).min(missing).clamp(0.0, before);
+        let supplied = if decrease > 0.0 {
+            self.area * (self.potential.energy(self.gap - decrease) - self.potential.energy(self.gap))
+        } else {
+            0.0
+        };
+        (self.anchor(self.potential.dragged(u, self.limit()), before - decrease), supplied)
     }
 
     /// Memory of the contact in a state that no step led to: without memory it begins without a force.
@@ -282,10 +289,10 @@ impl dyn ContactTerm + '_ {
         touches
     }
 
-    /// Power of moving obstacles on the bodies, and of the decrease of initial penetration \[W\].
+    /// Power of moving obstacles on the bodies \[W\].
     pub fn power_of_obstacles(&self, motion: Motion<'_>) -> f64 {
         let mut power = 0.0;
-        if self.moves() || motion.anchors.iter().any(|anchor| anchor.penetration > 0.0) {
+        if self.moves() {
             self.each(motion, &mut |touch| power += touch.power());
         }
         power
@@ -340,13 +347,18 @@ impl dyn ContactTerm + '_ {
         [greatest, 0.0]
     }
 
-    /// Adds the memory of all contacts after a step of length h \[s\], in the order of their names.
-    pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) {
+    /// Adds the memory of all contacts after a step of length h \[s\], in the order of their names. Returns the energy that the
+    /// decrease of initial penetration supplies \[J\].
+    pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) -> f64 {
+        let mut supplied = 0.0;
         self.each(motion, &mut |touch| {
             if touch.area > 0.0 {
-                anchors.push(touch.dragged(h));
+                let (anchor, energy) = touch.dragged(h);
+                anchors.push(anchor);
+                supplied += energy;
             }
         });
+        supplied
     }
 
     /// Adds the memory of all contacts of a state that was not stepped to.
@@ -357,6 +369,12 @@ impl dyn ContactTerm + '_ {
             }
         });
     }
+}
+
+/// Length of a vector: by a square root alone, which is exact everywhere and faster than a careful `hypot`; surfaces are neither
+/// as small nor as large as its range.
+pub(super) fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// The two numbers of a vertex.

@@ -13,7 +13,11 @@
 //!    scaled as its displacement. Displacements only shrink, and a vertex that stays on its side once does so from then on, so
 //!    that this ends; with no displacement left, nothing has crossed.
 
-use super::{Candidates, Pair, SurfaceContact, touch::pair};
+use super::{
+    Candidates, Pair, SurfaceContact,
+    candidates::squared_distance,
+    touch::{length, pair},
+};
 use std::ops::Range;
 
 /// Scratch for [`SurfaceContact::truncate`].
@@ -65,7 +69,7 @@ fn nearest([p, a, b]: Points) -> ([f64; 2], f64, f64) {
     let square = ex * ex + ey * ey;
     let t = if square > 0.0 { ((px * ex + py * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
     let (dx, dy) = (px - t * ex, py - t * ey);
-    let distance = libm::hypot(dx, dy);
+    let distance = length([dx, dy]);
     if t > 0.0 && t < 1.0 {
         // Exact at any distance.
         let length = square.sqrt();
@@ -117,8 +121,13 @@ impl SurfaceContact {
 
     /// Distance that a pair keeps in a step from `start` \[m\]: less than that at the start.
     fn floor(&self, start: &[f64], pair: Pair) -> f64 {
+        f64::min(FLOOR * self.thickness(pair), 0.5 * nearest(self.points(start, pair)).2)
+    }
+
+    /// Thickness of the skin between a vertex and an edge \[m\].
+    fn thickness(&self, pair: Pair) -> f64 {
         let (edge, vertex) = self.members(pair);
-        f64::min(FLOOR * self.potential(edge.part, vertex.part).thickness, 0.5 * nearest(self.points(start, pair)).2)
+        self.potential(edge.part, vertex.part).thickness
     }
 
     /// Finds all pairs that may meet in a step from `start` to `x`, but those in which the vertex starts inside another body.
@@ -146,7 +155,7 @@ impl SurfaceContact {
         let all = all.map(|all| all / self.surface().parts().max(1) as f64);
         let single = moved.len() == 1;
         let from_all = |(mean, deviation): &([f64; 2], f64)| {
-            deviation + if single { 0.0 } else { libm::hypot(mean[0] - all[0], mean[1] - all[1]) }
+            deviation + if single { 0.0 } else { length([mean[0] - all[0], mean[1] - all[1]]) }
         };
         let farthest = 2.0 * moved.iter().map(from_all).fold(0.0, f64::max);
         pairs.clear();
@@ -155,7 +164,11 @@ impl SurfaceContact {
         }
         if farthest <= self.near() {
             candidates.update(self.surface(), start, self.near());
-            pairs.extend_from_slice(candidates.pairs());
+            let may_meet = |pair: &&Pair| {
+                let reach = farthest + FLOOR * self.thickness(**pair);
+                squared_distance(self.surface(), start, **pair) <= reach * reach
+            };
+            pairs.extend(candidates.pairs().iter().filter(may_meet));
         } else {
             search.find(self.surface(), start, farthest, pairs);
             pairs.retain(|pair| {
@@ -241,7 +254,14 @@ impl SurfaceContact {
     /// Fraction of a step from `start` to `x` at which the vertex and the edge of a pair meet, unless the vertex starts inside
     /// another body: it may leave that.
     fn meeting(&self, start: &[f64], x: &[f64], pair: Pair) -> Option<f64> {
-        let share = meeting(self.points(start, pair), self.points(x, pair), self.floor(start, pair))?;
+        let (from, to) = (self.points(start, pair), self.points(x, pair));
+        // Most pairs are farther apart than they move.
+        let moved = |i: usize| length([to[i][0] - from[i][0], to[i][1] - from[i][1]]);
+        let reach = moved(0) + moved(1).max(moved(2)) + FLOOR * self.thickness(pair);
+        if squared_distance(self.surface(), start, pair) > reach * reach {
+            return None;
+        }
+        let share = meeting(from, to, self.floor(start, pair))?;
         (self.is_outside(start, pair) || !self.is_inside(start, pair)).then_some(share)
     }
 

@@ -36,6 +36,8 @@ pub struct Run {
     account: Account,
     fence: Fence,
     outside: f64,
+    /// Crossings of surfaces at the start, which may stay, and the greatest number since.
+    crossings: [usize; 2],
     comparison: Option<(Arc<Reference>, Comparison)>,
 }
 
@@ -64,6 +66,7 @@ impl Run {
         };
         Ok(Self {
             account: Account::new(simulation.scene(), simulation.energies()),
+            crossings: [simulation.count_crossings().unwrap_or(0), 0],
             simulation,
             method,
             expects: case.expects,
@@ -152,6 +155,8 @@ impl Run {
         self.account.supply(self.simulation.work_of_obstacles() - work);
         self.account.record(self.simulation.energies());
         self.outside = self.outside.max(self.fence.beyond(&self.simulation.state().x));
+        let crossings = self.simulation.count_crossings().unwrap_or(0);
+        self.crossings[1] = self.crossings[1].max(crossings);
         if let Some((reference, comparison)) = &mut self.comparison {
             comparison.record(&self.simulation, reference);
         }
@@ -182,6 +187,7 @@ impl Run {
         let numbers = Numbers {
             gain: self.account.gain(),
             outside: self.outside,
+            crossings: self.crossings[1].saturating_sub(self.crossings[0]),
             strain: home.then(|| greatest_strain(scene, &state.x)),
             speed: home.then(|| (2.0 * energies.kinetic / mu_area).sqrt()),
             elastic: energies.elastic,

@@ -57,6 +57,8 @@ pub struct RunReport {
     pub line_search_cuts: u64,
     /// Sparse factorisations.
     pub factorisations: u64,
+    /// Crossings of the surfaces of bodies at the end, by an exact test; null if contact has no potential.
+    pub crossings: Option<usize>,
     /// Factorisations repeated with another matrix, as it was not positive definite.
     pub indefinite: u64,
     /// Steps whose equations were not solved to tolerance.
@@ -110,6 +112,7 @@ impl RunReport {
             min_j: (triangles > 0).then_some(min_j),
             inverted,
             wound: Tangle::of_all(scene, &state.x).wound,
+            crossings: simulation.count_crossings(),
             triangles,
             vertices: scene.vertices(),
             step_seconds: scene.step,
@@ -171,6 +174,12 @@ impl std::fmt::Display for RunReport {
         write!(out, "; energy {:.6} J", energy.total)?;
         if let Some(min_j) = self.min_j {
             write!(out, ", smallest J {min_j:.4}")?;
+        }
+        match self.crossings {
+            None => {}
+            Some(0) => write!(out, ", no crossing")?,
+            Some(1) => write!(out, ", 1 crossing")?,
+            Some(many) => write!(out, ", {many} crossings")?,
         }
         write!(out, ", state {}", self.state_hash)
     }

@@ -73,7 +73,7 @@ impl From<Substeps> for u32 {
     }
 }
 
-/// Whether bodies and nets have step lengths of their own. They do not touch each other.
+/// Whether bodies and nets have step lengths of their own. This needs bodies that do not touch each other: with a contact potential all take the same steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SubstepMode {
     /// All take the steps of the level, however stiff one of them is.

@@ -31,6 +31,7 @@ mod penetration;
 mod plane;
 mod polygon;
 mod resolve;
+mod segments;
 mod solid;
 mod swept_motion;
 
@@ -48,6 +49,7 @@ pub use penetration::{
 pub use plane::{Plane, STEEP, free_region};
 pub use polygon::Polygon;
 pub use resolve::{Surface, push_out_vertex};
+pub use segments::{segments_meet, side_of};
 pub use swept_motion::{Rigid, SweptMotion};
 
 use crate::{

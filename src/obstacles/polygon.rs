@@ -1,6 +1,6 @@
 //! Obstacle: a solid polygon.
 
-use super::{Obstacle, ObstacleParameters, solid::Solid};
+use super::{Obstacle, ObstacleParameters, segments_meet, solid::Solid};
 use crate::{
     meshes::{merged, size},
     quantity::{Coordinate, Point, Quantity, Reach},
@@ -124,10 +124,8 @@ fn signed_area(corners: &[[f64; 2]]) -> f64 {
 /// The first two sides that cross, counted from 0.
 fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
     let count = corners.len();
-    let side = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     let pairs = (0..count).flat_map(|i| (i + 2..count).map(move |j| (i, j)));
-    pairs.filter(|&(i, j)| (j + 1) % count != i).find(|&(i, j)| {
-        let (a, b, c, d) = (corners[i], corners[i + 1], corners[j], corners[(j + 1) % count]);
-        side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0
-    })
+    pairs
+        .filter(|&(i, j)| (j + 1) % count != i)
+        .find(|&(i, j)| segments_meet([corners[i], corners[i + 1]], [corners[j], corners[(j + 1) % count]]))
 }

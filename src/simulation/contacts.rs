@@ -106,11 +106,11 @@ impl Contacts {
         contact.longest_step(truncation, candidates, x, end)
     }
 
-    /// Memory after a step of length h \[s\], from that at its start, which `motion` contains.
-    pub fn next_anchors(scene: &Scene, motion: Motion<'_>, h: f64, mut next: Vec<Anchor>) -> Vec<Anchor> {
+    /// Writes the memory after a step of length h \[s\], from that at its start, which `motion` contains. Returns the energy that
+    /// the decrease of initial penetration supplies \[J\].
+    pub fn next_anchors(scene: &Scene, motion: Motion<'_>, h: f64, next: &mut Vec<Anchor>) -> f64 {
         next.clear();
-        contacts(scene).for_each(|contact| contact.drag_anchors(motion, h, &mut next));
-        next
+        contacts(scene).map(|contact| contact.drag_anchors(motion, h, next)).sum()
     }
 
     /// Takes the scratch for [`Self::next_anchors`].

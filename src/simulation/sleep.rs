@@ -205,10 +205,10 @@ impl Simulation {
                 slow && !has_exploded(&self.scene, number, &self.checkpoint.state) && self.rests(number, island)
             })
             .collect();
-        let sleeps = self.all_pressing(rest);
+        let (sleeps, waits) = self.all_pressing(rest);
         for (number, island) in islands.iter().enumerate() {
             let slow_checks = self.checkpoint.state.slow_checks[number];
-            if slow_checks >= checks && slow_checks != ASLEEP {
+            if slow_checks >= checks && slow_checks != ASLEEP && !waits[number] {
                 self.checkpoint.state.slow_checks[number] = if sleeps[number] { ASLEEP } else { 0 };
                 if sleeps[number] {
                     self.checkpoint.state.v[island.numbers.clone()].fill(0.0);
@@ -224,25 +224,25 @@ impl Simulation {
         self.apply_sleep();
     }
 
-    /// Of the bodies and nets that rest, those on which only such ones, and sleeping ones, press at the checkpoint. The counters
-    /// of the others begin anew together.
-    fn all_pressing(&mut self, mut rest: Vec<bool>) -> Vec<bool> {
-        let Some(contact) = surface_contact(&self.scene) else { return rest };
+    /// Of the bodies and nets that rest, those on which only such ones, and sleeping ones, press at the checkpoint; and those
+    /// that wait for others, which are slow but not for long enough yet.
+    fn all_pressing(&self, mut rest: Vec<bool>) -> (Vec<bool>, Vec<bool>) {
+        let mut waits = vec![false; rest.len()];
+        let Some(contact) = surface_contact(&self.scene) else { return (rest, waits) };
+        let state = &self.checkpoint.state;
         let mut pressing = Vec::new();
-        let motion = self.scene.motion(&self.checkpoint.state, self.grab);
-        contact.each_pressing(motion, &mut |owners| pressing.push(owners));
-        let slow_checks = &mut self.checkpoint.state.slow_checks;
+        contact.each_pressing(self.scene.motion(state, self.grab), &mut |owners| pressing.push(owners));
         let mut changes = true;
         while std::mem::take(&mut changes) {
             for [a, b] in &pressing {
                 for [one, other] in [[*a, *b], [*b, *a]] {
-                    if rest[one] && !rest[other] && slow_checks[other] != ASLEEP {
-                        (rest[one], slow_checks[other], changes) = (false, 0, true);
+                    if rest[one] && !rest[other] && state.slow_checks[other] != ASLEEP {
+                        (rest[one], waits[one], changes) = (false, state.slow_checks[other] > 0, true);
                     }
                 }
             }
         }
-        rest
+        (rest, waits)
     }
 
     /// Wakes sleeping bodies and nets on which others press.

@@ -533,8 +533,9 @@ impl Dynamics for System<'_> {
         let power = self.power_of_obstacles(time, x, v);
         let (before, was) = std::mem::replace(&mut self.contacts.power, (time, power));
         self.scratch.supplied += 0.5 * (time - before) * (power + was);
-        let next = self.contacts.take_next();
-        let next = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, next);
+        let mut next = self.contacts.take_next();
+        let eased = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, &mut next);
+        self.scratch.supplied += eased;
         self.contacts.set_anchors(next);
         if self.scratch.plan.potential {
             for number in &self.scratch.plan.surface_effects {

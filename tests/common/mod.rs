@@ -57,7 +57,7 @@ pub fn level(text: &str) -> Level {
 
 /// A level that ships, of fewer triangles, so that it runs quickly.
 pub fn coarse(text: &str, file: &str) -> Level {
-    const FEWER: [(&str, &str); 9] = [
+    const FEWER: [(&str, &str); 12] = [
         ("resolution: 2000", "resolution: 150"),
         ("resolution: 1000", "resolution: 250"),
         ("resolution: 700", "resolution: 100"),
@@ -67,6 +67,9 @@ pub fn coarse(text: &str, file: &str) -> Level {
         ("columns: 60, rows: 6", "columns: 15, rows: 2"),
         ("columns: 19, rows: 39", "columns: 5, rows: 10"),
         ("rings: 14", "rings: 5"),
+        ("resolution: 400", "resolution: 100"),
+        ("rings: 4)", "rings: 2)"),
+        ("radius: 0.06, rings: 5", "radius: 0.06, rings: 3"),
     ];
     let text = FEWER.iter().fold(text.to_owned(), |text, (many, few)| text.replace(many, few));
     files::parse(&text, file).unwrap()

@@ -6,6 +6,7 @@ use super::{
     widgets::{self, Segment, SliderOptions, segmented},
 };
 use crate::{
+    app::numbers,
     command::Command,
     integrators::Class,
     level::{SubstepMode, Substeps},
@@ -135,7 +136,7 @@ fn substep_mode(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     }
     let help = "Each body and net divides every step into as many equal parts as its own stability needs: no part is longer than \
                 half of its longest stable step at rest. So a stiff body does not make a soft one take short steps too. This is \
-                exact, as bodies do not touch each other.";
+                exact, as bodies do not touch each other; with a contact potential all take the same steps.";
     let mut own = now.level.paces == SubstepMode::Own;
     if ui.checkbox(&mut own, "Multirate stepping").on_hover_text(help).changed() {
         let mode = if own { SubstepMode::Own } else { SubstepMode::Same };
@@ -173,6 +174,14 @@ fn size(ui: &mut Ui, now: &Snapshot) {
                 rules.map(|body| format!("\n{}: {}.", body.material.title(), body.material.continuation())).collect();
             let help = "Triangles so compressed, or inverted, that the formula of their model is replaced by its continuation.".to_owned();
             row(ui, "Outside model range", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
+        }
+        if let Some((crossings, time)) = now.crossings {
+            let words = match crossings {
+                0 => format!("none: proven in {}", numbers::si(time.as_secs_f64(), "s")),
+                _ => count(crossings),
+            };
+            let help = "Edges of boundaries that cross each other, by a test with exact arithmetic";
+            row(ui, "Crossings", &words, help);
         }
         row(
             ui,

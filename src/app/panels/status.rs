@@ -145,6 +145,7 @@ fn warning(context: &PanelContext<'_>, view: &mut View) -> Option<Warning> {
     let mut all = Vec::new();
     all.extend(exploded(now, &facts));
     all.extend(inside(now.inside));
+    all.extend(crossed(now));
     all.extend(inside_out(now, &facts).or_else(|| folded(now)));
     all.extend(strip_warning(now));
     if view.slow {
@@ -200,6 +201,20 @@ fn folded(now: &Snapshot) -> Option<Warning> {
                    at rest like this is in a local minimum of its elastic energy and stays there."
             .to_owned();
     Some(Warning { kind: "folded", text, details, advice: Some(Advice::just(Cause::Forces, Remedy::Untangle)) })
+}
+
+/// Warning about surfaces that cross each other.
+fn crossed(now: &Snapshot) -> Option<Warning> {
+    let text = match now.crossings {
+        None | Some((0, _)) => return None,
+        Some((1, _)) => "Surfaces cross each other in 1 place".to_owned(),
+        Some((many, _)) => format!("Surfaces cross each other in {many} places"),
+    };
+    let details = format!(
+        "{text}. They began like this. What is inside another body is let out at a tenth of the wave speed, where there is a way; what \
+         is outside stays outside."
+    );
+    Some(Warning { kind: "crossing", text, details, advice: None })
 }
 
 /// Warning about bodies that start inside a wall.

@@ -77,7 +77,7 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
         ui.set_width(240.0);
         let room = ui.ctx().content_rect().height() - 170.0;
-        let list = ScrollArea::vertical().max_height(room).auto_shrink([false, true]);
+        let list = ScrollArea::vertical().max_height(room).min_scrolled_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
                 for (index, entry) in context.gallery.entries().iter().enumerate() {

@@ -227,7 +227,7 @@ pub struct Linearised<'a> {
 impl Linearised<'_> {
     /// Block of two of its vertices.
     ///
-    /// With the direction t of an edge of length L, d = [`EDGE`] and q = w t, the second derivative of the distance from it is
+    /// With the direction t of an edge of length L, d = (0, -1, 1) and q = w t, the second derivative of the distance from it is
     /// `-((d n) q' + q (d n)')/L - g (d n) (d n)'/L²`, and that of the distance of two points `q q'/g`: both follow from
     /// `dn = -t (n . d x)/L` for the edge and `dn = t (t . w x)/g` for the points.
     pub fn block(&self, i: usize, j: usize) -> Matrix2<f64> {

@@ -559,7 +559,6 @@ fn a_pressed_disk_follows_hertz() {
         let modulus = young / (1.0 - poisson * poisson);
         let half_width = (4.0 * force * radius / (std::f64::consts::PI * modulus)).sqrt();
         let expected = 2.0 * force / (std::f64::consts::PI * modulus) * (2.0 * (4.0 * radius / half_width).ln() - 1.0);
-        println!("{rings} rings: force {force}, a/R {}, approach {approach}, expected {expected}", half_width / radius);
         approach / expected - 1.0
     };
     let errors = [8, 16, 32].map(error);

@@ -388,3 +388,66 @@ fn bodies_that_press_on_each_other_sleep_together() {
     assert!(slept && !asleep(&simulation).contains(&true), "the blow woke both");
     assert_eq!(simulation.count_crossings(), Some(0));
 }
+
+/// sin and cos of the angle of a slope with tan 0.5.
+const SLOPE: [f64; 2] = [0.447_213_595_499_958, 0.894_427_190_999_916];
+
+/// A stiff damped block on a body of that slope, whose vertices are all pinned.
+fn on_slope(friction: f64) -> Level {
+    let pins = (0..82).map(|vertex| format!("Vertex({vertex})")).collect::<Vec<_>>().join(", ");
+    level(&format!(
+        "(name: \"\", bodies: [
+            (name: \"slope\", mesh: Rectangle(corner: (-0.8, -0.06), width: 1.1, height: 0.05, columns: 40, rows: 1),
+                place: (turn: 26.565051177077990),
+                material: (model: Corotated, young: 20000, poisson: 0.3, plane: Stress), mass: Density(100), pins: [{pins}]),
+            (name: \"block\", mesh: Rectangle(corner: (0, 0), width: 0.2, height: 0.1, columns: 8, rows: 4),
+                place: (turn: 26.565051177077990),
+                material: (model: Corotated, young: 20000, poisson: 0.3, plane: Stress), mass: Density(100))],
+        effects: [(effect: Gravity(down: 9.81)), (effect: Rayleigh(mass: 0, stiffness: 0.001)), (effect: Friction(coefficient: {friction})),
+            (effect: Contact(modulus: 1, dissipation: 10))])"
+    ))
+}
+
+/// Friction between bodies is that of Coulomb as on an obstacle, although contacts pass from edge to edge of the slope.
+#[test]
+fn a_block_slides_on_a_body_as_coulomb_says() {
+    let slid = |simulation: &Simulation| {
+        let (scene, x) = (simulation.scene(), &simulation.state().x);
+        let block = scene.numbers(&scene.bodies[1].vertices);
+        let along = |number: usize| if number.is_multiple_of(2) { SLOPE[1] } else { SLOPE[0] };
+        let moved = |number: usize| scene.mass[number] * along(number) * (scene.rest[number] - x[number]);
+        2.0 * block.clone().map(moved).sum::<f64>() / scene.mass[block].iter().sum::<f64>()
+    };
+    let advance = |simulation: &mut Simulation, time: f64| {
+        simulation.advance((time / simulation.scene().step).round() as u64, &mut || true);
+        assert!(simulation.fault().is_none(), "{:?}", simulation.fault());
+    };
+    for (scheme, step) in [
+        ("SymplecticEuler()", 0.1),
+        ("VelocityVerlet()", 0.1),
+        ("RungeKutta4()", 0.2),
+        ("DormandPrince(relative: 1e-6, absolute: 1e-6)", 12.5),
+        ("ImplicitEuler()", 12.5),
+        ("ImplicitMidpoint()", 1.0),
+        ("Bdf2()", 12.5),
+    ] {
+        for friction in [0.4, 0.51] {
+            let mut simulation = started(&on_slope(1.0), scheme, 1e-3 * step);
+            advance(&mut simulation, 1.0);
+            simulation.replace_scene(started(&on_slope(friction), scheme, 1e-3 * step).scene().clone());
+            let places = [0.3, 0.3, 0.3].map(|time| {
+                advance(&mut simulation, time);
+                slid(&simulation)
+            });
+            if friction > 0.5 {
+                let crept = places[2] - places[0];
+                assert!(crept.abs() < 1e-5, "{scheme}: crept {crept:e} m in 0.6 s");
+                continue;
+            }
+            let acceleration = (places[2] - 2.0 * places[1] + places[0]) / (0.3 * 0.3);
+            let error = acceleration / (9.81 * SLOPE[1] * (0.5 - friction)) - 1.0;
+            // 2 % of the acceleration are 0.5 % of the friction, from which it is a small difference.
+            assert!(error.abs() < 0.02, "{scheme}: {error:e}");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::{
     SurfaceVertices,
-    touch::{length, pair},
+    touch::{length, vector},
 };
 
 /// An edge and a vertex, by their places in the lists of [`SurfaceVertices`].
@@ -77,7 +77,7 @@ impl Candidates {
         cells.clear();
         long.clear();
         for (number, edge) in surface.edges().iter().enumerate() {
-            let [a, b] = edge.ends.map(|vertex| pair(x, vertex));
+            let [a, b] = edge.ends.map(|vertex| vector(x, vertex));
             let [left, right] = [a[0].min(b[0]) - distance, a[0].max(b[0]) + distance].map(place);
             let [bottom, top] = [a[1].min(b[1]) - distance, a[1].max(b[1]) + distance].map(place);
             // A number that is not finite is in no cell, and the step is refused.
@@ -91,7 +91,7 @@ impl Candidates {
         }
         cells.sort_unstable();
         for (number, vertex) in surface.iter().enumerate() {
-            let [px, py] = pair(x, vertex.vertex);
+            let [px, py] = vector(x, vertex.vertex);
             let own = key(place(px), place(py));
             let from = cells.partition_point(|(cell, _)| *cell < own);
             let here = cells[from..].iter().take_while(|(cell, _)| *cell == own).map(|(_, edge)| *edge);
@@ -111,7 +111,7 @@ impl List {
     /// Remembers the positions that the list is of.
     fn mark(&mut self, surface: &SurfaceVertices, x: &[f64]) {
         self.at.clear();
-        self.at.extend(surface.iter().map(|vertex| pair(x, vertex.vertex)));
+        self.at.extend(surface.iter().map(|vertex| vector(x, vertex.vertex)));
     }
 
     /// Whether no vertex has moved by more than a distance \[m\].
@@ -121,7 +121,7 @@ impl List {
         }
         let Self { at, shifts, .. } = self;
         let moved = |(vertex, [ax, ay]): (&super::SurfaceVertex, &[f64; 2])| {
-            let [px, py] = pair(x, vertex.vertex);
+            let [px, py] = vector(x, vertex.vertex);
             [px - ax, py - ay]
         };
         let all = || surface.iter().zip(&*at).map(moved);
@@ -153,8 +153,8 @@ fn mean<I: Iterator<Item = [f64; 2]>>(all: impl Fn() -> I, part: std::ops::Range
 
 /// Square of the distance of a vertex from an edge \[m²\].
 pub(super) fn squared_distance(surface: &SurfaceVertices, x: &[f64], [edge, vertex]: Pair) -> f64 {
-    let [a, b] = surface.edges()[edge as usize].ends.map(|end| pair(x, end));
-    let point = pair(x, surface.at(vertex).vertex);
+    let [a, b] = surface.edges()[edge as usize].ends.map(|end| vector(x, end));
+    let point = vector(x, surface.at(vertex).vertex);
     let ([ex, ey], [px, py]) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let square = ex * ex + ey * ey;
     let t = if square > 0.0 { ((px * ex + py * ey) / square).clamp(0.0, 1.0) } else { 0.0 };

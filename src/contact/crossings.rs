@@ -1,6 +1,6 @@
 //! Certificate that nothing has crossed: an exact test, independent of how contact is computed.
 
-use super::{SurfaceVertices, touch::pair};
+use super::{SurfaceVertices, touch::vector};
 use crate::obstacles::{segments_meet, side_of};
 
 /// Ends of an edge, by number and position.
@@ -10,11 +10,11 @@ type Edge = ([u32; 2], [[f64; 2]; 2]);
 /// particles of nets inside bodies. Zero is a proof, because [`segments_meet`] is exact. Positions that are not finite count as
 /// one.
 pub fn count_crossings(surface: &SurfaceVertices, x: &[f64]) -> usize {
-    if !surface.iter().all(|vertex| pair(x, vertex.vertex).iter().all(|number| number.is_finite())) {
+    if !surface.iter().all(|vertex| vector(x, vertex.vertex).iter().all(|number| number.is_finite())) {
         return 1;
     }
     // Sorted by their left ends, so that only edges that overlap along x are compared.
-    let ends = |edge: &super::SurfaceEdge| (edge.ends, edge.ends.map(|end| pair(x, end)));
+    let ends = |edge: &super::SurfaceEdge| (edge.ends, edge.ends.map(|end| vector(x, end)));
     let mut edges: Vec<Edge> = surface.edges().iter().map(ends).collect();
     let left = |(_, [a, b]): &Edge| a[0].min(b[0]);
     edges.sort_unstable_by(|a, b| left(a).total_cmp(&left(b)));
@@ -27,7 +27,7 @@ pub fn count_crossings(surface: &SurfaceVertices, x: &[f64]) -> usize {
         }
     }
     let particles = surface.iter().filter(|vertex| !surface.is_body(vertex.part));
-    count + particles.filter(|vertex| is_inside(&edges, pair(x, vertex.vertex))).count()
+    count + particles.filter(|vertex| is_inside(&edges, vector(x, vertex.vertex))).count()
 }
 
 /// Whether a point is inside the boundary: a ray to the right crosses it an odd number of times.

@@ -39,7 +39,7 @@ impl Potential {
     /// \[Pa\]. Returns also whether it sticks.
     pub(super) fn traction(self, u: f64, damping: f64, limit: f64) -> (f64, bool) {
         let wanted = self.tangential_stiffness() * u + damping;
-        (wanted.clamp(-limit, limit), wanted.abs() < limit)
+        (limited(wanted, limit), wanted.abs() < limit)
     }
 
     /// Energy of the spring of friction per area [J/m²].
@@ -51,6 +51,11 @@ impl Potential {
     /// Displacement from the anchor after it was dragged \[m\].
     pub(super) fn dragged(self, u: f64, limit: f64) -> f64 {
         let most = limit / self.tangential_stiffness();
-        u.clamp(-most, most)
+        limited(u, most)
     }
+}
+
+/// A value of at most this size. A limit that is not a number, as in a state that has exploded, does not matter.
+const fn limited(value: f64, limit: f64) -> f64 {
+    value.max(-limit).min(limit)
 }

@@ -1,7 +1,7 @@
 //! Contact of the vertices of a scene with obstacles.
 
 use super::{
-    ContactName, ContactTerm, Curvature, Place, Potential, Skin, SurfaceVertex, SurfaceVertices, Touch, touch::pair,
+    ContactName, ContactTerm, Curvature, Place, Potential, Skin, SurfaceVertex, SurfaceVertices, Touch, touch::vector,
 };
 use crate::{
     effects::{Bounds, Motion, NO_OBSTACLE_NEAR},
@@ -42,7 +42,7 @@ impl ObstacleContact {
     fn bounds(&self, x: &[f64]) -> Bounds {
         let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         for (vertex, _) in &self.vertices {
-            let point = pair(x, vertex.vertex);
+            let point = vector(x, vertex.vertex);
             for axis in 0..2 {
                 bounds[0][axis] = bounds[0][axis].min(point[axis]);
                 bounds[1][axis] = bounds[1][axis].max(point[axis]);
@@ -69,14 +69,14 @@ impl ContactTerm for ObstacleContact {
                 continue;
             }
             for (vertex, potential) in &self.vertices {
-                let x = pair(motion.x, vertex.vertex);
+                let x = vector(motion.x, vertex.vertex);
                 let seen = if still { x } else { at.back(x) };
                 // The skin begins at the contact margin, or at its thickness if that is greater.
                 let offset = (obstacle.margin() - potential.thickness).max(0.0);
                 let Some(contact) = obstacle.distance(seen, potential.thickness + offset) else { continue };
                 let [nx, ny] = if still { contact.normal } else { at.normal(contact.normal) };
                 let ([vx, vy], [wx, wy]) =
-                    (pair(motion.v, vertex.vertex), if still { [0.0; 2] } else { at.velocity_at(x) });
+                    (vector(motion.v, vertex.vertex), if still { [0.0; 2] } else { at.velocity_at(x) });
                 let (vx, vy) = (vx - wx, vy - wy);
                 let name = ContactName { effect: self.number, surface: number as u32, vertex: vertex.vertex };
                 let mut touch = Touch {
@@ -112,7 +112,7 @@ impl ContactTerm for ObstacleContact {
 
     fn square_frequency(&self, motion: Motion<'_>) -> f64 {
         let square = |(vertex, potential): &(SurfaceVertex, Potential)| {
-            let inverse = pair(motion.inverse_mass, vertex.vertex);
+            let inverse = vector(motion.inverse_mass, vertex.vertex);
             vertex.area * potential.greatest_stiffness() * inverse[0].max(inverse[1])
         };
         self.vertices.iter().map(square).fold(0.0, f64::max)

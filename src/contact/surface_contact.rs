@@ -5,7 +5,7 @@ use super::{
     SurfaceVertices, Touch,
     candidates::squared_distance,
     count_crossings,
-    touch::{length, pair},
+    touch::{length, vector},
 };
 use crate::{
     effects::{Motion, NO_OBSTACLE_NEAR},
@@ -48,7 +48,7 @@ struct Seen {
 
 impl Seen {
     fn new(x: &[f64], edge: &SurfaceEdge, [px, py]: [f64; 2]) -> Self {
-        let [[ax, ay], [bx, by]] = edge.ends.map(|end| pair(x, end));
+        let [[ax, ay], [bx, by]] = edge.ends.map(|end| vector(x, end));
         let length = length([bx - ax, by - ay]);
         let [ex, ey] = [(bx - ax) / length, (by - ay) / length];
         let (px, py) = (px - ax, py - ay);
@@ -124,14 +124,14 @@ impl SurfaceContact {
     }
 
     /// Distance of a pair \[m\].
-    fn distance(&self, x: &[f64], pair_: Pair) -> f64 {
-        let (edge, vertex) = self.members(pair_);
-        let point = pair(x, vertex.vertex);
+    fn distance(&self, x: &[f64], pair: Pair) -> f64 {
+        let (edge, vertex) = self.members(pair);
+        let point = vector(x, vertex.vertex);
         let seen = Seen::new(x, edge, point);
         if seen.share > 0.0 && seen.share < 1.0 {
             return seen.distance.abs();
         }
-        let [px, py] = pair(x, edge.ends[usize::from(seen.share >= 1.0)]);
+        let [px, py] = vector(x, edge.ends[usize::from(seen.share >= 1.0)]);
         length([point[0] - px, point[1] - py])
     }
 
@@ -142,12 +142,12 @@ impl SurfaceContact {
     }
 
     /// Whether the vertex of a pair is not inside another body, as far as the edge tells.
-    pub(super) fn is_outside(&self, x: &[f64], pair_: Pair) -> bool {
-        let (edge, vertex) = self.members(pair_);
+    pub(super) fn is_outside(&self, x: &[f64], pair: Pair) -> bool {
+        let (edge, vertex) = self.members(pair);
         if edge.part == vertex.part {
             return true;
         }
-        let point = pair(x, vertex.vertex);
+        let point = vector(x, vertex.vertex);
         let seen = Seen::new(x, edge, point);
         if seen.share > 0.0 && seen.share < 1.0 {
             return seen.distance > 0.0;
@@ -191,16 +191,16 @@ impl SurfaceContact {
     }
 
     /// Calls `act` for everything that touches in a pair.
-    fn each_of(&self, motion: Motion<'_>, pair_: Pair, act: &mut dyn FnMut(&Touch)) {
-        let (edge, vertex) = self.members(pair_);
-        if !self.can_touch(pair_) {
+    fn each_of(&self, motion: Motion<'_>, pair: Pair, act: &mut dyn FnMut(&Touch)) {
+        let (edge, vertex) = self.members(pair);
+        if !self.can_touch(pair) {
             return;
         }
-        let (point, potential) = (pair(motion.x, vertex.vertex), self.potential(edge.part, vertex.part));
+        let (point, potential) = (vector(motion.x, vertex.vertex), self.potential(edge.part, vertex.part));
         let seen = Seen::new(motion.x, edge, point);
         let own = edge.part == vertex.part;
         // A vertex inside its own body may be next to the opposite boundary; one that began inside another body is let out.
-        let penetration = || self.kept(motion, pair_).map_or(0.0, |anchor| anchor.penetration);
+        let penetration = || self.kept(motion, pair).map_or(0.0, |anchor| anchor.penetration);
         let deepest = match seen.distance {
             0.0.. => 0.0,
             _ if own => 0.0,
@@ -215,31 +215,31 @@ impl SurfaceContact {
         // Inside a body only the nearest edge pushes.
         let acts = outside(&seen) && (seen.distance > 0.0 || edge.neighbours.into_iter().all(is_nearest));
         if within(&seen) && acts && seen.distance < potential.thickness {
-            act(&self.at_edge(motion, pair_, &seen));
+            act(&self.at_edge(motion, pair, &seen));
         }
         let [before, after] = edge.neighbours;
-        let next = Some([after, pair_[1]]).filter(|pair| self.can_touch(*pair));
+        let next = Some([after, pair[1]]).filter(|pair| self.can_touch(*pair));
         let next = next.map(|pair| Seen::new(motion.x, &self.surface.edges()[pair[0] as usize], point));
         // The corner at the end belongs to this edge, and that at the start only if the edge before cannot touch.
         let (at_end, at_start) = (seen.share >= 1.0, seen.share <= 0.0);
         match next {
             Some(next) if at_end && next.share <= 0.0 => {
-                self.at_corner(motion, pair_, (1, [seen.normal(), next.normal()]), 1.0, act);
+                self.at_corner(motion, pair, (1, [seen.normal(), next.normal()]), 1.0, act);
             }
             Some(next) if within(&seen) && within(&next) && seen.distance.min(next.distance) > 0.0 => {
-                self.at_corner(motion, pair_, (1, [seen.normal(), next.normal()]), -1.0, act);
+                self.at_corner(motion, pair, (1, [seen.normal(), next.normal()]), -1.0, act);
             }
-            None if at_end => self.at_corner(motion, pair_, (1, [seen.normal(); 2]), 1.0, act),
+            None if at_end => self.at_corner(motion, pair, (1, [seen.normal(); 2]), 1.0, act),
             _ => {}
         }
-        if at_start && !self.can_touch([before, pair_[1]]) {
-            self.at_corner(motion, pair_, (0, [seen.normal(); 2]), 1.0, act);
+        if at_start && !self.can_touch([before, pair[1]]) {
+            self.at_corner(motion, pair, (0, [seen.normal(); 2]), 1.0, act);
         }
     }
 
     /// A vertex that touches an edge between its ends.
-    fn at_edge(&self, motion: Motion<'_>, pair_: Pair, seen: &Seen) -> Touch {
-        let (edge, vertex) = self.members(pair_);
+    fn at_edge(&self, motion: Motion<'_>, pair: Pair, seen: &Seen) -> Touch {
+        let (edge, vertex) = self.members(pair);
         let (t, [ex, ey], [nx, ny]) = (seen.share, seen.along, seen.normal());
         let weights = [1.0, t - 1.0, -t];
         // The slip is the length times the derivative of the share.
@@ -249,7 +249,7 @@ impl SurfaceContact {
         let [a, b] = edge.ends;
         self.touch(
             motion,
-            pair_,
+            pair,
             Touch {
                 vertices: [vertex.vertex, a, b],
                 count: 3,
@@ -263,7 +263,7 @@ impl SurfaceContact {
                     around: edge.arc[1],
                     stretch: seen.length / edge.length,
                 },
-                ..self.blank(pair_)
+                ..self.blank(pair)
             },
         )
     }
@@ -272,14 +272,14 @@ impl SurfaceContact {
     fn at_corner(
         &self,
         motion: Motion<'_>,
-        pair_: Pair,
+        pair: Pair,
         (end, normals): (usize, [[f64; 2]; 2]),
         sign: f64,
         act: &mut dyn FnMut(&Touch),
     ) {
-        let (edge, vertex) = self.members(pair_);
+        let (edge, vertex) = self.members(pair);
         let corner = edge.ends[end];
-        let ([px, py], [cx, cy]) = (pair(motion.x, vertex.vertex), pair(motion.x, corner));
+        let ([px, py], [cx, cy]) = (vector(motion.x, vertex.vertex), vector(motion.x, corner));
         let (dx, dy) = (px - cx, py - cy);
         let gap = length([dx, dy]);
         let outward = normals.iter().map(|[nx, ny]| nx * dx + ny * dy).sum::<f64>();
@@ -290,8 +290,8 @@ impl SurfaceContact {
         let [nx, ny] = [dx / gap, dy / gap];
         let along = [-ny, nx];
         // The edge turns with the corner, so that friction has no moment.
-        let [ax, ay] = pair(motion.x, edge.ends[0]);
-        let [bx, by] = pair(motion.x, edge.ends[1]);
+        let [ax, ay] = vector(motion.x, edge.ends[0]);
+        let [bx, by] = vector(motion.x, edge.ends[1]);
         let square = (bx - ax) * (bx - ax) + (by - ay) * (by - ay);
         let turn = [gap * (by - ay) / square, gap * (ax - bx) / square];
         let mut slips = [along, [-turn[0], -turn[1]], turn];
@@ -299,10 +299,10 @@ impl SurfaceContact {
         slips[1 + end][1] -= along[1];
         let mut weights = [1.0, 0.0, 0.0];
         weights[1 + end] = -1.0;
-        let blank = self.blank(pair_);
+        let blank = self.blank(pair);
         act(&self.touch(
             motion,
-            pair_,
+            pair,
             Touch {
                 vertices: [vertex.vertex, edge.ends[0], edge.ends[1]],
                 count: 3,
@@ -310,7 +310,6 @@ impl SurfaceContact {
                 normal: [nx, ny],
                 slips,
                 area: sign * blank.area,
-                friction: if sign > 0.0 { self.friction } else { 0.0 },
                 gap,
                 curvature: Curvature::Points,
                 place: Place::Loop { along: edge.arc[0] + end as f64 * edge.length, around: edge.arc[1], stretch: 1.0 },
@@ -348,16 +347,14 @@ impl SurfaceContact {
     }
 
     /// Completes a contact: velocities, and its memory or that of the next edge that the vertex came from.
-    fn touch(&self, motion: Motion<'_>, pair_: Pair, mut touch: Touch) -> Touch {
+    fn touch(&self, motion: Motion<'_>, pair: Pair, mut touch: Touch) -> Touch {
         let [nx, ny] = touch.normal;
         for i in 0..touch.count {
-            let [vx, vy] = pair(motion.v, touch.vertices[i]);
+            let [vx, vy] = vector(motion.v, touch.vertices[i]);
             touch.approach += touch.weights[i] * (nx * vx + ny * vy);
             touch.sliding += touch.slips[i][0] * vx + touch.slips[i][1] * vy;
         }
-        if touch.area > 0.0
-            && let Some(anchor) = self.kept(motion, pair_)
-        {
+        if let Some(anchor) = self.kept(motion, pair) {
             touch.remember(anchor);
         }
         touch
@@ -426,11 +423,11 @@ impl ContactTerm for SurfaceContact {
 
     fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         self.each(motion, act);
-        for pair_ in self.inside(motion.x) {
-            let (edge, vertex) = self.members(pair_);
-            let seen = Seen::new(motion.x, edge, pair(motion.x, vertex.vertex));
+        for pair in self.inside(motion.x) {
+            let (edge, vertex) = self.members(pair);
+            let seen = Seen::new(motion.x, edge, vector(motion.x, vertex.vertex));
             if seen.share > 0.0 && seen.share < 1.0 && seen.distance < 0.0 {
-                act(&self.at_edge(motion, pair_, &seen));
+                act(&self.at_edge(motion, pair, &seen));
             }
         }
     }
@@ -439,7 +436,7 @@ impl ContactTerm for SurfaceContact {
     fn square_frequency(&self, motion: Motion<'_>) -> f64 {
         let parts = self.surface.parts();
         let square = |vertex: &SurfaceVertex| {
-            let inverse = pair(motion.inverse_mass, vertex.vertex);
+            let inverse = vector(motion.inverse_mass, vertex.vertex);
             let stiffness = (0..parts).map(|part| self.potential(vertex.part, part as u32).greatest_stiffness());
             2.0 * vertex.area * stiffness.fold(0.0, f64::max) * inverse[0].max(inverse[1])
         };

@@ -106,7 +106,8 @@ impl Touch {
 
     /// T \[Pa\], and whether it sticks.
     fn traction(&self) -> (f64, bool) {
-        let Some((u, _)) = self.memory else { return (0.0, false) };
+        // A new contact has not slipped yet.
+        let (u, _) = self.memory.unwrap_or_default();
         self.potential.traction(u, self.dissipation * self.pressure() * self.sliding, self.limit())
     }
 
@@ -139,7 +140,9 @@ impl Touch {
         let damping = if damped > 0.0 { area * self.dissipation * pressure } else { 0.0 };
         let along = [area * damped * self.potential.stiffness(self.gap), damping];
         let across = if self.traction().1 {
-            [area * self.potential.tangential_stiffness(), area * self.dissipation * pressure]
+            // A new contact has no anchor to move from.
+            let elastic = if self.memory.is_some() { self.potential.tangential_stiffness() } else { 0.0 };
+            [area * elastic, area * self.dissipation * pressure]
         } else {
             [0.0; 2]
         };
@@ -325,7 +328,7 @@ impl dyn ContactTerm + '_ {
             let linearised = touch.linearised(weights);
             for i in 0..touch.count {
                 for j in 0..touch.count {
-                    let ([x, y], block) = (pair(d, touch.vertices[j]), linearised.block(i, j));
+                    let ([x, y], block) = (vector(d, touch.vertices[j]), linearised.block(i, j));
                     let at = 2 * touch.vertices[i] as usize;
                     product[at] += block.m11 * x + block.m12 * y;
                     product[at + 1] += block.m21 * x + block.m22 * y;
@@ -339,7 +342,7 @@ impl dyn ContactTerm + '_ {
         let mut greatest = 0.0_f64;
         self.each(motion, &mut |touch| {
             let inverse = |i: usize| {
-                let [x, y] = pair(motion.inverse_mass, touch.vertices[i]);
+                let [x, y] = vector(motion.inverse_mass, touch.vertices[i]);
                 touch.weights[i].abs() * x.max(y)
             };
             greatest = greatest.max(touch.damping() * (0..touch.count).map(inverse).sum::<f64>());
@@ -378,7 +381,7 @@ pub(super) fn length([x, y]: [f64; 2]) -> f64 {
 }
 
 /// The two numbers of a vertex.
-pub(super) fn pair(values: &[f64], vertex: u32) -> [f64; 2] {
+pub(super) fn vector(values: &[f64], vertex: u32) -> [f64; 2] {
     let at = 2 * vertex as usize;
     [values[at], values[at + 1]]
 }

@@ -16,7 +16,7 @@
 use super::{
     Candidates, Pair, SurfaceContact,
     candidates::squared_distance,
-    touch::{length, pair},
+    touch::{length, vector},
 };
 use std::ops::Range;
 
@@ -108,14 +108,14 @@ fn meeting(from: Points, to: Points, distance: f64) -> Option<f64> {
 
 impl SurfaceContact {
     /// The vertex and the ends of the edge of a pair.
-    fn points(&self, x: &[f64], pair_: Pair) -> Points {
-        let (edge, vertex) = self.members(pair_);
-        [vertex.vertex, edge.ends[0], edge.ends[1]].map(|vertex| pair(x, vertex))
+    fn points(&self, x: &[f64], pair: Pair) -> Points {
+        let (edge, vertex) = self.members(pair);
+        [vertex.vertex, edge.ends[0], edge.ends[1]].map(|vertex| vector(x, vertex))
     }
 
     /// Numbers of the same vertices.
-    fn vertices(&self, pair_: Pair) -> [usize; 3] {
-        let (edge, vertex) = self.members(pair_);
+    fn vertices(&self, pair: Pair) -> [usize; 3] {
+        let (edge, vertex) = self.members(pair);
         [vertex.vertex, edge.ends[0], edge.ends[1]].map(|vertex| vertex as usize)
     }
 
@@ -136,7 +136,7 @@ impl SurfaceContact {
         moved.clear();
         let displacement = |place: usize| {
             let vertex = self.surface().at(place as u32).vertex;
-            let ([ax, ay], [bx, by]) = (pair(start, vertex), pair(x, vertex));
+            let ([ax, ay], [bx, by]) = (vector(start, vertex), vector(x, vertex));
             [bx - ax, by - ay]
         };
         let mut all = [0.0; 2];
@@ -268,10 +268,10 @@ impl SurfaceContact {
     /// Whether the vertex of a pair is inside the part of the edge.
     pub(super) fn is_inside(&self, x: &[f64], [edge, vertex]: Pair) -> bool {
         let part = self.surface().edges()[edge as usize].part;
-        let [px, py] = pair(x, self.surface().at(vertex).vertex);
+        let [px, py] = vector(x, self.surface().at(vertex).vertex);
         // A ray to the right crosses the boundary an odd number of times.
         let crossed = self.surface().edges().iter().filter(|edge| edge.part == part).filter(|edge| {
-            let [[ax, ay], [bx, by]] = edge.ends.map(|end| pair(x, end));
+            let [[ax, ay], [bx, by]] = edge.ends.map(|end| vector(x, end));
             let side = (bx - ax) * (py - ay) - (by - ay) * (px - ax);
             ay <= py && by > py && side > 0.0 || by <= py && ay > py && side < 0.0
         });
@@ -285,13 +285,13 @@ impl SurfaceContact {
     }
 
     /// Takes away the approach of a pair along the normal where it meets, beyond the distance that it keeps.
-    fn stop(&self, start: &[f64], inverse_mass: &[f64], [x, v]: [&mut [f64]; 2], pair_: Pair) {
-        let (from, to) = (self.points(start, pair_), self.points(x, pair_));
-        let floor = self.floor(start, pair_);
+    fn stop(&self, start: &[f64], inverse_mass: &[f64], [x, v]: [&mut [f64]; 2], pair: Pair) {
+        let (from, to) = (self.points(start, pair), self.points(x, pair));
+        let floor = self.floor(start, pair);
         let Some(share) = meeting(from, to, floor) else { return };
         let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
         let ([nx, ny], t, gap) = nearest(at);
-        let (weights, vertices) = ([1.0, t - 1.0, -t], self.vertices(pair_));
+        let (weights, vertices) = ([1.0, t - 1.0, -t], self.vertices(pair));
         let along = |of: &[f64]| {
             (0..3).map(|i| weights[i] * (nx * of[2 * vertices[i]] + ny * of[2 * vertices[i] + 1])).sum::<f64>()
         };
@@ -313,16 +313,16 @@ impl SurfaceContact {
     }
 
     /// Cuts the displacements of a pair at the line halfway between them at the start, or to nothing.
-    fn divide(&self, start: &[f64], x: &[f64], pair_: Pair, kept: &mut [f64], entirely: bool) {
-        let points = self.points(start, pair_);
+    fn divide(&self, start: &[f64], x: &[f64], pair: Pair, kept: &mut [f64], entirely: bool) {
+        let points = self.points(start, pair);
         let (normal, _, gap) = nearest(points);
         let along = |[px, py]: [f64; 2]| normal[0] * px + normal[1] * py;
-        let margin = 0.5 * (gap - 1.2 * self.floor(start, pair_));
-        for (i, vertex) in self.vertices(pair_).into_iter().enumerate() {
+        let margin = 0.5 * (gap - 1.2 * self.floor(start, pair));
+        for (i, vertex) in self.vertices(pair).into_iter().enumerate() {
             // The vertex may approach the edge by the margin, and the ends of the edge, as far as they are behind it, by more.
             let sign = if i == 0 { -1.0 } else { 1.0 };
             let behind = if i == 0 { 0.0 } else { along(points[0]) - gap - along(points[i]) };
-            let approach = sign * (along(pair(x, vertex as u32)) - along(points[i]));
+            let approach = sign * (along(vector(x, vertex as u32)) - along(points[i]));
             let limit = if entirely { 0.0 } else { (margin + behind.max(0.0)) / approach };
             if approach > 0.0 && limit < kept[vertex] || entirely {
                 kept[vertex] = limit.max(0.0);

@@ -1,6 +1,6 @@
 //! Random variations of the built-in levels, with every integrator and every constitutive model.
 
-use super::Account;
+use super::{Account, verdict::Count};
 use crate::{
     files,
     guard::Guard,
@@ -42,6 +42,8 @@ pub struct Outcome {
     pub guarded: u64,
     /// Greatest energy from nowhere, as a share of the energy put in (see [`Account`]).
     pub gain: f64,
+    /// Greatest number of crossings of surfaces after a step, if there were none at the start.
+    pub crossings: usize,
     /// Whether the last state and its energies are finite.
     pub finite: bool,
     /// Processor time \[s\].
@@ -85,8 +87,16 @@ impl Variation {
     /// Runs the variation, with the guard.
     pub fn run(&self) -> Outcome {
         let stopwatch = Stopwatch::start();
-        let mut outcome =
-            Outcome { refused: None, fault: None, steps: 0, guarded: 0, gain: 0.0, finite: true, seconds: 0.0 };
+        let mut outcome = Outcome {
+            refused: None,
+            fault: None,
+            steps: 0,
+            guarded: 0,
+            gain: 0.0,
+            crossings: 0,
+            finite: true,
+            seconds: 0.0,
+        };
         match Scene::build(&self.level, self.level.mode, &NoFiles, None)
             .and_then(|scene| Simulation::open(scene, &self.level, self.level.mode))
         {
@@ -104,6 +114,9 @@ impl Outcome {
         if !self.finite {
             return Some("not finite".to_owned());
         }
+        if self.crossings > 0 {
+            return Some(format!("surfaces crossed at {}", Count(self.crossings, "place", "places")));
+        }
         if self.fault.is_none() && self.gain > Guard::EXCESS {
             return Some(format!("energy from nowhere: {:.2} times what was put in", self.gain));
         }
@@ -113,6 +126,7 @@ impl Outcome {
 
 fn step(mut simulation: Simulation, outcome: &mut Outcome) {
     let mut account = Account::new(simulation.scene(), simulation.energies());
+    let begins_apart = simulation.count_crossings() == Some(0);
     for _ in 0..Variation::STEPS {
         simulation.perform_due(&mut |before, after| account.changed(before, after));
         let work = simulation.work_of_obstacles();
@@ -120,6 +134,9 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
         simulation.check_energy();
         account.supply(simulation.work_of_obstacles() - work);
         account.record(simulation.energies());
+        if begins_apart && let Some(crossings) = simulation.count_crossings() {
+            outcome.crossings = outcome.crossings.max(crossings);
+        }
         if simulation.fault().is_some() {
             break;
         }

@@ -116,6 +116,8 @@ pub(super) struct Scratch {
 impl Scratch {
     pub fn fit(&mut self, scene: &Scene) {
         self.workspace.forget();
+        // Pairs are of the surfaces of the old scene.
+        self.contacts = Contacts::default();
         reserve_scratch(&mut self.effects, scene.scratch());
         self.set_sleeping(scene, std::iter::empty());
         (self.clear_box, self.displacement_bound, self.inside) = (None, -1.0, Inside::Nothing);

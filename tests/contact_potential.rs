@@ -3,12 +3,12 @@
 
 mod common;
 
-use common::{Random, level, reopened};
+use common::{Random, SLOPE, integrator, level, reopened, started};
 use gingerbread::{
     contact::{Anchor, Potential, restitution},
     effects::Motion,
-    integrators::{Class, IntegratorKind},
-    level::{Level, RunMode, SubstepMode, Toggle},
+    integrators::Class,
+    level::{Level, RunMode, SubstepMode},
     levels,
     meshes::NoFiles,
     quantity::Velocity,
@@ -33,10 +33,6 @@ const SCHEMES: [&str; 12] = [
     "Bdf2()",
 ];
 
-fn integrator(text: &str) -> IntegratorKind {
-    level(&format!("(name: \"\", bodies: [], integrator: {text})")).integrator
-}
-
 /// A disk of 216 triangles and 12.5 kg, whose lowest point is 0.3 m above a floor.
 fn disk(gravity: f64, effects: &str) -> Level {
     level(&format!(
@@ -45,13 +41,6 @@ fn disk(gravity: f64, effects: &str) -> Level {
         effects: [(effect: Gravity(down: {gravity})), {effects}
             (effect: Walls(obstacles: [Plane(point: (0, 0), normal: (0, 1), eps: 0.01)]))])"
     ))
-}
-
-/// A simulation without guard and sleep in steps of a length [s].
-fn started(base: &Level, scheme: &str, step: f64) -> Simulation {
-    let level = Level { integrator: integrator(scheme), guard: Toggle::Off, sleep: Toggle::Off, ..base.clone() };
-    let scene = Scene { step, ..Scene::build(&level, level.mode, &NoFiles, None).unwrap() };
-    Simulation::open(scene, &level, level.mode).unwrap()
 }
 
 fn advance(simulation: &mut Simulation, time: f64) {
@@ -256,9 +245,6 @@ fn every_scheme_keeps_its_order_through_an_impact() {
         assert!((measured - order).abs() <= tolerance, "{scheme}: {measured}");
     }
 }
-
-/// sin and cos of the angle of a slope with tan 0.5.
-const SLOPE: [f64; 2] = [0.447_213_595_499_958, 0.894_427_190_999_916];
 
 /// A stiff damped block on that slope.
 fn on_slope(friction: f64) -> Level {

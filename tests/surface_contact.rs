@@ -3,28 +3,16 @@
 
 mod common;
 
-use common::{Random, level, reopened};
+use common::{Random, SLOPE, level, reopened, started};
 use gingerbread::{
     contact::{Anchor, Candidates, ContactTerm, SurfaceContact},
     effects::Motion,
-    integrators::IntegratorKind,
-    level::{Level, Toggle},
+    level::Level,
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
     solvers::{BlockMatrix, Tangent, Weights},
 };
-
-fn integrator(text: &str) -> IntegratorKind {
-    level(&format!("(name: \"\", bodies: [], integrator: {text})")).integrator
-}
-
-/// A simulation without guard and sleep in steps of a length [s].
-fn started(base: &Level, scheme: &str, step: f64) -> Simulation {
-    let level = Level { integrator: integrator(scheme), guard: Toggle::Off, sleep: Toggle::Off, ..base.clone() };
-    let scene = Scene { step, ..Scene::build(&level, level.mode, &NoFiles, None).unwrap() };
-    Simulation::open(scene, &level, level.mode).unwrap()
-}
 
 fn surface_contact(scene: &Scene) -> &SurfaceContact {
     scene.effects.iter().find_map(|effect| effect.surface_contact()).unwrap()
@@ -388,9 +376,6 @@ fn bodies_that_press_on_each_other_sleep_together() {
     assert!(slept && !asleep(&simulation).contains(&true), "the blow woke both");
     assert_eq!(simulation.count_crossings(), Some(0));
 }
-
-/// sin and cos of the angle of a slope with tan 0.5.
-const SLOPE: [f64; 2] = [0.447_213_595_499_958, 0.894_427_190_999_916];
 
 /// A stiff damped block on a body of that slope, whose vertices are all pinned.
 fn on_slope(friction: f64) -> Level {

@@ -274,8 +274,7 @@ pub trait ContactTerm: Send + Sync {
         false
     }
 
-    /// Whether blocks of the stiffness have a place in the matrix, as they do where only single vertices touch; with others see
-    /// [`super::SurfaceContact`].
+    /// Adds the weighted stiffness and damping. By default each contact has one vertex, and so one block on the diagonal.
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<2>() else { return };
         self.each(motion, &mut |touch| {

@@ -1,4 +1,4 @@
-//! What no skin stops: displacements are cut so that no vertex crosses an edge.
+//! Truncation of steps: where the skin is used up, displacements and velocities are changed so that no vertex crosses an edge.
 //!
 //! A vertex and an edge whose vertices move along straight lines do not meet before the line across their nearest points, which
 //! separates them, is reached by one of them. Conservative advancement repeats that from there (Mirtich, *Impulse-based Dynamic
@@ -12,6 +12,10 @@
 //! 3. Each vertex of a pair stays on its side of the line halfway between them, a planar division of space, and its velocity is
 //!    scaled as its displacement. Displacements only shrink, and a vertex that stays on its side once does so from then on, so
 //!    that this ends; with no displacement left, nothing has crossed.
+//!
+//! Impulses may bring together pairs that were too far apart before, so that a second call with [`Means::Cuts`] ends the step.
+//! Moved vertices may deform elements. If that gives more elastic energy than was lost, it is taken from the velocities of these
+//! vertices relative to each other, and what they do not have from those of their bodies.
 
 use super::{
     Candidates, Pair, SurfaceContact,
@@ -130,8 +134,8 @@ impl SurfaceContact {
         self.potential(edge.part, vertex.part).thickness
     }
 
-    /// Finds all pairs that may meet in a step from `start` to `x`, but those in which the vertex starts inside another body.
-    fn find_meetings(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) {
+    /// Finds all pairs that are near enough to each other to meet in a step from `start` to `x`.
+    fn find_pairs(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) {
         let Truncation { pairs, moved, search, .. } = scratch;
         moved.clear();
         let displacement = |place: usize| {
@@ -181,7 +185,7 @@ impl SurfaceContact {
 
     /// Largest multiple of the displacement from positions x to `end` \[m\] in which no vertex meets an edge.
     pub fn longest_step(&self, scratch: &mut Truncation, candidates: &mut Candidates, x: &[f64], end: &[f64]) -> f64 {
-        self.find_meetings(scratch, candidates, x, end);
+        self.find_pairs(scratch, candidates, x, end);
         scratch.pairs.iter().filter_map(|pair| self.meeting(x, end, *pair)).fold(f64::INFINITY, f64::min)
     }
 
@@ -194,7 +198,7 @@ impl SurfaceContact {
         (start, inverse_mass): (&[f64], &[f64]),
         [x, v]: [&mut [f64]; 2],
     ) -> usize {
-        self.find_meetings(scratch, candidates, start, x);
+        self.find_pairs(scratch, candidates, start, x);
         let Truncation { pairs, meeting, touched, kept, connected, sums, .. } = scratch;
         self.find_meeting(pairs, start, x, meeting);
         let count = meeting.len();
@@ -334,7 +338,7 @@ impl SurfaceContact {
 impl Truncation {
     /// Whether a step from `start` to x \[m\] has pairs that meet.
     pub fn meets(&mut self, contact: &SurfaceContact, candidates: &mut Candidates, start: &[f64], x: &[f64]) -> bool {
-        contact.find_meetings(self, candidates, start, x);
+        contact.find_pairs(self, candidates, start, x);
         self.pairs.iter().any(|pair| contact.meeting(start, x, *pair).is_some())
     }
 

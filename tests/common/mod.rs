@@ -10,7 +10,7 @@ use gingerbread::{
     command::{Command, Mode},
     files,
     integrators::IntegratorKind,
-    level::{Level, RunMode},
+    level::{Level, RunMode, Toggle},
     materials::{Material, MaterialParameters, Model, Plane, Visitor},
     meshes::NoFiles,
     quantity::{Poisson, Young},
@@ -54,6 +54,21 @@ pub fn rotation(angle: f64) -> Matrix2<f64> {
 pub fn level(text: &str) -> Level {
     files::parse(text, "test.ron").unwrap()
 }
+
+/// An integrator from its text in a level.
+pub fn integrator(text: &str) -> IntegratorKind {
+    level(&format!("(name: \"\", bodies: [], integrator: {text})")).integrator
+}
+
+/// A simulation with an integrator, without guard and sleep, in steps of a length [s].
+pub fn started(base: &Level, scheme: &str, step: f64) -> Simulation {
+    let level = Level { integrator: integrator(scheme), guard: Toggle::Off, sleep: Toggle::Off, ..base.clone() };
+    let scene = Scene { step, ..Scene::build(&level, level.mode, &NoFiles, None).unwrap() };
+    Simulation::open(scene, &level, level.mode).unwrap()
+}
+
+/// sin and cos of the angle of a slope with tan 0.5.
+pub const SLOPE: [f64; 2] = [0.447_213_595_499_958, 0.894_427_190_999_916];
 
 /// A level that ships, of fewer triangles, so that it runs quickly.
 pub fn coarse(text: &str, file: &str) -> Level {

@@ -46,7 +46,7 @@ impl Integrator for RungeKutta3 {
 
 impl FirstOrder for RungeKutta3 {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let ([start, at, k1, k2, k3], spare) = workspace.vectors(state.x.len() + state.v.len());
+        let [start, at, k1, k2, k3] = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(start);
         system.rate(0.0, start, k1);
         for ((at, start), k1) in at.iter_mut().zip(&*start).zip(&*k1) {
@@ -60,7 +60,7 @@ impl FirstOrder for RungeKutta3 {
         for ((((at, start), k1), k2), k3) in at.iter_mut().zip(&*start).zip(&*k1).zip(&*k2).zip(&*k3) {
             *at = start + h / 6.0 * (k1 + 4.0 * k2 + k3);
         }
-        system.apply_constraints(start, at, spare);
+        system.constrain(start, at);
         state.copy_from(at);
         StepCounts::ONE
     }

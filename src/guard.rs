@@ -24,9 +24,8 @@ use crate::{
 ///
 /// Between two changes from outside, nothing in a scene supplies energy: gravity and springs convert it, damping and
 /// contact dissipate it. The mechanical energy M (kinetic, elastic) and the potential P satisfy M + P <= supplied
-/// energy. A moving obstacle is external: its impulse on each vertex times its velocity there is added to the supplied
-/// energy. Where a scheme solves for the rest of a body with pushed vertices constrained, that is an estimate; in
-/// depenetration all gained energy is added. Schemes have a bounded relative error even when they are stable
+/// energy. A moving obstacle is external: its work on each vertex is added to the supplied energy, and so is that of a decreasing
+/// initial penetration. Schemes have a bounded relative error even when they are stable
 /// (symplectic Euler by up to h w / 2 of a vibration w), and explicit ones may drift slowly, which is a property to
 /// show. So a step counts as unstable if M is above twice the available energy and M + P grew by 8 % of M in this one
 /// step, as it does near and above the stability limit.
@@ -149,14 +148,6 @@ impl Guard {
         if let Some(put_in) = &mut self.put_in {
             *put_in += work;
         }
-    }
-
-    /// Accepts the energies of a stable scheme, where more energy was supplied than is known; see
-    /// [`Self::is_possible`].
-    pub fn allow(&mut self, after: Energies) {
-        self.put_in = self.put_in.map(|put_in| put_in.max(after.total()));
-        self.least = self.least.max(after.total());
-        self.last = None;
     }
 
     /// Whether a scene can have supplied energy up to this total \[J\]: at most 100 times the energy of its elements at a

@@ -31,8 +31,8 @@
 //! | [`meshes`] | triangle meshes: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`nets`] | particles and springs: chains, sheets, lists |
 //! | [`solvers`] | sparse matrices of small blocks, their factorisation, conjugate gradients, Newton's method |
-//! | [`obstacles`] | contact with rigid obstacles; the only module that uses parry2d |
-//! | [`effects`], [`elements`] and [`contact`] | forces and constraints: gravity, damping, walls, the triangles and springs, and contact by a potential |
+//! | [`obstacles`] | rigid obstacles and their motions: distances, normals, corners; the only module that uses parry2d |
+//! | [`effects`], [`elements`] and [`contact`] | forces: gravity, damping, the triangles and springs, and contact of bodies with obstacles and each other |
 //! | [`state`] | positions and velocities |
 //! | [`integrators`] | time integration, independent of physics |
 //! | [`toys`] | small systems with an exact solution: the circle, the pendulum |

@@ -16,6 +16,7 @@
 mod contacts;
 mod displacement_bound;
 mod energies;
+mod keep_apart;
 mod multirate;
 mod restart;
 mod script;
@@ -27,7 +28,6 @@ use crate::{
     fault::Fault,
     guard::{Guard, Verdict},
     integrators::{Class, Scheme, StepCounts},
-    obstacles::Inside,
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     state::State,
@@ -102,7 +102,7 @@ impl Simulation {
             elastic: RefCell::default(),
         };
         simulation.apply_sleep();
-        simulation.find_initial_penetrations();
+        simulation.begin_contacts();
         simulation
     }
 
@@ -136,13 +136,13 @@ impl Simulation {
         self.first = self.state.steps;
         self.revision += 1;
         self.shape += 1;
-        (self.scratch.clear_box, self.scratch.displacement_bound, self.scratch.inside) = (None, -1.0, Inside::Nothing);
+        (self.scratch.clear_box, self.scratch.displacement_bound) = (None, -1.0);
         self.grab = None;
         self.guard.reset();
         self.fault = None;
         self.seek();
         self.apply_sleep();
-        self.find_initial_penetrations();
+        self.begin_contacts();
     }
 
     /// Sets or ends the pull of the mouse.
@@ -315,7 +315,14 @@ impl Simulation {
         true
     }
 
-    /// Completes the memory of contacts in a state that no step led to: vertices in an obstacle get an initial penetration.
+    /// Finds the initial penetrations of a state that no step led to. One that steps led to has the memory of its contacts.
+    fn begin_contacts(&mut self) {
+        if self.state.steps == 0 || self.state.anchors.is_empty() {
+            self.find_initial_penetrations();
+        }
+    }
+
+    /// Completes the memory of contacts in a scene that no step led to: vertices in an obstacle get an initial penetration.
     fn find_initial_penetrations(&mut self) {
         if self.state.x.len() != self.scene.rest.len() {
             return;
@@ -346,7 +353,7 @@ impl Simulation {
         if self.state.steps >= self.first {
             self.scratch.count_steps(1);
             self.scratch.counts.guarded += u64::from(parts > 1);
-            self.scratch.counts.pushed_out += u64::from(self.pushes_out());
+            self.scratch.counts.pushed_out += u64::from(self.scratch.pushes_out);
         }
         self.state.steps += 1;
         self.revision += 1;
@@ -356,7 +363,7 @@ impl Simulation {
 
     /// One step of the scheme, of length h, from one time to another \[s\].
     fn integrate(&mut self, h: f64, time: [f64; 2]) {
-        (self.scratch.supplied, self.scratch.inside, self.scratch.kinetic) = (0.0, Inside::Nothing, None);
+        (self.scratch.supplied, self.scratch.pushes_out, self.scratch.kinetic) = (0.0, false, None);
         if self.multirate.is_active() {
             return self.integrate_each(h, time);
         }
@@ -379,7 +386,7 @@ impl Simulation {
         self.scratch.workspace = workspace;
         self.scratch.reduce_displacement_bound(h);
         if self.scratch.clear_box.is_some() {
-            self.scratch.pass_over_constraints();
+            self.scratch.pass_over_obstacles();
         }
         self.scratch.counts.add(&counts);
         self.guard.supply(self.scratch.supplied);
@@ -397,13 +404,6 @@ impl Simulation {
             return !self.ends_frame() || self.keeps_bound();
         }
         let after = self.energies();
-        let total = after.total();
-        let is_solved = self.scene.integrator.kind().class() == Class::Implicit;
-        if self.pushes_out() && is_solved && self.guard.is_possible(&self.scene, total) {
-            // The work of depenetration is unknown with implicit schemes.
-            self.guard.allow(after);
-            return true;
-        }
         let mut verdict = self.guard.judge(&self.scene, None, after);
         if verdict == Verdict::Unknown {
             self.go_back_to(self.state.steps - 1);

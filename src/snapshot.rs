@@ -20,7 +20,6 @@ use crate::{
     inversion_recovery::Tangle,
     level::Level,
     meshes::Mesh,
-    obstacles::Inside,
     report::EffectCost,
     sandbox::Sandbox,
     scene::{Body, extent},
@@ -96,7 +95,7 @@ pub struct Snapshot {
     /// Number of steps that the guard divided.
     pub guarded: u64,
     /// Whether a vertex is inside a wall, and whether it is pushed out.
-    pub inside: Inside,
+    pub inside: usize,
     /// Multirate substeps of each body and then each net; empty without multirate stepping.
     pub substep_plans: Vec<SubstepPlan>,
     /// Number of sleeping bodies and nets.
@@ -248,7 +247,7 @@ impl Sandbox {
         snapshot.costs.extend_from_slice(simulation.costs());
         snapshot.fault = simulation.fault().cloned();
         (snapshot.guard_substeps, snapshot.guarded) = (simulation.guard_substeps(), simulation.counts().guarded);
-        snapshot.inside = simulation.inside();
+        snapshot.inside = simulation.count_inside();
         snapshot.substep_plans.clear();
         snapshot.substep_plans.extend(simulation.substep_plans());
         snapshot.messages.clone_from(&scene.messages);

@@ -53,7 +53,9 @@ fn every_command_tells_the_warnings_of_check() {
         .replace("(0.2, 0.2)", "(9, 9)")
         .replace("))])", "))], effects: [(effect: Boundary(least: (0, 0), greatest: (1, 1)))])");
     let outside = folder.with("outside.ron", &outside);
-    for (level, told) in [(&level, warning), (&outside, "6 vertices begin inside walls or outside the domain")] {
+    for (level, told) in
+        [(&level, warning), (&outside, "6 vertices begin inside walls, other bodies or outside the domain")]
+    {
         let output = gingerbread(&["run", level, "--steps", "2", "--report", &report]);
         assert!(output.status.success() && said(&output.stderr).contains(told), "{}", said(&output.stderr));
         let warnings = json(&report)["warnings"].to_string();

@@ -10,6 +10,7 @@ use gingerbread::{
     integrators::Class,
     level::{Level, RunMode, SubstepMode},
     levels,
+    materials::Model,
     meshes::NoFiles,
     quantity::Velocity,
     scene::Scene,
@@ -140,7 +141,9 @@ fn forces_and_stiffness_are_derivatives() {
         }
         assert!(touched > 8, "{touched}");
         // The matrix and the product agree, and the damping is the slope of the force by velocity.
-        let mut matrix = BlockMatrix::<2>::new(count / 2, &[]);
+        let mut pairs = Vec::new();
+        effect.sparsity_pattern(&[], &mut |a, b| pairs.push([a, b]));
+        let mut matrix = BlockMatrix::<2>::new(count / 2, &pairs);
         let weights = Weights { position: 0.0, velocity: 1.0, tangent: Tangent::Exact };
         effect.add_stiffness(at(&x, &v, &anchors), weights, &mut matrix);
         let d: Vec<_> = (0..count).map(|_| random.between(-1.0, 1.0)).collect();
@@ -158,7 +161,7 @@ fn forces_and_stiffness_are_derivatives() {
         assert!(matched >= count - 8, "{matched} of {count}");
         let mut times = vec![0.0; count];
         effect.stiffness_times(at(&x, &v, &anchors), &d, &mut times);
-        let mut matrix = BlockMatrix::<2>::new(count / 2, &[]);
+        let mut matrix = BlockMatrix::<2>::new(count / 2, &pairs);
         effect.add_stiffness(at(&x, &v, &anchors), Weights { position: 1.0, velocity: 0.0, ..weights }, &mut matrix);
         let mut product = vec![0.0; count];
         matrix.add_product(&d, &mut product);
@@ -199,17 +202,26 @@ fn bouncing_gains_no_energy() {
     }
 }
 
-/// Error control works through impacts: few steps are rejected, also in hard ones.
+/// Error control works through impacts: few steps are rejected, also in hard ones. Under 9.8 m/s² corotated triangles are crushed
+/// inside out, and the outsides of their boundary with them: there the disk touches the floor alone.
 #[test]
 fn dormand_prince_rejects_few_steps_in_impacts() {
-    for (gravity, share) in [(2.0, 0.05), (9.8, 0.2)] {
+    let with_self = "(effect: Contact()),";
+    let of_model = |level: Level, model: Model| {
+        let mut level = level;
+        level.bodies[0].material = level.bodies[0].material.with_model(model);
+        level
+    };
+    for (level, share) in
+        [(disk(2.0, with_self), 0.05), (of_model(disk(9.8, with_self), Model::NeoHookean), 0.2), (disk(9.8, ""), 0.2)]
+    {
         for tolerance in ["1e-4", "1e-6"] {
             let scheme = format!("DormandPrince(relative: {tolerance}, absolute: {tolerance})");
-            let mut simulation = started(&disk(gravity, "(effect: Contact()),"), &scheme, 1.0 / 60.0);
+            let mut simulation = started(&level, &scheme, 1.0 / 60.0);
             advance(&mut simulation, 3.0);
             let counts = simulation.counts();
             let rejected = counts.rejected as f64 / counts.inner_steps as f64;
-            assert!(rejected <= share, "{gravity}, {tolerance}: {} of {}", counts.rejected, counts.inner_steps);
+            assert!(rejected <= share, "{share}, {tolerance}: {} of {}", counts.rejected, counts.inner_steps);
         }
     }
 }
@@ -307,6 +319,59 @@ fn friction_on_a_slope_is_that_of_coulomb() {
     }
 }
 
+/// The work of the mean pressure is the change of the energy, for changes of any size, and its derivatives are those of it.
+#[test]
+fn the_mean_pressure_does_the_work_of_the_energy() {
+    let skin = Potential { modulus: 3000.0, thickness: 0.01 };
+    for gap in [-0.004, 0.0, 0.0031, 0.007, 0.0099, 0.0101] {
+        for change in [1e-7, 9e-6, 1.1e-5, -1e-3, 4e-3, -0.02] {
+            let [mean, by_gap, by_change] = skin.mean_pressure(gap, change);
+            let energy = skin.energy(gap + 0.5 * change) - skin.energy(gap - 0.5 * change);
+            assert!((mean * change + energy).abs() < 1e-11 * skin.energy(0.0), "{gap} {change}: {mean}");
+            let slope =
+                |h: f64| (skin.mean_pressure(gap + h, change)[0] - skin.mean_pressure(gap - h, change)[0]) / (2.0 * h);
+            assert!((by_gap - slope(1e-7)).abs() < 1e-4 * 3e5, "{gap} {change}: {by_gap} {}", slope(1e-7));
+            if change.abs() > 1e-4 {
+                let turn = |h: f64| {
+                    (skin.mean_pressure(gap, change + h)[0] - skin.mean_pressure(gap, change - h)[0]) / (2.0 * h)
+                };
+                assert!((by_change - turn(1e-7)).abs() < 1e-4 * 3e5, "{gap} {change}: {by_change} {}", turn(1e-7));
+            }
+        }
+    }
+}
+
+/// A block that falls on the tip of a wedge, between two of its vertices, is thrown back by the skin of its edge: nothing is
+/// truncated, and no energy is lost, with every scheme that loses none by itself.
+#[test]
+fn a_sharp_corner_carries_an_edge_by_its_potential() {
+    let text = "(name: \"\", bodies: [(name: \"block\", mesh: Rectangle(corner: (0.37, 0.25), width: 0.2, height: 0.1, columns: 4, rows: 2),
+            material: (model: NeoHookean, young: 20000, poisson: 0.3, plane: Strain), mass: Density(100))],
+        effects: [(effect: Gravity(down: 9.8)), (effect: Contact(modulus: 10)),
+            (effect: Walls(obstacles: [Polygon(points: [(0.3, 0), (0.65, 0), (0.48, 0.2)], eps: 0.001)]))])";
+    for (scheme, step, most) in [
+        ("SymplecticEuler()", 0.1, 0.02),
+        ("VelocityVerlet()", 0.1, 1e-3),
+        ("PositionVerlet()", 0.1, 1e-3),
+        ("RungeKutta4()", 0.1, 1e-4),
+        ("DormandPrince(relative: 1e-6, absolute: 1e-6)", 1.0, 1e-4),
+        ("ImplicitMidpoint()", 0.5, 0.02),
+    ] {
+        let mut simulation = started(&level(text), scheme, 1e-3 * step);
+        let start = simulation.energies();
+        let (mut touched, mut change) = (false, 0.0_f64);
+        while simulation.state().time < 0.3 {
+            simulation.advance(1, &mut || true);
+            touched |= !simulation.state().anchors.is_empty();
+            change = change.max((simulation.energies().total() - start.total()).abs());
+        }
+        assert!(touched && simulation.counts().constrained == 0, "{scheme}: {:?}", simulation.counts());
+        // The energy of a fall of 5 cm.
+        let fall = 2.0 * 9.8 * 0.05;
+        assert!(change < most * fall, "{scheme}: {change} J of {fall} J");
+    }
+}
+
 #[test]
 fn a_rigid_mass_bounces_with_the_stated_restitution() {
     for (dissipation, speed, known) in
@@ -399,7 +464,6 @@ fn a_saved_impact_continues_bit_for_bit() {
 #[test]
 fn the_house_gains_no_energy_with_any_scheme() {
     let text = levels::built_in("gingerbread_house").unwrap().replace("resolution: 2000", "resolution: 600");
-    let text = text.replacen("effects: [", "effects: [(effect: Contact()),", 1);
     let base = Level { mode: RunMode::Collide, ..level(&text) };
     let scene = Scene::build(&base, base.mode, &NoFiles, None).unwrap();
     let step = 0.5 * critical_step(&scene, &scene.start, None).unwrap();

@@ -90,12 +90,12 @@ fn a_report_lists_the_steps_of_each_multirate_body() {
     };
     let own = read("pea_and_cake");
     let [cake, pea] = [&own["paces"][0], &own["paces"][1]];
-    assert_eq!((&cake["name"], &cake["steps"], &pea["name"]), (&"cake".into(), &1.into(), &"pea".into()));
-    assert_eq!(cake["step_seconds"], own["step_seconds"]);
+    assert_eq!((&cake["name"], &pea["name"]), (&"cake".into(), &"pea".into()));
     let [parts, step] = [&pea["steps"], &pea["step_seconds"]].map(|number| number.as_f64().unwrap());
-    assert!(parts > 8.0 && (parts * step - own["step_seconds"].as_f64().unwrap()).abs() < 1e-12);
+    let cakes = cake["steps"].as_f64().unwrap();
+    assert!(parts > 4.0 * cakes && (parts * step - own["step_seconds"].as_f64().unwrap()).abs() < 1e-12);
     assert!(step <= 0.5 * pea["critical_step_seconds"].as_f64().unwrap());
-    assert_eq!(own["force_evaluations"].as_f64().unwrap(), 20.0 * (1.0 + parts));
+    assert_eq!(own["force_evaluations"].as_f64().unwrap(), 20.0 * (cakes + parts));
     assert_eq!(read("three_models")["paces"], serde_json::json!([]));
 }
 
@@ -145,7 +145,7 @@ fn check_and_report_tell_what_begins_inside_a_wall() {
     let told = said(&gingerbread(&["check", &file]).stdout);
     assert!(
         told.contains(
-            "vertices begin inside walls or outside the domain: they are pushed out slowly, if there is a way"
+            "vertices begin inside walls, other bodies or outside the domain: they are pushed out slowly, if there is a way"
         ),
         "{told}"
     );
@@ -153,7 +153,8 @@ fn check_and_report_tell_what_begins_inside_a_wall() {
     let output = gingerbread(&["run", &file, "--seconds", "0.1", "--report", &report]);
     assert!(output.status.success(), "{}", said(&output.stderr));
     let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
-    assert_eq!(report["pushed_out_steps"], report["steps"]);
+    let [pushed, all] = ["pushed_out_steps", "steps"].map(|name| report[name].as_u64().unwrap());
+    assert!(pushed + 2 >= all, "{pushed} of {all}");
     assert_eq!(report["guarded_steps"], 0);
 }
 

@@ -6,7 +6,7 @@ mod common;
 use common::{Random, models, named, sheet};
 use gingerbread::{
     effects::{Grab, Motion},
-    level::{Level, Substeps},
+    level::Level,
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -303,74 +303,4 @@ fn a_barrier_energy_prevents_inversion_in_implicit_steps() {
             }
         }
     }
-}
-
-/// A soft block above the floor of the world.
-fn block(effects: &str, corner: &str) -> Level {
-    common::level(&format!(
-        "(name: \"block\", substeps: 1, sleep: Off, bodies: [(name: \"block\", mass: Density(100),
-            mesh: Rectangle(width: 0.4, height: 0.3, columns: 8, rows: 6, diagonals: Alternating, corner: {corner}),
-            material: (model: NeoHookean, young: 20000, poisson: 0.3, plane: Strain))],
-          effects: [(effect: Gravity(down: 9.8)), {effects} (effect: Boundary(least: (0, 0), greatest: (1, 1)))])"
-    ))
-}
-
-#[test]
-fn what_rests_on_a_wall_takes_one_factorisation_a_step() {
-    for integrator in ["ImplicitEuler", "ImplicitMidpoint", "Bdf2"] {
-        for corner in ["(0.3, 0.05)", "(0, 0.05)"] {
-            let mut run = built(&under(block("(effect: Rayleigh(mass: 5)),", corner), integrator), None);
-            assert_eq!(run.advance(400, &mut || true), 400);
-            let before = run.counts().factorisations;
-            run.advance(50, &mut || true);
-            assert_eq!(run.counts().factorisations - before, 50, "{integrator} from {corner}");
-            let (scene, state) = (run.scene(), run.state());
-            let force = force(scene, state, None);
-            let beyond = state.x.chunks(2).zip(force.chunks(2)).filter(|(x, _)| x[1] > 1e-6).map(|(_, f)| f[1].abs());
-            let weight = 9.8 * scene.mass.iter().step_by(2).sum::<f64>();
-            assert!(greatest(beyond) < 1e-6 * weight, "nothing but the floor carries it");
-        }
-    }
-}
-
-/// Takes a step of implicit Euler; what walls added to the other forces at its end, m (v' - v)/h - f, number by number [N].
-fn step_and_walls(run: &mut Simulation) -> Vec<f64> {
-    let before = run.state().clone();
-    run.advance(1, &mut || true);
-    let (scene, state) = (run.scene(), run.state());
-    let force = force(scene, state, None);
-    (0..force.len()).map(|k| scene.mass[k] * (state.v[k] - before.v[k]) / scene.step - force[k]).collect()
-}
-
-#[test]
-fn walls_only_push_what_bounces_on_them() {
-    let level = Level { substeps: Substeps::new(4).unwrap(), ..block("", "(0.3, 0.3)") };
-    let mut run = built(&under(level, "ImplicitEuler"), None);
-    let (mut most, mut least, mut apart) = (0.0_f64, 0.0_f64, 0);
-    for _ in 0..600 {
-        let walls = step_and_walls(&mut run);
-        let [low, high] =
-            walls.iter().skip(1).step_by(2).fold([0.0_f64; 2], |[low, high], wall| [low.min(*wall), high.max(*wall)]);
-        (most, least) = (most.max(high), least.min(low));
-        apart += usize::from(high < 1e-6);
-    }
-    assert!(most > 100.0 && apart > 100 && least > -1e-6 * most, "{least} to {most} N, {apart} steps without");
-}
-
-#[test]
-fn in_a_notch_walls_only_push_and_only_across_themselves() {
-    let slopes = "(effect: Rayleigh(mass: 2)), (effect: Walls(obstacles: [Plane(point: (0.5, 0.05), normal: (0.8, 0.6), eps: 0.005),
-        Plane(point: (0.5, 0.05), normal: (-0.8, 0.6), eps: 0.005)])),";
-    let level = Level { substeps: Substeps::new(4).unwrap(), ..block(slopes, "(0.3, 0.4)") };
-    let mut run = built(&under(level, "ImplicitEuler"), None);
-    let (mut most, mut least, mut along) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for _ in 0..900 {
-        let walls = step_and_walls(&mut run);
-        for ([fx, fy], x) in walls.as_chunks().0.iter().zip(run.state().x.as_chunks::<2>().0) {
-            let side = if x[0] < 0.5 { 0.8 } else { -0.8 };
-            let (across, slip) = (side * fx + 0.6 * fy, side * fy - 0.6 * fx);
-            (most, least, along) = (most.max(across), least.min(across), along.max(slip.abs()));
-        }
-    }
-    assert!(most > 100.0 && least > -1e-6 * most && along < 1e-6 * most, "{least} to {most} N, {along} N along");
 }

@@ -148,8 +148,12 @@ impl Telling {
     /// Positions and velocities after a moment, turned and numbered back.
     fn run(&self, of: &Experiment, shape: &Shape) -> Vec<Vector2<f64>> {
         let mut run = self.built(of, shape);
-        assert_eq!(run.advance(STEPS, &mut || true), STEPS, "{:?}", run.fault());
-        assert_eq!(run.counts().constrained > 0, of.contact);
+        let mut touched = false;
+        for _ in 0..STEPS {
+            assert_eq!(run.advance(1, &mut || true), 1, "{:?}", run.fault());
+            touched |= !run.state().anchors.is_empty();
+        }
+        assert_eq!(touched, of.contact);
         let x = self.number.iter().map(|number| self.back(&run.state().x[2 * number..][..2]));
         let v = self.number.iter().map(|number| {
             let v = &run.state().v[2 * number..][..2];
@@ -170,9 +174,9 @@ fn farthest(a: &[Vector2<f64>], b: &[Vector2<f64>]) -> f64 {
 /// Round-off on the way: a force is off by 2e-16 of what its parts are, which below the stability limit, h²k < 4m, moves a
 /// velocity by 4 x 2e-16 m/h in each of 100 steps: 1e-10 m/s. The direction of a surface is known to 1e-9, the round-off of the
 /// least distance that it is told by (1e-7 of the obstacle's size): a wall that takes 2 m/s is off by so much of it, and the
-/// bodies bend with it.
+/// stiff skin and the bodies bend with it.
 const FREE: f64 = 1e-10;
-const AT_WALLS: f64 = 5e-9;
+const AT_WALLS: f64 = 5e-7;
 
 /// The same experiment told in other ways gives the same answer, for every model and scheme, free and among walls, smooth and
 /// rough. Every two of model, scheme and walls meet once.

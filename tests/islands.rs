@@ -107,7 +107,7 @@ fn multirate_bodies_move_bit_equal_as_if_alone() {
             let state = together.state();
             assert!(state.x == flat(alone, |run| &run.state().x), "{} at {} s", integrator.name(), state.time);
             assert!(state.v == flat(alone, |run| &run.state().v), "{}", integrator.name());
-            touched = together.counts().constrained;
+            touched += together.state().anchors.len();
         });
         assert!(touched > 100 || !stable, "{}: everything has to touch something: {touched}", integrator.name());
     }
@@ -176,8 +176,11 @@ fn only_multirate_stepping_keeps_the_pea_stable() {
 #[test]
 fn where_nobody_needs_more_steps_nothing_changes() {
     for integrator in explicit() {
-        let own =
-            Level { integrator, substeps: Substeps::new(600).unwrap(), ..table(&["cake", "pea", "chain"], EVERYTHING) };
+        let own = Level {
+            integrator,
+            substeps: Substeps::new(1200).unwrap(),
+            ..table(&["cake", "pea", "chain"], EVERYTHING)
+        };
         let same = Level { paces: SubstepMode::Same, ..own.clone() };
         let (mut own, mut same) = (simulation(&own), simulation(&same));
         assert_eq!(parts(&own), [1, 1, 1]);
@@ -374,7 +377,7 @@ fn an_obstacle_that_moves_meets_each_at_its_own_pace() {
     let mut guarded = simulation(&table(&["pea"], blade));
     let before = guarded.energies().total();
     guarded.advance(900, &mut || true);
-    assert!(guarded.energies().total() > 3.0 * before && guarded.counts().constrained > 0);
+    assert!(guarded.energies().total() > 3.0 * before, "{before} {}", guarded.energies().total());
     assert_eq!((guarded.counts().guarded, guarded.counts().retaken), (0, 0), "what the blade supplies is booked");
 }
 
@@ -386,7 +389,7 @@ fn the_step_counts_follow_edits_and_their_undo() {
     let before = parts(sandbox.simulation());
     let body = table(&["cake"], "").bodies[0].material;
     sandbox.apply(Command::SetMaterial(1, body)).unwrap();
-    assert_eq!(parts(sandbox.simulation()), [1, 1], "a soft pea");
+    assert!(parts(sandbox.simulation())[1] < before[1] / 4, "a soft pea");
     sandbox.advance(20, &mut || true);
     sandbox.apply(Command::Undo).unwrap();
     assert_eq!(parts(sandbox.simulation()), before);

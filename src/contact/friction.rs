@@ -59,3 +59,20 @@ impl Potential {
 const fn limited(value: f64, limit: f64) -> f64 {
     value.max(-limit).min(limit)
 }
+
+/// The anchor of a contact, if it has one.
+pub(super) fn anchor_of(anchors: &[Anchor], name: ContactName) -> Option<Anchor> {
+    anchors.binary_search_by(|anchor| anchor.contact.cmp(&name)).ok().map(|at| anchors[at])
+}
+
+/// The anchors of the contacts of an effect.
+pub(super) fn anchors_of(anchors: &[Anchor], effect: u32) -> &[Anchor] {
+    let place = |effect: u32| anchors.partition_point(|anchor| anchor.contact.effect < effect);
+    &anchors[place(effect)..place(effect + 1)]
+}
+
+/// Initial penetration of a contact with a boundary \[m\]: its own, or the greatest of its neighbours.
+pub(super) fn penetration_of([own, before, after]: [Option<Anchor>; 3]) -> f64 {
+    let of = |anchor: Option<Anchor>| anchor.map_or(0.0, |anchor| anchor.penetration);
+    own.map_or_else(|| of(before).max(of(after)), |anchor| anchor.penetration)
+}

@@ -4,8 +4,10 @@
 //! ([`ObstacleContact`]) or against the boundary of a body ([`SurfaceContact`]), a bounded, smooth potential pushes back
 //! ([`Potential`]), friction pulls with an elastic-plastic spring to an anchor ([`Anchor`]), and both dissipate. What touches at
 //! a moment is a [`Touch`]; a [`ContactTerm`] finds all of them. What the skin cannot hold, a truncation of the step does
-//! ([`Truncation`]), so that nothing ever crosses. A level chooses it with the effect [`Contact`](crate::effects::Contact); without that,
-//! contact is a velocity filter at the end of each step ([`crate::obstacles`]).
+//! ([`Truncation`], [`TruncatedStep`]), so that nothing ever crosses. Convex corners of obstacles touch edges as vertices of a body do.
+//!
+//! Obstacles always act like this. Bodies touch each other where a level has the effect [`Contact`](crate::effects::Contact). The effect
+//! [`VelocityFilter`](crate::effects::VelocityFilter) replaces all of it by a filter of velocities ([`ObstacleContact::filter`]).
 //!
 //! ```
 //! use gingerbread::contact::Potential;
@@ -20,20 +22,26 @@
 
 mod candidates;
 mod crossings;
+mod edge_query;
 mod friction;
+mod model;
 mod obstacle_contact;
+mod obstacle_truncation;
 mod potential;
 mod skin;
 mod surface_contact;
 mod touch;
 mod truncation;
+mod velocity_filter;
 
 pub use candidates::{Candidates, Pair};
 pub use crossings::count_crossings;
 pub use friction::{Anchor, ContactName};
+pub use model::{ContactModel, ContactProperties};
 pub use obstacle_contact::{ObstacleContact, PlacedObstacle};
-pub use potential::{Potential, restitution};
+pub use obstacle_truncation::{Candidate, Path, TruncatedStep};
+pub use potential::{Potential, dissipation, restitution};
 pub use skin::{Skin, SurfaceEdge, SurfaceVertex, SurfaceVertices};
 pub use surface_contact::SurfaceContact;
-pub use touch::{ContactTerm, Curvature, Linearised, Place, Touch};
+pub use touch::{ContactParameters, ContactTerm, Curvature, Linearised, Members, Place, Touch};
 pub use truncation::{Means, Truncation};

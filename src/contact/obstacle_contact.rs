@@ -1,12 +1,21 @@
-//! Contact of the vertices of a scene with obstacles.
+//! Contact of the boundaries of bodies and the particles of nets with obstacles.
 
 use super::{
-    ContactName, ContactTerm, Curvature, Place, Potential, Skin, SurfaceVertex, SurfaceVertices, Touch, touch::vector,
+    Anchor, ContactModel, ContactName, ContactParameters, ContactTerm, Curvature, Members, Pair, Place, Potential,
+    SurfaceEdge, SurfaceVertex, SurfaceVertices, Touch,
+    edge_query::{DEPTH, EdgeQuery, Stencil},
+    friction::{anchor_of, anchors_of, penetration_of},
+    touch::vector,
 };
 use crate::{
     effects::{Bounds, Motion, NO_OBSTACLE_NEAR},
-    obstacles::{MotionKind, Obstacle, Rigid, placed},
+    obstacles::{Corner, MotionKind, Obstacle, Rigid, SweptMotion, placed},
+    solvers::{SparseMatrix, Weights},
 };
+use std::sync::Arc;
+
+/// Number of successive vertices that are tested at once.
+const BLOCK: usize = 32;
 
 /// An obstacle with the motion that it is told.
 pub struct PlacedObstacle {
@@ -16,106 +25,316 @@ pub struct PlacedObstacle {
     pub motions: Vec<MotionKind>,
 }
 
-/// Contact of all vertices that have a skin with the obstacles of an effect.
+impl PlacedObstacle {
+    /// An obstacle at rest.
+    pub fn still(obstacle: Box<dyn Obstacle>) -> Self {
+        Self { obstacle, motions: Vec::new() }
+    }
+
+    /// Where it is at a time \[s\]; `None` for an obstacle at rest.
+    pub fn at(&self, time: f64) -> Option<Rigid> {
+        (!self.motions.is_empty()).then(|| placed(&self.motions, time))
+    }
+
+    /// Its motion between two times \[s\].
+    pub fn swept_motion(&self, time: [f64; 2]) -> SweptMotion {
+        let [start, end] = time.map(|time| self.at(time));
+        start.zip(end).map_or(SweptMotion::STILL, |(start, end)| SweptMotion::new(start, end))
+    }
+
+    /// Whether any point of a box could be within its contact margin at a time \[s\]; conservative.
+    pub(super) fn is_near(&self, bounds: Bounds, at: Option<Rigid>) -> bool {
+        let Bounds([least, greatest]) = bounds.mapped(|corner| at.map_or(corner, |at| at.back(corner)));
+        self.obstacle.is_near(least, greatest)
+    }
+}
+
+/// Contact of all vertices with the obstacles of an effect, and of the edges of boundaries with the convex corners
+/// of these obstacles.
+///
+/// A corner touches edges as the vertex of another body would; its area is the mean length of the edges.
 pub struct ObstacleContact {
     /// Number of the effect in the scene.
     number: u32,
-    skin: Skin,
-    /// mu.
-    friction: f64,
-    /// Greatest thickness of the skin \[m\].
-    reach: f64,
-    /// The vertices with the potentials of their skins.
-    vertices: Vec<(SurfaceVertex, Potential)>,
-    obstacles: Vec<PlacedObstacle>,
+    pub(super) model: ContactModel,
+    /// Least and greatest thickness of the skin \[m\].
+    thickness: [f64; 2],
+    pub(super) surface: Arc<SurfaceVertices>,
+    /// Potential of the skin of each part.
+    potentials: Vec<Potential>,
+    pub(super) obstacles: Vec<PlacedObstacle>,
+    /// Whether any of them has corners.
+    has_corners: bool,
 }
 
 impl ObstacleContact {
     /// Contact with some obstacles, where the surface has a skin and friction.
-    pub fn new((skin, friction): (Skin, f64), surface: &SurfaceVertices, obstacles: Vec<PlacedObstacle>) -> Self {
-        let vertices: Vec<_> = surface.iter().map(|vertex| (*vertex, surface.potential(skin, vertex))).collect();
-        let reach = vertices.iter().map(|(_, potential)| potential.thickness).fold(0.0, f64::max);
-        Self { number: 0, skin, friction, reach, vertices, obstacles }
+    pub fn new(model: ContactModel, surface: &Arc<SurfaceVertices>, obstacles: Vec<PlacedObstacle>) -> Self {
+        let potentials: Vec<_> = (0..surface.parts()).map(|part| surface.potential(model.skin, part)).collect();
+        let all = potentials.iter().map(|potential| potential.thickness);
+        let thickness = all.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], d| [least.min(d), most.max(d)]);
+        let has_corners = obstacles.iter().any(|placed| !placed.obstacle.corners().is_empty());
+        Self { number: 0, model, thickness, surface: Arc::clone(surface), potentials, obstacles, has_corners }
     }
 
-    /// Box around the vertices.
-    fn bounds(&self, x: &[f64]) -> Bounds {
-        let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for (vertex, _) in &self.vertices {
-            let point = vector(x, vertex.vertex);
-            for axis in 0..2 {
-                bounds[0][axis] = bounds[0][axis].min(point[axis]);
-                bounds[1][axis] = bounds[1][axis].max(point[axis]);
-            }
-        }
-        Bounds(bounds)
+    /// The obstacles.
+    pub fn obstacles(&self) -> &[PlacedObstacle] {
+        &self.obstacles
+    }
+
+    /// Whether nothing touches, now and at any later time, while all vertices stay in a box; conservative.
+    pub fn is_clear(&self, bounds: Bounds) -> bool {
+        let Bounds([least, greatest]) = bounds.grown(self.greatest_thickness());
+        self.obstacles.iter().all(|placed| placed.motions.is_empty() && !placed.obstacle.is_near(least, greatest))
+    }
+
+    /// Whether anything may be within the contact margin of an obstacle at a time \[s\]; conservative.
+    pub fn may_touch(&self, time: f64, x: &[f64]) -> bool {
+        let mut any = false;
+        self.each_near((x, time, self.greatest_thickness()), |_, _, _| any = true);
+        any
+    }
+
+    /// Least thickness of the skin \[m\].
+    pub(super) const fn least_thickness(&self) -> f64 {
+        self.thickness[0]
+    }
+
+    /// Greatest thickness of the skin \[m\].
+    pub(super) const fn greatest_thickness(&self) -> f64 {
+        self.thickness[1]
     }
 
     /// Tells it the number of its effect in the scene.
     pub const fn set_number(&mut self, number: usize) {
         self.number = number as u32;
     }
-}
 
-impl ContactTerm for ObstacleContact {
-    fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
-        let [least, greatest] = self.bounds(motion.x).grown(self.reach).0;
-        let mut anchors = motion.anchors.iter().peekable();
-        for (number, placed_obstacle) in self.obstacles.iter().enumerate() {
-            let PlacedObstacle { obstacle, motions } = placed_obstacle;
-            let still = motions.is_empty();
-            let at = if still { Rigid::STILL } else { placed(motions, motion.time) };
-            if still && !obstacle.is_near(least, greatest) {
-                continue;
-            }
-            for (vertex, potential) in &self.vertices {
-                let x = vector(motion.x, vertex.vertex);
-                let seen = if still { x } else { at.back(x) };
-                // The skin begins at the contact margin, or at its thickness if that is greater.
-                let offset = (obstacle.margin() - potential.thickness).max(0.0);
-                let Some(contact) = obstacle.distance(seen, potential.thickness + offset) else { continue };
-                let [nx, ny] = if still { contact.normal } else { at.normal(contact.normal) };
-                let ([vx, vy], [wx, wy]) =
-                    (vector(motion.v, vertex.vertex), if still { [0.0; 2] } else { at.velocity_at(x) });
-                let (vx, vy) = (vx - wx, vy - wy);
-                let name = ContactName { effect: self.number, surface: number as u32, vertex: vertex.vertex };
-                let mut touch = Touch {
-                    name,
-                    vertices: [vertex.vertex; 3],
-                    count: 1,
-                    weights: [1.0, 0.0, 0.0],
-                    normal: [nx, ny],
-                    slips: [[ny, -nx], [0.0; 2], [0.0; 2]],
-                    area: vertex.area,
-                    potential: *potential,
-                    dissipation: self.skin.dissipation,
-                    friction: self.friction,
-                    depenetration_speed: vertex.depenetration_speed,
-                    gap: contact.distance - offset,
-                    approach: nx * vx + ny * vy,
-                    sliding: ny * vx - nx * vy,
-                    obstacle_velocity: [wx, wy],
-                    // That of the obstacle, which is omitted: it only slows Newton's method down.
-                    curvature: Curvature::Flat,
-                    place: Place::Obstacle(at, x),
-                    memory: None,
-                    kept: None,
-                };
-                while anchors.next_if(|anchor| anchor.contact < name).is_some() {}
-                if let Some(anchor) = anchors.peek().filter(|anchor| anchor.contact == name) {
-                    touch.remember(**anchor);
-                }
-                act(&touch);
+    /// Potential of the skin of a part.
+    pub(super) fn potential(&self, part: u32) -> Potential {
+        self.potentials[part as usize]
+    }
+
+    /// Name of the contact of an obstacle with a vertex.
+    pub(super) const fn name(&self, obstacle: usize, vertex: u32) -> ContactName {
+        ContactName { effect: self.number, surface: obstacle as u32, vertex }
+    }
+
+    /// Name of the contact of an edge, by the vertex where it begins, with a corner, which counts on through all obstacles.
+    fn corner_name(&self, edge: u32, corner: u32) -> ContactName {
+        let vertex = self.surface.edges()[edge as usize].ends[0];
+        ContactName { effect: self.number, surface: self.obstacles.len() as u32 + corner, vertex }
+    }
+
+    /// Number of the first corner of an obstacle.
+    pub(super) fn first_corner(&self, obstacle: usize) -> u32 {
+        self.obstacles[..obstacle].iter().map(|placed| placed.obstacle.corners().len()).sum::<usize>() as u32
+    }
+
+    /// The anchors of this contact.
+    pub(super) fn own_anchors<'a>(&self, anchors: &'a [Anchor]) -> &'a [Anchor] {
+        anchors_of(anchors, self.number)
+    }
+
+    /// Distance from an obstacle at which the skin of a part is used up \[m\]: the skin begins at the contact margin, or at its
+    /// thickness if that is greater.
+    pub(super) fn offset(&self, part: u32, margin: f64) -> f64 {
+        (margin - self.potential(part).thickness).max(0.0)
+    }
+
+    fn parameters(&self, part: u32) -> ContactParameters {
+        ContactParameters {
+            potential: self.potential(part),
+            dissipation: self.model.skin.dissipation,
+            friction: self.model.skin.friction,
+            depenetration_speed: self.surface.depenetration_speed(part),
+        }
+    }
+
+    /// Calls `act` with the number, the obstacle and its place, of each obstacle that the skin may touch at a time \[s\].
+    fn each_near(
+        &self,
+        (x, time, reach): (&[f64], f64, f64),
+        mut act: impl FnMut(usize, &PlacedObstacle, Option<Rigid>),
+    ) {
+        let bounds = Bounds::of(x).grown(reach);
+        for (number, obstacle) in self.obstacles.iter().enumerate() {
+            let at = obstacle.at(time);
+            if obstacle.is_near(bounds, at) {
+                act(number, obstacle, at);
             }
         }
     }
 
+    /// Calls `act` for each vertex that touches an obstacle.
+    fn each_vertex(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+        let moved = motion.half_displacement();
+        let reach = self.greatest_thickness() + moved;
+        self.each_near((motion.x, motion.time, reach), |number, placed, at| {
+            let obstacle = &placed.obstacle;
+            let near = |block: &&[SurfaceVertex]| {
+                let [first, .., last] = [block[0], block[block.len() - 1]].map(|vertex| 2 * vertex.vertex as usize);
+                placed.is_near(Bounds::of(&motion.x[first..last + 2]).grown(reach), at)
+            };
+            for vertex in self.surface.all().chunks(BLOCK).filter(near).flatten() {
+                let (x, potential) = (vector(motion.x, vertex.vertex), self.potential(vertex.part));
+                let seen = at.map_or(x, |at| at.back(x));
+                let offset = self.offset(vertex.part, obstacle.margin());
+                let Some(contact) = obstacle.distance(seen, potential.thickness + offset + moved) else { continue };
+                let [nx, ny] = at.map_or(contact.normal, |at| at.normal(contact.normal));
+                let mut touch = Touch {
+                    name: self.name(number, vertex.vertex),
+                    vertices: [vertex.vertex; 3],
+                    members: Members::Vertex,
+                    weights: [1.0, 0.0, 0.0],
+                    normal: [nx, ny],
+                    slips: [[ny, -nx], [0.0; 2], [0.0; 2]],
+                    area: vertex.area,
+                    parameters: self.parameters(vertex.part),
+                    gap: contact.distance - offset,
+                    distance: contact.distance,
+                    approach: 0.0,
+                    sliding: 0.0,
+                    span: motion.span,
+                    obstacle_velocity: [0.0; 2],
+                    // That of the obstacle, which is omitted: it only slows Newton's method down.
+                    curvature: Curvature::Flat,
+                    place: Place::Obstacle(at.unwrap_or(Rigid::STILL), x),
+                    memory: None,
+                    kept: None,
+                };
+                touch.add_velocities(motion.v);
+                if let Some(at) = placed.at(motion.time - motion.lag) {
+                    touch.add_obstacle(at.velocity_at(x));
+                }
+                if let Some(anchor) = anchor_of(motion.anchors, touch.name) {
+                    touch.remember(anchor);
+                }
+                act(&touch);
+            }
+        });
+    }
+
+    /// Calls `act` for each obstacle with corners that may touch: the number of its first corner among those of all obstacles,
+    /// the corners, and where it is.
+    fn each_cornered(&self, x: &[f64], time: f64, mut act: impl FnMut(u32, &[Corner], Option<Rigid>)) {
+        if !self.has_corners {
+            return;
+        }
+        self.each_near((x, time, self.greatest_thickness()), |number, placed, at| {
+            act(self.first_corner(number), placed.obstacle.corners(), at);
+        });
+    }
+
+    /// Calls `act` for each of some corners that touches an edge.
+    fn each_of_edge(
+        &self,
+        motion: Motion<'_>,
+        edge: u32,
+        (first, corners, at): (u32, &[Corner], Option<Rigid>),
+        act: &mut dyn FnMut(&Touch),
+    ) {
+        let SurfaceEdge { ends, part, .. } = self.surface.edges()[edge as usize];
+        let [[ax, ay], [bx, by]] = ends.map(|end| vector(motion.x, end));
+        for (number, corner) in (first..).zip(corners) {
+            let corner = corner.placed(at);
+            let ([px, py], reach) = (corner.middle, self.greatest_thickness() + corner.radius + corner.margin);
+            let is_near = |p: f64, a: f64, b: f64| p > a.min(b) - reach && p < a.max(b) + reach;
+            if !(is_near(px, ax, bx) && is_near(py, ay, by)) {
+                continue;
+            }
+            let query = self.query(motion.x, part, &corner);
+            let kept = || self.kept(motion.anchors, edge, number);
+            let deepest = || DEPTH * query.thickness + penetration_of(kept());
+            query.each(edge, |_| true, deepest, &mut |stencil| {
+                act(&self.corner_touch(motion, (edge, number), (&corner, at), stencil));
+            });
+        }
+    }
+
+    /// A corner as a query of the edges of a part.
+    fn query<'a>(&'a self, x: &'a [f64], part: u32, corner: &Corner) -> EdgeQuery<'a> {
+        EdgeQuery {
+            surface: &self.surface,
+            x,
+            point: corner.middle,
+            radius: corner.radius + self.offset(part, corner.margin),
+            thickness: self.potential(part).thickness,
+        }
+    }
+
+    /// A contact of an edge and a corner with its velocities and its memory.
+    fn corner_touch(
+        &self,
+        motion: Motion<'_>,
+        (edge, number): (u32, u32),
+        (corner, at): (&Corner, Option<Rigid>),
+        stencil: Stencil,
+    ) -> Touch {
+        let SurfaceEdge { ends: [a, b], part, .. } = self.surface.edges()[edge as usize];
+        let (name, vertices) = (self.corner_name(edge, number), ([a, a, b], Members::Edge));
+        let mut touch = stencil.touch(name, vertices, self.surface.mean_edge(part), self.parameters(part));
+        touch.span = motion.span;
+        touch.add_velocities(motion.v);
+        if let Some(at) = at {
+            touch.add_obstacle(at.velocity_at(corner.middle));
+        }
+        touch.remember_along(self.kept(motion.anchors, edge, number));
+        touch
+    }
+
+    /// Whether a corner has an initial penetration into a part.
+    pub(super) fn penetrates(&self, anchors: &[Anchor], part: u32, corner: u32) -> bool {
+        let surface = self.obstacles.len() as u32 + corner;
+        let own = self.own_anchors(anchors).iter().filter(|anchor| anchor.contact.surface == surface);
+        let mut own = own.filter(|anchor| anchor.penetration > 0.0);
+        own.any(|anchor| self.surface.numbered(anchor.contact.vertex).is_some_and(|vertex| vertex.part == part))
+    }
+
+    /// Memory of a corner at an edge, and at the edges before and after.
+    pub(super) fn kept(&self, anchors: &[Anchor], edge: u32, corner: u32) -> [Option<Anchor>; 3] {
+        let [before, after] = self.surface.edges()[edge as usize].neighbours;
+        [edge, before, after].map(|edge| anchor_of(anchors, self.corner_name(edge, corner)))
+    }
+}
+
+impl ContactTerm for ObstacleContact {
+    fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+        self.each_vertex(motion, act);
+        self.each_cornered(motion.x, motion.time, |first, corners, at| {
+            for edge in 0..self.surface.edges().len() as u32 {
+                self.each_of_edge(motion, edge, (first, corners, at), act);
+            }
+        });
+    }
+
+    fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+        self.each(motion, act);
+        self.each_cornered(motion.x, motion.time, |first, corners, at| {
+            for (number, corner) in (first..).zip(corners) {
+                let corner = corner.placed(at);
+                for (part, edges) in self.surface.bodies() {
+                    let query = self.query(motion.x, part, &corner);
+                    if !self.surface.is_inside(part, |end| vector(motion.x, end), corner.middle) {
+                        continue;
+                    }
+                    let nearest = query.nearest(edges);
+                    if let Some((edge, stencil)) = nearest.and_then(|edge| Some((edge, query.inside(edge)?))) {
+                        act(&self.corner_touch(motion, (edge, number), (&corner, at), stencil));
+                    }
+                }
+            }
+        });
+    }
+
+    /// A vertex may touch an obstacle while one of its edges touches a corner.
     fn square_frequency(&self, motion: Motion<'_>) -> f64 {
-        let square = |(vertex, potential): &(SurfaceVertex, Potential)| {
+        let square = |vertex: &SurfaceVertex| {
             let inverse = vector(motion.inverse_mass, vertex.vertex);
-            vertex.area * potential.greatest_stiffness() * inverse[0].max(inverse[1])
+            let area = if self.has_corners { vertex.area + self.surface.mean_edge(vertex.part) } else { vertex.area };
+            area * self.potential(vertex.part).greatest_stiffness() * inverse[0].max(inverse[1])
         };
-        self.vertices.iter().map(square).fold(0.0, f64::max)
+        self.surface.all().iter().map(square).fold(0.0, f64::max)
     }
 
     fn moves(&self) -> bool {
@@ -123,8 +342,36 @@ impl ContactTerm for ObstacleContact {
     }
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
-        let [least, greatest] = self.bounds(motion.x).grown(self.reach).0;
-        let near = |placed: &PlacedObstacle| !placed.motions.is_empty() || placed.obstacle.is_near(least, greatest);
-        (!self.obstacles.iter().any(near)).then_some(NO_OBSTACLE_NEAR)
+        (!self.may_touch(motion.time, motion.x)).then_some(NO_OBSTACLE_NEAR)
+    }
+
+    /// The ends of each edge, once for each obstacle with corners.
+    fn sparsity_pattern(&self, _: &[Pair], add: &mut dyn FnMut(u32, u32)) {
+        for _ in self.obstacles.iter().filter(|placed| !placed.obstacle.corners().is_empty()) {
+            self.surface.edges().iter().for_each(|edge| add(edge.ends[0], edge.ends[1]));
+        }
+    }
+
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+        let Some(matrix) = matrix.blocks::<2>() else { return };
+        self.each_vertex(motion, &mut |touch| {
+            matrix.diagonal(touch.vertices[0] as usize, &touch.linearised(weights).block(0, 0));
+        });
+        let mut first = 0;
+        for placed in self.obstacles.iter().filter(|placed| !placed.obstacle.corners().is_empty()) {
+            let (corners, at) = (placed.obstacle.corners(), placed.at(motion.time));
+            for edge in 0..self.surface.edges().len() as u32 {
+                let mut block = nalgebra::Matrix2::zeros();
+                self.each_of_edge(motion, edge, (first, corners, at), &mut |touch| {
+                    let linearised = touch.linearised(weights);
+                    for i in touch.members.range() {
+                        matrix.diagonal(touch.vertices[i] as usize, &linearised.block(i, i));
+                    }
+                    block += linearised.block(1, 2);
+                });
+                matrix.off_diagonal(&block);
+            }
+            first += corners.len() as u32;
+        }
     }
 }

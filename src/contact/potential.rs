@@ -52,6 +52,24 @@ impl Potential {
         self.greatest_stiffness() * u * u * (3.0 - 2.0 * u)
     }
 
+    /// Mean pressure \[Pa\] while the gap changes by s around its value \[m\], as a difference quotient `-(phi(g + s/2) -
+    /// phi(g - s/2))/s`: the work of this pressure is the change of the energy (Gonzalez, *Time Integration and Discrete
+    /// Hamiltonian Systems*, Journal of Nonlinear Science 6, 1996). Also its derivatives by g and by s [Pa/m].
+    pub fn mean_pressure(self, gap: f64, change: f64) -> [f64; 3] {
+        /// Change below which the quotient would be round-off, as a fraction of the thickness.
+        const SMALL: f64 = 1e-3;
+        if change.abs() < SMALL * self.thickness {
+            // Simpson's rule, whose error is that of the fourth power of the change.
+            let [a, b] = [-0.5, 0.5].map(|share| self.pressure(gap + share * change));
+            let mean = (a + 4.0 * self.pressure(gap) + b) / 6.0;
+            return [mean, -self.stiffness(gap), 0.0];
+        }
+        let [a, b] = [-0.5, 0.5].map(|share| gap + share * change);
+        let mean = (self.energy(a) - self.energy(b)) / change;
+        let (a, b) = (self.pressure(a), self.pressure(b));
+        [mean, (b - a) / change, (0.5 * (a + b) - mean) / change]
+    }
+
     /// Greatest stiffness [Pa/m].
     pub const fn greatest_stiffness(self) -> f64 {
         self.modulus / self.thickness
@@ -78,4 +96,21 @@ pub fn restitution(dissipation: f64, speed: f64) -> f64 {
         if libm::log((1.0 + a) / (1.0 - e * a)) < a * (1.0 + e) { least = e } else { greatest = e }
     }
     0.5 * (least + greatest)
+}
+
+/// Dissipation [s/m] that leaves a coefficient of restitution at a speed [m/s]; see [`restitution`]. Below e = 0.05 it is that of
+/// 0.05: the dissipation would grow without bound.
+pub fn dissipation(coefficient: f64, speed: f64) -> f64 {
+    const LEAST: f64 = 0.05;
+    let wanted = coefficient.max(LEAST);
+    if wanted >= 1.0 || speed <= 0.0 {
+        return 0.0;
+    }
+    // Restitution falls as dissipation grows: bisection of c v.
+    let (mut least, mut greatest) = (0.0, 100.0);
+    for _ in 0..60 {
+        let a = 0.5 * (least + greatest);
+        if restitution(a, 1.0) > wanted { least = a } else { greatest = a }
+    }
+    0.5 * (least + greatest) / speed
 }

@@ -15,6 +15,8 @@ pub struct Skin {
     pub speed: f64,
     /// c: dissipation [s/m].
     pub dissipation: f64,
+    /// mu.
+    pub friction: f64,
 }
 
 /// A vertex with a skin: one on the boundary of a body, or a particle of a net.
@@ -24,8 +26,6 @@ pub struct SurfaceVertex {
     pub vertex: u32,
     /// Area of the surface that belongs to it at rest, at a thickness of the sheet of 1 m \[m²\]: half of its boundary edges.
     pub area: f64,
-    /// Speed at which the initial penetration decreases: a tenth of the wave speed [m/s].
-    pub depenetration_speed: f64,
     /// Number of its part in the list of [`SurfaceVertices`].
     pub part: u32,
 }
@@ -66,7 +66,11 @@ struct Part {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceVertices {
     vertices: Vec<SurfaceVertex>,
+    /// These and the vertices within bodies.
+    all: Vec<SurfaceVertex>,
     edges: Vec<SurfaceEdge>,
+    /// Each vertex with an edge that leaves it, ascending.
+    leaving: Vec<[u32; 2]>,
     parts: Vec<Part>,
     /// Number of bodies and nets that were added.
     count: usize,
@@ -106,13 +110,14 @@ impl SurfaceVertices {
     /// arrives.
     fn add_edges(&mut self, boundary: &[[u32; 2]], length: &dyn Fn([u32; 2]) -> f64) {
         let (first, part) = (self.edges.len(), self.parts.len() as u32 - 1);
-        let mut leaving: Vec<_> = boundary.iter().zip(0..).map(|([a, _], edge)| (*a, edge)).collect();
+        let mut leaving: Vec<_> = boundary.iter().zip(0..).map(|([a, _], edge)| [*a, edge]).collect();
         leaving.sort_unstable();
+        self.leaving.extend(leaving.iter().map(|[vertex, edge]| [*vertex, first as u32 + edge]));
         let mut taken = vec![false; boundary.len()];
         let mut follow = |vertex: u32| {
-            let from = leaving.partition_point(|(other, _)| *other < vertex);
-            let next = leaving[from..].iter().take_while(|(other, _)| *other == vertex);
-            let next = next.map(|(_, edge)| *edge as usize).find(|edge| !taken[*edge])?;
+            let from = leaving.partition_point(|[other, _]| *other < vertex);
+            let next = leaving[from..].iter().take_while(|[other, _]| *other == vertex);
+            let next = next.map(|[_, edge]| *edge as usize).find(|edge| !taken[*edge])?;
             taken[next] = true;
             Some(next)
         };
@@ -179,13 +184,14 @@ impl SurfaceVertices {
             return false;
         }
         let (number, before) = (self.parts.len() as u32, self.vertices.len());
-        let areas = areas.iter().enumerate().filter(|(_, area)| **area > 0.0);
-        self.vertices.extend(areas.map(|(vertex, area)| SurfaceVertex {
+        let vertex = |(vertex, area): (usize, &f64)| SurfaceVertex {
             vertex: (first + vertex) as u32,
             area: *area,
-            depenetration_speed: 0.1 * (part.young / part.density).sqrt(),
             part: number,
-        }));
+        };
+        self.vertices.extend(areas.iter().enumerate().filter(|(_, area)| **area > 0.0).map(vertex));
+        let areas = areas.iter().map(|area| if *area > 0.0 { *area } else { part.edge });
+        self.all.extend(areas.enumerate().map(|(number, area)| vertex((number, &area))));
         part.vertices = before..self.vertices.len();
         self.parts.push(part);
         true
@@ -194,6 +200,28 @@ impl SurfaceVertices {
     /// The edges of all boundaries.
     pub fn edges(&self) -> &[SurfaceEdge] {
         &self.edges
+    }
+
+    /// The edges that leave a vertex: one, or one for each loop that passes through it.
+    pub fn leaving(&self, vertex: u32) -> impl Iterator<Item = u32> {
+        let from = self.leaving.partition_point(|[other, _]| *other < vertex);
+        self.leaving[from..].iter().take_while(move |[other, _]| *other == vertex).map(|[_, edge]| *edge)
+    }
+
+    /// A vertex, by its number in the scene.
+    pub fn numbered(&self, vertex: u32) -> Option<&SurfaceVertex> {
+        self.all.binary_search_by_key(&vertex, |own| own.vertex).ok().map(|place| &self.all[place])
+    }
+
+    /// Whether a point is inside a part, whose vertices are at these places: a ray to the right crosses the boundary an odd
+    /// number of times.
+    pub fn is_inside(&self, part: u32, at: impl Fn(u32) -> [f64; 2], [px, py]: [f64; 2]) -> bool {
+        let crossed = self.edges.iter().filter(|edge| edge.part == part).filter(|edge| {
+            let [[ax, ay], [bx, by]] = edge.ends.map(&at);
+            let side = (bx - ax) * (py - ay) - (by - ay) * (px - ax);
+            ay <= py && by > py && side > 0.0 || by <= py && ay > py && side < 0.0
+        });
+        crossed.count() % 2 == 1
     }
 
     /// Number of parts.
@@ -226,6 +254,11 @@ impl SurfaceVertices {
         self.vertices.iter()
     }
 
+    /// The vertices and those within bodies, which touch obstacles where a body is crushed.
+    pub fn all(&self) -> &[SurfaceVertex] {
+        &self.all
+    }
+
     /// A vertex, by its place in the list.
     pub fn at(&self, place: u32) -> &SurfaceVertex {
         &self.vertices[place as usize]
@@ -241,30 +274,37 @@ impl SurfaceVertices {
         self.vertices.is_empty()
     }
 
-    /// Potential of the skin of a vertex: its modulus is the greater of a multiple of Young's modulus and of `6 rho v²` for
-    /// the fastest impact v, at which the skin is not compressed beyond its thickness.
-    pub fn potential(&self, skin: Skin, vertex: &SurfaceVertex) -> Potential {
-        self.potential_of(skin, vertex.part as usize)
-    }
-
     /// Potential between two parts: their skins one behind the other, so that the softer one counts most.
     pub fn potential_between(&self, skin: Skin, parts: [usize; 2]) -> Potential {
-        let [a, b] = parts.map(|part| self.potential_of(skin, part));
+        let [a, b] = parts.map(|part| self.potential(skin, part));
         Potential { modulus: 2.0 / (1.0 / a.modulus + 1.0 / b.modulus), thickness: 0.5 * (a.thickness + b.thickness) }
     }
 
-    fn potential_of(&self, skin: Skin, part: usize) -> Potential {
+    /// Potential of the skin of a part: its modulus is the greater of a multiple of Young's modulus and of `6 rho v²` for the
+    /// fastest impact v, at which the skin is not compressed beyond its thickness.
+    pub fn potential(&self, skin: Skin, part: usize) -> Potential {
         let part = &self.parts[part];
         let modulus = (skin.modulus * part.young).max(6.0 * part.density * skin.speed * skin.speed);
         Potential { modulus, thickness: skin.thickness * part.edge }
     }
 
-    /// Distance \[m\] at which a vertex stops in front of an obstacle with the contact margin eps \[m\]: where its skin is used up
-    /// but for a small part, so that round-off never makes the gap negative.
-    pub fn least_distance(&self, skin: Skin, eps: f64) -> f64 {
-        const SHARE: f64 = 0.02;
-        let thicknesses = self.parts.iter().map(|part| skin.thickness * part.edge);
-        let [least, greatest] = thicknesses.fold([f64::INFINITY, 0.0], |[a, b], d| [d.min(a), d.max(b)]);
-        (eps - greatest).max(0.0) + if least.is_finite() { SHARE * least } else { 0.0 }
+    /// Speed at which the initial penetration of a part decreases: a tenth of the wave speed [m/s].
+    pub fn depenetration_speed(&self, part: u32) -> f64 {
+        let part = &self.parts[part as usize];
+        0.1 * (part.young / part.density).sqrt()
+    }
+
+    /// Mean length of the boundary edges of a part \[m\].
+    pub fn mean_edge(&self, part: u32) -> f64 {
+        self.parts[part as usize].edge
+    }
+
+    /// The parts that are bodies, with the numbers of their edges.
+    pub fn bodies(&self) -> impl Iterator<Item = (u32, Range<u32>)> {
+        let own = |part: u32| {
+            let at = |part: u32| self.edges.partition_point(|edge| edge.part < part) as u32;
+            (part, at(part)..at(part + 1))
+        };
+        (0..self.parts.len() as u32).filter(|part| self.is_body(*part)).map(own)
     }
 }

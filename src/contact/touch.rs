@@ -1,6 +1,6 @@
 //! A contact at one moment, as a weighted stencil of vertices, and what follows from it alike for every kind of contact.
 
-use super::{Anchor, ContactName, Potential};
+use super::{Anchor, ContactName, Pair, Potential};
 use crate::{
     effects::Motion,
     obstacles::Rigid,
@@ -19,10 +19,10 @@ use nalgebra::Matrix2;
 pub struct Touch {
     /// Name.
     pub name: ContactName,
-    /// Its vertices, by their numbers in the scene.
+    /// Its vertices, by their numbers in the scene: one that touches, and the ends of the edge that it touches.
     pub vertices: [u32; 3],
-    /// How many of them there are.
-    pub count: usize,
+    /// Which of them take part, as an obstacle may take the place of the first or of the edge.
+    pub members: Members,
     /// w.
     pub weights: [f64; 3],
     /// n.
@@ -32,20 +32,18 @@ pub struct Touch {
     /// Area at a thickness of the sheet of 1 m \[m²\]; negative where the contact is subtracted because its neighbours count
     /// it twice.
     pub area: f64,
-    /// Potential of the skin.
-    pub potential: Potential,
-    /// c [s/m].
-    pub dissipation: f64,
-    /// mu.
-    pub friction: f64,
-    /// Speed at which the initial penetration decreases [m/s].
-    pub depenetration_speed: f64,
+    /// How the surfaces act on each other.
+    pub parameters: ContactParameters,
     /// g \[m\].
     pub gap: f64,
+    /// Distance of the point from the line or from the point that it touches \[m\].
+    pub distance: f64,
     /// dg/dt [m/s].
     pub approach: f64,
     /// Rate of the slip [m/s].
     pub sliding: f64,
+    /// Time over which the pressure is the mean, centred at this moment \[s\]; zero for the pressure at this moment.
+    pub span: f64,
     /// Velocity of an obstacle at the contact [m/s].
     pub obstacle_velocity: [f64; 2],
     /// How the gap curves.
@@ -56,6 +54,41 @@ pub struct Touch {
     pub memory: Option<(f64, f64)>,
     /// The anchor that these come from.
     pub kept: Option<Anchor>,
+}
+
+/// How two surfaces act on each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactParameters {
+    /// Potential of the skin.
+    pub potential: Potential,
+    /// c [s/m].
+    pub dissipation: f64,
+    /// mu.
+    pub friction: f64,
+    /// Speed at which the initial penetration decreases [m/s].
+    pub depenetration_speed: f64,
+}
+
+/// Which vertices of a contact take part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Members {
+    /// A vertex that touches an obstacle.
+    Vertex,
+    /// The ends of an edge that touches a corner of an obstacle.
+    Edge,
+    /// A vertex and the ends of an edge.
+    Both,
+}
+
+impl Members {
+    /// Their places in the stencil.
+    pub const fn range(self) -> std::ops::Range<usize> {
+        match self {
+            Self::Vertex => 0..1,
+            Self::Edge => 1..3,
+            Self::Both => 0..3,
+        }
+    }
 }
 
 /// Second derivative of a gap by the positions.
@@ -89,39 +122,75 @@ pub enum Place {
 const EDGE: [f64; 3] = [0.0, -1.0, 1.0];
 
 impl Touch {
+    /// Adds the velocities of its vertices [m/s].
+    pub fn add_velocities(&mut self, v: &[f64]) {
+        let [nx, ny] = self.normal;
+        for i in self.members.range() {
+            let [vx, vy] = vector(v, self.vertices[i]);
+            self.approach += self.weights[i] * (nx * vx + ny * vy);
+            self.sliding += self.slips[i][0] * vx + self.slips[i][1] * vy;
+        }
+    }
+
+    /// Adds the velocity of an obstacle in the place of its vertex, or of the edge [m/s].
+    pub fn add_obstacle(&mut self, velocity: [f64; 2]) {
+        let [vx, vy] = velocity;
+        let sign = if self.members == Members::Vertex { -1.0 } else { 1.0 };
+        let ([nx, ny], [sx, sy]) = (self.normal, self.slips[0]);
+        self.approach += sign * (nx * vx + ny * vy);
+        self.sliding += sign * (sx * vx + sy * vy);
+        self.obstacle_velocity = velocity;
+    }
+
     /// p \[Pa\].
     pub fn pressure(&self) -> f64 {
-        self.potential.pressure(self.gap)
+        if self.span == 0.0 {
+            return self.parameters.potential.pressure(self.gap);
+        }
+        self.mean_pressure()[0]
+    }
+
+    fn mean_pressure(&self) -> [f64; 3] {
+        self.parameters.potential.mean_pressure(self.gap, self.span * self.approach)
     }
 
     /// Factor of the pressure by dissipation (Hunt and Crossley, 1975): `1 - c dg/dt`, never negative.
     fn damped(&self) -> f64 {
-        (1.0 - self.dissipation * self.approach).max(0.0)
+        (1.0 - self.parameters.dissipation * self.approach).max(0.0)
     }
 
     /// Greatest friction \[Pa\].
     fn limit(&self) -> f64 {
-        self.friction * self.pressure() * self.damped()
+        self.parameters.friction * self.pressure() * self.damped()
     }
 
     /// T \[Pa\], and whether it sticks.
     fn traction(&self) -> (f64, bool) {
         // A new contact has not slipped yet.
         let (u, _) = self.memory.unwrap_or_default();
-        self.potential.traction(u, self.dissipation * self.pressure() * self.sliding, self.limit())
+        self.parameters.potential.traction(
+            u,
+            self.parameters.dissipation * self.pressure() * self.sliding,
+            self.limit(),
+        )
+    }
+
+    /// Whether the surfaces have crossed.
+    fn is_inside(&self) -> bool {
+        self.gap < self.memory.map_or(0.0, |(_, penetration)| penetration)
     }
 
     /// Energy \[J\].
     pub fn energy(&self) -> f64 {
-        let friction = self.memory.map_or(0.0, |(u, _)| self.potential.friction_energy(u, self.limit()));
-        self.area * (self.potential.energy(self.gap) + friction)
+        let friction = self.memory.map_or(0.0, |(u, _)| self.parameters.potential.friction_energy(u, self.limit()));
+        self.area * (self.parameters.potential.energy(self.gap) + friction)
     }
 
     /// Force \[N\] on each vertex.
     pub fn forces(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
         let (normal, slip) = (self.area * self.pressure() * self.damped(), -self.area * self.traction().0);
         let [nx, ny] = self.normal;
-        (0..self.count).map(move |i| {
+        self.members.range().map(move |i| {
             let (n, [sx, sy]) = (normal * self.weights[i], self.slips[i]);
             (self.vertices[i] as usize, [n * nx + slip * sx, n * ny + slip * sy])
         })
@@ -130,19 +199,24 @@ impl Touch {
     /// Power of a moving obstacle \[W\].
     pub fn power(&self) -> f64 {
         let [vx, vy] = self.obstacle_velocity;
-        self.forces().next().map_or(0.0, |(_, [fx, fy])| fx * vx + fy * vy)
+        self.forces().map(|(_, [fx, fy])| fx * vx + fy * vy).sum()
     }
 
     /// Stiffness and damping of the force along the normal and along the slip [N/m, N s/m]. The change of the greatest
     /// friction with the pressure is omitted: it is not symmetric.
     fn stiffness(&self) -> [[f64; 2]; 2] {
         let (area, damped, pressure) = (self.area, self.damped(), self.pressure());
-        let damping = if damped > 0.0 { area * self.dissipation * pressure } else { 0.0 };
-        let along = [area * damped * self.potential.stiffness(self.gap), damping];
+        let damping = if damped > 0.0 { area * self.parameters.dissipation * pressure } else { 0.0 };
+        let along = if self.span == 0.0 {
+            [area * damped * self.parameters.potential.stiffness(self.gap), damping]
+        } else {
+            let [_, by_gap, by_change] = self.mean_pressure();
+            [-area * damped * by_gap, damping - area * damped * self.span * by_change]
+        };
         let across = if self.traction().1 {
             // A new contact has no anchor to move from.
-            let elastic = if self.memory.is_some() { self.potential.tangential_stiffness() } else { 0.0 };
-            [area * elastic, area * self.dissipation * pressure]
+            let elastic = if self.memory.is_some() { self.parameters.potential.tangential_stiffness() } else { 0.0 };
+            [area * elastic, area * self.parameters.dissipation * pressure]
         } else {
             [0.0; 2]
         };
@@ -173,19 +247,20 @@ impl Touch {
         /// That part.
         const LEFT: f64 = 0.25;
         let (u, before) = self.memory.unwrap_or_default();
-        let missing = LEFT * self.potential.thickness - (self.gap - before);
-        let decrease = (h * self.depenetration_speed).min(missing).clamp(0.0, before);
+        let missing = LEFT * self.parameters.potential.thickness - (self.gap - before);
+        let decrease = (h * self.parameters.depenetration_speed).min(missing).min(before).max(0.0);
         let supplied = if decrease > 0.0 {
-            self.area * (self.potential.energy(self.gap - decrease) - self.potential.energy(self.gap))
+            self.area
+                * (self.parameters.potential.energy(self.gap - decrease) - self.parameters.potential.energy(self.gap))
         } else {
             0.0
         };
-        (self.anchor(self.potential.dragged(u, self.limit()), before - decrease), supplied)
+        (self.anchor(self.parameters.potential.dragged(u, self.limit()), before - decrease), supplied)
     }
 
     /// Memory of the contact in a state that no step led to: without memory it begins without a force.
     pub fn begun(&self) -> Anchor {
-        let missing = self.potential.thickness - self.gap;
+        let missing = self.parameters.potential.thickness - self.gap;
         self.kept.filter(|kept| kept.contact == self.name).unwrap_or_else(|| self.anchor(0.0, missing))
     }
 
@@ -201,9 +276,9 @@ impl Touch {
         Anchor { contact: self.name, point, penetration }
     }
 
-    /// Takes over the memory of an anchor.
-    pub fn remember(&mut self, anchor: Anchor) {
-        let u = match self.place {
+    /// Slip since an anchor \[m\].
+    fn slip_since(&self, anchor: Anchor) -> f64 {
+        match self.place {
             Place::Obstacle(at, [x, y]) => {
                 let ([ax, ay], [sx, sy]) = (at.point(anchor.point), self.slips[0]);
                 (x - ax) * sx + (y - ay) * sy
@@ -212,9 +287,26 @@ impl Touch {
                 let u = along - anchor.point[0];
                 stretch * (u - around * (u / around).round())
             }
-        };
+        }
+    }
+
+    /// Takes over the memory of an anchor.
+    pub fn remember(&mut self, anchor: Anchor) {
         self.gap += anchor.penetration;
-        (self.memory, self.kept) = (Some((u, anchor.penetration)), Some(anchor));
+        (self.memory, self.kept) = (Some((self.slip_since(anchor), anchor.penetration)), Some(anchor));
+    }
+
+    /// Takes over the memory of a contact with a boundary. The anchors are those of this contact, and of it at the edges before
+    /// and after: a contact that has none continues those of its neighbours, their mean where both have one.
+    pub fn remember_along(&mut self, [own, before, after]: [Option<Anchor>; 3]) {
+        if let (None, Some(one), Some(other)) = (own, before, after) {
+            let u = 0.5 * (self.slip_since(one) + self.slip_since(other));
+            let penetration = 0.5 * (one.penetration + other.penetration);
+            self.gap += penetration;
+            (self.memory, self.kept) = (Some((u, penetration)), Some(one));
+        } else if let Some(anchor) = own.or(before).or(after) {
+            self.remember(anchor);
+        }
     }
 }
 
@@ -230,24 +322,23 @@ pub struct Linearised<'a> {
 impl Linearised<'_> {
     /// Block of two of its vertices.
     ///
-    /// With the direction t of an edge of length L, d = (0, -1, 1) and q = w t, the second derivative of the distance from it is
-    /// `-((d n) q' + q (d n)')/L - g (d n) (d n)'/L²`, and that of the distance of two points `q q'/g`: both follow from
-    /// `dn = -t (n . d x)/L` for the edge and `dn = t (t . w x)/g` for the points.
+    /// With the direction t of an edge of length L, the distance D, d = (0, -1, 1) and q = w t, the second derivative of the distance from it is
+    /// `-((d n) q' + q (d n)')/L - D (d n) (d n)'/L²`, and that of the distance of two points `q q'/D`: both follow from
+    /// `dn = -t (n . d x)/L` for the edge and `dn = t (t . w x)/D` for the points.
     pub fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
-        let Touch { weights: w, normal: [nx, ny], slips, gap, memory, .. } = self.touch;
+        let Touch { weights: w, normal: [nx, ny], slips, distance, .. } = self.touch;
         let outer = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| Matrix2::new(ax * bx, ax * by, ay * bx, ay * by);
         let (normal, along) = ([*nx, *ny], [-ny, *nx]);
         let block = outer(normal, normal) * (self.normal * w[i] * w[j]) + outer(slips[i], slips[j]) * self.slip;
-        // The geometry knows nothing of an initial penetration.
-        let gap = gap - memory.map_or(0.0, |(_, penetration)| penetration);
         match self.touch.curvature {
             Curvature::Flat => block,
             Curvature::Edge(length) => {
                 let turned = outer(normal, along) * (EDGE[i] * w[j]) + outer(along, normal) * (w[i] * EDGE[j]);
-                let curved = turned / length + outer(normal, normal) * (gap * EDGE[i] * EDGE[j] / (length * length));
+                let curved =
+                    turned / length + outer(normal, normal) * (distance * EDGE[i] * EDGE[j] / (length * length));
                 block + curved * self.force
             }
-            Curvature::Points => block - outer(along, along) * (self.force * w[i] * w[j] / gap),
+            Curvature::Points => block - outer(along, along) * (self.force * w[i] * w[j] / distance),
         }
     }
 }
@@ -255,7 +346,7 @@ impl Linearised<'_> {
 /// Contact by a potential: a term of the physics like an element. A kind of contact says what touches; everything else follows
 /// from that.
 pub trait ContactTerm: Send + Sync {
-    /// Calls `act` for everything that touches, in the order of the names.
+    /// Calls `act` for everything that touches.
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch));
 
     /// The same for a state that no step led to: also what is deep inside something.
@@ -274,13 +365,11 @@ pub trait ContactTerm: Send + Sync {
         false
     }
 
-    /// Adds the weighted stiffness and damping. By default each contact has one vertex, and so one block on the diagonal.
-    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
-        let Some(matrix) = matrix.blocks::<2>() else { return };
-        self.each(motion, &mut |touch| {
-            matrix.diagonal(touch.vertices[0] as usize, &touch.linearised(weights).block(0, 0));
-        });
-    }
+    /// Sparsity pattern, as [`crate::effects::Effect::sparsity_pattern`], where these pairs of surfaces may be near each other.
+    fn sparsity_pattern(&self, pairs: &[Pair], add: &mut dyn FnMut(u32, u32));
+
+    /// Adds the weighted stiffness and damping.
+    fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix);
 }
 
 impl dyn ContactTerm + '_ {
@@ -325,8 +414,8 @@ impl dyn ContactTerm + '_ {
         let weights = Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Exact };
         self.each(motion, &mut |touch| {
             let linearised = touch.linearised(weights);
-            for i in 0..touch.count {
-                for j in 0..touch.count {
+            for i in touch.members.range() {
+                for j in touch.members.range() {
                     let ([x, y], block) = (vector(d, touch.vertices[j]), linearised.block(i, j));
                     let at = 2 * touch.vertices[i] as usize;
                     product[at] += block.m11 * x + block.m12 * y;
@@ -344,12 +433,12 @@ impl dyn ContactTerm + '_ {
                 let [x, y] = vector(motion.inverse_mass, touch.vertices[i]);
                 touch.weights[i].abs() * x.max(y)
             };
-            greatest = greatest.max(touch.damping() * (0..touch.count).map(inverse).sum::<f64>());
+            greatest = greatest.max(touch.damping() * touch.members.range().map(inverse).sum::<f64>());
         });
         [greatest, 0.0]
     }
 
-    /// Adds the memory of all contacts after a step of length h \[s\], in the order of their names. Returns the energy that the
+    /// Adds the memory of all contacts after a step of length h \[s\]. Returns the energy that the
     /// decrease of initial penetration supplies \[J\].
     pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) -> f64 {
         let mut supplied = 0.0;
@@ -361,6 +450,15 @@ impl dyn ContactTerm + '_ {
             }
         });
         supplied
+    }
+
+    /// Adds the vertices of contacts in which surfaces have crossed: inside an obstacle or another body.
+    pub fn add_inside(&self, motion: Motion<'_>, vertices: &mut Vec<u32>) {
+        self.each(motion, &mut |touch| {
+            if touch.area > 0.0 && touch.is_inside() {
+                vertices.push(touch.vertices[touch.members.range().start]);
+            }
+        });
     }
 
     /// Adds the memory of all contacts of a state that was not stepped to.

@@ -18,7 +18,7 @@
 //! vertices relative to each other, and what they do not have from those of their bodies.
 
 use super::{
-    Candidates, Pair, SurfaceContact,
+    Candidate, Candidates, Pair, SurfaceContact,
     candidates::squared_distance,
     touch::{length, vector},
 };
@@ -31,12 +31,14 @@ pub struct Truncation {
     pairs: Vec<Pair>,
     /// Those that do.
     meeting: Vec<Pair>,
-    /// All vertices that were moved.
-    touched: Vec<usize>,
+    /// What may meet an obstacle.
+    pub found: Vec<Candidate>,
+    /// All vertices that truncation moved in this step.
+    pub moved: Vec<usize>,
     /// Fraction of its displacement that each vertex of the scene keeps.
     kept: Vec<f64>,
     /// Mean displacement of each part, and the greatest deviation from it \[m\].
-    moved: Vec<([f64; 2], f64)>,
+    displaced: Vec<([f64; 2], f64)>,
     /// Search of pairs farther apart than the candidates.
     search: Candidates,
     /// A vertex that each vertex is connected to, itself if it is the first; and by first vertices the sums of their masses along
@@ -60,15 +62,37 @@ const COMMON: usize = 16;
 /// Rounds of cutting displacements, after which vertices that are still in a pair that meets stay in place.
 const CUTS: usize = 16;
 /// Least gap that a step leaves, as a fraction of the thickness of the skin: far above round-off.
-const FLOOR: f64 = 0.02;
+pub(super) const FLOOR: f64 = 0.02;
+/// Share of its distance that a pair may lose in a step where its skin is used up: far above round-off.
+const CREEP: f64 = 0.02;
 /// Most iterations of conservative advancement; stopping at any of them is safe.
 const ADVANCES: usize = 64;
 
+/// Distances that a vertex keeps from an edge or an obstacle \[m\].
+pub(super) struct Reach {
+    /// Least distance within the step.
+    pub least: f64,
+    /// Distance at the end of a step that comes nearer.
+    pub wanted: f64,
+}
+
+impl Reach {
+    /// Distances where the skin is used up at a floor \[m\]. What begins nearer to the surface may lose a small share of its
+    /// distance; what begins inside may go deeper until the skin is used up that its initial penetration leaves.
+    pub fn new(floor: f64, begins: f64, penetration: f64) -> Self {
+        if begins > 0.0 {
+            return Self { least: floor.min((1.0 - CREEP) * begins), wanted: floor.min(2.0 * begins) };
+        }
+        let least = (floor - penetration).min(begins);
+        Self { least, wanted: least }
+    }
+}
+
 /// A vertex and the ends of an edge at one moment.
-type Points = [[f64; 2]; 3];
+pub(super) type Points = [[f64; 2]; 3];
 
 /// Unit vector from the nearest point of an edge to a vertex, the position of that point along the edge, and the distance \[m\].
-fn nearest([p, a, b]: Points) -> ([f64; 2], f64, f64) {
+pub(super) fn nearest([p, a, b]: Points) -> ([f64; 2], f64, f64) {
     let ([ex, ey], [px, py]) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = ex * ex + ey * ey;
     let t = if square > 0.0 { ((px * ex + py * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
@@ -83,14 +107,14 @@ fn nearest([p, a, b]: Points) -> ([f64; 2], f64, f64) {
     ([dx / distance, dy / distance], t, distance)
 }
 
-/// Fraction of the displacement at which a vertex and an edge come within a distance \[m\]; `None` if they stay farther than half
-/// of it apart all the way.
-fn meeting(from: Points, to: Points, distance: f64) -> Option<f64> {
+/// Fraction of the displacement at which a vertex and an edge come within a radius and a distance \[m\]; `None` if they stay
+/// farther than the radius and half of the distance apart all the way.
+pub(super) fn meeting(from: Points, to: Points, radius: f64, distance: f64) -> Option<f64> {
     let mut share = 0.0;
     for _ in 0..ADVANCES {
         let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
         let ([nx, ny], _, gap) = nearest(at);
-        if gap <= distance || gap.is_nan() {
+        if gap <= radius + distance || gap.is_nan() {
             return Some(share);
         }
         let mut next = f64::INFINITY;
@@ -99,7 +123,7 @@ fn meeting(from: Points, to: Points, distance: f64) -> Option<f64> {
             let rate = |axis: usize| (to[end][axis] - from[end][axis]) - (to[0][axis] - from[0][axis]);
             let approach = nx * rate(0) + ny * rate(1);
             if approach > 0.0 {
-                next = f64::min(next, (apart - 0.5 * distance) / approach);
+                next = f64::min(next, (apart - radius - distance + 0.5 * distance.abs()) / approach);
             }
         }
         share += next;
@@ -123,9 +147,9 @@ impl SurfaceContact {
         [vertex.vertex, edge.ends[0], edge.ends[1]].map(|vertex| vertex as usize)
     }
 
-    /// Distance that a pair keeps in a step from `start` \[m\]: less than that at the start.
-    fn floor(&self, start: &[f64], pair: Pair) -> f64 {
-        f64::min(FLOOR * self.thickness(pair), 0.5 * nearest(self.points(start, pair)).2)
+    /// Distances that a pair keeps in a step from `start`.
+    fn reach(&self, start: &[f64], pair: Pair) -> Reach {
+        Reach::new(FLOOR * self.thickness(pair), nearest(self.points(start, pair)).2, 0.0)
     }
 
     /// Thickness of the skin between a vertex and an edge \[m\].
@@ -136,8 +160,8 @@ impl SurfaceContact {
 
     /// Finds all pairs that are near enough to each other to meet in a step from `start` to `x`.
     fn find_pairs(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) {
-        let Truncation { pairs, moved, search, .. } = scratch;
-        moved.clear();
+        let Truncation { pairs, displaced, search, .. } = scratch;
+        displaced.clear();
         let displacement = |place: usize| {
             let vertex = self.surface().at(place as u32).vertex;
             let ([ax, ay], [bx, by]) = (vector(start, vertex), vector(x, vertex));
@@ -153,15 +177,15 @@ impl SurfaceContact {
                 let [dx, dy] = displacement(place);
                 (dx - mean[0]) * (dx - mean[0]) + (dy - mean[1]) * (dy - mean[1])
             };
-            moved.push((mean, vertices.map(deviation).fold(0.0, f64::max).sqrt()));
+            displaced.push((mean, vertices.map(deviation).fold(0.0, f64::max).sqrt()));
             all = [all[0] + mean[0], all[1] + mean[1]];
         }
         let all = all.map(|all| all / self.surface().parts().max(1) as f64);
-        let single = moved.len() == 1;
+        let single = displaced.len() == 1;
         let from_all = |(mean, deviation): &([f64; 2], f64)| {
             deviation + if single { 0.0 } else { length([mean[0] - all[0], mean[1] - all[1]]) }
         };
-        let farthest = 2.0 * moved.iter().map(from_all).fold(0.0, f64::max);
+        let farthest = 2.0 * displaced.iter().map(from_all).fold(0.0, f64::max);
         pairs.clear();
         if !farthest.is_finite() {
             return;
@@ -178,7 +202,7 @@ impl SurfaceContact {
             pairs.retain(|pair| {
                 let (edge, vertex) = self.members(*pair);
                 let own = edge.part == vertex.part;
-                !own || nearest(self.points(start, *pair)).2 <= 2.0 * moved[edge.part as usize].1
+                !own || nearest(self.points(start, *pair)).2 <= 2.0 * displaced[edge.part as usize].1
             });
         }
     }
@@ -199,14 +223,13 @@ impl SurfaceContact {
         [x, v]: [&mut [f64]; 2],
     ) -> usize {
         self.find_pairs(scratch, candidates, start, x);
-        let Truncation { pairs, meeting, touched, kept, connected, sums, .. } = scratch;
+        let Truncation { pairs, meeting, moved, kept, connected, sums, .. } = scratch;
         self.find_meeting(pairs, start, x, meeting);
         let count = meeting.len();
-        touched.clear();
         if count == 0 {
             return 0;
         }
-        let mut touch = |meeting: &[Pair]| touched.extend(meeting.iter().flat_map(|pair| self.vertices(*pair)));
+        let mut touch = |meeting: &[Pair]| moved.extend(meeting.iter().flat_map(|pair| self.vertices(*pair)));
         if means == Means::All {
             for _ in 0..IMPULSES {
                 touch(meeting);
@@ -255,8 +278,8 @@ impl SurfaceContact {
         count
     }
 
-    /// Fraction of a step from `start` to `x` at which the vertex and the edge of a pair meet, unless the vertex starts inside
-    /// another body: it may leave that.
+    /// Fraction of a step from `start` to `x` at which the vertex and the edge of a pair meet. A vertex inside another
+    /// body may leave that: where bodies do not cross themselves, it began there.
     fn meeting(&self, start: &[f64], x: &[f64], pair: Pair) -> Option<f64> {
         let (from, to) = (self.points(start, pair), self.points(x, pair));
         // Most pairs are farther apart than they move.
@@ -265,21 +288,14 @@ impl SurfaceContact {
         if squared_distance(self.surface(), start, pair) > reach * reach {
             return None;
         }
-        let share = meeting(from, to, self.floor(start, pair))?;
+        let share = meeting(from, to, 0.0, self.reach(start, pair).least)?;
         (self.is_outside(start, pair) || !self.is_inside(start, pair)).then_some(share)
     }
 
     /// Whether the vertex of a pair is inside the part of the edge.
     pub(super) fn is_inside(&self, x: &[f64], [edge, vertex]: Pair) -> bool {
         let part = self.surface().edges()[edge as usize].part;
-        let [px, py] = vector(x, self.surface().at(vertex).vertex);
-        // A ray to the right crosses the boundary an odd number of times.
-        let crossed = self.surface().edges().iter().filter(|edge| edge.part == part).filter(|edge| {
-            let [[ax, ay], [bx, by]] = edge.ends.map(|end| vector(x, end));
-            let side = (bx - ax) * (py - ay) - (by - ay) * (px - ax);
-            ay <= py && by > py && side > 0.0 || by <= py && ay > py && side < 0.0
-        });
-        crossed.count() % 2 == 1
+        self.surface().is_inside(part, |end| vector(x, end), vector(x, self.surface().at(vertex).vertex))
     }
 
     /// Writes those of some pairs that meet.
@@ -291,8 +307,8 @@ impl SurfaceContact {
     /// Takes away the approach of a pair along the normal where it meets, beyond the distance that it keeps.
     fn stop(&self, start: &[f64], inverse_mass: &[f64], [x, v]: [&mut [f64]; 2], pair: Pair) {
         let (from, to) = (self.points(start, pair), self.points(x, pair));
-        let floor = self.floor(start, pair);
-        let Some(share) = meeting(from, to, floor) else { return };
+        let reach = self.reach(start, pair);
+        let Some(share) = meeting(from, to, 0.0, reach.least) else { return };
         let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
         let ([nx, ny], t, gap) = nearest(at);
         let (weights, vertices) = ([1.0, t - 1.0, -t], self.vertices(pair));
@@ -304,8 +320,7 @@ impl SurfaceContact {
         if !(mobility > 0.0 && gap > 0.0) {
             return;
         }
-        // More than the least distance: the line across the edge may not be the nearest one at the end.
-        let missing = (1.5 * floor - along(x)).max(0.0);
+        let missing = (reach.wanted - along(x)).max(0.0);
         let approach = (-along(v)).max(0.0);
         for (values, wanted) in [(x, missing), (v, approach)] {
             for i in 0..3 {
@@ -321,7 +336,7 @@ impl SurfaceContact {
         let points = self.points(start, pair);
         let (normal, _, gap) = nearest(points);
         let along = |[px, py]: [f64; 2]| normal[0] * px + normal[1] * py;
-        let margin = 0.5 * (gap - 1.2 * self.floor(start, pair));
+        let margin = 0.5 * (gap - self.reach(start, pair).least);
         for (i, vertex) in self.vertices(pair).into_iter().enumerate() {
             // The vertex may approach the edge by the margin, and the ends of the edge, as far as they are behind it, by more.
             let sign = if i == 0 { -1.0 } else { 1.0 };
@@ -342,7 +357,7 @@ impl Truncation {
         self.pairs.iter().any(|pair| contact.meeting(start, x, *pair).is_some())
     }
 
-    /// Takes kinetic energy \[J\] from the vertices that the last truncation moved, as far as they have it relative to each
+    /// Takes kinetic energy \[J\] from the vertices that were moved, as far as they have it relative to each
     /// other, and the rest from their whole bodies, whose vertices `parts` gives: mean velocities stay.
     pub fn dissipate(
         &mut self,
@@ -351,18 +366,18 @@ impl Truncation {
         parts: impl Iterator<Item = Range<usize>>,
         v: &mut [f64],
     ) {
-        let Self { touched, .. } = self;
-        touched.sort_unstable();
-        touched.dedup();
-        let left = dissipate(energy, [mass, inverse_mass], touched, v);
+        let Self { moved, .. } = self;
+        moved.sort_unstable();
+        moved.dedup();
+        let left = dissipate(energy, [mass, inverse_mass], moved, v);
         if left > 0.0 {
-            let found = touched.len();
+            let found = moved.len();
             for part in parts {
-                if touched[..found].iter().any(|vertex| part.contains(vertex)) {
-                    touched.extend(part);
+                if moved[..found].iter().any(|vertex| part.contains(vertex)) {
+                    moved.extend(part);
                 }
             }
-            dissipate(left, [mass, inverse_mass], &touched[found..], v);
+            dissipate(left, [mass, inverse_mass], &moved[found..], v);
         }
     }
 }

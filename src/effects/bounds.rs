@@ -30,12 +30,23 @@ impl Bounds {
 
     /// Box around flat points.
     pub fn of(values: &[f64]) -> Self {
+        // Several points at once are vectorised.
+        const COUNT: usize = 16;
+        let (mut least, mut greatest) = ([f64::INFINITY; COUNT], [f64::NEG_INFINITY; COUNT]);
+        let mut add = |number: usize, value: f64| {
+            least[number] = if value < least[number] { value } else { least[number] };
+            greatest[number] = if value > greatest[number] { value } else { greatest[number] };
+        };
+        let (chunks, rest) = values.as_chunks::<COUNT>();
+        for chunk in chunks {
+            chunk.iter().enumerate().for_each(|(number, value)| add(number, *value));
+        }
+        rest.iter().enumerate().for_each(|(number, value)| add(number, *value));
         let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for pair in values.as_chunks::<2>().0 {
-            for axis in 0..2 {
-                bounds[0][axis] = if pair[axis] < bounds[0][axis] { pair[axis] } else { bounds[0][axis] };
-                bounds[1][axis] = if pair[axis] > bounds[1][axis] { pair[axis] } else { bounds[1][axis] };
-            }
+        for number in 0..COUNT {
+            let [low, high] = bounds.each_mut().map(|corner| &mut corner[number % 2]);
+            *low = if least[number] < *low { least[number] } else { *low };
+            *high = if greatest[number] > *high { greatest[number] } else { *high };
         }
         Self(bounds)
     }
@@ -74,6 +85,22 @@ impl Bounds {
     fn size(self) -> f64 {
         let Self([least, greatest]) = self;
         (0..2).map(|axis| greatest[axis] - least[axis]).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// The box around this one and another.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        let (Self([a, b]), Self([c, d])) = (self, other);
+        let (low, high) = (|a: f64, c: f64| if c < a { c } else { a }, |b: f64, d: f64| if d > b { d } else { b });
+        Self([[low(a[0], c[0]), low(a[1], c[1])], [high(b[0], d[0]), high(b[1], d[1])]])
+    }
+
+    /// The box around the image of this one under a map that keeps straight lines straight.
+    #[must_use]
+    pub fn mapped(self, map: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+        let Self([[left, bottom], [right, top]]) = self;
+        let corners = [[left, bottom], [right, bottom], [right, top], [left, top]].map(map);
+        Self::of(corners.as_flattened())
     }
 
     /// The box with all its sides moved outwards by a length.

@@ -2,15 +2,15 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
-    contact::{ContactTerm, Skin, SurfaceContact},
+    contact::{ContactProperties, ContactTerm, Skin, SurfaceContact},
     elements::Elements,
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
 use serde::{Deserialize, Serialize};
 
 /// Contact of bodies with each other, with themselves, and with walls and the domain boundary, by a smooth potential of a thin skin,
-/// with the same forces for every integrator; see [`crate::contact`]. Without it bodies do not touch each other, and a velocity
-/// filter at walls acts at the end of each step.
+/// with the same forces for every integrator; see [`crate::contact`]. Without it bodies touch walls and the domain boundary alone, by
+/// a skin with the same default values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
@@ -53,15 +53,22 @@ impl EffectParameters for Contact {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        let skin = Skin {
+        let contact = !elements.contact.is_filter;
+        let surface = contact.then(|| SurfaceContact::new(elements.contact, &elements.surface, &elements.rest));
+        Ok(Box::new(ContactEffect { skin: self.skin(), surface }))
+    }
+}
+
+impl Contact {
+    /// The skin without what other effects set.
+    pub fn skin(&self) -> Skin {
+        Skin {
             modulus: self.modulus.get(),
             thickness: self.thickness.get(),
             speed: self.speed.get(),
             dissipation: self.dissipation.get(),
-        };
-        // Its friction is not known before all effects are built once.
-        let surface = elements.skin.map(|skin| SurfaceContact::new(skin, &elements.skinned, &elements.rest));
-        Ok(Box::new(ContactEffect { skin, surface }))
+            friction: 0.0,
+        }
     }
 }
 
@@ -95,7 +102,7 @@ impl Effect for ContactEffect {
         self.surface.as_ref().filter(|surface| !surface.is_empty())
     }
 
-    fn skin(&self) -> Option<Skin> {
-        Some(self.skin)
+    fn set_properties(&self, properties: &mut ContactProperties) {
+        properties.skin = Some(self.skin);
     }
 }

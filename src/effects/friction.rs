@@ -2,17 +2,14 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
+    contact::ContactProperties,
     elements::Elements,
-    obstacles::Surface,
     quantity::{FrictionCoefficient, Quantity},
 };
 use serde::{Deserialize, Serialize};
 
-/// Coulomb friction at walls, obstacles and edges of the world: the tangential impulse of a contact is at most mu times the
-/// normal one. Below that a vertex sticks; above it slides, slowed by mu times the normal force.
-///
-/// Each contact answers for itself, by the impulse that stops the vertex in this step. With implicit schemes, which solve for
-/// the rest of the body with such vertices held, this is exact for bodies that hardly deform within a step.
+/// Coulomb friction wherever something touches: the tangential force of a contact is at most mu times the normal one. Below that a
+/// contact sticks, by an elastic spring ([`crate::contact::Anchor`]); above it slides, slowed by mu times the normal force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
@@ -32,7 +29,7 @@ impl EffectParameters for Friction {
     }
 
     fn about(&self) -> &'static str {
-        "|f_t| ≤ μ f_n where a vertex touches a wall or the domain boundary: below that it sticks, above it slides."
+        "|f_t| ≤ μ f_n where something touches: below that it sticks, above it slides."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -60,11 +57,7 @@ impl Effect for FrictionEffect {
         0
     }
 
-    fn is_surface_effect(&self) -> bool {
-        true
-    }
-
-    fn set_surface(&self, surface: &mut Surface) {
-        surface.friction = self.0;
+    fn set_properties(&self, properties: &mut ContactProperties) {
+        properties.friction = Some(self.0);
     }
 }

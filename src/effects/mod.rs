@@ -1,4 +1,4 @@
-//! Effects: forces and constraints on bodies beside their elasticity. Each effect is one file with two types: its
+//! Effects: forces on bodies beside their elasticity, and contact. Each effect is one file with two types: its
 //! parameters, which a level lists, and the built effect, which takes part in a step. [`EffectKind`] lists them all.
 //!
 //! ```
@@ -21,8 +21,10 @@ mod drag;
 mod friction;
 mod gravity;
 mod mouse_spring;
+mod obstacle_effect;
 mod rayleigh;
 mod restitution;
+mod velocity_filter;
 mod walls;
 
 pub use boundary::Boundary;
@@ -33,15 +35,16 @@ pub use drag::Drag;
 pub use friction::Friction;
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
+use obstacle_effect::ObstacleEffect;
 pub use rayleigh::Rayleigh;
 pub(crate) use rayleigh::Viscous;
 pub use restitution::Restitution;
+pub use velocity_filter::VelocityFilter;
 pub use walls::Walls;
 
 use crate::{
-    contact::{Anchor, Candidates, ContactTerm, Pair, Skin, SurfaceContact},
+    contact::{Anchor, Candidates, ContactProperties, ContactTerm, ObstacleContact, Pair, SurfaceContact},
     elements::{Elements, EulerUpdate, UniformForce},
-    obstacles::{ContactQuery, Depenetration, Start, Surface},
     quantity::Quantity,
     registry::registry,
     solvers::{SparseMatrix, Weights},
@@ -60,6 +63,7 @@ registry! {
         Friction(Friction),
         Compression(Compression),
         Contact(Contact),
+        VelocityFilter(VelocityFilter),
     }
 }
 
@@ -166,6 +170,10 @@ pub struct Motion<'a> {
     pub candidates: Option<&'a Candidates>,
     /// Pairs that have blocks in the stiffness matrix.
     pub pattern: &'a [Pair],
+    /// Time over which forces of contact are means, centred at this moment \[s\]; zero for those at this moment.
+    pub span: f64,
+    /// Time by which velocities of obstacles are taken earlier \[s\].
+    pub lag: f64,
 }
 
 impl Motion<'_> {
@@ -181,11 +189,22 @@ impl Motion<'_> {
         anchors: &[],
         candidates: None,
         pattern: &[],
+        span: 0.0,
+        lag: 0.0,
     };
 
     /// Number of vertices.
     pub fn vertices(&self) -> usize {
         self.x.len() / self.dimension
+    }
+
+    /// Greatest displacement of any vertex within half of the span \[m\].
+    pub fn half_displacement(&self) -> f64 {
+        if self.span == 0.0 {
+            return 0.0;
+        }
+        let square = self.v.chunks(self.dimension).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
+        0.5 * self.span * square.sqrt()
     }
 
     /// Reason to skip damping, if all velocities are zero.
@@ -194,11 +213,8 @@ impl Motion<'_> {
     }
 }
 
-/// Reason for skipping a constraint.
+/// Reason for skipping contact.
 pub const NO_OBSTACLE_NEAR: &str = "nothing within reach";
-
-/// Reason for skipping an effect on contact surfaces.
-pub const NO_CONTACT: &str = "nothing touches";
 
 /// Reason for skipping an effect with zero strength.
 pub(crate) const ZERO: &str = "its strength is zero";
@@ -234,8 +250,7 @@ pub trait Effect: Send + Sync {
         self.contact()?.idle(motion)
     }
 
-    /// Whether [`Self::constrain`] changes nothing, now and at any later time, in steps in which all vertices stay in a
-    /// box; conservative.
+    /// Obstacles only: whether nothing touches them, now and at any later time, while all vertices stay in a box; conservative.
     fn is_clear(&self, _swept_bounds: Bounds) -> bool {
         false
     }
@@ -313,49 +328,17 @@ pub trait Effect: Send + Sync {
         None
     }
 
-    /// Skin of all bodies, if the effect sets it.
-    fn skin(&self) -> Option<Skin> {
+    /// Contact with obstacles, if it has that, by a potential or by a filter.
+    fn obstacle_contact(&self) -> Option<&ObstacleContact> {
         None
     }
+
+    /// Sets properties of all contacts.
+    fn set_properties(&self, _properties: &mut ContactProperties) {}
 
     /// Largest multiple of the displacement `d` \[m\] from the positions `x` that stays within the barrier of an energy;
     /// infinite without a barrier.
     fn longest_step(&self, _x: &[f64], _d: &[f64]) -> f64 {
         f64::INFINITY
-    }
-
-    /// Calls `act` with a contact query for every obstacle of this effect, by its number, in a step from a time to
-    /// another \[s\] in which all vertices stay in a box.
-    fn contact_queries<'a>(
-        &'a self,
-        _number: usize,
-        _time: [f64; 2],
-        _swept_bounds: Bounds,
-        _act: &mut dyn FnMut(ContactQuery<'a>),
-    ) {
-    }
-
-    /// Projects positions and velocities at the end of a step on the constraints, given its start. A second call
-    /// changes nothing. Returns the number of vertices changed.
-    fn constrain(&self, _start: &Start<'_>, _x: &mut [f64], _v: &mut [f64]) -> usize {
-        0
-    }
-
-    /// Number of vertices deep inside obstacles, at these positions \[m\] and this time \[s\].
-    fn count_inside(&self, _x: &[f64], _time: f64, _exits: &[Depenetration]) -> usize {
-        0
-    }
-
-    /// Sets surface properties of contacts.
-    fn set_surface(&self, _surface: &mut Surface) {}
-
-    /// Whether it only sets surface properties.
-    fn is_surface_effect(&self) -> bool {
-        false
-    }
-
-    /// Whether it is a constraint. A constraint has no force but that of [`Self::contact`].
-    fn constrains(&self) -> bool {
-        false
     }
 }

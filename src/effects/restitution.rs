@@ -2,16 +2,16 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
+    contact::ContactProperties,
     elements::Elements,
-    obstacles::Surface,
     quantity::{Quantity, RestitutionCoefficient},
 };
 use serde::{Deserialize, Serialize};
 
-/// Restitution at walls, obstacles and the domain boundary (Newton's law of impact): the normal velocity of a vertex that hits is
-/// reversed and multiplied by e.
+/// Restitution of a contact: a rigid mass that hits a skin at its impact speed ([`super::Contact`]) leaves it at e times that
+/// speed. It sets the dissipation of the skin ([`crate::contact::dissipation`]).
 ///
-/// It acts on vertices. A body also bounces by its own elasticity, more so if less of its mass is in contact.
+/// A body also bounces by its own elasticity, more so if less of its mass is in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Restitution {
@@ -31,7 +31,7 @@ impl EffectParameters for Restitution {
     }
 
     fn about(&self) -> &'static str {
-        "v'·n = −e v·n where a vertex hits a wall or the domain boundary; a body bounces by its own elasticity as well."
+        "v'·n = −e v·n for a rigid mass at the impact speed of the skin; a body bounces by its own elasticity as well."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -59,11 +59,7 @@ impl Effect for RestitutionEffect {
         0
     }
 
-    fn is_surface_effect(&self) -> bool {
-        true
-    }
-
-    fn set_surface(&self, surface: &mut Surface) {
-        surface.restitution = self.0;
+    fn set_properties(&self, properties: &mut ContactProperties) {
+        properties.restitution = Some(self.0);
     }
 }

@@ -37,7 +37,7 @@ pub(crate) use tangent::Isotropic;
 pub use triangle::Triangles;
 
 use crate::{
-    contact::{Skin, SurfaceVertices},
+    contact::{ContactModel, SurfaceVertices},
     effects::Effect,
 };
 use std::{ops::Range, sync::Arc};
@@ -64,12 +64,10 @@ pub struct Elements {
     pub triangles: Vec<Arc<Triangles>>,
     /// The springs of each net.
     pub springs: Vec<Arc<Springs>>,
-    /// Edges of the boundaries of all bodies, with the body on their left.
-    pub boundary: Arc<Vec<[u32; 2]>>,
     /// Positions at rest, flat \[m\].
     pub rest: Arc<Vec<f64>>,
-    /// Vertices that can have a skin.
-    pub skinned: Arc<SurfaceVertices>,
-    /// Skin of all bodies, where contact has a potential, and the coefficient of friction.
-    pub skin: Option<(Skin, f64)>,
+    /// Boundaries of bodies and particles of nets.
+    pub surface: Arc<SurfaceVertices>,
+    /// How they touch.
+    pub contact: ContactModel,
 }

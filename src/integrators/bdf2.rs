@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Second order, L-stable: no step is too long, and fast vibrations die out, slow ones far less than under implicit Euler
 /// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section V.1). The formula is for a constant step: the
-/// first step, and the one after a change of h or of the state from outside, or after friction, is one of implicit Euler, whose error of one
+/// first step, and the one after a change of h or of the state from outside, or after a truncated step, is one of implicit Euler, whose error of one
 /// step is of second order as well.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -53,7 +53,7 @@ impl SecondOrder for Bdf2 {
         let Workspace { past, .. } = workspace;
         past.clear();
         past.extend(state.x.iter().chain(&state.v));
-        let counts = implicit::step(system, state, workspace, (affine, h), |state, number| {
+        let (counts, changed) = implicit::step(system, state, workspace, (affine, h), |state, number| {
             let (mut x, mut v) = (state.x[number], state.v[number]);
             if goes_on {
                 let past = memory::read(state);
@@ -62,16 +62,12 @@ impl SecondOrder for Bdf2 {
             }
             [x + share * v, v]
         });
-        // Friction acts for the whole step with the normal impulse of that step: the two thirds of a step in the
-        // formula would omit a third of it.
-        if system.has_friction() && workspace.active.acted([&state.x, &state.v], &workspace.spare) {
+        if changed {
+            // There is no smooth past.
             state.memory.clear();
             return counts;
         }
         memory::open(state, TAG, h, 2 * count).copy_from_slice(&workspace.past);
-        // Where a wall acted there is no smooth past: the formula continues from the state after contact.
-        let State { x, v, memory, .. } = &mut *state;
-        workspace.active.set_uniform_motion([x, v], &workspace.spare, h, memory::own(memory));
         memory::close(state);
         counts
     }

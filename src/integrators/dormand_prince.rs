@@ -89,8 +89,7 @@ const MOST: u64 = 10_000;
 
 impl FirstOrder for DormandPrince {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let ([start, x, next, mut rates @ ..], spare): ([&mut [f64]; 10], _) =
-            workspace.vectors(state.x.len() + state.v.len());
+        let [start, x, next, mut rates @ ..]: [&mut [f64]; 10] = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(start);
         x.copy_from_slice(start);
         let known = memory::is_known(state, TAG, 2);
@@ -139,7 +138,7 @@ impl FirstOrder for DormandPrince {
             }
         }
         memory::own(&mut state.memory).copy_from_slice(&[length, before]);
-        system.apply_constraints(start, x, spare);
+        system.constrain(start, x);
         state.copy_from(x);
         counts
     }

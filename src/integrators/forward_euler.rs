@@ -41,13 +41,13 @@ impl Integrator for ForwardEuler {
 
 impl FirstOrder for ForwardEuler {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let ([x, next, rate], spare) = workspace.vectors(state.x.len() + state.v.len());
+        let [x, next, rate] = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(x);
         system.rate(0.0, x, rate);
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
             *next = x + h * rate;
         }
-        system.apply_constraints(x, next, spare);
+        system.constrain(x, next);
         state.copy_from(next);
         StepCounts::ONE
     }

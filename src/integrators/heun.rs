@@ -40,7 +40,7 @@ impl Integrator for Heun {
 
 impl FirstOrder for Heun {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let ([x, next, rate, end_rate], spare) = workspace.vectors(state.x.len() + state.v.len());
+        let [x, next, rate, end_rate] = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(x);
         system.rate(0.0, x, rate);
         for ((next, x), rate) in next.iter_mut().zip(&*x).zip(&*rate) {
@@ -50,7 +50,7 @@ impl FirstOrder for Heun {
         for (((next, x), rate), end_rate) in next.iter_mut().zip(&*x).zip(&*rate).zip(&*end_rate) {
             *next = x + 0.5 * h * (rate + end_rate);
         }
-        system.apply_constraints(x, next, spare);
+        system.constrain(x, next);
         state.copy_from(next);
         StepCounts::ONE
     }

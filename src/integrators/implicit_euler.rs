@@ -42,5 +42,6 @@ impl SecondOrder for ImplicitEuler {
         implicit::step(system, state, workspace, (Affine::euler(h), h), |state, number| {
             [state.x[number] + h * state.v[number], state.v[number]]
         })
+        .0
     }
 }

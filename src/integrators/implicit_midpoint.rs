@@ -11,8 +11,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Second order, A-stable and symplectic: an undamped linear oscillation keeps its amplitude exactly at every step length, so
 /// vibrations that a long step cannot follow are not damped either, and strongly nonlinear ones may still blow up
-/// (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sections II.1.4 and VI.4). A step in which
-/// walls act is one of implicit Euler: a scheme without any damping turns impacts into noise.
+/// (Hairer, Lubich and Wanner, *Geometric Numerical Integration*, sections II.1.4 and VI.4).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImplicitMidpoint {}
@@ -34,6 +33,10 @@ impl Integrator for ImplicitMidpoint {
         Class::Implicit
     }
 
+    fn is_midpoint(&self) -> bool {
+        true
+    }
+
     fn scheme(&self) -> Scheme<'_> {
         Scheme::Second(self)
     }
@@ -46,5 +49,6 @@ impl SecondOrder for ImplicitMidpoint {
         implicit::step(system, state, workspace, (affine, h), |state, number| {
             [state.x[number] + 0.5 * h * state.v[number], state.v[number]]
         })
+        .0
     }
 }

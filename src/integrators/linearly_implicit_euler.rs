@@ -4,9 +4,8 @@ use super::{
     Class, Dynamics, ImplicitEuler, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
     implicit::{Affine, Stage},
     parts,
-    system::apply_constraints,
 };
-use crate::{obstacles::is_touched, state::State};
+use crate::state::State;
 use serde::{Deserialize, Serialize};
 
 /// Linearly implicit (semi-implicit) Euler: implicit Euler with forces linearised where the step begins, one linear solve:
@@ -15,8 +14,8 @@ use serde::{Deserialize, Serialize};
 /// First order. For linear forces it is implicit Euler, and L-stable; for others a long step follows the tangent too far and
 /// may throw vertices about (Baraff and Witkin, *Large Steps in Cloth Simulation*, SIGGRAPH 1998; Deuflhard, *Recent Progress
 /// in Extrapolation Methods*, SIAM Review 27, 1985). Where K makes the matrix indefinite, the masses in it are raised.
-/// A step with an impact is one of implicit Euler: where a wall stops a vertex, and where a contact potential leaves more than
-/// a tenth of the forces unbalanced, because its linearisation does not hold for the whole step.
+/// A step with an impact is one of implicit Euler: where a contact potential leaves more than a tenth of the forces unbalanced,
+/// because its linearisation does not hold for the whole step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinearlyImplicitEuler {}
@@ -46,12 +45,9 @@ impl Integrator for LinearlyImplicitEuler {
 /// Greatest unbalanced force in contact, as a fraction of the forces.
 const RESIDUAL: f64 = 0.1;
 
-/// Fraction of the greatest speed that a vertex must lose at a wall for the step to count as an impact.
-const IMPACT: f64 = 0.1;
-
 impl SecondOrder for LinearlyImplicitEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let Workspace { numbers, spare, newton, active, .. } = workspace;
+        let Workspace { numbers, newton, .. } = workspace;
         let [x, v, predicted_v, none, g, force, z, before] = parts(numbers, state.x.len());
         // Linearised at z = 0, where x and v are those of the state.
         predicted_v.copy_from_slice(&state.v);
@@ -64,27 +60,23 @@ impl SecondOrder for LinearlyImplicitEuler {
             *g = if *inverse_mass == 0.0 { 0.0 } else { h * *g - force };
         }
         let affine = Affine { ax: h * h, av: h, end: 1.0 };
-        active.reset(system.block_size(), system.inverse_mass());
         before.copy_from_slice(&state.x);
         let (origin, predicted_x): (&[f64], &[f64]) = (before, before);
         let velocity = &*predicted_v;
         let mut stage =
-            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, active, x, v, affine, time: h };
+            Stage { system: &mut *system, origin, velocity, predicted_x, predicted_v, x, v, affine, time: h };
         let newton = newton.linear(&mut stage, none, g, z);
         let touches = system.touches(0.0, before, predicted_v);
         for (number, z) in z.iter().enumerate() {
             state.v[number] += h * z;
             state.x[number] += h * state.v[number];
         }
-        apply_constraints(system, [before, predicted_v], (&mut state.x, &mut state.v), spare, false);
-        let fastest = predicted_v.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
-        let stopped = |number: usize| (state.v[number] - predicted_v[number]).abs() > IMPACT * fastest;
-        let hits = (0..state.x.len()).any(|number| is_touched([&state.x, &state.v], spare, number) && stopped(number));
-        if hits || (touches || system.touches(h, &state.x, &state.v)) && is_unbalanced(system, state, h, z, force) {
+        if (touches || system.touches(h, &state.x, &state.v)) && is_unbalanced(system, state, h, z, force) {
             state.x.copy_from_slice(before);
             state.v.copy_from_slice(predicted_v);
             return ImplicitEuler::default().step(system, state, workspace, h);
         }
+        system.constrain(before, &mut state.x, &mut state.v);
         StepCounts { newton, ..StepCounts::ONE }
     }
 }

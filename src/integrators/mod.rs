@@ -55,7 +55,6 @@ pub use system::{Dynamics, Ode, Rates, symplectic_euler_update};
 pub use velocity_verlet::VelocityVerlet;
 
 use crate::{
-    obstacles::ActiveSet,
     quantity::Quantity,
     registry::registry,
     solvers::{LinearSolver, Newton, NewtonCounts},
@@ -103,6 +102,12 @@ pub trait Integrator: Send + Sync {
     /// such limit, or the scheme controls its step.
     fn stability_limit(&self) -> Option<f64> {
         None
+    }
+
+    /// Whether it takes the forces of a step at its midpoint, with the displacement of the step over its length as the velocity.
+    /// Those of contact are then means over the step, so that they do as much work as their energy changes.
+    fn is_midpoint(&self) -> bool {
+        false
     }
 
     /// The numbers a panel may change.
@@ -160,9 +165,7 @@ impl dyn Integrator + '_ {
 #[derive(Default)]
 pub struct Workspace {
     numbers: Vec<f64>,
-    spare: Vec<f64>,
     past: Vec<f64>,
-    active: ActiveSet,
     newton: Newton,
 }
 
@@ -172,9 +175,9 @@ impl Workspace {
         Self { newton: Newton::new(linear_solver), ..Self::default() }
     }
 
-    /// Vectors of equal length, whose content is undefined, and scratch for [`Ode::apply_constraints`].
-    pub fn vectors<const COUNT: usize>(&mut self, length: usize) -> ([&mut [f64]; COUNT], &mut Vec<f64>) {
-        (parts(&mut self.numbers, length), &mut self.spare)
+    /// Vectors of equal length, whose content is undefined.
+    pub fn vectors<const COUNT: usize>(&mut self, length: usize) -> [&mut [f64]; COUNT] {
+        parts(&mut self.numbers, length)
     }
 
     /// Invalidates the sparsity pattern, for a new scene.

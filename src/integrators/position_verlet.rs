@@ -1,10 +1,7 @@
 //! Position Verlet method.
 
-use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory, system::apply_constraints,
-};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, memory};
 use crate::{
-    obstacles::is_touched,
     quantity::{Quantity, VerletDamping},
     state::State,
 };
@@ -33,7 +30,7 @@ use serde::{Deserialize, Serialize};
 /// round-off of x.
 ///
 /// - Where the state was changed from outside, or the step length is new, `d = h v - h² a/2`, and the force is evaluated anew.
-/// - Where a wall acted, d is computed so at the end of the step, and the next step evaluates the force anew.
+/// - After a truncation, d is computed so at the end of the step, and the next step evaluates the force anew.
 /// - Where only [`Dynamics::load_fingerprint`] changed, such as the pull of the mouse, the force alone is evaluated anew.
 ///
 /// The method is the two-step Störmer-Verlet method, and not the splitting drift, kick, drift that has the same name.
@@ -95,7 +92,7 @@ const UNKNOWN: f64 = -1.0;
 impl SecondOrder for PositionVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
         let count = state.x.len();
-        let ([before, before_v, force], spare) = workspace.vectors(count);
+        let [before, force] = workspace.vectors(count);
         let is_continued = memory::is_current(state, TAG, h, 2 * count + 1);
         let loads = f64::from(system.load_fingerprint());
         memory::open(state, TAG, h, 2 * count + 1);
@@ -110,12 +107,11 @@ impl SecondOrder for PositionVerlet {
             }
         }
         before.copy_from_slice(&state.x);
-        before_v.copy_from_slice(&state.v);
         let keep = 1.0 - self.damping.get();
         let State { x, v, memory, .. } = state;
         let (displacement, increments) = memory::own(memory).split_at_mut(count);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
-            // A pinned vertex stays, even if it was pinned while it displacement.
+            // A pinned vertex stays, even if it was pinned while it moved.
             displacement[number] =
                 if *inverse_mass == 0.0 { 0.0 } else { keep * displacement[number] + increments[number] };
             x[number] += displacement[number];
@@ -126,15 +122,15 @@ impl SecondOrder for PositionVerlet {
         for ((v, displacement), increment) in v.iter_mut().zip(&*displacement).zip(&*increments) {
             *v = (displacement + 0.5 * increment) / h;
         }
-        apply_constraints(system, [before, before_v], (x, v), spare, false);
-        // Where a wall acted, the next step begins with the velocity after contact, and at another position than the
-        // force was evaluated at.
-        let mut kept_loads = loads;
-        for number in (0..count).filter(|&number| is_touched([x, v], spare, number)) {
-            displacement[number] = h * v[number] - 0.5 * increments[number];
-            kept_loads = UNKNOWN;
+        // After a truncation the next step begins with another velocity, and at another position than the force was
+        // evaluated at.
+        let changed = system.constrain(before, x, v);
+        if changed {
+            for ((displacement, v), increment) in displacement.iter_mut().zip(&*v).zip(&*increments) {
+                *displacement = h * v - 0.5 * increment;
+            }
         }
-        increments[count] = kept_loads;
+        increments[count] = if changed { UNKNOWN } else { loads };
         memory::close(state);
         StepCounts::ONE
     }

@@ -42,7 +42,7 @@ impl Integrator for RungeKutta4 {
 
 impl FirstOrder for RungeKutta4 {
     fn step(&self, system: &mut dyn Ode, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let ([x, next, stage, rate], spare) = workspace.vectors(state.x.len() + state.v.len());
+        let [x, next, stage, rate] = workspace.vectors(state.x.len() + state.v.len());
         state.copy_to(x);
         next.copy_from_slice(x);
         stage.copy_from_slice(x);
@@ -54,7 +54,7 @@ impl FirstOrder for RungeKutta4 {
                 *stage = x + h * along * rate;
             }
         }
-        system.apply_constraints(x, next, spare);
+        system.constrain(x, next);
         state.copy_from(next);
         StepCounts::ONE
     }

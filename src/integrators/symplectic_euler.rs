@@ -41,16 +41,15 @@ impl Integrator for SymplecticEuler {
 
 impl SecondOrder for SymplecticEuler {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let [force, before_x, before_v] = parts(&mut workspace.numbers, state.x.len());
+        let [force, before] = parts(&mut workspace.numbers, state.x.len());
         let State { x, v, .. } = state;
         let constrains = system.constrains();
         if constrains {
-            before_x.copy_from_slice(x);
-            before_v.copy_from_slice(v);
+            before.copy_from_slice(x);
         }
         system.symplectic_euler_update(x, v, force, h);
         if constrains {
-            system.constrain([before_x, before_v], x, v, false);
+            system.constrain(before, x, v);
         }
         StepCounts::ONE
     }

@@ -20,8 +20,10 @@ pub trait Ode {
         false
     }
 
-    /// Projects the end of a step from `before` to `after` on the constraints. `spare` is scratch.
-    fn apply_constraints(&mut self, _before: &[f64], _after: &mut [f64], _spare: &mut Vec<f64>) {}
+    /// Changes the end of a step from `before` to `after` so that it keeps constraints; returns whether it had to.
+    fn constrain(&mut self, _before: &[f64], _after: &mut [f64]) -> bool {
+        false
+    }
 }
 
 /// A system of second order, `M a = f(t, x, v)`, with a diagonal mass matrix and constraints on single vertices.
@@ -86,41 +88,19 @@ pub trait Dynamics {
         false
     }
 
-    /// Whether contacts have friction.
-    fn has_friction(&self) -> bool {
-        true
-    }
-
-    /// Removes the components of velocities `v` [m/s] into walls in contact at the start of a step, at positions and
-    /// velocities `before`, for vertices that face them. `x` is scratch of the same length: where it differs from
-    /// `before`, more than a contact acts. Returns whether no wall moves, and no vertex that faces one is inside it.
-    fn project_contact_velocity(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
-        false
-    }
-
-    /// Resets the records of this step before it is solved again.
-    fn discard_records(&mut self) {}
-
     /// Ends a step or an inner step; see [`Ode::end_step`].
     fn end_step(&mut self, _time: f64, _x: &[f64], _v: &[f64]) {}
 
-    /// Whether any obstacle moves.
-    fn has_moving_obstacles(&self) -> bool {
-        false
-    }
-
-    /// Replaces the recorded work of moving obstacles in this step \[J\].
-    fn set_work_of_obstacles(&mut self, _work: f64) {}
-
     /// Applies constraints that may not wait for the end of the step; see [`Ode::truncate`].
-    fn truncate(&mut self, _time: f64, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64]) -> bool {
+    fn truncate(&mut self, _time: f64, _before: &[f64], _x: &mut [f64], _v: &mut [f64]) -> bool {
         false
     }
 
-    /// Projects positions and velocities at the end of a step on the constraints, given those at its start. If only
-    /// vertices that face a wall count (`faces`), bodies may still end beyond one: the next solve, with the facing
-    /// vertices constrained, determines where the others end.
-    fn constrain(&mut self, _before: [&[f64]; 2], _x: &mut [f64], _v: &mut [f64], _faces: bool) {}
+    /// Changes positions and velocities at the end of a step so that it keeps constraints, given the positions at its start;
+    /// returns whether it had to.
+    fn constrain(&mut self, _before: &[f64], _x: &mut [f64], _v: &mut [f64]) -> bool {
+        false
+    }
 }
 
 /// `v += h f/m`, then `x += h v`.
@@ -157,30 +137,12 @@ impl Ode for Rates<'_> {
     fn truncate(&mut self, time: f64, before: &[f64], after: &mut [f64]) -> bool {
         let half = after.len() / 2;
         let (x, v) = after.split_at_mut(half);
-        self.0.truncate(time, before.split_at(half).into(), x, v)
+        self.0.truncate(time, &before[..half], x, v)
     }
 
-    fn apply_constraints(&mut self, before: &[f64], after: &mut [f64], spare: &mut Vec<f64>) {
-        if !self.0.constrains() {
-            return;
-        }
+    fn constrain(&mut self, before: &[f64], after: &mut [f64]) -> bool {
         let half = after.len() / 2;
         let (x, v) = after.split_at_mut(half);
-        apply_constraints(self.0, before.split_at(half).into(), (x, v), spare, false);
+        self.0.constrain(&before[..half], x, v)
     }
-}
-
-/// Applies the constraints to a step that began at positions and velocities `before`. Leaves in `spare` the velocities and then
-/// positions before.
-pub(super) fn apply_constraints(
-    system: &mut dyn Dynamics,
-    before: [&[f64]; 2],
-    (x, v): (&mut [f64], &mut [f64]),
-    spare: &mut Vec<f64>,
-    faces: bool,
-) {
-    spare.clear();
-    spare.extend_from_slice(v);
-    spare.extend_from_slice(x);
-    system.constrain(before, x, v, faces);
 }

@@ -1,6 +1,6 @@
 //! Velocity Verlet method.
 
-use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace, system::apply_constraints};
+use super::{Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -41,11 +41,10 @@ impl Integrator for VelocityVerlet {
 
 impl SecondOrder for VelocityVerlet {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        let ([before, before_v, predicted, force, end_force], spare) = workspace.vectors(state.x.len());
+        let [before, predicted, force, end_force] = workspace.vectors(state.x.len());
         let constrains = system.constrains();
         if constrains {
             before.copy_from_slice(&state.x);
-            before_v.copy_from_slice(&state.v);
         }
         system.force(0.0, &state.x, &state.v, force);
         for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
@@ -58,7 +57,7 @@ impl SecondOrder for VelocityVerlet {
             state.v[number] += 0.5 * h * (force[number] + end_force[number]) * inverse_mass;
         }
         if constrains {
-            apply_constraints(system, [before, before_v], (&mut state.x, &mut state.v), spare, false);
+            system.constrain(before, &mut state.x, &mut state.v);
         }
         StepCounts::ONE
     }

@@ -27,11 +27,7 @@ impl ObstacleParameters for Ball {
     fn build(&self) -> Result<Box<dyn Obstacle>, String> {
         let (centre, radius) = (self.centre.get(), self.radius.get());
         let shape = parry2d::shape::Ball::new(radius);
-        Ok(Box::new(Solid::new(shape, centre, self.eps.get()).with_rim(&[[centre, centre]], radius, &[centre])))
-    }
-
-    fn set_margin(&mut self, margin: Reach) {
-        self.eps = margin;
+        Ok(Box::new(Solid::new(shape, centre, self.eps.get()).with_corners(radius, &[centre], true)))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -54,10 +54,6 @@ impl ObstacleParameters for Cuboid {
         self.polygon().build()
     }
 
-    fn set_margin(&mut self, margin: Reach) {
-        self.eps = margin;
-    }
-
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.width, &mut self.height, &mut self.turn, &mut self.eps]
     }

@@ -1,7 +1,7 @@
 //! Obstacle with a prescribed motion.
 
 use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane};
-use crate::quantity::{Point, Quantity, Reach};
+use crate::quantity::{Point, Quantity};
 use serde::{Deserialize, Serialize};
 
 /// An obstacle that moves as it is told, whatever bumps into it. What it touches is stopped relative to it, and it supplies
@@ -29,10 +29,6 @@ impl ObstacleParameters for Moving {
 
     fn notes(&self) -> Option<String> {
         self.obstacle.kind().notes()
-    }
-
-    fn set_margin(&mut self, margin: Reach) {
-        self.obstacle.kind_mut().set_margin(margin);
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

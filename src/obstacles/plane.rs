@@ -24,13 +24,19 @@ impl Default for Plane {
     }
 }
 
-/// Least slope of a direction that leads out of a half-plane.
-pub const STEEP: f64 = 1e-3;
-
-struct Wall {
+/// A plane ready for stepping.
+#[derive(Clone, Debug)]
+pub struct HalfPlane {
     shape: HalfSpace,
     origin: Vector,
     eps: f64,
+}
+
+impl HalfPlane {
+    /// The half-plane beyond a point, with a unit normal into the free side, and its contact margin \[m\].
+    pub fn new([x, y]: [f64; 2], [nx, ny]: [f64; 2], eps: f64) -> Self {
+        Self { shape: HalfSpace::new(Vector::new(nx, ny)), origin: Vector::new(x, y), eps }
+    }
 }
 
 impl Plane {
@@ -46,12 +52,7 @@ impl ObstacleParameters for Plane {
         let Some(normal) = self.unit_normal() else {
             return Err(format!("a plane's normal must have a direction, got {:?}", self.normal.get()));
         };
-        let [x, y] = self.point.get();
-        Ok(Box::new(Wall { shape: HalfSpace::new(normal), origin: Vector::new(x, y), eps: self.eps.get() }))
-    }
-
-    fn set_margin(&mut self, margin: Reach) {
-        self.eps = margin;
+        Ok(Box::new(HalfPlane::new(self.point.get(), normal.into(), self.eps.get())))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -67,7 +68,7 @@ impl ObstacleParameters for Plane {
     }
 }
 
-impl Obstacle for Wall {
+impl Obstacle for HalfPlane {
     fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact> {
         let normal = self.shape.normal;
         let distance = (Vector::new(point[0], point[1]) - self.origin).dot(normal);
@@ -82,22 +83,8 @@ impl Obstacle for Wall {
         self.contact([x, y]).is_some()
     }
 
-    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
-        self.is_near(least, greatest)
-    }
-
     fn margin(&self) -> f64 {
         self.eps
-    }
-
-    fn depenetration_distance(&self, point: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
-        let depth = -self.contact(point)?.distance;
-        let along = Vector::new(dx, dy).dot(self.shape.normal);
-        (depth > 0.0).then(|| if along > STEEP { depth / along } else { f64::INFINITY })
-    }
-
-    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
-        act([self.shape.normal.x, self.shape.normal.y]);
     }
 }
 

@@ -77,11 +77,8 @@ impl ObstacleParameters for Polygon {
             signed_area(&[a, b, c]) > 0.0
         };
         let outer: Vec<_> = (0..corners.len()).filter(turns_left).map(|i| corners[i]).collect();
-        Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get()).with_rim(&around, 0.0, &outer)))
-    }
-
-    fn set_margin(&mut self, margin: Reach) {
-        self.eps = margin;
+        let is_convex = outer.len() == corners.len();
+        Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get()).with_corners(0.0, &outer, is_convex)))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,12 +1,11 @@
 //! Bounded obstacles as shapes of parry2d.
 
-use super::{Contact, Corner, Obstacle, advance};
+use super::{Contact, Corner, Obstacle};
 use parry2d::{
     bounding_volume::{Aabb, BoundingVolume},
     math::{Pose, Vector},
-    partitioning::{Bvh, BvhBuildStrategy},
-    query::{PointQuery, Ray, RayCast},
-    shape::{Segment, Shape},
+    query::PointQuery,
+    shape::Shape,
 };
 
 /// A bounded shape in world coordinates.
@@ -16,18 +15,12 @@ pub struct Solid<S> {
     near: Aabb,
     /// eps, at least a fraction of the size above round-off \[m\].
     eps: f64,
-    /// Segments; the surface is all points at `radius` from them.
-    rim: Vec<Segment>,
-    radius: f64,
     corners: Vec<Corner>,
-    /// Bounding volume hierarchy of the segments, enlarged by eps.
-    around: Bvh,
+    is_convex: bool,
 }
 
 /// Least eps as a fraction of the size.
 const LEAST: f64 = 1e-4;
-/// Contact offset as a fraction of eps.
-const OFFSET: f64 = 1e-3;
 
 impl<S: Shape> Solid<S> {
     /// The shape at a point, with its contact margin \[m\].
@@ -36,18 +29,13 @@ impl<S: Shape> Solid<S> {
         let bounds = shape.compute_aabb(&pose);
         let eps = eps.max(LEAST * bounds.half_extents().length());
         let near = bounds.loosened(eps);
-        Self { shape, pose, near, eps, rim: Vec::new(), radius: 0.0, corners: Vec::new(), around: Bvh::new() }
+        Self { shape, pose, near, eps, corners: Vec::new(), is_convex: true }
     }
 
-    /// Sets the surface, all points at a radius from one of the segments, and the centres of its corners.
-    pub fn with_rim(mut self, rim: &[[[f64; 2]; 2]], radius: f64, corners: &[[f64; 2]]) -> Self {
-        let point = |[x, y]: [f64; 2]| Vector::new(x, y);
-        self.rim = rim.iter().map(|ends| Segment::new(point(ends[0]), point(ends[1]))).collect();
-        self.radius = radius;
-        let around = self.rim.iter().map(|side| side.local_aabb().loosened(radius + self.eps));
-        self.around = Bvh::from_leaves(BvhBuildStrategy::Binned, &around.collect::<Vec<_>>());
-        let corner = |&middle: &[f64; 2]| Corner { middle, radius, margin: self.eps, offset: OFFSET * self.eps };
-        self.corners = corners.iter().map(corner).collect();
+    /// Sets the radius and the centres of its convex corners, and whether all of its corners are convex.
+    pub fn with_corners(mut self, radius: f64, corners: &[[f64; 2]], is_convex: bool) -> Self {
+        self.corners = corners.iter().map(|&middle| Corner { middle, radius, margin: self.eps }).collect();
+        self.is_convex = is_convex;
         self
     }
 }
@@ -98,74 +86,21 @@ impl<S: Shape> Obstacle for Solid<S> {
     }
 
     fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
-        self.near.intersects(&Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1])))
-    }
-
-    /// A box that is not near the surface is clear if one corner is outside.
-    fn may_touch(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
-        let [least, greatest] = [least, greatest].map(Vector::from);
-        let bounds = Aabb::new(least, greatest);
-        self.near.intersects(&bounds)
-            && (self.around.intersect_aabb(&bounds).next().is_some() || self.nearest(least).1 < self.eps)
+        let bounds = Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1]));
+        // A box in a hollow of a polygon is far from its surface.
+        self.near.intersects(&bounds) && self.nearest(bounds.center()).1 < bounds.half_extents().length() + self.eps
     }
 
     fn margin(&self) -> f64 {
         self.eps
     }
 
-    fn offset(&self) -> f64 {
-        OFFSET * self.eps
-    }
-
-    fn cast(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        let (from, direction) = (Vector::new(x, y), Vector::new(dx, dy));
-        // Geometry has no result for a displacement that is not finite; the guard detects such steps.
-        if !(from + direction).is_finite() {
-            return None;
-        }
-        let path =
-            Aabb::new(from.min(from + direction), from.max(from + direction)).loosened(self.radius + self.offset());
-        if !self.near.intersects(&path) {
-            return None;
-        }
-        let sides = self.rim.iter().filter(|side| side.local_aabb().intersects(&path));
-        let touches = sides.filter_map(|side| advance::point(side, self.radius, self.offset(), from, direction));
-        let first = touches.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-        let normal = snapped(first.1);
-        Some((first.0, [normal.x, normal.y]))
-    }
-
-    /// The first intersection of a ray from inside, the second from outside.
-    fn depenetration_distance(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) -> Option<f64> {
-        let (point, direction) = (Vector::new(x, y), Vector::new(dx, dy));
-        let size = self.near.half_extents().length();
-        let far = size + (point - self.near.center()).length();
-        let next = |from: f64| {
-            let ray = Ray::new(point + direction * from, direction);
-            RayCast::cast_ray(&self.shape, &self.pose, &ray, far, false).map(|length| from + length)
-        };
-        let first = next(0.0)?;
-        let is_inside = self.nearest(point).1 < 0.0;
-        Some(if is_inside { first } else { next(first + 1e-6 * size).unwrap_or(first) })
-    }
-
-    /// Normals of its sides, at most 16 of them; eight directions for a round shape.
-    fn each_direction(&self, act: &mut dyn FnMut([f64; 2])) {
-        const MOST: usize = 16;
-        for side in self.rim.iter().step_by(self.rim.len().div_ceil(MOST).max(1)) {
-            let across = -(side.b - side.a).perp();
-            match across.try_normalize() {
-                Some(across) => act([across.x, across.y]),
-                None => (0..8).for_each(|eighth| {
-                    let angle = std::f64::consts::FRAC_PI_4 * f64::from(eighth);
-                    act([libm::cos(angle), libm::sin(angle)]);
-                }),
-            }
-        }
-    }
-
     fn is_solid(&self) -> bool {
         true
+    }
+
+    fn is_convex(&self) -> bool {
+        self.is_convex
     }
 
     fn corners(&self) -> &[Corner] {

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::state::State;
+use std::ops::Range;
 
 /// A body or net with more than this multiple of its energy at a strain of one has exploded.
 const EXPLODED: f64 = 100.0;
@@ -28,9 +29,27 @@ impl Scene {
 }
 
 impl Scene {
-    /// Number of vertices deep inside walls or outside the domain in a state.
+    /// The diagonal of the box around some vertices at rest \[m\].
+    pub fn size(&self, vertices: &Range<usize>) -> f64 {
+        let own = &self.rest[self.numbers(vertices)];
+        let length = |axis: usize| {
+            let along = || own.iter().skip(axis).step_by(self.dimension).copied();
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        };
+        (0..self.dimension).map(length).map(|length| length * length).sum::<f64>().sqrt()
+    }
+
+    /// Number of vertices inside walls, outside the domain, or inside other bodies in a state.
     pub fn count_inside(&self, state: &State) -> usize {
-        self.effects.iter().map(|effect| effect.count_inside(&state.x, state.time, &self.depenetrations)).sum()
+        let motion = self.motion(state, None);
+        let mut inside = Vec::new();
+        self.effects
+            .iter()
+            .filter_map(|effect| effect.contact())
+            .for_each(|contact| contact.add_inside(motion, &mut inside));
+        inside.sort_unstable();
+        inside.dedup();
+        inside.len()
     }
 
     /// Warnings about a scene that begins in a state, one sentence each: [`Scene::messages`], and how many vertices begin inside a wall.
@@ -38,11 +57,11 @@ impl Scene {
         let inside = match self.count_inside(start) {
             0 => None,
             1 => Some(
-                "1 vertex begins inside a wall or outside the domain: it is pushed out slowly, if there is a way"
+                "1 vertex begins inside a wall, another body or outside the domain: it is pushed out slowly, if there is a way"
                     .to_owned(),
             ),
             many => Some(format!(
-                "{many} vertices begin inside walls or outside the domain: they are pushed out slowly, if there is a way"
+                "{many} vertices begin inside walls, other bodies or outside the domain: they are pushed out slowly, if there is a way"
             )),
         };
         self.messages.iter().cloned().chain(inside).collect()

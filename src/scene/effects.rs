@@ -2,11 +2,10 @@
 
 use super::{Scene, SceneError};
 use crate::{
-    contact::SurfaceVertices,
+    contact::{ContactModel, ContactProperties, SurfaceVertices},
     effects::{DuplicatePolicy, Effect},
     elements::{ElasticElements, Elements},
     level::{EffectLevel, Level, RunMode, Switch, When},
-    obstacles::Surface,
 };
 use std::sync::Arc;
 
@@ -16,10 +15,9 @@ impl Scene {
         let mut elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
-            boundary: Arc::clone(&self.boundary),
             rest: Arc::new(self.rest.clone()),
-            skinned: Arc::new(self.surface_vertices()),
-            skin: None,
+            surface: Arc::new(self.surface_vertices()),
+            contact: ContactModel::default(),
         };
         let bodies = elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn ElasticElements>);
         let nets = elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn ElasticElements>);
@@ -36,23 +34,19 @@ impl Scene {
         for listed in &level.effects {
             touching.add(build(listed, &elements)?.as_ref());
         }
-        let (mut surface, mut skin) = (Surface::default(), None);
+        let mut properties = ContactProperties::default();
         for listed in level.effects.iter().filter(acts) {
-            let effect = build(listed, &elements)?;
-            effect.set_surface(&mut surface);
-            skin = skin.or(effect.skin());
+            build(listed, &elements)?.set_properties(&mut properties);
         }
-        elements.skin = skin.map(|skin| (skin, surface.friction));
+        elements.contact = properties.into();
         for listed in level.effects.iter().filter(acts) {
             let mut effect = build(listed, &elements)?;
             effect.set_number(self.effects.len());
             self.effects.push(Arc::from(effect));
             self.auto.push(listed.switch == Switch::Auto);
         }
-        if skin.is_some() && surface.restitution != 0.0 {
-            let message =
-                "Restitution does nothing: with a contact potential the dissipation of the skin says how much returns";
-            self.messages.push(message.to_owned());
+        if properties.is_filter && properties.skin.is_some() {
+            self.messages.push("The contact potential does nothing: the velocity filter takes its place".to_owned());
         }
         self.messages.extend(touching.messages());
         Ok(())
@@ -68,21 +62,6 @@ impl Scene {
         }
         self.nets.iter().for_each(|net| surface.add_net(&net.springs, &self.mass));
         surface
-    }
-
-    /// Writes an outward vector at each boundary vertex, the sum of the normals of its two edges with the lengths of
-    /// the edges: zero inside bodies, and NaN for the particles of nets, which have no inside.
-    pub fn outward(&self, x: &[f64], outward: &mut Vec<f64>) {
-        outward.clear();
-        outward.resize(self.dimension * self.bodies.last().map_or(0, |body| body.vertices.end), 0.0);
-        outward.resize(x.len(), f64::NAN);
-        for [a, b] in self.boundary.iter().map(|edge| edge.map(|vertex| 2 * vertex as usize)) {
-            let right = [x[b + 1] - x[a + 1], x[a] - x[b]];
-            for at in [a, b] {
-                outward[at] += right[0];
-                outward[at + 1] += right[1];
-            }
-        }
     }
 }
 
@@ -117,27 +96,27 @@ fn examined(listed: &[EffectLevel]) -> Result<Vec<String>, SceneError> {
     Ok(messages)
 }
 
-/// Surface effects of a level, and whether it has constraints.
+/// Effects of a level that set properties of contacts, and whether anything can touch.
 #[derive(Default)]
 struct Touching {
-    surface_effects: Vec<&'static str>,
-    constraints: bool,
+    property_effects: Vec<&'static str>,
+    can_touch: bool,
 }
 
 impl Touching {
     /// Adds an effect, on or off.
     fn add(&mut self, effect: &dyn Effect) {
-        let mut surface = Surface::default();
-        effect.set_surface(&mut surface);
-        if surface != Surface::default() {
-            self.surface_effects.push(effect.name());
+        let mut properties = ContactProperties::default();
+        effect.set_properties(&mut properties);
+        if properties != ContactProperties::default() && properties.skin.is_none() {
+            self.property_effects.push(effect.name());
         }
-        self.constraints |= effect.constrains() || effect.skin().is_some();
+        self.can_touch |= effect.obstacle_contact().is_some() || properties.skin.is_some();
     }
 
     /// Messages for the user.
     fn messages(self) -> impl Iterator<Item = String> {
-        let idle = if self.constraints { Vec::new() } else { self.surface_effects };
+        let idle = if self.can_touch { Vec::new() } else { self.property_effects };
         idle.into_iter().map(|name| format!("{name} needs walls or a domain boundary: without them nothing touches"))
     }
 }

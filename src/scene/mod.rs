@@ -2,7 +2,6 @@
 //! runs; a changed level builds a new one, which reuses unchanged meshes.
 
 mod checks;
-mod depenetration;
 mod effects;
 mod net;
 mod numbering;
@@ -19,7 +18,6 @@ use crate::{
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
-    obstacles::Depenetration,
     quantity::Point,
     state::State,
     toys::ToyKind,
@@ -51,12 +49,8 @@ pub struct Scene {
     pub rollers: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
-    /// Edges of all boundaries, with the body on their left.
-    pub boundary: Arc<Vec<[u32; 2]>>,
     /// Elements of each body and then each net, which are also the first effects.
     pub parts: Vec<Arc<dyn ElasticElements>>,
-    /// Depenetration parameters of bodies and then nets.
-    pub depenetrations: Vec<Depenetration>,
     /// All effects, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
     /// Which effects may be skipped where they change nothing.
@@ -214,7 +208,6 @@ impl Scene {
             scene.start.x.extend(toy.kind().exact(0.0));
         }
         scene.finish_masses();
-        scene.depenetrations = scene.depenetrations();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
         scene.build_sub_scenes(level, mode, files, previous)?;
@@ -235,9 +228,7 @@ impl Scene {
             pins: Arc::default(),
             rollers: Arc::default(),
             triangles: Arc::default(),
-            boundary: Arc::default(),
             parts: Vec::new(),
-            depenetrations: Vec::new(),
             effects: Vec::new(),
             auto: Vec::new(),
             integrator: IntegratorKind::default(),
@@ -361,6 +352,8 @@ impl Scene {
             anchors: &state.anchors,
             candidates: None,
             pattern: &[],
+            span: 0.0,
+            lag: 0.0,
         }
     }
 
@@ -434,7 +427,6 @@ impl Scene {
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe, rest_height) = (level.name.clone(), level.mesh.clone(), greatest - least);
         let boundary = mesh.boundary_edges();
-        Arc::make_mut(&mut self.boundary).extend(boundary.iter().map(|edge| edge.map(|i| i + first as u32)));
         self.bodies.push(Body { name, recipe, mesh, vertices, elements, boundary, top, rest_height });
         Ok(())
     }

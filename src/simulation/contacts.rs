@@ -27,9 +27,11 @@ pub(super) struct Contacts {
     /// Scratch for pairs.
     near: Vec<Pair>,
     /// Scratch for truncation.
-    truncation: Truncation,
+    pub truncation: Truncation,
+    /// Positions at the start of the step, where they are needed \[m\].
+    pub start: Vec<f64>,
     /// Scratch for positions.
-    end: Vec<f64>,
+    pub end: Vec<f64>,
 }
 
 /// The contacts of a scene by a potential.

@@ -2,28 +2,28 @@
 //! vertices.
 
 use super::{BATCH, Simulation};
-use crate::{effects::Bounds, integrators::Class, obstacles::Inside, state::State};
+use crate::{effects::Bounds, integrators::Class, state::State};
 
 impl Simulation {
-    /// Finds a box around all vertices in which no constraint acts, if it is large enough for some steps. Constraints
+    /// Finds a box around all vertices in which nothing touches an obstacle, if it is large enough for some steps. Obstacles
     /// are skipped until a vertex leaves the box: as it is convex, the displacements of all vertices lie in it as well,
     /// and the check of every step finds whether they do. So a distant wall costs nothing.
     ///
-    /// Only for explicit schemes, which apply constraints once at the end of a step: a step that leaves the box is
+    /// Only for explicit schemes: a step that leaves the box is
     /// repeated in full.
     pub(super) fn find_clear_box(&mut self) {
         let plan = &self.scratch.plan;
-        if self.scratch.clear_box.is_some() || plan.constraints.is_empty() || self.guard.level() > 0 {
+        if self.scratch.clear_box.is_some() || plan.obstacles.is_empty() || self.guard.level() > 0 {
             return;
         }
         let explicit = self.scene.integrator.kind().class() == Class::Explicit;
-        let auto = plan.constraints.iter().all(|number| self.scratch.costs[*number].auto);
+        let auto = plan.obstacles.iter().all(|number| self.scratch.costs[*number].auto);
         if !explicit || !auto || !self.state.is_finite() {
             return;
         }
         let clear = |bounds: Bounds| {
             bounds.farthest() <= State::LIMIT
-                && plan.constraints.iter().all(|number| self.scene.effects[*number].is_clear(bounds))
+                && plan.obstacles.iter().all(|number| self.scene.effects[*number].is_clear(bounds))
         };
         let bounds = Bounds::of(&self.state.x);
         let speed = Bounds::of(&self.state.v).farthest();
@@ -32,11 +32,10 @@ impl Simulation {
             return;
         }
         let clear_box = clear_box.enlarged(bounds, clear);
-        (self.scratch.clear_box, self.scratch.displacement_bound, self.scratch.inside) =
-            (Some(clear_box), -1.0, Inside::Nothing);
+        (self.scratch.clear_box, self.scratch.displacement_bound) = (Some(clear_box), -1.0);
     }
 
-    /// Whether the last step left finite numbers. A step that was taken without constraints, but left the clear box, is
+    /// Whether the last step left finite numbers. A step that was taken without obstacles, but left the clear box, is
     /// repeated with them.
     ///
     /// Where the step gives the kinetic energy, a bound replaces the check of all vertices: none moves farther than
@@ -59,17 +58,12 @@ impl Simulation {
         self.state.is_finite()
     }
 
-    /// Whether a vertex was inside a wall in the last step.
-    pub const fn inside(&self) -> Inside {
-        self.scratch.inside
+    /// Whether the last step pushed a vertex out of a wall or another body.
+    pub const fn pushes_out(&self) -> bool {
+        self.scratch.pushes_out
     }
 
-    /// Whether the last step pushed a vertex out of a wall.
-    pub fn pushes_out(&self) -> bool {
-        self.inside() == Inside::ComesOut
-    }
-
-    /// Number of vertices deep inside walls or outside the domain.
+    /// Number of vertices inside walls, other bodies or outside the domain.
     pub fn count_inside(&self) -> usize {
         self.scene.count_inside(&self.state)
     }

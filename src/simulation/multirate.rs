@@ -22,7 +22,6 @@ use crate::{
     effects::Grab,
     integrators::Integrator,
     level::Substeps,
-    obstacles::Inside,
     report::SubstepPlan,
     scene::{Scene, SubScene},
     stability::critical_step,
@@ -183,7 +182,7 @@ impl SubstepStepper {
     /// Steps over an interval from the state of the scene, and writes the result back.
     fn advance(&mut self, interval: StepInterval<'_>, whole: &mut State, parent: &mut Scratch) {
         (self.scratch.timed, self.scratch.clear_box, self.scratch.supplied) = (parent.timed, parent.clear_box, 0.0);
-        self.scratch.inside = Inside::Nothing;
+        self.scratch.pushes_out = false;
         self.state.x.clear();
         self.state.x.extend_from_slice(&whole.x[self.numbers()]);
         self.state.v.clear();
@@ -194,7 +193,7 @@ impl SubstepStepper {
         whole.x[self.numbers()].copy_from_slice(&self.state.x);
         whole.v[self.numbers()].copy_from_slice(&self.state.v);
         self.store_anchors(whole);
-        parent.inside = parent.inside.max(self.scratch.inside);
+        parent.pushes_out |= self.scratch.pushes_out;
         parent.merge(&mut self.scratch, &self.sub_scene.effects);
     }
 
@@ -221,7 +220,7 @@ impl SubstepStepper {
                 if !self.state.is_within(self.scratch.clear_box) {
                     return;
                 }
-                self.scratch.pass_over_constraints();
+                self.scratch.pass_over_obstacles();
             }
         }
     }

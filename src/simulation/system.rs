@@ -2,28 +2,24 @@
 
 use super::contacts::{Contacts, contacts, surface_contact};
 use crate::{
-    contact::Means,
-    effects::{Bounds, Effect, Grab, Motion, NO_CONTACT, NO_OBSTACLE_NEAR},
+    contact::{ContactProperties, ContactTerm},
+    effects::{Bounds, Effect, Grab, Motion, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
     integrators::{Class, Dynamics, Ode, Workspace, symplectic_euler_update},
-    obstacles::{ContactCache, ContactQuery, Inside, Start, Surface, find_penetrations},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{SparseMatrix, Weights},
     state::State,
     toys::Toy,
 };
-use std::{cell::Cell, ops::Range, sync::Arc};
+use std::{ops::Range, sync::Arc};
 use web_time::Instant;
 
 /// Reason for skipping elements of sleeping bodies.
 pub(super) const ASLEEP: &str = "asleep";
 
-/// Reason for skipping an effect that only sets surface properties: it has no force of its own.
-const PART_OF_CONTACT: &str = "part of the walls";
-
-/// Most rounds of all constraints in a step.
-const TURNS: usize = 4;
+/// Reason for skipping an effect that only sets properties of contacts: it has no force of its own.
+const PART_OF_CONTACT: &str = "part of contact";
 
 /// Numbers of the effects of a scene, by their role in a step.
 #[derive(Default)]
@@ -32,16 +28,14 @@ pub(super) struct Plan {
     pub elements: Vec<usize>,
     /// Other forces.
     pub forces: Vec<usize>,
-    /// Constraints.
-    pub constraints: Vec<usize>,
-    /// Effects that set surface properties.
-    pub surface_effects: Vec<usize>,
+    /// Contacts with obstacles; those by a potential are forces as well.
+    pub obstacles: Vec<usize>,
+    /// Effects that only set properties of contacts.
+    pub properties: Vec<usize>,
     /// Elements of sleeping bodies and nets, which are skipped.
     pub sleeping: Vec<usize>,
-    /// Surface properties of contacts.
-    pub surface: Surface,
-    /// Whether contact has a potential, and constraints only keep what the skin cannot hold.
-    pub potential: bool,
+    /// Whether any contact has a potential.
+    pub has_potential: bool,
     /// Number of triangles of awake bodies, which a step computes.
     pub triangles: usize,
 }
@@ -52,28 +46,28 @@ impl Plan {
         let mut plan = Self::default();
         let asleep = asleep.chain(std::iter::repeat(false));
         for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
-            let part = match (effect.constrains(), effect.is_surface_effect()) {
-                _ if asleep => &mut plan.sleeping,
-                _ if number < scene.element_count() => &mut plan.elements,
-                (true, _) => &mut plan.constraints,
-                (_, true) => &mut plan.surface_effects,
-                _ => &mut plan.forces,
-            };
-            part.push(number);
-            if !asleep && let Some(body) = scene.bodies.get(number) {
+            let mut properties = ContactProperties::default();
+            effect.set_properties(&mut properties);
+            if asleep {
+                plan.sleeping.push(number);
+                continue;
+            }
+            if let Some(body) = scene.bodies.get(number) {
                 plan.triangles += body.mesh.triangles().len();
             }
-            effect.set_surface(&mut plan.surface);
-            if effect.contact().is_some() && !asleep {
-                if effect.constrains() {
-                    plan.forces.push(number);
-                }
-                plan.potential = true;
+            let has_potential = effect.contact().is_some();
+            plan.has_potential |= has_potential;
+            if effect.obstacle_contact().is_some() {
+                plan.obstacles.push(number);
             }
-        }
-        if plan.potential {
-            // Friction and restitution are those of the potential.
-            plan.surface = Surface::default();
+            if number < scene.element_count() {
+                plan.elements.push(number);
+            } else if has_potential || effect.obstacle_contact().is_none() && properties == ContactProperties::default()
+            {
+                plan.forces.push(number);
+            } else if effect.obstacle_contact().is_none() {
+                plan.properties.push(number);
+            }
         }
         plan
     }
@@ -86,20 +80,16 @@ pub(super) struct Scratch {
     pub workspace: Workspace,
     /// Scratch of the effects.
     pub effects: Vec<f64>,
-    /// Outward normals of the vertices.
-    pub outward: Vec<f64>,
     /// Work of moving and of penetrated obstacles in this step \[J\].
     pub supplied: f64,
-    /// Whether a vertex began deep inside an obstacle.
-    pub inside: Inside,
-    /// Contacts and penetrations at the start of the step.
-    pub contact_cache: ContactCache,
+    /// Whether an initial penetration decreased in this step.
+    pub pushes_out: bool,
     /// Anchors of friction between steps.
     pub contacts: Contacts,
     pub plan: Plan,
     /// 1/mass [1/kg] with zero for sleeping vertices; empty while nothing sleeps.
     pub masked_inverse_mass: Vec<f64>,
-    /// Box in which no constraint acts, while all vertices stay in it.
+    /// Box in which nothing touches an obstacle, while all vertices stay in it.
     pub clear_box: Option<Bounds>,
     /// Least distance that a vertex can still move before positions are checked again; negative if unknown \[m\].
     pub displacement_bound: f64,
@@ -120,7 +110,7 @@ impl Scratch {
         self.contacts = Contacts::default();
         reserve_scratch(&mut self.effects, scene.scratch());
         self.set_sleeping(scene, std::iter::empty());
-        (self.clear_box, self.displacement_bound, self.inside) = (None, -1.0, Inside::Nothing);
+        (self.clear_box, self.displacement_bound) = (None, -1.0);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
         self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
@@ -174,7 +164,12 @@ impl Scratch {
     }
 
     /// Runs one effect and adds its time and, if it is a separate call, its elements to the statistics.
-    fn call_effect<T>(&mut self, number: usize, elements: Option<usize>, run: impl FnOnce(&mut [f64]) -> T) -> T {
+    pub(super) fn call_effect<T>(
+        &mut self,
+        number: usize,
+        elements: Option<usize>,
+        run: impl FnOnce(&mut [f64]) -> T,
+    ) -> T {
         let start = self.timed.then(Instant::now);
         let result = run(&mut self.effects);
         let cost = &mut self.costs[number];
@@ -187,17 +182,10 @@ impl Scratch {
         result
     }
 
-    /// Records that all constraints, and with them the surface effects, were skipped.
-    pub fn pass_over_constraints(&mut self) {
-        if self.plan.potential {
-            return;
-        }
-        for number in &self.plan.constraints {
+    /// Records that contacts with obstacles by a filter were skipped.
+    pub fn pass_over_obstacles(&mut self) {
+        for number in self.plan.obstacles.iter().filter(|_| !self.plan.has_potential) {
             self.costs[*number].pass_over(NO_OBSTACLE_NEAR);
-        }
-        for number in &self.plan.surface_effects {
-            let cost = &mut self.costs[*number];
-            if cost.auto { cost.pass_over(NO_CONTACT) } else { cost.call(0) }
         }
     }
 }
@@ -211,8 +199,8 @@ pub(super) struct System<'a> {
     pub time: [f64; 2],
     /// Contacts between steps.
     pub contacts: Contacts,
-    /// Whether constraints were applied to every inner step already.
-    is_truncated: bool,
+    /// Whether every inner step was truncated already.
+    pub(super) is_truncated: bool,
 }
 
 impl<'a> System<'a> {
@@ -224,14 +212,18 @@ impl<'a> System<'a> {
         time: [f64; 2],
         state: &mut State,
     ) -> Self {
-        let mut contacts = std::mem::take(&mut scratch.contacts);
-        std::mem::swap(&mut contacts.anchors, &mut state.anchors);
-        let mut system = Self { scene, scratch, grab, time, contacts, is_truncated: false };
+        let mut taken = std::mem::take(&mut scratch.contacts);
+        std::mem::swap(&mut taken.anchors, &mut state.anchors);
+        let mut system = Self { scene, scratch, grab, time, contacts: taken, is_truncated: false };
         system.contacts.update(scene, &state.x);
         if scene.integrator.kind().class() == Class::Implicit {
             system.contacts.begin_pattern(scene, &state.x);
         }
-        system.contacts.power = (0.0, system.power_of_obstacles(0.0, &state.x, &state.v));
+        system.contacts.start.clear();
+        if scene.integrator.kind().is_midpoint() && contacts(scene).any(ContactTerm::moves) {
+            system.contacts.start.extend_from_slice(&state.x);
+        }
+        system.contacts.power = (0.0, system.power_of_obstacles(0.0, 0.0, [&state.x, &state.v]));
         system
     }
 
@@ -242,42 +234,39 @@ impl<'a> System<'a> {
         self.scratch.contacts = self.contacts;
     }
 
-    fn power_of_obstacles(&self, time: f64, x: &[f64], v: &[f64]) -> f64 {
-        let motion = self.motion(time, x, v);
+    /// Power of moving obstacles at a time, with their velocities at an earlier one \[W\].
+    fn power_of_obstacles(&self, time: f64, lag: f64, [x, v]: [&[f64]; 2]) -> f64 {
+        let motion = Motion { lag, ..self.motion(time, x, v) };
         contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum()
     }
 
+    /// Power of moving obstacles at the middle of a step that ends at positions x, which the midpoint rule takes \[W\].
+    fn power_at_midpoint(&mut self, time: f64, x: &[f64]) -> f64 {
+        if self.contacts.start.is_empty() {
+            return 0.0;
+        }
+        let (span, mut start, mut v) =
+            (self.span(), std::mem::take(&mut self.contacts.start), std::mem::take(&mut self.contacts.end));
+        v.clear();
+        for (x, start) in x.iter().zip(&mut start) {
+            v.push((x - *start) / span);
+            *start = 0.5 * (x + *start);
+        }
+        let motion = Motion { span, ..self.motion(time, &start, &v) };
+        let power = contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum();
+        (self.contacts.start, self.contacts.end) = (start, v);
+        power
+    }
+
+    /// Time over which forces of contact are means \[s\].
+    fn span(&self) -> f64 {
+        if self.scene.integrator.kind().is_midpoint() { self.time[1] - self.time[0] } else { 0.0 }
+    }
+
     /// A motion at a time since the start of the step \[s\].
-    fn motion<'m>(&'m self, time: f64, x: &'m [f64], v: &'m [f64]) -> Motion<'m> {
+    pub(super) fn motion<'m>(&'m self, time: f64, x: &'m [f64], v: &'m [f64]) -> Motion<'m> {
         let time = self.time[0] + time;
         Motion { inverse_mass: self.inverse_mass(), ..motion(self.scene, &self.contacts, self.grab, time, [x, v]) }
-    }
-}
-
-impl System<'_> {
-    /// Records contacts and penetrations at the start of a step that ends at positions x.
-    fn find_contacts(&mut self, start: &Start<'_>, x: &[f64], contact_cache: &mut ContactCache) {
-        contact_cache.clear();
-        let swept_bounds = Bounds::around(start.x, x);
-        for turn in 0..self.scratch.plan.constraints.len() {
-            let number = self.scratch.plan.constraints[turn];
-            let effect = &self.scene.effects[number];
-            if !(self.scratch.costs[number].auto && effect.is_clear(swept_bounds)) {
-                let record = &mut |obstacle: ContactQuery<'_>| contact_cache.record(&obstacle, start);
-                self.scratch
-                    .call_effect(number, None, |_| effect.contact_queries(number, start.time, swept_bounds, record));
-            }
-        }
-        if contact_cache.is_inside() {
-            // All obstacles may block depenetration. Penetration is rare, so that an allocation is acceptable.
-            let anywhere = Bounds::up_to(State::LIMIT);
-            let mut obstacles = Vec::new();
-            for number in &self.scratch.plan.constraints {
-                let effect = &self.scene.effects[*number];
-                effect.contact_queries(*number, start.time, anywhere, &mut |obstacle| obstacles.push(obstacle));
-            }
-            find_penetrations(&obstacles, start, contact_cache);
-        }
     }
 }
 
@@ -301,6 +290,8 @@ fn motion<'m>(
         anchors,
         candidates: Some(candidates),
         pattern,
+        span: 0.0,
+        lag: 0.0,
     }
 }
 
@@ -338,7 +329,8 @@ impl System<'_> {
     fn forces(&mut self, with_contact: bool, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
         self.contacts.update(scene, x);
-        let motion = motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
+        let motion =
+            Motion { span: self.span(), ..motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]) };
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
         for number in &self.scratch.plan.sleeping {
@@ -366,7 +358,7 @@ impl System<'_> {
 
     /// Finds the forces of contact at the start of a step, for [`Self::add_contact_forces`].
     fn find_contact_forces(&mut self, x: &[f64], v: &[f64]) {
-        if !self.scratch.plan.potential {
+        if !self.scratch.plan.has_potential {
             return;
         }
         self.contacts.update(self.scene, x);
@@ -459,10 +451,11 @@ impl Dynamics for System<'_> {
     fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let scene = self.scene;
         self.contacts.update(scene, x);
+        let span = self.span();
         let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
         let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
         let motion = motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
-        let motion = Motion { inverse_mass, ..motion };
+        let motion = Motion { inverse_mass, span, ..motion };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
@@ -475,7 +468,7 @@ impl Dynamics for System<'_> {
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for effect in awake(self.scene, &self.scratch.plan) {
             effect.sparsity_pattern(add);
-            if let Some(contact) = effect.surface_contact() {
+            if let Some(contact) = effect.contact() {
                 contact.sparsity_pattern(&self.contacts.pattern, add);
             }
         }
@@ -487,19 +480,19 @@ impl Dynamics for System<'_> {
     }
 
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
-        let motion = self.motion(time, x, v);
+        let motion = Motion { span: self.span(), ..self.motion(time, x, v) };
         for effect in awake(self.scene, &self.scratch.plan) {
             effect.add_stiffness(motion, weights, matrix);
         }
     }
 
     fn longest_step(&mut self, x: &[f64], d: &[f64]) -> f64 {
-        let apart = self.contacts.longest_step(self.scene, x, d);
+        let apart = self.contacts.longest_step(self.scene, x, d).min(self.longest_step_to_solids(x, d));
         awake(self.scene, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(apart, f64::min)
     }
 
     fn constrains(&self) -> bool {
-        self.meets_obstacles() || surface_contact(self.scene).is_some()
+        !self.scratch.plan.obstacles.is_empty() || surface_contact(self.scene).is_some()
     }
 
     fn touches(&mut self, time: f64, x: &[f64], v: &[f64]) -> bool {
@@ -508,191 +501,49 @@ impl Dynamics for System<'_> {
         contacts(self.scene).any(|contact| contact.touches(motion))
     }
 
-    fn has_friction(&self) -> bool {
-        self.scratch.plan.surface.friction != 0.0
-    }
-
-    fn project_contact_velocity(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
-        let effects = &self.scene.effects;
-        if !self.meets_obstacles() || !self.scratch.plan.constraints.iter().all(|number| effects[*number].is_steady()) {
-            return false;
-        }
-        let supplied = std::mem::take(&mut self.scratch.supplied);
-        let inside = std::mem::take(&mut self.scratch.inside);
-        x.copy_from_slice(before[0]);
-        self.constrain(before, x, v, true);
-        let rests = (self.scratch.supplied, self.scratch.inside) == (0.0, Inside::Nothing);
-        (self.scratch.supplied, self.scratch.inside) = (supplied, inside);
-        rests
-    }
-
-    fn discard_records(&mut self) {
-        (self.scratch.supplied, self.scratch.inside) = (0.0, Inside::Nothing);
-    }
-
     fn end_step(&mut self, time: f64, x: &[f64], v: &[f64]) {
         self.contacts.update(self.scene, x);
-        let power = self.power_of_obstacles(time, x, v);
-        let (before, was) = std::mem::replace(&mut self.contacts.power, (time, power));
-        self.scratch.supplied += 0.5 * (time - before) * (power + was);
+        let integrator = self.scene.integrator.kind();
+        let (before, was) = self.contacts.power;
+        // Implicit Euler takes the forces at the end of the step: they do their work along the whole displacement of an obstacle. To
+        // second order the mean power does.
+        let takes_end = integrator.class() == Class::Implicit && integrator.order() == 1;
+        let half = 0.5 * (time - before);
+        let power = self.power_of_obstacles(time, if takes_end { half } else { 0.0 }, [x, v]);
+        self.contacts.power = (time, power);
+        self.scratch.supplied += if integrator.is_midpoint() {
+            2.0 * half * self.power_at_midpoint(time - half, x)
+        } else if takes_end {
+            2.0 * half * power
+        } else {
+            half * (power + was)
+        };
         let mut next = self.contacts.take_next();
         let eased = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, &mut next);
+        next.sort_unstable_by_key(|anchor| anchor.contact);
         self.scratch.supplied += eased;
+        self.scratch.pushes_out |= eased != 0.0;
         self.contacts.set_anchors(next);
-        if self.scratch.plan.potential {
-            for number in &self.scratch.plan.surface_effects {
-                let cost = &mut self.scratch.costs[*number];
-                if cost.auto { cost.pass_over(PART_OF_CONTACT) } else { cost.call(0) }
-            }
+        for number in &self.scratch.plan.properties {
+            let cost = &mut self.scratch.costs[*number];
+            if cost.auto { cost.pass_over(PART_OF_CONTACT) } else { cost.call(0) }
         }
     }
 
-    fn has_moving_obstacles(&self) -> bool {
-        self.scratch.plan.constraints.iter().any(|number| !self.scene.effects[*number].is_steady())
+    fn constrain(&mut self, before: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
+        !self.is_truncated && self.keep_apart(before, x, v)
     }
 
-    fn set_work_of_obstacles(&mut self, work: f64) {
-        self.scratch.supplied = work;
-    }
-
-    fn constrain(&mut self, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
-        if self.is_truncated {
-            return;
-        }
-        self.keep_out_of_obstacles(before, x, v, faces);
-        if faces || !self.cut(Means::All, before[0], x, v) {
-            return;
-        }
-        // What kept bodies apart may have moved vertices into obstacles, and the other way round; cuts do neither.
-        self.keep_out_of_obstacles(before, x, v, faces);
-        self.cut(Means::Cuts, before[0], x, v);
-    }
-
-    /// The skin holds inner steps apart; a filter alone acts at the end of the whole step.
-    fn truncate(&mut self, time: f64, before: [&[f64]; 2], x: &mut [f64], v: &mut [f64]) -> bool {
-        if !self.scratch.plan.potential {
+    fn truncate(&mut self, time: f64, before: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
+        // A filter acts at the end of the whole step.
+        if !self.scratch.plan.has_potential {
             return false;
         }
-        let constrained = self.scratch.counts.constrained;
-        self.is_truncated = false;
         let (whole, start) = (self.time, self.time[0]);
         self.time = [start + self.contacts.power.0, start + time];
-        self.constrain(before, x, v, false);
+        let changed = self.keep_apart(before, x, v);
         (self.time, self.is_truncated) = (whole, true);
-        self.scratch.counts.constrained > constrained
-    }
-}
-
-impl System<'_> {
-    /// Keeps a step from `start` from crossing surfaces; returns whether any met.
-    fn cut(&mut self, means: Means, start: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
-        if !self.contacts.meets(self.scene, start, x) {
-            return false;
-        }
-        let before = self.energy(x, v);
-        let Self { scene, scratch, contacts, .. } = self;
-        let masked = &scratch.masked_inverse_mass;
-        let inverse_mass = if masked.is_empty() { &scene.inverse_mass } else { masked };
-        scratch.counts.constrained += contacts.truncate(scene, means, (start, inverse_mass), [x, v]) as u64;
-        scratch.kinetic = None;
-        let gained = self.energy(x, v) - before;
-        if gained > 0.0 {
-            let Self { scene, scratch, contacts, .. } = self;
-            let masked = &scratch.masked_inverse_mass;
-            let inverse_mass = if masked.is_empty() { &scene.inverse_mass } else { masked };
-            contacts.dissipate(scene, gained, inverse_mass, v);
-        }
-        true
-    }
-
-    /// Total energy at the end of the step \[J\].
-    fn energy(&mut self, x: &[f64], v: &[f64]) -> f64 {
-        self.contacts.update(self.scene, x);
-        let motion = self.motion(self.time[1] - self.time[0], x, v);
-        let kinetic = self.scene.mass.iter().zip(v).map(|(mass, v)| 0.5 * mass * v * v).sum::<f64>();
-        kinetic + self.scene.effects.iter().map(|effect| effect.energy(motion)).sum::<f64>()
-    }
-
-    /// Whether obstacles may act in this step.
-    fn meets_obstacles(&self) -> bool {
-        self.scratch.clear_box.is_none() && !self.scratch.plan.constraints.is_empty()
-    }
-
-    /// Applies all constraints in rounds until none changes a vertex, because one may move a vertex into another.
-    fn keep_out_of_obstacles(&mut self, [before_x, before_v]: [&[f64]; 2], x: &mut [f64], v: &mut [f64], faces: bool) {
-        if !self.meets_obstacles() {
-            return;
-        }
-        self.scratch.kinetic = None;
-        let scene = self.scene;
-        let masked_inverse_mass = std::mem::take(&mut self.scratch.masked_inverse_mass);
-        let inverse_mass =
-            if masked_inverse_mass.is_empty() { scene.inverse_mass.as_slice() } else { &masked_inverse_mass };
-        let mut outward = std::mem::take(&mut self.scratch.outward);
-        let mut contact_cache = std::mem::take(&mut self.scratch.contact_cache);
-        if faces {
-            scene.outward(before_x, &mut outward);
-        }
-        let (time, supplied, inside) = (self.time, Cell::new(0.0), Cell::new(Inside::Nothing));
-        let mut start = Start {
-            x: before_x,
-            v: before_v,
-            inverse_mass,
-            surface: self.scratch.plan.surface,
-            outward: faces.then_some(outward.as_slice()),
-            time,
-            supplied: &supplied,
-            depenetrations: &scene.depenetrations,
-            effect: 0,
-            touching: &[],
-            penetrations: &[],
-            contact_cache: ContactCache::NONE,
-            inside: &inside,
-        };
-        self.find_contacts(&start, x, &mut contact_cache);
-        start.contact_cache = &contact_cache;
-        let count = self.scratch.plan.constraints.len();
-        let (mut quiet, mut all) = (0, 0);
-        // Box around the swept vertices, valid until a constraint changes one.
-        let mut swept_bounds = None;
-        for turn in 0..TURNS * count {
-            if turn >= count && quiet + 1 >= count {
-                break;
-            }
-            let number = self.scratch.plan.constraints[turn % count];
-            let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
-            if cost.auto && effect.is_clear(*swept_bounds.get_or_insert_with(|| Bounds::around(before_x, x))) {
-                if turn < count && effect.contact().is_none() {
-                    cost.pass_over(NO_OBSTACLE_NEAR);
-                }
-                quiet += 1;
-                continue;
-            }
-            let (dimension, mass) = (scene.dimension, &scene.mass);
-            let motion = Motion { dimension, x, v, mass, inverse_mass, grab: self.grab, ..Motion::NONE };
-            let elements = (turn < count && effect.contact().is_none()).then(|| effect.elements(motion));
-            start.effect = number;
-            let touched = self.scratch.call_effect(number, elements, |_| effect.constrain(&start, x, v));
-            if touched > 0 {
-                swept_bounds = None;
-            }
-            quiet = if touched == 0 { quiet + 1 } else { 0 };
-            all += touched;
-        }
-        // Implicit schemes call this more than once a step and constrain the changed vertices.
-        if contact_cache.is_inside() && scene.integrator.kind().class() == Class::Explicit {
-            start.damp(v);
-        }
-        self.scratch.supplied += supplied.get();
-        self.scratch.inside = self.scratch.inside.max(inside.get());
-        self.scratch.counts.constrained += all as u64;
-        let surface_effects = if self.scratch.plan.potential { &[][..] } else { &self.scratch.plan.surface_effects };
-        for number in surface_effects {
-            let cost = &mut self.scratch.costs[*number];
-            if all > 0 || !cost.auto { cost.call(all) } else { cost.pass_over(NO_CONTACT) }
-        }
-        (self.scratch.outward, self.scratch.masked_inverse_mass, self.scratch.contact_cache) =
-            (outward, masked_inverse_mass, contact_cache);
+        changed
     }
 }
 

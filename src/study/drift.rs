@@ -84,6 +84,8 @@ pub struct DriftRun {
     pub moments: Vec<Moment>,
     march: March,
     over: bool,
+    /// Whether something touched at one of these moments.
+    touched: bool,
 }
 
 impl DriftRun {
@@ -92,9 +94,9 @@ impl DriftRun {
         self.march.simulation.fault()
     }
 
-    /// Whether a wall or the edge of the world was touched.
+    /// Whether a wall, the edge of the domain or another surface was touched.
     pub fn touches(&self) -> bool {
-        self.march.simulation.counts().constrained > 0
+        self.touched || self.march.simulation.counts().constrained > 0
     }
 
     fn greatest_kinetic(&self) -> f64 {
@@ -127,7 +129,7 @@ impl Drift {
         let run = |setting: Setting| {
             let march = trial.march(&setting);
             let moments = vec![Moment::of(&march.simulation, 0.0)];
-            DriftRun { setting, moments, march, over: false }
+            DriftRun { setting, moments, march, over: false, touched: false }
         };
         let suiting = settings.into_iter().filter(|setting| trial.suits(&setting.integrator));
         Self { runs: suiting.map(run).collect(), trial, threads }
@@ -162,9 +164,10 @@ impl Drift {
         let deadline = Deadline::after(budget);
         let open = self.runs.iter_mut().filter(|run| !run.over).collect();
         spread(self.threads, open, |run: &mut DriftRun| {
-            let moments = &mut run.moments;
+            let (moments, touched) = (&mut run.moments, &mut run.touched);
             run.over = run.march.advance(deadline, &mut |frame, simulation| {
                 moments.push(Moment::of(simulation, f64::from(frame) / 60.0));
+                *touched |= !simulation.state().anchors.is_empty();
                 ControlFlow::Continue(())
             });
             run.over && !deadline.passed()

@@ -175,7 +175,9 @@ pub fn cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
 /// No edge of a boundary crosses a side of an outline.
 pub fn assert_apart(simulation: &Simulation, outline: &[[f64; 2]], what: &str) {
     let x = &simulation.state().x;
-    for &edge in simulation.scene().boundary.iter() {
+    let bodies = simulation.scene().bodies.iter();
+    let edges = bodies.flat_map(|body| body.boundary.iter().map(|edge| edge.map(|i| i + body.vertices.start as u32)));
+    for edge in edges {
         let ends = edge.map(|vertex| [x[2 * vertex as usize], x[2 * vertex as usize + 1]]);
         for (i, &corner) in outline.iter().enumerate() {
             let next = outline[(i + 1) % outline.len()];

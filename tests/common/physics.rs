@@ -7,18 +7,16 @@ use gingerbread::{
     solvers::{SparseMatrix, Weights},
 };
 
-/// The effects of a scene, and a floor.
+/// The effects of a scene.
 pub struct Physics<'a> {
     scene: &'a Scene,
     scratch: Vec<f64>,
-    /// Nothing may get below this y [m].
-    pub floor: f64,
 }
 
 impl<'a> Physics<'a> {
-    /// Without a floor.
+    /// Without constraints.
     pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, scratch: vec![0.0; scene.scratch()], floor: f64::NEG_INFINITY }
+        Self { scene, scratch: vec![0.0; scene.scratch()] }
     }
 }
 
@@ -65,16 +63,6 @@ impl Dynamics for Physics<'_> {
     }
 
     fn constrains(&self) -> bool {
-        self.floor.is_finite()
-    }
-
-    fn has_friction(&self) -> bool {
         false
-    }
-
-    fn constrain(&mut self, _: [&[f64]; 2], x: &mut [f64], v: &mut [f64], _: bool) {
-        for (x, v) in x.chunks_exact_mut(2).zip(v.chunks_exact_mut(2)).filter(|(x, _)| x[1] < self.floor) {
-            (x[1], v[1]) = (self.floor, v[1].max(0.0));
-        }
     }
 }

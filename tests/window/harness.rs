@@ -40,6 +40,13 @@ pub fn press_with(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.run_steps(3);
 }
 
+/// Clicks what has a label in a panel that may have to be scrolled.
+pub fn click_in_panel(window: &mut Window, label: &str) {
+    window.get_by_label(label).scroll_to_me();
+    window.run_steps(30);
+    click(window, label);
+}
+
 pub fn click(window: &mut Window, label: &str) {
     window.get_by_label(label).click();
     window.run_steps(3);

@@ -229,7 +229,7 @@ fn the_panel_lists_the_multirate_steps_of_each_body() {
     let mut window = open("pea_and_cake");
     let parts =
         |window: &Window| window.state().snapshot().substep_plans.iter().map(|pace| pace.steps).collect::<Vec<_>>();
-    let words = format!("cake 1, pea {}", parts(&window)[1]);
+    let words = format!("cake {}, pea {}", parts(&window)[0], parts(&window)[1]);
     assert!(window.query_by_label(&words).is_some());
     assert!(window.query_by_label_contains("the stiffest body takes steps of").is_some());
     click(&mut window, "Multirate stepping");

@@ -36,7 +36,7 @@ fn has_head(table: &str, more: &[&str]) {
 
 /// Opens a study, begins it, and goes on drawing until it is done.
 fn measure(window: &mut Window, study: &str) {
-    click(window, study);
+    click_in_panel(window, study);
     click(window, "Measure");
     wait_until_gone(window, "Cancel");
 }
@@ -207,7 +207,7 @@ fn escape_closes_a_study_and_the_hard_cases() {
         [(&["Work-precision diagram"], "Measure"), (&["Level", "Hard cases…"], "All materials")];
     for (ways, inside) in windows {
         for way in ways {
-            click(&mut window, way);
+            click_in_panel(&mut window, way);
         }
         assert!(window.query_by_label(inside).is_some(), "{inside}");
         press(&mut window, Key::Escape);

@@ -181,11 +181,11 @@ fn what_is_inside_a_wall_is_told_until_it_is_out() {
     let mut low = level("gingerbread");
     low.bodies[0].place.offset = Point::new([0.0, -0.1]).unwrap();
     let mut window = open_level(low, 1280.0, 800.0);
-    let told = |window: &Window| window.query_by_label_contains("Inside a wall").is_some();
+    let told = |window: &Window| window.query_by_label_contains("inside walls, other bodies").is_some();
     press(&mut window, Key::T);
     window.run_steps(2);
     assert!(told(&window), "his feet begin below the floor");
-    for _ in 0..120 {
+    for _ in 0..240 {
         window.run_steps(1);
     }
     let now = window.state().snapshot();

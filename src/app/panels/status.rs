@@ -10,7 +10,6 @@ use crate::{
     },
     command::{Command, Mode},
     materials::Model,
-    obstacles::Inside,
     snapshot::Snapshot,
 };
 use eframe::egui::{self, Align, Button, Frame, Layout, Margin, Panel, RichText, TextStyle, Ui, vec2};
@@ -217,21 +216,17 @@ fn crossed(now: &Snapshot) -> Option<Warning> {
     Some(Warning { kind: "crossing", text, details, advice: None })
 }
 
-/// Warning about bodies that start inside a wall.
-fn inside(inside: Inside) -> Option<Warning> {
-    let (text, details) = match inside {
-        Inside::Nothing => return None,
-        Inside::ComesOut => (
-            "Inside a wall or outside the domain: pushed out slowly",
-            "Vertices that begin inside a wall or outside the domain are pushed out at a tenth of the wave speed in the body, \
-             so that it keeps its shape. The work of that push counts as energy supplied from outside.",
-        ),
-        Inside::Stays => (
-            "Inside a wall or outside the domain, and kept there",
-            "A pin keeps it inside, or there is no room outside: pushing it out would tear or crush the body.",
-        ),
+/// Warning about vertices inside a wall or another body.
+fn inside(count: usize) -> Option<Warning> {
+    let text = match count {
+        0 => return None,
+        1 => "1 vertex is inside a wall, another body or outside the domain".to_owned(),
+        many => format!("{many} vertices are inside walls, other bodies or outside the domain"),
     };
-    Some(Warning { kind: "inside a wall", text: text.to_owned(), details: details.to_owned(), advice: None })
+    let details = "They began there. They are pushed out at a tenth of the wave speed in the body, so that it keeps its shape. The work of \
+                   that push counts as energy supplied from outside. A pinned vertex stays."
+        .to_owned();
+    Some(Warning { kind: "inside a wall", text, details, advice: None })
 }
 
 /// Warning about a model without a valid result at this stretch. The stage shows the full text.

@@ -244,9 +244,7 @@ fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
             simulation.set_grab(None);
             assert_eq!(simulation.advance(120, &mut || true), 120);
             let counts = simulation.counts();
-            // The midpoint rule damps nothing: where a vertex has just left the edge, one step of 240 stops short.
-            let short = u64::from(integrator == "ImplicitMidpoint");
-            assert!(counts.unconverged <= short, "{model} {integrator}: {counts:?}");
+            assert_eq!(counts.unconverged, 0, "{model} {integrator}: {counts:?}");
             assert!(counts.newton_iterations < 8 * 240, "{model} {integrator}: {counts:?}");
         }
     }

@@ -44,8 +44,34 @@ impl PlacedObstacle {
 
     /// Whether any point of a box could be within its contact margin at a time \[s\]; conservative.
     pub(super) fn is_near(&self, bounds: Bounds, at: Option<Rigid>) -> bool {
-        let Bounds([least, greatest]) = bounds.mapped(|corner| at.map_or(corner, |at| at.back(corner)));
+        let Bounds([least, greatest]) = at.map_or(bounds, |at| bounds.mapped(|corner| at.back(corner)));
         self.obstacle.is_near(least, greatest)
+    }
+}
+
+/// The corners of an obstacle at one moment.
+struct Corners<'a> {
+    /// Number of the first among those of all obstacles.
+    first: u32,
+    corners: &'a [Corner],
+    /// Where the obstacle is, and how it moves; `None` at rest.
+    at: Option<Rigid>,
+    moves: Option<Rigid>,
+}
+
+impl<'a> Corners<'a> {
+    fn new(first: u32, placed: &'a PlacedObstacle, at: Option<Rigid>, motion: Motion<'_>) -> Self {
+        Self { first, corners: placed.obstacle.corners(), at, moves: placed.at(motion.time - motion.lag) }
+    }
+
+    /// The corners where they are, with their numbers.
+    fn each(&self) -> impl Iterator<Item = (u32, Corner)> {
+        (self.first..).zip(self.corners.iter().map(|corner| corner.placed(self.at)))
+    }
+
+    /// Velocity of a corner [m/s]; `None` at rest.
+    fn velocity(&self, corner: &Corner) -> Option<[f64; 2]> {
+        self.moves.map(|moves| moves.velocity_at(corner.middle))
     }
 }
 
@@ -215,30 +241,23 @@ impl ObstacleContact {
         });
     }
 
-    /// Calls `act` for each obstacle with corners that may touch: the number of its first corner among those of all obstacles,
-    /// the corners, and where it is.
-    fn each_cornered(&self, x: &[f64], time: f64, mut act: impl FnMut(u32, &[Corner], Option<Rigid>)) {
+    /// Calls `act` for each obstacle with corners that may touch.
+    fn each_cornered(&self, motion: Motion<'_>, mut act: impl FnMut(&Corners<'_>)) {
         if !self.has_corners {
             return;
         }
-        self.each_near((x, time, self.greatest_thickness()), |number, placed, at| {
-            act(self.first_corner(number), placed.obstacle.corners(), at);
+        self.each_near((motion.x, motion.time, self.greatest_thickness()), |number, placed, at| {
+            act(&Corners::new(self.first_corner(number), placed, at, motion));
         });
     }
 
     /// Calls `act` for each of some corners that touches an edge.
-    fn each_of_edge(
-        &self,
-        motion: Motion<'_>,
-        edge: u32,
-        (first, corners, at): (u32, &[Corner], Option<Rigid>),
-        act: &mut dyn FnMut(&Touch),
-    ) {
+    fn each_of_edge(&self, motion: Motion<'_>, edge: u32, corners: &Corners<'_>, act: &mut dyn FnMut(&Touch)) {
         let SurfaceEdge { ends, part, .. } = self.surface.edges()[edge as usize];
         let [[ax, ay], [bx, by]] = ends.map(|end| vector(motion.x, end));
-        for (number, corner) in (first..).zip(corners) {
-            let corner = corner.placed(at);
-            let ([px, py], reach) = (corner.middle, self.greatest_thickness() + corner.radius + corner.margin);
+        for (number, corner) in corners.each() {
+            let reach = self.greatest_thickness() + corner.radius + corner.margin;
+            let [px, py] = corner.middle;
             let is_near = |p: f64, a: f64, b: f64| p > a.min(b) - reach && p < a.max(b) + reach;
             if !(is_near(px, ax, bx) && is_near(py, ay, by)) {
                 continue;
@@ -247,7 +266,7 @@ impl ObstacleContact {
             let kept = || self.kept(motion.anchors, edge, number);
             let deepest = || DEPTH * query.thickness + penetration_of(kept());
             query.each(edge, |_| true, deepest, &mut |stencil| {
-                act(&self.corner_touch(motion, (edge, number), (&corner, at), stencil));
+                act(&self.corner_touch(motion, (edge, number), corners.velocity(&corner), stencil));
             });
         }
     }
@@ -268,7 +287,7 @@ impl ObstacleContact {
         &self,
         motion: Motion<'_>,
         (edge, number): (u32, u32),
-        (corner, at): (&Corner, Option<Rigid>),
+        velocity: Option<[f64; 2]>,
         stencil: Stencil,
     ) -> Touch {
         let SurfaceEdge { ends: [a, b], part, .. } = self.surface.edges()[edge as usize];
@@ -276,8 +295,8 @@ impl ObstacleContact {
         let mut touch = stencil.touch(name, vertices, self.surface.mean_edge(part), self.parameters(part));
         touch.span = motion.span;
         touch.add_velocities(motion.v);
-        if let Some(at) = at {
-            touch.add_obstacle(at.velocity_at(corner.middle));
+        if let Some(velocity) = velocity {
+            touch.add_obstacle(velocity);
         }
         touch.remember_along(self.kept(motion.anchors, edge, number));
         touch
@@ -301,18 +320,17 @@ impl ObstacleContact {
 impl ContactTerm for ObstacleContact {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         self.each_vertex(motion, act);
-        self.each_cornered(motion.x, motion.time, |first, corners, at| {
+        self.each_cornered(motion, |corners| {
             for edge in 0..self.surface.edges().len() as u32 {
-                self.each_of_edge(motion, edge, (first, corners, at), act);
+                self.each_of_edge(motion, edge, corners, act);
             }
         });
     }
 
     fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         self.each(motion, act);
-        self.each_cornered(motion.x, motion.time, |first, corners, at| {
-            for (number, corner) in (first..).zip(corners) {
-                let corner = corner.placed(at);
+        self.each_cornered(motion, |corners| {
+            for (number, corner) in corners.each() {
                 for (part, edges) in self.surface.bodies() {
                     let query = self.query(motion.x, part, &corner);
                     if !self.surface.is_inside(part, |end| vector(motion.x, end), corner.middle) {
@@ -320,7 +338,7 @@ impl ContactTerm for ObstacleContact {
                     }
                     let nearest = query.nearest(edges);
                     if let Some((edge, stencil)) = nearest.and_then(|edge| Some((edge, query.inside(edge)?))) {
-                        act(&self.corner_touch(motion, (edge, number), (&corner, at), stencil));
+                        act(&self.corner_touch(motion, (edge, number), corners.velocity(&corner), stencil));
                     }
                 }
             }
@@ -341,8 +359,11 @@ impl ContactTerm for ObstacleContact {
         self.obstacles.iter().any(|placed| !placed.motions.is_empty())
     }
 
+    /// Within the span of a motion a vertex may touch that is farther away in its middle.
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
-        (!self.may_touch(motion.time, motion.x)).then_some(NO_OBSTACLE_NEAR)
+        let (mut any, reach) = (false, self.greatest_thickness() + motion.half_displacement());
+        self.each_near((motion.x, motion.time, reach), |_, _, _| any = true);
+        (!any).then_some(NO_OBSTACLE_NEAR)
     }
 
     /// The ends of each edge, once for each obstacle with corners.
@@ -359,10 +380,10 @@ impl ContactTerm for ObstacleContact {
         });
         let mut first = 0;
         for placed in self.obstacles.iter().filter(|placed| !placed.obstacle.corners().is_empty()) {
-            let (corners, at) = (placed.obstacle.corners(), placed.at(motion.time));
+            let corners = Corners::new(first, placed, placed.at(motion.time), motion);
             for edge in 0..self.surface.edges().len() as u32 {
                 let mut block = nalgebra::Matrix2::zeros();
-                self.each_of_edge(motion, edge, (first, corners, at), &mut |touch| {
+                self.each_of_edge(motion, edge, &corners, &mut |touch| {
                     let linearised = touch.linearised(weights);
                     for i in touch.members.range() {
                         matrix.diagonal(touch.vertices[i] as usize, &linearised.block(i, i));
@@ -371,7 +392,7 @@ impl ContactTerm for ObstacleContact {
                 });
                 matrix.off_diagonal(&block);
             }
-            first += corners.len() as u32;
+            first += placed.obstacle.corners().len() as u32;
         }
     }
 }

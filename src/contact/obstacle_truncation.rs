@@ -10,7 +10,7 @@ use super::{
     Anchor, ObstacleContact, SurfaceEdge, SurfaceVertex,
     friction::{anchor_of, penetration_of},
     touch::{length, vector},
-    truncation::{FLOOR, Reach, meeting, nearest},
+    truncation::{Clearance, FLOOR, meeting, nearest},
 };
 use crate::{
     effects::Bounds,
@@ -267,19 +267,19 @@ impl ObstacleContact {
             obstacle.distance(from, length(displacement) + thickness + self.offset(vertex.part, obstacle.margin()))?;
         let kept = anchor_of(path.known(), self.name(number, vertex.vertex));
         let floor = self.offset(vertex.part, obstacle.margin()) + FLOOR * thickness;
-        let reach = Reach::new(floor, begins.distance, kept.map_or(0.0, |anchor| anchor.penetration));
+        let clearance = Clearance::new(floor, begins.distance, kept.map_or(0.0, |anchor| anchor.penetration));
         let (share, at, contact) = if begins.distance > 0.0 {
-            let (share, contact) = advance(obstacle, (from, displacement), reach.least)?;
+            let (share, contact) = advance(obstacle, (from, displacement), clearance.least)?;
             (share, [0, 1].map(|axis| from[axis] + share * displacement[axis]), contact)
         } else {
-            (0.0, to, obstacle.distance(to, reach.least)?)
+            (0.0, to, obstacle.distance(to, clearance.least)?)
         };
         let reached = contact.distance + contact.along([to[0] - at[0], to[1] - at[1]]);
         Some(Met {
             vertices: [vertex.vertex as usize; 2],
             weights: [1.0, 0.0],
             normal: motion.direction(contact.normal),
-            missing: reach.wanted - reached,
+            missing: clearance.wanted - reached,
             wall: motion.velocity_at(vector(path.end, vertex.vertex)),
             share,
         })
@@ -308,11 +308,11 @@ impl ObstacleContact {
         }
         let (from, to) = ([middle, from[0], from[1]], [middle, to[0], to[1]]);
         let begins = nearest(from).2 - radius;
-        let reach = Reach::new(floor, begins, penetration_of(kept));
+        let clearance = Clearance::new(floor, begins, penetration_of(kept));
         let (share, at) = if begins > 0.0 {
-            let share = meeting(from, to, radius, reach.least)?;
+            let share = meeting(from, to, radius, clearance.least)?;
             (share, [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis]))))
-        } else if nearest(to).2 - radius < reach.least {
+        } else if nearest(to).2 - radius < clearance.least {
             (0.0, to)
         } else {
             return None;
@@ -329,7 +329,7 @@ impl ObstacleContact {
             vertices: ends.map(|end| end as usize),
             weights: [1.0 - t, t],
             normal: [-nx, -ny],
-            missing: radius + reach.wanted - reached,
+            missing: radius + clearance.wanted - reached,
             wall: motion.velocity_at(middle),
             share,
         })

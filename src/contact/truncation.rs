@@ -69,14 +69,14 @@ const CREEP: f64 = 0.02;
 const ADVANCES: usize = 64;
 
 /// Distances that a vertex keeps from an edge or an obstacle \[m\].
-pub(super) struct Reach {
+pub(super) struct Clearance {
     /// Least distance within the step.
     pub least: f64,
     /// Distance at the end of a step that comes nearer.
     pub wanted: f64,
 }
 
-impl Reach {
+impl Clearance {
     /// Distances where the skin is used up at a floor \[m\]. What begins nearer to the surface may lose a small share of its
     /// distance; what begins inside may go deeper until the skin is used up that its initial penetration leaves.
     pub fn new(floor: f64, begins: f64, penetration: f64) -> Self {
@@ -148,8 +148,8 @@ impl SurfaceContact {
     }
 
     /// Distances that a pair keeps in a step from `start`.
-    fn reach(&self, start: &[f64], pair: Pair) -> Reach {
-        Reach::new(FLOOR * self.thickness(pair), nearest(self.points(start, pair)).2, 0.0)
+    fn clearance(&self, start: &[f64], pair: Pair) -> Clearance {
+        Clearance::new(FLOOR * self.thickness(pair), nearest(self.points(start, pair)).2, 0.0)
     }
 
     /// Thickness of the skin between a vertex and an edge \[m\].
@@ -288,7 +288,7 @@ impl SurfaceContact {
         if squared_distance(self.surface(), start, pair) > reach * reach {
             return None;
         }
-        let share = meeting(from, to, 0.0, self.reach(start, pair).least)?;
+        let share = meeting(from, to, 0.0, self.clearance(start, pair).least)?;
         (self.is_outside(start, pair) || !self.is_inside(start, pair)).then_some(share)
     }
 
@@ -307,8 +307,8 @@ impl SurfaceContact {
     /// Takes away the approach of a pair along the normal where it meets, beyond the distance that it keeps.
     fn stop(&self, start: &[f64], inverse_mass: &[f64], [x, v]: [&mut [f64]; 2], pair: Pair) {
         let (from, to) = (self.points(start, pair), self.points(x, pair));
-        let reach = self.reach(start, pair);
-        let Some(share) = meeting(from, to, 0.0, reach.least) else { return };
+        let clearance = self.clearance(start, pair);
+        let Some(share) = meeting(from, to, 0.0, clearance.least) else { return };
         let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
         let ([nx, ny], t, gap) = nearest(at);
         let (weights, vertices) = ([1.0, t - 1.0, -t], self.vertices(pair));
@@ -320,7 +320,7 @@ impl SurfaceContact {
         if !(mobility > 0.0 && gap > 0.0) {
             return;
         }
-        let missing = (reach.wanted - along(x)).max(0.0);
+        let missing = (clearance.wanted - along(x)).max(0.0);
         let approach = (-along(v)).max(0.0);
         for (values, wanted) in [(x, missing), (v, approach)] {
             for i in 0..3 {
@@ -336,7 +336,7 @@ impl SurfaceContact {
         let points = self.points(start, pair);
         let (normal, _, gap) = nearest(points);
         let along = |[px, py]: [f64; 2]| normal[0] * px + normal[1] * py;
-        let margin = 0.5 * (gap - self.reach(start, pair).least);
+        let margin = 0.5 * (gap - self.clearance(start, pair).least);
         for (i, vertex) in self.vertices(pair).into_iter().enumerate() {
             // The vertex may approach the edge by the margin, and the ends of the edge, as far as they are behind it, by more.
             let sign = if i == 0 { -1.0 } else { 1.0 };

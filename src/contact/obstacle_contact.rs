@@ -53,7 +53,7 @@ impl PlacedObstacle {
 struct Corners<'a> {
     /// Number of the first among those of all obstacles.
     first: u32,
-    corners: &'a [Corner],
+    at_rest: &'a [Corner],
     /// Where the obstacle is, and how it moves; `None` at rest.
     at: Option<Rigid>,
     moves: Option<Rigid>,
@@ -61,12 +61,12 @@ struct Corners<'a> {
 
 impl<'a> Corners<'a> {
     fn new(first: u32, placed: &'a PlacedObstacle, at: Option<Rigid>, motion: Motion<'_>) -> Self {
-        Self { first, corners: placed.obstacle.corners(), at, moves: placed.at(motion.time - motion.lag) }
+        Self { first, at_rest: placed.obstacle.corners(), at, moves: placed.at(motion.time - motion.lag) }
     }
 
     /// The corners where they are, with their numbers.
     fn each(&self) -> impl Iterator<Item = (u32, Corner)> {
-        (self.first..).zip(self.corners.iter().map(|corner| corner.placed(self.at)))
+        (self.first..).zip(self.at_rest.iter().map(|corner| corner.placed(self.at)))
     }
 
     /// Velocity of a corner [m/s]; `None` at rest.

@@ -10,7 +10,7 @@ use super::{
     Anchor, ObstacleContact, SurfaceEdge, SurfaceVertex,
     friction::{anchor_of, penetration_of},
     touch::{length, vector},
-    truncation::{Clearance, FLOOR, meeting, nearest},
+    truncation::{ADVANCES, Clearance, FLOOR, meeting, nearest},
 };
 use crate::{
     effects::Bounds,
@@ -19,8 +19,6 @@ use crate::{
 
 /// Rounds of impulses.
 const ROUNDS: usize = 8;
-/// Most iterations of conservative advancement; stopping at any of them is safe.
-const ADVANCES: usize = 64;
 /// Displacement below which only vertices and edges in contact at the start can meet an obstacle, as a fraction of the thickness
 /// of the skin.
 const SHORT: f64 = 0.9;

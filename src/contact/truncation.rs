@@ -66,7 +66,7 @@ pub(super) const FLOOR: f64 = 0.02;
 /// Share of its distance that a pair may lose in a step where its skin is used up: far above round-off.
 const CREEP: f64 = 0.02;
 /// Most iterations of conservative advancement; stopping at any of them is safe.
-const ADVANCES: usize = 64;
+pub(super) const ADVANCES: usize = 64;
 
 /// Distances that a vertex keeps from an edge or an obstacle \[m\].
 pub(super) struct Clearance {

@@ -1,15 +1,17 @@
 //! How surfaces touch: properties that effects set, and the model that follows from them.
 
-use super::{Skin, potential::dissipation};
+use super::{FrictionTable, Skin, potential::dissipation};
 use crate::effects;
 
 /// Properties of contacts that effects set.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactProperties {
     /// Skin of all bodies.
     pub skin: Option<Skin>,
     /// mu.
-    pub friction: Option<f64>,
+    pub friction: Option<FrictionTable>,
+    /// Bodies and nets that do not touch each other, by their numbers: bodies first.
+    pub apart: Vec<[usize; 2]>,
     /// e.
     pub restitution: Option<f64>,
     /// Whether a velocity filter takes the place of the potential.
@@ -17,10 +19,14 @@ pub struct ContactProperties {
 }
 
 /// How surfaces touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactModel {
-    /// Skin of all bodies, with its friction.
+    /// Skin of all bodies.
     pub skin: Skin,
+    /// mu.
+    pub friction: FrictionTable,
+    /// Bodies and nets that do not touch each other, by their numbers: bodies first.
+    pub apart: Vec<[usize; 2]>,
     /// e of the velocity filter; that of the skin is in its dissipation.
     pub restitution: f64,
     /// Whether obstacles act by a velocity filter instead of the potential of the skin.
@@ -30,11 +36,11 @@ pub struct ContactModel {
 impl From<ContactProperties> for ContactModel {
     /// The dissipation of the skin is its own and that which leaves the restitution at its impact speed.
     fn from(properties: ContactProperties) -> Self {
-        let ContactProperties { skin, friction, restitution, is_filter } = properties;
+        let ContactProperties { skin, friction, apart, restitution, is_filter } = properties;
         let mut skin = skin.unwrap_or_else(|| effects::Contact::default().skin());
-        skin.friction = friction.unwrap_or(0.0);
         skin.dissipation += restitution.map_or(0.0, |restitution| dissipation(restitution, skin.speed));
-        Self { skin, restitution: restitution.unwrap_or(0.0), is_filter }
+        let (friction, restitution) = (friction.unwrap_or_default(), restitution.unwrap_or(0.0));
+        Self { skin, friction, apart, restitution, is_filter }
     }
 }
 

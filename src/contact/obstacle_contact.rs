@@ -2,7 +2,7 @@
 
 use super::{
     Anchor, ContactModel, ContactName, ContactParameters, ContactTerm, Curvature, Members, Pair, Place, Potential,
-    SurfaceEdge, SurfaceVertex, SurfaceVertices, Touch,
+    Surface, SurfaceEdge, SurfaceVertex, SurfaceVertices, Touch,
     edge_query::{DEPTH, EdgeQuery, Stencil},
     friction::{anchor_of, anchors_of, penetration_of},
     touch::vector,
@@ -86,8 +86,9 @@ pub struct ObstacleContact {
     /// Least and greatest thickness of the skin \[m\].
     thickness: [f64; 2],
     pub(super) surface: Arc<SurfaceVertices>,
-    /// Potential of the skin of each part.
+    /// Potential of the skin of each part, and its mu.
     potentials: Vec<Potential>,
+    frictions: Vec<f64>,
     pub(super) obstacles: Vec<PlacedObstacle>,
     /// Whether any of them has corners.
     has_corners: bool,
@@ -97,10 +98,21 @@ impl ObstacleContact {
     /// Contact with some obstacles, where the surface has a skin and friction.
     pub fn new(model: ContactModel, surface: &Arc<SurfaceVertices>, obstacles: Vec<PlacedObstacle>) -> Self {
         let potentials: Vec<_> = (0..surface.parts()).map(|part| surface.potential(model.skin, part)).collect();
+        let mu = |part| model.friction.between(Surface::Part(surface.owner(part)), Surface::Obstacles);
+        let frictions = (0..surface.parts() as u32).map(mu).collect();
         let all = potentials.iter().map(|potential| potential.thickness);
         let thickness = all.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], d| [least.min(d), most.max(d)]);
         let has_corners = obstacles.iter().any(|placed| !placed.obstacle.corners().is_empty());
-        Self { number: 0, model, thickness, surface: Arc::clone(surface), potentials, obstacles, has_corners }
+        Self {
+            number: 0,
+            model,
+            thickness,
+            surface: Arc::clone(surface),
+            potentials,
+            frictions,
+            obstacles,
+            has_corners,
+        }
     }
 
     /// The obstacles.
@@ -141,6 +153,11 @@ impl ObstacleContact {
         self.potentials[part as usize]
     }
 
+    /// mu of a part on obstacles.
+    pub(super) fn friction(&self, part: u32) -> f64 {
+        self.frictions[part as usize]
+    }
+
     /// Name of the contact of an obstacle with a vertex.
     pub(super) const fn name(&self, obstacle: usize, vertex: u32) -> ContactName {
         ContactName { effect: self.number, surface: obstacle as u32, vertex }
@@ -172,7 +189,7 @@ impl ObstacleContact {
         ContactParameters {
             potential: self.potential(part),
             dissipation: self.model.skin.dissipation,
-            friction: self.model.skin.friction,
+            friction: self.friction(part),
             depenetration_speed: self.surface.depenetration_speed(part),
         }
     }

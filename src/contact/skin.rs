@@ -15,8 +15,6 @@ pub struct Skin {
     pub speed: f64,
     /// c: dissipation [s/m].
     pub dissipation: f64,
-    /// mu.
-    pub friction: f64,
 }
 
 /// A vertex with a skin: one on the boundary of a body, or a particle of a net.

@@ -2,7 +2,7 @@
 
 use super::{
     Anchor, Candidates, ContactModel, ContactName, ContactParameters, ContactTerm, Members, Pair, Potential, Skin,
-    SurfaceEdge, SurfaceVertex, SurfaceVertices, Touch,
+    Surface, SurfaceEdge, SurfaceVertex, SurfaceVertices, Touch,
     candidates::squared_distance,
     count_crossings,
     edge_query::{DEPTH, EdgeQuery, Seen, Stencil},
@@ -26,8 +26,10 @@ pub struct SurfaceContact {
     number: u32,
     skin: Skin,
     surface: Arc<SurfaceVertices>,
-    /// Potential between each two parts.
+    /// Potential between each two parts, its mu, and whether they do not touch.
     potentials: Vec<Potential>,
+    frictions: Vec<f64>,
+    apart: Vec<bool>,
     /// Pairs of a part that are within their skin at rest, which do not touch.
     excluded: Vec<Pair>,
     /// Greatest thickness of the skin \[m\].
@@ -39,13 +41,23 @@ const NEAR: f64 = 1.1;
 
 impl SurfaceContact {
     /// Contact of all surfaces with this model; `rest` are the positions at rest \[m\].
-    pub fn new(ContactModel { skin, .. }: ContactModel, surface: &Arc<SurfaceVertices>, rest: &[f64]) -> Self {
-        let parts = surface.parts();
-        let between = |at: usize| surface.potential_between(skin, [at / parts, at % parts]);
-        let potentials: Vec<_> = (0..parts * parts).map(between).collect();
+    pub fn new(model: &ContactModel, surface: &Arc<SurfaceVertices>, rest: &[f64]) -> Self {
+        let (parts, skin) = (surface.parts(), model.skin);
+        let pairs = || (0..parts * parts).map(|at| [at / parts, at % parts]);
+        let owners = |pair: [usize; 2]| pair.map(|part| surface.owner(part as u32));
+        let potentials: Vec<_> = pairs().map(|pair| surface.potential_between(skin, pair)).collect();
+        let friction = |pair| {
+            let [one, other] = owners(pair).map(Surface::Part);
+            model.friction.between(one, other)
+        };
+        let is_apart = |pair| {
+            let [one, other] = owners(pair);
+            model.apart.contains(&[one, other]) || model.apart.contains(&[other, one])
+        };
+        let (frictions, apart) = (pairs().map(friction).collect(), pairs().map(is_apart).collect());
         let reach = potentials.iter().map(|potential| potential.thickness).fold(0.0, f64::max);
         let surface = Arc::clone(surface);
-        let mut contact = Self { number: 0, skin, surface, potentials, excluded: Vec::new(), reach };
+        let mut contact = Self { number: 0, skin, surface, potentials, frictions, apart, excluded: Vec::new(), reach };
         let mut near = Vec::new();
         Candidates::default().find(&contact.surface, rest, reach, &mut near);
         near.retain(|pair| {
@@ -64,7 +76,7 @@ impl SurfaceContact {
 
     /// Number of crossings at positions x \[m\]; see [`count_crossings`].
     pub fn count_crossings(&self, x: &[f64]) -> usize {
-        count_crossings(&self.surface, x)
+        count_crossings(&self.surface, x, |one, other| !self.are_apart(one, other))
     }
 
     /// Tells it the number of its effect in the scene.
@@ -89,7 +101,17 @@ impl SurfaceContact {
 
     /// Potential between two parts.
     pub(super) fn potential(&self, one: u32, other: u32) -> Potential {
-        self.potentials[one as usize * self.surface.parts() + other as usize]
+        self.potentials[self.place(one, other)]
+    }
+
+    /// Whether two parts do not touch.
+    pub(super) fn are_apart(&self, one: u32, other: u32) -> bool {
+        self.apart[self.place(one, other)]
+    }
+
+    /// Place of two parts in the lists.
+    fn place(&self, one: u32, other: u32) -> usize {
+        one as usize * self.surface.parts() + other as usize
     }
 
     /// Distance of a pair \[m\].
@@ -107,7 +129,8 @@ impl SurfaceContact {
     /// Whether an edge and a vertex can touch.
     fn can_touch(&self, pair: Pair) -> bool {
         let (edge, vertex) = self.members(pair);
-        !edge.ends.contains(&vertex.vertex) && self.excluded.binary_search(&pair).is_err()
+        let is_apart = self.are_apart(edge.part, vertex.part);
+        !is_apart && !edge.ends.contains(&vertex.vertex) && self.excluded.binary_search(&pair).is_err()
     }
 
     /// Whether the vertex of a pair is not inside another body, as far as the edge tells.
@@ -181,7 +204,7 @@ impl SurfaceContact {
         let parameters = ContactParameters {
             potential: self.potential(edge.part, vertex.part),
             dissipation: self.skin.dissipation,
-            friction: self.skin.friction,
+            friction: self.frictions[self.place(edge.part, vertex.part)],
             depenetration_speed: self.surface.depenetration_speed(vertex.part),
         };
         let mut touch = stencil.touch(name, ([vertex.vertex, a, b], Members::Both), share * vertex.area, parameters);
@@ -210,7 +233,8 @@ impl SurfaceContact {
         let all = 0..self.surface.edges().len() as u32;
         let mut found = Vec::new();
         for (place, vertex) in self.surface.iter().enumerate() {
-            for part in (0..self.surface.parts() as u32).filter(|part| *part != vertex.part) {
+            let touches = |part: &u32| *part != vertex.part && !self.are_apart(*part, vertex.part);
+            for part in (0..self.surface.parts() as u32).filter(touches) {
                 let own = |edge: &u32| self.surface.edges()[*edge as usize].part == part;
                 let Some(first) = all.clone().find(own) else { continue };
                 if self.is_inside(x, [first, place as u32]) {
@@ -264,7 +288,8 @@ impl ContactTerm for SurfaceContact {
         let parts = self.surface.parts();
         let square = |vertex: &SurfaceVertex| {
             let inverse = vector(motion.inverse_mass, vertex.vertex);
-            let stiffness = (0..parts).map(|part| self.potential(vertex.part, part as u32).greatest_stiffness());
+            let others = (0..parts as u32).filter(|part| !self.are_apart(vertex.part, *part));
+            let stiffness = others.map(|part| self.potential(vertex.part, part).greatest_stiffness());
             2.0 * vertex.area * stiffness.fold(0.0, f64::max) * inverse[0].max(inverse[1])
         };
         if self.is_empty() { 0.0 } else { self.surface.iter().map(square).fold(0.0, f64::max) }

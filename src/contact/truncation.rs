@@ -205,6 +205,10 @@ impl SurfaceContact {
                 !own || nearest(self.points(start, *pair)).2 <= 2.0 * displaced[edge.part as usize].1
             });
         }
+        pairs.retain(|pair| {
+            let (edge, vertex) = self.members(*pair);
+            !self.are_apart(edge.part, vertex.part)
+        });
     }
 
     /// Largest multiple of the displacement from positions x to `end` \[m\] in which no vertex meets an edge.

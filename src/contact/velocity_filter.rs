@@ -34,7 +34,7 @@ impl ObstacleContact {
                 let (towards, along) = (nx * dx + ny * dy, ny * dx - nx * dy);
                 let impulse = -(1.0 + self.model.restitution) * towards.min(0.0);
                 let held = a == 0.0 || b == 0.0;
-                let friction = if held { 0.0 } else { along.abs().min(self.model.skin.friction * impulse) };
+                let friction = if held { 0.0 } else { along.abs().min(self.friction(vertex.part) * impulse) };
                 let slowed = -friction * along.signum();
                 let change = [impulse * nx + slowed * ny, impulse * ny - slowed * nx];
                 if impulse > 0.0 || contact.distance < 0.0 {

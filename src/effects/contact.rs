@@ -22,6 +22,9 @@ pub struct Contact {
     pub speed: ImpactSpeed,
     /// c [s/m].
     pub dissipation: Dissipation,
+    /// Pairs of names of bodies and nets that do not touch each other; a body twice does not touch itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub apart: Vec<(String, String)>,
 }
 
 impl Default for Contact {
@@ -31,6 +34,7 @@ impl Default for Contact {
             thickness: SkinThickness::literal(0.3),
             speed: ImpactSpeed::literal(2.0),
             dissipation: Dissipation::literal(0.0),
+            apart: Vec::new(),
         }
     }
 }
@@ -54,8 +58,14 @@ impl EffectParameters for Contact {
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let contact = !elements.contact.is_filter;
-        let surface = contact.then(|| SurfaceContact::new(elements.contact, &elements.surface, &elements.rest));
-        Ok(Box::new(ContactEffect { skin: self.skin(), surface }))
+        let surface = contact.then(|| SurfaceContact::new(&elements.contact, &elements.surface, &elements.rest));
+        let mut apart = Vec::new();
+        for (one, other) in &self.apart {
+            let others = elements.named(other)?;
+            apart
+                .extend(elements.named(one)?.into_iter().flat_map(|one| others.iter().map(move |other| [one, *other])));
+        }
+        Ok(Box::new(ContactEffect { skin: self.skin(), apart, surface }))
     }
 }
 
@@ -67,13 +77,14 @@ impl Contact {
             thickness: self.thickness.get(),
             speed: self.speed.get(),
             dissipation: self.dissipation.get(),
-            friction: 0.0,
         }
     }
 }
 
 struct ContactEffect {
     skin: Skin,
+    /// Bodies and nets that do not touch each other, by their numbers.
+    apart: Vec<[usize; 2]>,
     surface: Option<SurfaceContact>,
 }
 
@@ -104,5 +115,6 @@ impl Effect for ContactEffect {
 
     fn set_properties(&self, properties: &mut ContactProperties) {
         properties.skin = Some(self.skin);
+        properties.apart.clone_from(&self.apart);
     }
 }

@@ -32,7 +32,7 @@ pub use bounds::Bounds;
 pub use compression::Compression;
 pub use contact::Contact;
 pub use drag::Drag;
-pub use friction::Friction;
+pub use friction::{Friction, SurfaceFriction};
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
 use obstacle_effect::ObstacleEffect;

@@ -17,7 +17,7 @@ pub(super) struct ObstacleEffect {
 impl ObstacleEffect {
     /// Contact of a name with some obstacles.
     pub fn new(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle>) -> Self {
-        let contact = ObstacleContact::new(elements.contact, &elements.surface, obstacles);
+        let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);
         Self { name, contact, is_filter: elements.contact.is_filter }
     }
 }

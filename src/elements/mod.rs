@@ -64,10 +64,27 @@ pub struct Elements {
     pub triangles: Vec<Arc<Triangles>>,
     /// The springs of each net.
     pub springs: Vec<Arc<Springs>>,
+    /// Names of the bodies, and of the nets after them.
+    pub names: Vec<String>,
     /// Positions at rest, flat \[m\].
     pub rest: Arc<Vec<f64>>,
     /// Boundaries of bodies and particles of nets.
     pub surface: Arc<SurfaceVertices>,
     /// How they touch.
     pub contact: ContactModel,
+}
+
+impl Elements {
+    /// Numbers of the bodies and nets of a name, for the effect that names them; bodies come first.
+    ///
+    /// # Errors
+    /// A sentence with the names that there are, if there is none.
+    pub fn named(&self, name: &str) -> Result<Vec<usize>, String> {
+        let found: Vec<_> = (0..self.names.len()).filter(|number| self.names[*number] == name).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let names: Vec<_> = self.names.iter().map(|name| format!("{name:?}")).collect();
+        Err(format!("no body or net is called {name:?}; there are: {}", names.join(", ")))
+    }
 }

@@ -15,6 +15,13 @@ impl Scene {
         let mut elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
+            names: level
+                .bodies
+                .iter()
+                .map(|body| &body.name)
+                .chain(level.nets.iter().map(|net| &net.name))
+                .cloned()
+                .collect(),
             rest: Arc::new(self.rest.clone()),
             surface: Arc::new(self.surface_vertices()),
             contact: ContactModel::default(),
@@ -38,6 +45,7 @@ impl Scene {
         for listed in level.effects.iter().filter(acts) {
             build(listed, &elements)?.set_properties(&mut properties);
         }
+        let (is_filter, has_skin) = (properties.is_filter, properties.skin.is_some());
         elements.contact = properties.into();
         for listed in level.effects.iter().filter(acts) {
             let mut effect = build(listed, &elements)?;
@@ -45,7 +53,7 @@ impl Scene {
             self.effects.push(Arc::from(effect));
             self.auto.push(listed.switch == Switch::Auto);
         }
-        if properties.is_filter && properties.skin.is_some() {
+        if is_filter && has_skin {
             self.messages.push("The contact potential does nothing: the velocity filter takes its place".to_owned());
         }
         self.messages.extend(touching.messages());

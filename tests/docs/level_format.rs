@@ -36,6 +36,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("enum Plane", "materials/parameters.rs", "Plane strain and plane stress"),
     ("struct NetLevel", "level.rs", "Net"),
     ("struct EffectLevel", "level.rs", "Effect in a level"),
+    ("struct SurfaceFriction", "effects/friction.rs", "Friction of a surface"),
     ("enum Switch", "level.rs", "Switch of an effect"),
     ("enum When", "level.rs", "Modes of an effect"),
     ("enum RunMode", "level.rs", "Run mode"),
@@ -367,6 +368,7 @@ pub fn page() -> String {
         let about = format!("{}. {}", listed.kind().title(), listed.kind().about());
         kind(&mut page, "effects", listed.name(), Some(&about), &written(&listed));
     }
+    section(&mut page, "SurfaceFriction");
     page.push_str("\n## Obstacles\n");
     for listed in ObstacleKind::all() {
         kind(&mut page, "obstacles", listed.name(), None, &written(&listed));

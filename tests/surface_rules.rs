@@ -39,7 +39,7 @@ fn why(level: &Level) -> String {
 
 #[test]
 fn a_rule_for_two_surfaces_comes_before_those_for_one() {
-    let [ice, block, rubber] = [0, 1, 2].map(Surface::Part);
+    let [ice, block, rubber] = [0, 1, 2].map(Surface::Owner);
     let rule = |one: Surface, other: Option<Surface>, coefficient: f64| FrictionRule {
         surfaces: vec![one],
         others: other.map(|other| vec![other]),
@@ -145,7 +145,7 @@ fn bodies_that_are_apart_pass_through_each_other() {
     assert_ne!(run(&disks("(effect: Contact())"), 8).state().x, both, "otherwise they touch");
 }
 
-/// A body of which the level says that it does not touch itself folds through itself; the other pairs stay.
+/// A level can say that a body does not touch itself: it folds through itself.
 #[test]
 fn a_body_named_twice_does_not_touch_itself() {
     let arms = |apart: &str| {

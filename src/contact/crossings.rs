@@ -7,8 +7,8 @@ use crate::obstacles::{segments_meet, side_of};
 type Edge = (u32, [u32; 2], [[f64; 2]; 2]);
 
 /// Number of pairs of boundary edges that cross or touch each other at positions x \[m\], without those that share a vertex, and of
-/// particles of nets inside bodies. Only parts that may touch, by their numbers in
-/// the list, are compared. Zero is a proof, because [`segments_meet`] is exact. Positions that are not finite count as one.
+/// particles of nets inside bodies. `touch` tells of two parts, by their numbers in the list, whether they are compared. Zero is a
+/// proof, because [`segments_meet`] is exact. Positions that are not finite count as one.
 pub fn count_crossings(surface: &SurfaceVertices, x: &[f64], touch: impl Fn(u32, u32) -> bool) -> usize {
     if !surface.iter().all(|vertex| vector(x, vertex.vertex).iter().all(|number| number.is_finite())) {
         return 1;

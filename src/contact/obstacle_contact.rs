@@ -86,8 +86,9 @@ pub struct ObstacleContact {
     /// Least and greatest thickness of the skin \[m\].
     thickness: [f64; 2],
     pub(super) surface: Arc<SurfaceVertices>,
-    /// Potential of the skin of each part, and its mu.
+    /// Potential of the skin of each part.
     potentials: Vec<Potential>,
+    /// mu of each part on obstacles.
     frictions: Vec<f64>,
     pub(super) obstacles: Vec<PlacedObstacle>,
     /// Whether any of them has corners.
@@ -98,7 +99,7 @@ impl ObstacleContact {
     /// Contact with some obstacles, where the surface has a skin and friction.
     pub fn new(model: ContactModel, surface: &Arc<SurfaceVertices>, obstacles: Vec<PlacedObstacle>) -> Self {
         let potentials: Vec<_> = (0..surface.parts()).map(|part| surface.potential(model.skin, part)).collect();
-        let mu = |part| model.friction.between(Surface::Part(surface.owner(part)), Surface::Obstacles);
+        let mu = |part| model.friction.between(Surface::Owner(surface.owner(part)), Surface::Obstacles);
         let frictions = (0..surface.parts() as u32).map(mu).collect();
         let all = potentials.iter().map(|potential| potential.thickness);
         let thickness = all.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], d| [least.min(d), most.max(d)]);

@@ -26,14 +26,21 @@ pub struct SurfaceContact {
     number: u32,
     skin: Skin,
     surface: Arc<SurfaceVertices>,
-    /// Potential between each two parts, its mu, and whether they do not touch.
-    potentials: Vec<Potential>,
-    frictions: Vec<f64>,
-    apart: Vec<bool>,
+    /// What holds between each two parts.
+    between: Vec<Between>,
     /// Pairs of a part that are within their skin at rest, which do not touch.
     excluded: Vec<Pair>,
     /// Greatest thickness of the skin \[m\].
     reach: f64,
+}
+
+/// What holds between two parts.
+struct Between {
+    potential: Potential,
+    /// mu.
+    friction: f64,
+    /// Whether they do not touch.
+    is_apart: bool,
 }
 
 /// Distance within which pairs have blocks in the matrix, as a multiple of the thickness of the skin.
@@ -43,21 +50,19 @@ impl SurfaceContact {
     /// Contact of all surfaces with this model; `rest` are the positions at rest \[m\].
     pub fn new(model: &ContactModel, surface: &Arc<SurfaceVertices>, rest: &[f64]) -> Self {
         let (parts, skin) = (surface.parts(), model.skin);
-        let pairs = || (0..parts * parts).map(|at| [at / parts, at % parts]);
-        let owners = |pair: [usize; 2]| pair.map(|part| surface.owner(part as u32));
-        let potentials: Vec<_> = pairs().map(|pair| surface.potential_between(skin, pair)).collect();
-        let friction = |pair| {
-            let [one, other] = owners(pair).map(Surface::Part);
-            model.friction.between(one, other)
+        let between = |at: usize| {
+            let pair = [at / parts, at % parts];
+            let [one, other] = pair.map(|part| surface.owner(part as u32));
+            Between {
+                potential: surface.potential_between(skin, pair),
+                friction: model.friction.between(Surface::Owner(one), Surface::Owner(other)),
+                is_apart: model.apart.contains(&[one, other]) || model.apart.contains(&[other, one]),
+            }
         };
-        let is_apart = |pair| {
-            let [one, other] = owners(pair);
-            model.apart.contains(&[one, other]) || model.apart.contains(&[other, one])
-        };
-        let (frictions, apart) = (pairs().map(friction).collect(), pairs().map(is_apart).collect());
-        let reach = potentials.iter().map(|potential| potential.thickness).fold(0.0, f64::max);
+        let between: Vec<_> = (0..parts * parts).map(between).collect();
+        let reach = between.iter().map(|pair| pair.potential.thickness).fold(0.0, f64::max);
         let surface = Arc::clone(surface);
-        let mut contact = Self { number: 0, skin, surface, potentials, frictions, apart, excluded: Vec::new(), reach };
+        let mut contact = Self { number: 0, skin, surface, between, excluded: Vec::new(), reach };
         let mut near = Vec::new();
         Candidates::default().find(&contact.surface, rest, reach, &mut near);
         near.retain(|pair| {
@@ -101,17 +106,17 @@ impl SurfaceContact {
 
     /// Potential between two parts.
     pub(super) fn potential(&self, one: u32, other: u32) -> Potential {
-        self.potentials[self.place(one, other)]
+        self.between(one, other).potential
     }
 
     /// Whether two parts do not touch.
     pub(super) fn are_apart(&self, one: u32, other: u32) -> bool {
-        self.apart[self.place(one, other)]
+        self.between(one, other).is_apart
     }
 
-    /// Place of two parts in the lists.
-    fn place(&self, one: u32, other: u32) -> usize {
-        one as usize * self.surface.parts() + other as usize
+    /// What holds between two parts.
+    fn between(&self, one: u32, other: u32) -> &Between {
+        &self.between[one as usize * self.surface.parts() + other as usize]
     }
 
     /// Distance of a pair \[m\].
@@ -204,7 +209,7 @@ impl SurfaceContact {
         let parameters = ContactParameters {
             potential: self.potential(edge.part, vertex.part),
             dissipation: self.skin.dissipation,
-            friction: self.frictions[self.place(edge.part, vertex.part)],
+            friction: self.between(edge.part, vertex.part).friction,
             depenetration_speed: self.surface.depenetration_speed(vertex.part),
         };
         let mut touch = stencil.touch(name, ([vertex.vertex, a, b], Members::Both), share * vertex.area, parameters);

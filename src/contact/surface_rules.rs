@@ -1,10 +1,10 @@
-//! Friction of certain surfaces, and surfaces that do not touch.
+//! Friction coefficients by the surfaces that touch.
 
 /// A surface that may touch another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surface {
     /// That of a body or net, by its number: bodies first.
-    Part(usize),
+    Owner(usize),
     /// Those of all obstacles.
     Obstacles,
 }

@@ -22,7 +22,7 @@ pub struct Contact {
     pub speed: ImpactSpeed,
     /// c [s/m].
     pub dissipation: Dissipation,
-    /// Pairs of names of bodies and nets that do not touch each other; a body twice does not touch itself.
+    /// Pairs of names of bodies and nets that do not touch each other; a body that is paired with itself does not touch itself.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub apart: Vec<(String, String)>,
 }

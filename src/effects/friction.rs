@@ -72,7 +72,7 @@ impl EffectParameters for Friction {
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let named = |name: &str| {
             let parts = elements.named(name).map_err(|why| format!("{why}, and {OBSTACLES:?} for all obstacles"))?;
-            Ok::<Vec<_>, String>(parts.into_iter().map(Surface::Part).collect())
+            Ok::<Vec<_>, String>(parts.into_iter().map(Surface::Owner).collect())
         };
         let rule = |listed: &SurfaceFriction| {
             let others = match listed.on.as_deref() {

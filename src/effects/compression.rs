@@ -2,13 +2,12 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Isotropic, StressLaw, Triangles},
+    elements::{Elements, EnergyLaw, Isotropic, StressLaw, Triangles},
     materials::{Moduli, Parts},
     quantity::{CompressionStrength, Quantity},
     simd::{Mat2, Real},
     solvers::{SparseMatrix, Weights},
 };
-use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -73,10 +72,12 @@ impl StressLaw for Squeezed {
     }
 }
 
-impl Squeezed {
-    fn energy(self, f: &Matrix2<f64>) -> f64 {
-        let missing = (1.0 - f.determinant()).max(0.0);
-        self.0 / 3.0 * missing * missing * missing
+impl EnergyLaw for Squeezed {
+    #[inline(always)]
+    fn energy<R: Real>(&self, f: Mat2<R>) -> R {
+        let j = f.determinant();
+        let missing = j.if_less(j.of(1.0), -j + 1.0, j.of(0.0));
+        missing * missing * missing * (self.0 / 3.0)
     }
 }
 
@@ -121,15 +122,14 @@ impl Effect for Resistance {
     fn energy(&self, motion: Motion<'_>) -> f64 {
         let of = |body: &Arc<Triangles>| {
             let density = self.density(body);
-            body.gradients(motion.x).map(|(f, area)| area * density.energy(&f)).sum::<f64>()
+            body.gradients(motion.x).map(|(f, area)| area * density.energy(Mat2::from(&f))).sum::<f64>()
         };
         self.bodies.iter().map(of).sum()
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
         for body in &self.bodies {
-            let mut forces = Adding { x: motion.x, v: &[], force: &mut *force };
-            body.assemble(self.density(body), &mut forces, &mut scratch[..body.scratch()]);
+            body.add_force_of(motion, &mut scratch[..body.scratch()], force, self.density(body));
         }
     }
 
@@ -146,8 +146,7 @@ impl Effect for Resistance {
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<2>() else { return };
         for body in &self.bodies {
-            let density = self.density(body);
-            body.add_energy_tangent(motion.x, weights, matrix, density);
+            body.add_stiffness_of(motion, weights, matrix, self.density(body));
         }
     }
 }

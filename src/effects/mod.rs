@@ -172,6 +172,8 @@ pub struct Motion<'a> {
     pub pattern: &'a [Pair],
     /// Time over which forces of contact are means, centred at this moment \[s\]; zero for those at this moment.
     pub span: f64,
+    /// The same for forces of elements.
+    pub elastic_span: f64,
     /// Time by which velocities of obstacles are taken earlier \[s\].
     pub lag: f64,
 }
@@ -190,6 +192,7 @@ impl Motion<'_> {
         candidates: None,
         pattern: &[],
         span: 0.0,
+        elastic_span: 0.0,
         lag: 0.0,
     };
 

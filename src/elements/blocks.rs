@@ -89,6 +89,19 @@ impl<M: Material> StressLaw for Elastic<M> {
     }
 }
 
+/// A stress that is the derivative of an energy density.
+pub trait EnergyLaw: StressLaw {
+    /// The energy density \[Pa\].
+    fn energy<R: Real>(&self, f: Mat2<R>) -> R;
+}
+
+impl<M: Material> EnergyLaw for Elastic<M> {
+    #[inline(always)]
+    fn energy<R: Real>(&self, f: Mat2<R>) -> R {
+        self.0.psi(f)
+    }
+}
+
 /// Rest shapes in blocks.
 #[derive(Debug)]
 pub struct Blocks {

@@ -1,11 +1,11 @@
 //! Material of a body: a constitutive model for all triangles of a mesh at a time.
 
 use super::{
-    Adding, Diagnostics, EulerUpdate, Field, Triangles,
+    Diagnostics, EulerUpdate, Field, Triangles,
     blocks::{Both, Elastic},
 };
 use crate::{
-    effects::Viscous,
+    effects::{Motion, Viscous},
     materials::{Lame, Material, MaterialParameters, Model, Plane, Visitor},
     solvers::{BlockMatrix, Weights},
 };
@@ -138,7 +138,7 @@ pub trait MeshMaterial: Send + Sync {
     fn strip_warning(&self, stretch: f64) -> Option<String>;
 
     /// See [`Triangles::elastic_force`].
-    fn add_force(&self, of: &Triangles, to: &mut Adding<'_>, scratch: &mut [f64]);
+    fn add_force(&self, of: &Triangles, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]);
 
     /// Updates the vertices, with viscous forces too if there is stiffness damping.
     fn euler_update(&self, of: &Triangles, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]);
@@ -160,7 +160,7 @@ pub trait MeshMaterial: Send + Sync {
     fn stiffness_times(&self, of: &Triangles, moving: [&[f64]; 2], scratch: &mut [f64], product: &mut [f64]);
 
     /// Adds the blocks of the elastic stiffness.
-    fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>);
+    fn add_stiffness(&self, of: &Triangles, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix<2>);
 }
 
 impl fmt::Debug for dyn MeshMaterial {
@@ -190,8 +190,8 @@ impl<M: Material> MeshMaterial for M {
         Material::strip_warning(self, stretch)
     }
 
-    fn add_force(&self, of: &Triangles, to: &mut Adding<'_>, scratch: &mut [f64]) {
-        of.assemble(Elastic(*self), to, scratch);
+    fn add_force(&self, of: &Triangles, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
+        of.add_force_of(motion, scratch, force, Elastic(*self));
     }
 
     fn euler_update(&self, of: &Triangles, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
@@ -219,10 +219,10 @@ impl<M: Material> MeshMaterial for M {
     }
 
     fn stiffness_times(&self, of: &Triangles, moving: [&[f64]; 2], scratch: &mut [f64], product: &mut [f64]) {
-        of.add_energy_change(moving, scratch, product, super::tangent::Stored(self));
+        of.add_energy_change(moving, scratch, product, Elastic(*self));
     }
 
-    fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
-        of.add_energy_tangent(x, weights, matrix, super::tangent::Stored(self));
+    fn add_stiffness(&self, of: &Triangles, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix<2>) {
+        of.add_stiffness_of(motion, weights, matrix, Elastic(*self));
     }
 }

@@ -19,6 +19,7 @@
 mod accumulator;
 mod blocks;
 mod diagnostics;
+mod discrete_gradient;
 mod gather;
 mod material;
 mod partitions;
@@ -27,7 +28,7 @@ mod tangent;
 mod triangle;
 
 pub use accumulator::{Accumulator, Adding, EulerUpdate, Scatter, UniformForce};
-pub(crate) use blocks::StressLaw;
+pub(crate) use blocks::{EnergyLaw, StressLaw};
 pub use diagnostics::{Diagnostics, Field};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use material::{BodyMaterial, OwnMaterial};

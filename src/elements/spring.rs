@@ -168,7 +168,7 @@ impl Packed {
 
 /// Adds the stiffness between the two ends of the next spring of the list.
 #[inline]
-fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &MatrixBlock<D>) {
+pub(super) fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &MatrixBlock<D>) {
     for end in link.ends {
         matrix.diagonal(end as usize, block);
     }
@@ -177,7 +177,7 @@ fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &M
 
 /// From the first end to the second.
 #[inline]
-fn between<const D: usize>(values: &[f64], link: &Link) -> SVector<f64, D> {
+pub(super) fn between<const D: usize>(values: &[f64], link: &Link) -> SVector<f64, D> {
     let points = values.as_chunks::<D>().0;
     let [a, b] = link.ends.map(|end| SVector::from(points[end as usize]));
     b - a
@@ -193,7 +193,7 @@ fn direction<const D: usize>(x: &[f64], link: &Link) -> Option<(SVector<f64, D>,
 
 /// Adds a vector at the first end and its opposite at the second.
 #[inline]
-fn add_pair<const D: usize>(values: &mut [f64], link: &Link, vector: SVector<f64, D>) {
+pub(super) fn add_pair<const D: usize>(values: &mut [f64], link: &Link, vector: SVector<f64, D>) {
     let points = values.as_chunks_mut::<D>().0;
     let [a, b] = link.ends.map(|end| end as usize);
     points[a].iter_mut().zip(&vector).for_each(|(into, value)| *into += value);
@@ -305,6 +305,9 @@ impl<const D: usize> Effect for Springs<D> {
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
+        if motion.elastic_span != 0.0 {
+            return self.add_mean_force(motion, force);
+        }
         if let Some(packed) = &self.packed {
             packed.assemble(&mut Adding { x: motion.x, v: &[], force }, scratch);
             return;
@@ -341,6 +344,9 @@ impl<const D: usize> Effect for Springs<D> {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<D>() else { return };
+        if motion.elastic_span != 0.0 {
+            return self.add_mean_stiffness(motion, weights, matrix);
+        }
         for link in &self.links {
             add_block(matrix, link, &(stiffness(motion.x, link, weights.tangent) * weights.position));
         }

@@ -3,13 +3,13 @@
 
 use super::{
     Adding, Triangles,
-    blocks::StressLaw,
+    blocks::{Elastic, StressLaw},
     triangle::{Rest, edges},
 };
 use crate::{
     materials::{Material, Moduli, Parts},
     simd::{LANES, Lanes, Mat2, Order, Quads, Real, Wide},
-    solvers::{BlockMatrix, Tangent, Weights},
+    solvers::{BlockMatrix, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
 use pulp::{Simd, WithSimd};
@@ -24,11 +24,7 @@ pub trait Isotropic: Copy + Send + Sync {
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R>;
 }
 
-/// The density of a material.
-#[derive(Clone, Copy)]
-pub struct Stored<'a, M>(pub &'a M);
-
-impl<M: Material> Isotropic for Stored<'_, M> {
+impl<M: Material> Isotropic for Elastic<M> {
     #[inline(always)]
     fn moduli<R: Real>(&self, parts: &Parts<R>) -> Moduli<R> {
         self.0.moduli(parts)
@@ -79,11 +75,7 @@ impl Triangles {
         matrix: &mut BlockMatrix<2>,
         density: impl Isotropic,
     ) {
-        let negative = match weights.tangent {
-            Tangent::Exact => None,
-            Tangent::Definite => Some(0.0),
-            Tangent::Absolute => Some(-1.0),
-        };
+        let negative = weights.tangent.negative_factor();
         let (x, weight) = (x.as_chunks().0, weights.position);
         self.set().dispatch(Assemble { density, of: self, x, weight, negative, matrix });
     }

@@ -1,7 +1,7 @@
 //! Linear triangle elements.
 
 use super::{
-    Accumulator, Adding, ElasticElements, EulerUpdate,
+    Accumulator, ElasticElements, EulerUpdate,
     blocks::{self, Blocks, StressModel},
     material::BodyMaterial,
     partitions::Partitions,
@@ -186,7 +186,7 @@ impl Triangles {
 
     /// Adds the elastic forces on this body's vertices to `force` \[N\].
     pub fn elastic_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
-        self.material.passes().add_force(self, &mut Adding { x, v: &[], force }, scratch);
+        self.material.passes().add_force(self, Motion { x, ..Motion::NONE }, scratch, force);
     }
 
     /// Stored energy at these positions \[J\].
@@ -291,7 +291,7 @@ impl Effect for Triangles {
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
-        self.elastic_force(motion.x, scratch, force);
+        self.material.passes().add_force(self, motion, scratch, force);
     }
 
     fn has_euler_update(&self) -> bool {
@@ -330,7 +330,7 @@ impl Effect for Triangles {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         if let Some(matrix) = matrix.blocks::<2>() {
-            self.material.passes().add_stiffness(self, motion.x, weights, matrix);
+            self.material.passes().add_stiffness(self, motion, weights, matrix);
         }
     }
 }

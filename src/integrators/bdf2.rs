@@ -49,7 +49,7 @@ impl SecondOrder for Bdf2 {
         let count = state.x.len();
         let goes_on = memory::is_current(state, TAG, h, 2 * count);
         let share = if goes_on { 2.0 / 3.0 * h } else { h };
-        let affine = Affine { ax: share * share, av: share, end: 1.0 };
+        let affine = Affine::euler(share);
         let Workspace { past, .. } = workspace;
         past.clear();
         past.extend(state.x.iter().chain(&state.v));

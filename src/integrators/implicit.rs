@@ -9,23 +9,24 @@ use crate::{
 
 /// Tolerance of solved positions, as a fraction of the greatest displacement of any vertex in the step. Errors of the
 /// scheme itself are hundreds of times larger at any usable step.
-const RELATIVE: f64 = 1e-8;
+pub(super) const RELATIVE: f64 = 1e-8;
 /// The same as a fraction of the greatest distance from the origin: round-off of the forces.
 const ROUND_OFF: f64 = 1e-13;
 
 /// Factors of z in positions and velocities [s², s]. `end` is the displacement over the step divided by that to the stage:
-/// 2 for the implicit midpoint rule, 1 for the others.
+/// 2 for the midpoint rules, 1 for the others. `relative` is the tolerance of positions, as a fraction of the greatest displacement.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
     pub ax: f64,
     pub av: f64,
     pub end: f64,
+    pub relative: f64,
 }
 
 impl Affine {
     /// Factors of implicit Euler with step length h \[s\].
     pub const fn euler(h: f64) -> Self {
-        Self { ax: h * h, av: h, end: 1.0 }
+        Self { ax: h * h, av: h, end: 1.0, relative: RELATIVE }
     }
 
     /// Time of the stage since the start of a step of length h \[s\].
@@ -66,6 +67,18 @@ pub(super) fn step(
     state.x.copy_from_slice(end_x);
     state.v.copy_from_slice(end_v);
     (StepCounts { newton: counts, ..StepCounts::ONE }, changed)
+}
+
+/// A step whose stage is the midpoint, halfway to the end.
+pub(super) fn midpoint_step(
+    system: &mut dyn Dynamics,
+    state: &mut State,
+    workspace: &mut Workspace,
+    (h, relative): (f64, f64),
+) -> StepCounts {
+    let affine = Affine { ax: 0.25 * h * h, av: 0.5 * h, end: 2.0, relative };
+    let predicted = |state: &State, number: usize| [state.x[number] + 0.5 * h * state.v[number], state.v[number]];
+    step(system, state, workspace, (affine, h), predicted).0
 }
 
 /// `origin + times (stage - origin)`.
@@ -160,7 +173,7 @@ impl Equations for Stage<'_, '_> {
             }
             (displacement, distance) = (displacement.max(moved), distance.max(far));
         }
-        (RELATIVE * displacement.sqrt() + ROUND_OFF * distance.sqrt()) / self.affine.ax
+        (self.affine.relative * displacement.sqrt() + ROUND_OFF * distance.sqrt()) / self.affine.ax
     }
 
     /// Local error of positions in this step over `ax`, to leading order. The error is `2/9 h³ v"` for the second backward differentiation
@@ -169,7 +182,7 @@ impl Equations for Stage<'_, '_> {
     /// expression is two thirds of its `h²/2 a`. For the implicit midpoint rule there is no estimate: one acceleration
     /// has no derivative by time.
     fn error(&self, z: &[f64]) -> f64 {
-        let Affine { ax, av, end } = self.affine;
+        let Affine { ax, av, end, .. } = self.affine;
         if end != 1.0 {
             return 0.0;
         }

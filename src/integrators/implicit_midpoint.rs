@@ -1,8 +1,8 @@
 //! Implicit midpoint rule.
 
 use super::{
-    Class, Dynamics, Integrator, Scheme, SecondOrder, StepCounts, Workspace,
-    implicit::{self, Affine},
+    Class, Dynamics, Integrator, MeanForces, Scheme, SecondOrder, StepCounts, Workspace,
+    implicit,
 };
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -33,8 +33,8 @@ impl Integrator for ImplicitMidpoint {
         Class::Implicit
     }
 
-    fn is_midpoint(&self) -> bool {
-        true
+    fn mean_forces(&self) -> MeanForces {
+        MeanForces::Contact
     }
 
     fn scheme(&self) -> Scheme<'_> {
@@ -44,11 +44,6 @@ impl Integrator for ImplicitMidpoint {
 
 impl SecondOrder for ImplicitMidpoint {
     fn step(&self, system: &mut dyn Dynamics, state: &mut State, workspace: &mut Workspace, h: f64) -> StepCounts {
-        // The stage is the midpoint, halfway to the end.
-        let affine = Affine { ax: 0.25 * h * h, av: 0.5 * h, end: 2.0 };
-        implicit::step(system, state, workspace, (affine, h), |state, number| {
-            [state.x[number] + 0.5 * h * state.v[number], state.v[number]]
-        })
-        .0
+        implicit::midpoint_step(system, state, workspace, (h, implicit::RELATIVE))
     }
 }

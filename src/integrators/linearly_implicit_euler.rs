@@ -59,7 +59,7 @@ impl SecondOrder for LinearlyImplicitEuler {
         for ((g, force), inverse_mass) in g.iter_mut().zip(&*force).zip(system.inverse_mass()) {
             *g = if *inverse_mass == 0.0 { 0.0 } else { h * *g - force };
         }
-        let affine = Affine { ax: h * h, av: h, end: 1.0 };
+        let affine = Affine::euler(h);
         before.copy_from_slice(&state.x);
         let (origin, predicted_x): (&[f64], &[f64]) = (before, before);
         let velocity = &*predicted_v;

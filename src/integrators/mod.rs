@@ -28,6 +28,7 @@
 
 mod bdf2;
 mod dormand_prince;
+mod energy_momentum;
 mod forward_euler;
 mod heun;
 mod implicit;
@@ -43,6 +44,7 @@ mod velocity_verlet;
 
 pub use bdf2::Bdf2;
 pub use dormand_prince::DormandPrince;
+pub use energy_momentum::EnergyMomentum;
 pub use forward_euler::ForwardEuler;
 pub use heun::Heun;
 pub use implicit_euler::ImplicitEuler;
@@ -75,6 +77,7 @@ registry! {
         ImplicitEuler(ImplicitEuler),
         ImplicitMidpoint(ImplicitMidpoint),
         Bdf2(Bdf2),
+        EnergyMomentum(EnergyMomentum),
     }
 }
 
@@ -104,10 +107,9 @@ pub trait Integrator: Send + Sync {
         None
     }
 
-    /// Whether it takes the forces of a step at its midpoint, with the displacement of the step over its length as the velocity.
-    /// Those of contact are then means over the step, so that they do as much work as their energy changes.
-    fn is_midpoint(&self) -> bool {
-        false
+    /// Forces that are means over a step.
+    fn mean_forces(&self) -> MeanForces {
+        MeanForces::None
     }
 
     /// The numbers a panel may change.
@@ -128,6 +130,18 @@ pub enum Class {
     Implicit,
     /// The scheme itself, by an estimate of its error.
     ErrorControlled,
+}
+
+/// Forces that are means over a step: they do as much work along its displacement as their energy changes. Schemes with them take forces
+/// at the midpoint of a step, with its displacement over its length as the velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MeanForces {
+    /// None: all forces are those of a moment.
+    None,
+    /// Those of contact.
+    Contact,
+    /// Those of contact and of elements.
+    All,
 }
 
 /// A scheme, by the kind of system it advances.

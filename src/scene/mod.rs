@@ -353,6 +353,7 @@ impl Scene {
             candidates: None,
             pattern: &[],
             span: 0.0,
+            elastic_span: 0.0,
             lag: 0.0,
         }
     }

@@ -5,7 +5,7 @@ use crate::{
     contact::{ContactProperties, ContactTerm},
     effects::{Bounds, Effect, Grab, Motion, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
-    integrators::{Class, Dynamics, Ode, Workspace, symplectic_euler_update},
+    integrators::{Class, Dynamics, MeanForces, Ode, Workspace, symplectic_euler_update},
     report::{Counts, EffectCost},
     scene::Scene,
     solvers::{SparseMatrix, Weights},
@@ -220,7 +220,7 @@ impl<'a> System<'a> {
             system.contacts.begin_pattern(scene, &state.x);
         }
         system.contacts.start.clear();
-        if scene.integrator.kind().is_midpoint() && contacts(scene).any(ContactTerm::moves) {
+        if scene.integrator.kind().mean_forces() != MeanForces::None && contacts(scene).any(ContactTerm::moves) {
             system.contacts.start.extend_from_slice(&state.x);
         }
         system.contacts.power = (0.0, system.power_of_obstacles(0.0, 0.0, [&state.x, &state.v]));
@@ -245,22 +245,24 @@ impl<'a> System<'a> {
         if self.contacts.start.is_empty() {
             return 0.0;
         }
-        let (span, mut start, mut v) =
-            (self.span(), std::mem::take(&mut self.contacts.start), std::mem::take(&mut self.contacts.end));
+        let (mut start, mut v) = (std::mem::take(&mut self.contacts.start), std::mem::take(&mut self.contacts.end));
+        let span = self.time[1] - self.time[0];
         v.clear();
         for (x, start) in x.iter().zip(&mut start) {
             v.push((x - *start) / span);
             *start = 0.5 * (x + *start);
         }
-        let motion = Motion { span, ..self.motion(time, &start, &v) };
+        let motion = self.over_step(self.motion(time, &start, &v));
         let power = contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum();
         (self.contacts.start, self.contacts.end) = (start, v);
         power
     }
 
-    /// Time over which forces of contact are means \[s\].
-    fn span(&self) -> f64 {
-        if self.scene.integrator.kind().is_midpoint() { self.time[1] - self.time[0] } else { 0.0 }
+    /// A motion with the times over which forces are means.
+    fn over_step<'m>(&self, motion: Motion<'m>) -> Motion<'m> {
+        let ([start, end], means) = (self.time, self.scene.integrator.kind().mean_forces());
+        let span_of = |forces| if means >= forces { end - start } else { 0.0 };
+        Motion { span: span_of(MeanForces::Contact), elastic_span: span_of(MeanForces::All), ..motion }
     }
 
     /// A motion at a time since the start of the step \[s\].
@@ -291,6 +293,7 @@ fn motion<'m>(
         candidates: Some(candidates),
         pattern,
         span: 0.0,
+        elastic_span: 0.0,
         lag: 0.0,
     }
 }
@@ -329,8 +332,7 @@ impl System<'_> {
     fn forces(&mut self, with_contact: bool, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
         let scene = self.scene;
         self.contacts.update(scene, x);
-        let motion =
-            Motion { span: self.span(), ..motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]) };
+        let motion = self.over_step(motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]));
         self.scratch.counts.force_evaluations += 1;
         force.fill(0.0);
         for number in &self.scratch.plan.sleeping {
@@ -451,11 +453,11 @@ impl Dynamics for System<'_> {
     fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         let scene = self.scene;
         self.contacts.update(scene, x);
-        let span = self.span();
+        let Motion { span, elastic_span, .. } = self.over_step(Motion::NONE);
         let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
         let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
         let motion = motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
-        let motion = Motion { inverse_mass, span, ..motion };
+        let motion = Motion { inverse_mass, span, elastic_span, ..motion };
         for effect in awake(scene, plan) {
             effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
         }
@@ -480,7 +482,7 @@ impl Dynamics for System<'_> {
     }
 
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
-        let motion = Motion { span: self.span(), ..self.motion(time, x, v) };
+        let motion = self.over_step(self.motion(time, x, v));
         for effect in awake(self.scene, &self.scratch.plan) {
             effect.add_stiffness(motion, weights, matrix);
         }
@@ -511,7 +513,7 @@ impl Dynamics for System<'_> {
         let half = 0.5 * (time - before);
         let power = self.power_of_obstacles(time, if takes_end { half } else { 0.0 }, [x, v]);
         self.contacts.power = (time, power);
-        self.scratch.supplied += if integrator.is_midpoint() {
+        self.scratch.supplied += if integrator.mean_forces() != MeanForces::None {
             2.0 * half * self.power_at_midpoint(time - half, x)
         } else if takes_end {
             2.0 * half * power

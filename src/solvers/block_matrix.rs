@@ -29,6 +29,17 @@ pub enum Tangent {
     Absolute,
 }
 
+impl Tangent {
+    /// Factor of negative eigenvalues, unless they stay.
+    pub const fn negative_factor(self) -> Option<f64> {
+        match self {
+            Self::Exact => None,
+            Self::Definite => Some(0.0),
+            Self::Absolute => Some(-1.0),
+        }
+    }
+}
+
 /// A symmetric sparse matrix of square blocks, for callers that see flat vectors alone.
 ///
 /// Code that adds blocks names their size: see [`blocks`](#method.blocks).

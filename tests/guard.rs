@@ -157,7 +157,7 @@ fn after_every_implicit_step_it_looks_at_what_is_stored_too() {
         run.advance(50, &mut || true);
         run.energy_evaluations() - before
     };
-    for integrator in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint"] {
+    for integrator in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint", "EnergyMomentum"] {
         assert_eq!((sweeps(integrator, "On"), sweeps(integrator, "Off")), (50, 0), "{integrator}");
     }
     assert!(sweeps("SymplecticEuler", "On") < 25);

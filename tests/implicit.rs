@@ -233,7 +233,7 @@ fn a_hundred_times_the_stability_limit_gains_no_energy() {
 #[test]
 fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
     for model in models() {
-        for integrator in ["ImplicitEuler", "ImplicitMidpoint", "Bdf2"] {
+        for integrator in ["ImplicitEuler", "ImplicitMidpoint", "EnergyMomentum", "Bdf2"] {
             let effects = format!(
                 "substeps: 1, {}",
                 DAMPED.replace(']', ", (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]")

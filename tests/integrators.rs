@@ -44,6 +44,7 @@ fn an_oscillation_grows_by_the_factor_of_the_scheme() {
                 ("ImplicitEuler", 1.0 / (1.0 + z * z).sqrt()),
                 ("LinearlyImplicitEuler", 1.0 / (1.0 + z * z).sqrt()),
                 ("ImplicitMidpoint", 1.0),
+                ("EnergyMomentum", 1.0),
             ],
         );
         for (name, growth) in cases {

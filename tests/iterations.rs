@@ -74,7 +74,7 @@ fn compare(scene: &Scene, integrator: &IntegratorKind, steps: usize) -> (f64, Ne
 fn iterative_and_direct_steps_agree() {
     let pinned = "pins: [Top, Vertex(100)], stretch: (1.05, 1.02),";
     for model in models() {
-        for name in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint", "LinearlyImplicitEuler"] {
+        for name in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint", "EnergyMomentum", "LinearlyImplicitEuler"] {
             for body in ["stretch: (1.1, 0.95),", pinned] {
                 let scene = sheet(20, model, 0.3, body);
                 let (off, counts) = compare(&scene, &named(name), 4);

@@ -101,7 +101,7 @@ fn both_linear_solvers_solve_steps_in_space() {
     let mut scene = block();
     scene.pin(&[0, 5]);
     let start = moving(&scene);
-    for name in ["LinearlyImplicitEuler", "ImplicitEuler", "ImplicitMidpoint", "Bdf2"] {
+    for name in ["LinearlyImplicitEuler", "ImplicitEuler", "ImplicitMidpoint", "EnergyMomentum", "Bdf2"] {
         let [direct, iterative] = [LinearSolver::Direct, LinearSolver::Iterative].map(|solver| {
             let (mut state, mut workspace) = (start.clone(), Workspace::new(solver));
             let mut iterations = 0;

@@ -159,7 +159,7 @@ fn momenta(simulation: &Simulation) -> [f64; 3] {
 }
 
 /// Schemes with steps that resolve a contact of the disks [ms].
-const STEPS: [(&str, f64); 11] = [
+const STEPS: [(&str, f64); 12] = [
     ("SymplecticEuler()", 0.5),
     ("VelocityVerlet()", 0.5),
     ("PositionVerlet()", 0.5),
@@ -170,6 +170,7 @@ const STEPS: [(&str, f64); 11] = [
     ("LinearlyImplicitEuler()", 10.0),
     ("ImplicitEuler()", 10.0),
     ("ImplicitMidpoint()", 2.0),
+    ("EnergyMomentum()", 10.0),
     ("Bdf2()", 10.0),
 ];
 
@@ -195,7 +196,7 @@ fn two_disks_keep_momentum_and_energy() {
             // Angular momentum: in kg m²/s over that of the velocity at 1 m.
             let turned = match scheme {
                 "SymplecticEuler()" | "VelocityVerlet()" | "PositionVerlet()" => 1e-12,
-                "ImplicitMidpoint()" => 1e-9,
+                "ImplicitMidpoint()" | "EnergyMomentum()" => 1e-9,
                 "LinearlyImplicitEuler()" | "ImplicitEuler()" | "Bdf2()" => 2e-3,
                 _ => 1e-6,
             };
@@ -205,6 +206,7 @@ fn two_disks_keep_momentum_and_energy() {
                 "DormandPrince(relative: 1e-4, absolute: 1e-4)" => 0.003,
                 "VelocityVerlet()" | "PositionVerlet()" => 1e-3,
                 "RungeKutta4()" | "DormandPrince(relative: 1e-6, absolute: 1e-6)" => 1e-5,
+                "EnergyMomentum()" => 1e-9,
                 _ => 1e-12,
             };
             assert!(most <= gain, "{scheme}: {most:e}");
@@ -414,6 +416,7 @@ fn a_block_slides_on_a_body_as_coulomb_says() {
         ("DormandPrince(relative: 1e-6, absolute: 1e-6)", 12.5),
         ("ImplicitEuler()", 12.5),
         ("ImplicitMidpoint()", 1.0),
+        ("EnergyMomentum()", 1.0),
         ("Bdf2()", 12.5),
     ] {
         for friction in [0.4, 0.51] {

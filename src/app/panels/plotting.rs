@@ -71,7 +71,7 @@ pub fn color_of(integrator: &IntegratorKind, theme: &Theme) -> Color32 {
     // A kind from outside the crate comes after all others.
     let number = number.unwrap_or_else(|| IntegratorKind::all().len());
     let base = theme.series[number % theme.series.len()];
-    // Colours after the first round are lighter or darker, so that eleven lines can be told apart.
+    // Colours after the first round are lighter or darker, so that twelve lines can be told apart.
     if number < theme.series.len() { base } else { base.lerp_to_gamma(theme.text, 0.45) }
 }
 

@@ -76,6 +76,9 @@ impl Guard {
     /// Greatest level: up to 2^6 = 64 shorter steps.
     pub const MOST: u32 = SavedGuard::MOST_LEVEL;
 
+    /// Greatest level to which unsolved equations alone raise it.
+    pub const UNSOLVED: u32 = 3;
+
     /// Greatest level for a step \[s\], which bounds the work; see [`Substeps::most_parts`].
     pub fn most_level(step: f64) -> u32 {
         let most = Substeps::most_parts(step);
@@ -188,7 +191,7 @@ impl Guard {
             return Verdict::Unstable;
         }
         let mechanical = after.kinetic + after.elastic;
-        let available = self.put_in.unwrap_or(f64::INFINITY) - after.potential;
+        let available = self.put_in.unwrap_or(f64::INFINITY) - after.external();
         if mechanical <= 2.0 * available.max(0.0) + slack {
             self.last = None;
             self.kinetic_threshold = 1.5 * after.kinetic + slack;
@@ -206,7 +209,7 @@ impl Guard {
     /// Records energies. Returns whether energy from nowhere is within its bound; NaN is not.
     pub fn keeps_bound(&mut self, scene: &Scene, energies: Energies) -> bool {
         let (Some(put_in), total) = (self.put_in, energies.total()) else { return true };
-        self.reference = self.reference.max(put_in - energies.potential);
+        self.reference = self.reference.max(put_in - energies.external());
         let keeps = total - self.least <= Self::EXCESS * self.reference + negligible(scene);
         self.least = self.least.min(total);
         keeps
@@ -219,6 +222,12 @@ impl Guard {
         let may = self.level < most;
         self.level += u32::from(may);
         may
+    }
+
+    /// Whether a step \[s\] whose equations were not solved is taken again in shorter ones: at most in [`Self::UNSOLVED`] halvings, as each attempt is
+    /// costly. Beyond that it counts as any other step.
+    pub fn divides_unsolved(&self, step: f64) -> bool {
+        self.level < Self::UNSOLVED.min(Self::most_level(step))
     }
 
     /// Raises the level once more after a stable length: just below the stability limit the energy of a scheme

@@ -150,7 +150,7 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     report.partial = stopped(taken).map(|signal| format!("stopped by {signal} after {taken} of {steps} steps"));
     if outputs.path("--report").is_some() && report.partial.is_none() {
         let mut timed = prepared(request, &level)?;
-        timed.set_timed(true);
+        timed.set_measured(true);
         step_with_progress(
             &request.progress_options,
             &mut timed,

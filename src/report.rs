@@ -16,7 +16,7 @@ use crate::integrators::StepCounts;
 use std::time::Duration;
 
 /// Counts since the start of the simulation, or since the last reset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Steps taken.
     pub steps: u64,
@@ -55,6 +55,8 @@ pub struct Counts {
     pub triangle_steps: u64,
     /// Steps that the guard rejected.
     pub retaken: u64,
+    /// Energy that truncation of steps dissipated \[J\].
+    pub truncated_energy: f64,
 }
 
 impl Counts {
@@ -78,10 +80,11 @@ impl Counts {
     }
 
     /// Adds the counts of a sub-scene; its steps are not steps of the scene.
-    pub const fn merge(&mut self, part: &Self) {
+    pub fn merge(&mut self, part: &Self) {
         self.force_evaluations += part.force_evaluations;
         self.inner_steps += part.inner_steps;
         self.constrained += part.constrained;
+        self.truncated_energy += part.truncated_energy;
     }
 }
 
@@ -101,8 +104,10 @@ pub struct SubstepPlan {
 pub struct EffectCost {
     /// Name of the effect.
     pub name: &'static str,
-    /// Time spent in the effect; zero unless timing is switched on.
+    /// Time spent in the effect; zero unless effects are measured.
     pub time: Duration,
+    /// Dissipated energy \[J\]; zero unless effects are measured.
+    pub heat: f64,
     /// Number of calls.
     pub calls: u64,
     /// Elements (vertices, triangles, ...) touched, summed over the calls.
@@ -120,7 +125,7 @@ pub struct EffectCost {
 impl EffectCost {
     /// Cost of an effect before its first call.
     pub const fn none(name: &'static str, auto: bool) -> Self {
-        Self { name, time: Duration::ZERO, calls: 0, elements: 0, auto, skipped: 0, slept: 0, idle: None }
+        Self { name, time: Duration::ZERO, heat: 0.0, calls: 0, elements: 0, auto, skipped: 0, slept: 0, idle: None }
     }
 
     /// Records a skipped call.
@@ -144,13 +149,20 @@ pub struct Energies {
     pub kinetic: f64,
     /// Elastic energy.
     pub elastic: f64,
+    /// Of the skins of contacts, and of their friction.
+    pub contact: f64,
     /// Other potential energy: gravity, the mouse spring.
     pub potential: f64,
 }
 
 impl Energies {
+    /// Energy outside of bodies \[J\]: of contact, gravity and the mouse spring.
+    pub fn external(self) -> f64 {
+        self.contact + self.potential
+    }
+
     /// The sum \[J\].
     pub fn total(self) -> f64 {
-        self.kinetic + self.elastic + self.potential
+        self.kinetic + self.elastic + self.external()
     }
 }

@@ -379,9 +379,9 @@ impl Sandbox {
         &self.simulation
     }
 
-    /// Whether the time spent in each effect is measured.
-    pub fn set_timed(&mut self, timed: bool) {
-        self.simulation.set_timed(timed);
+    /// See [`Simulation::set_measured`].
+    pub fn set_measured(&mut self, measured: bool) {
+        self.simulation.set_measured(measured);
     }
 
     /// Whether time runs: running, not in edit mode, no fault.

@@ -22,12 +22,13 @@ mod restart;
 mod script;
 mod sleep;
 mod system;
+mod work;
 
 use crate::{
     effects::Grab,
     fault::Fault,
     guard::{Guard, Verdict},
-    integrators::{Class, Scheme, StepCounts},
+    integrators::{Class, MeanForces, Scheme, StepCounts},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
     state::State,
@@ -62,6 +63,8 @@ pub struct Simulation {
     fault: Option<Fault>,
     /// Counts changes of the scene, the state, the pull, and steps.
     revision: u64,
+    /// Whether the last step left equations unsolved of which the rest is energy from nowhere.
+    is_unsolved: bool,
     /// First step that is counted; earlier ones were counted before.
     first: u64,
     /// Step at the last call of [`Self::advance`]; a fault goes back no further.
@@ -96,6 +99,7 @@ impl Simulation {
             guard: Guard::default(),
             fault: None,
             revision: 0,
+            is_unsolved: false,
             first: state_steps,
             asked_at: state_steps,
             shape: 0,
@@ -224,9 +228,15 @@ impl Simulation {
         &self.scratch.costs
     }
 
-    /// Whether the time spent in each effect is measured; reading the clock costs a few per cent.
-    pub fn set_timed(&mut self, timed: bool) {
-        self.scratch.timed = timed;
+    /// Whether the time spent in each effect and the energy that it dissipates are measured. Damping then costs twice as much.
+    pub fn set_measured(&mut self, measured: bool) {
+        self.scratch.measured = measured;
+    }
+
+    /// Energy dissipated by damping, contact and friction, as far as it was [measured](Self::set_measured), and by truncation \[J\]. The energy
+    /// and this, less the [work of obstacles](Self::work_of_obstacles), stay equal to the order of the scheme.
+    pub fn heat(&self) -> f64 {
+        self.costs().iter().map(|cost| cost.heat).sum::<f64>() + self.counts().truncated_energy
     }
 
     /// Takes up to `steps` steps and returns their number. Calls `more` every few steps and stops after it returns
@@ -346,10 +356,13 @@ impl Simulation {
         let parts = self.guard_substeps();
         let h = self.scene.step / f64::from(parts);
         let (start, end) = (self.state.time, self.state.time + self.scene.step);
+        let unsolved = self.scratch.counts.unconverged;
         let at = |part: u32| if part == parts { end } else { start + f64::from(part) * h };
         for part in 0..parts {
             self.integrate(h, [at(part), at(part + 1)]);
         }
+        let conserves = self.scene.integrator.kind().mean_forces() == MeanForces::All;
+        self.is_unsolved = conserves && self.scratch.counts.unconverged > unsolved;
         if self.state.steps >= self.first {
             self.scratch.count_steps(1);
             self.scratch.counts.guarded += u64::from(parts > 1);
@@ -399,6 +412,9 @@ impl Simulation {
         }
         if !self.is_guarded() {
             return true;
+        }
+        if self.is_unsolved && self.guard.divides_unsolved(self.scene.step) {
+            return false;
         }
         if !self.needs_energy_check() {
             return !self.ends_frame() || self.keeps_bound();

@@ -1,4 +1,4 @@
-//! Facts about the mean forces of the energy-momentum method: work, balance, derivatives, and what a step keeps.
+//! Facts about the mean forces of the energy-momentum method: work, balance, and what a step keeps.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failing test should panic")]
 
 mod common;
@@ -13,7 +13,6 @@ use gingerbread::{
     meshes::NoFiles,
     nets::{Link, Role},
     scene::Scene,
-    solvers::{BlockMatrix, Tangent, Weights},
 };
 
 const SPAN: f64 = 0.02;
@@ -56,42 +55,6 @@ impl Step {
             assert_balanced(&self.middle, &force, what);
         }
     }
-
-    /// Asserts that the stiffness is the symmetric part of the derivative by the end of the step.
-    fn assert_stiffness<const D: usize>(&self, effect: &dyn Effect, what: &str) {
-        let count = self.middle.len();
-        let mut pairs = Vec::new();
-        effect.sparsity_pattern(&mut |a, b| pairs.push([a, b]));
-        let mut matrix = BlockMatrix::<D>::new(count / D, &pairs);
-        let weights = Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Exact };
-        effect.add_stiffness(self.motion(D), weights, &mut matrix);
-        let column = |number: usize| {
-            let forces = |by: f64| {
-                let mut moved = Self { middle: self.middle.clone(), velocity: self.velocity.clone() };
-                moved.middle[number] += by;
-                moved.velocity[number] += 2.0 * by / SPAN;
-                moved.force(effect, D)
-            };
-            let step = 1e-6;
-            forces(step).iter().zip(forces(-step)).map(|(a, b)| (b - a) / (2.0 * step)).collect::<Vec<_>>()
-        };
-        let slopes: Vec<_> = (0..count).map(column).collect();
-        let greatest = slopes.iter().map(|column| norm(column)).fold(0.0, f64::max);
-        for number in 0..count {
-            let mut unit = vec![0.0; count];
-            unit[number] = 1.0;
-            let mut product = vec![0.0; count];
-            matrix.add_product(&unit, &mut product);
-            for other in 0..count {
-                let slope = 0.5 * (slopes[number][other] + slopes[other][number]);
-                assert!(
-                    (product[other] - slope).abs() < 1e-6 * greatest,
-                    "{what} {number} {other}: {} is not {slope}",
-                    product[other]
-                );
-            }
-        }
-    }
 }
 
 /// A random step with changes of this size from rest, and of the shape within the step.
@@ -123,10 +86,6 @@ fn mean_forces_do_the_work_of_the_energy() {
                     one.assert_conserves(&**effect, 2, &what);
                 }
             }
-            let one = step(&mut random, &scene.rest, 0.02);
-            for effect in &scene.effects {
-                one.assert_stiffness::<2>(&**effect, &format!("{} {} {plane:?}", effect.name(), model.name()));
-            }
         }
     }
 }
@@ -136,7 +95,12 @@ fn mean_forces_of_springs_do_the_work_of_their_energy() {
     let mut random = Random(5);
     let rest: Vec<_> = (0..18).map(|_| random.between(-1.0, 1.0)).collect();
     let links = |count: u32| {
-        let link = |from: u32, to: u32| Link { ends: [from, to], stiffness: 50.0 + f64::from(to), rest: 0.7, role: Role::Structural };
+        let link = |from: u32, to: u32| Link {
+            ends: [from, to],
+            stiffness: 50.0 + f64::from(to),
+            rest: 0.7,
+            role: Role::Structural,
+        };
         (0..count).flat_map(|from| (from + 1..count).map(move |to| link(from, to))).collect::<Vec<_>>()
     };
     let (plane, space) = (Springs::<2>::of_links(links(9), 0..9), Springs::<3>::of_links(links(6), 0..6));
@@ -144,8 +108,6 @@ fn mean_forces_of_springs_do_the_work_of_their_energy() {
         let one = step(&mut random, &rest, size);
         one.assert_conserves(&plane, 2, "plane");
         one.assert_conserves(&space, 3, "space");
-        one.assert_stiffness::<2>(&plane, "plane");
-        one.assert_stiffness::<3>(&space, "space");
     }
 }
 

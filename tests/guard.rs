@@ -113,7 +113,7 @@ fn energy_from_nowhere_is_bounded_over_a_run() {
 #[test]
 fn dissipated_energy_does_not_hide_energy_from_nowhere() {
     let scene = released("Corotated", 0.1, "").scene().clone();
-    let moving = |kinetic| Energies { kinetic, elastic: 0.0, potential: 0.0 };
+    let moving = |kinetic| Energies { kinetic, ..Energies::default() };
     let mut guard = Guard::default();
     guard.begin(moving(10.0));
     assert!(guard.keeps_bound(&scene, moving(4.0)));
@@ -280,7 +280,7 @@ fn time_is_never_turned_forth() {
 #[test]
 fn supplied_energy_does_not_excuse_an_explosion() {
     let run = simulation(&sheet("Corotated", "", ""));
-    let calm = Energies { kinetic: 0.0, elastic: 1.0, potential: 0.0 };
+    let calm = Energies { elastic: 1.0, ..Energies::default() };
     let judged = |elastic: f64| {
         let mut guard = Guard::default();
         guard.begin(calm);

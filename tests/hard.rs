@@ -262,7 +262,7 @@ fn a_step_above_the_stability_limit_is_judged_unstable() {
 fn energy_from_nowhere_is_noticed_even_after_more_was_dissipated() {
     let scene = |name: &str| common::simulation(&case(name).level).scene().clone();
     let scene: Scene = scene("stretch_2");
-    let energies = |kinetic, elastic, potential| Energies { kinetic, elastic, potential };
+    let energies = |kinetic, elastic, potential| Energies { kinetic, elastic, contact: 0.0, potential };
     let mut account = Account::new(&scene, energies(0.0, 10.0, 5.0));
     account.record(energies(10.0, 0.0, 5.0));
     account.record(energies(4.0, 0.0, 5.0));

@@ -109,14 +109,18 @@ fn implicit_steps_keep_a_fast_body_above_a_thin_wall() {
                 simulation.advance(u64::from(substeps.div_ceil(10)), &mut || true);
                 if let Some(fault) = simulation.fault() {
                     // Whole frames are too long for a scheme that damps nothing, and it says so.
-                    assert!(kind.kind().mean_forces() != MeanForces::None && substeps == 1, "{} {cells}: {fault:?}", kind.name());
+                    assert!(
+                        kind.kind().mean_forces() != MeanForces::None && substeps == 1,
+                        "{} {cells}: {fault:?}",
+                        kind.name()
+                    );
                     break;
                 }
                 assert!(simulation.state().x.iter().skip(1).step_by(2).all(|y| *y > 0.0), "{} {cells}", kind.name());
                 let total = simulation.energies().total();
-                // The midpoint rule has no bound on the energy of triangles that are crushed within a step.
+                // An energy-momentum step is solved to a tolerance. The midpoint rule has no bound on the energy of triangles that are crushed within a step.
                 assert!(
-                    total <= start * (1.0 + 1e-9) || substeps == 1 || is_midpoint,
+                    total <= start * (1.0 + 1e-8) || substeps == 1 || is_midpoint,
                     "{} {cells}: {total} J after {start} J",
                     kind.name()
                 );

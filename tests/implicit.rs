@@ -245,7 +245,9 @@ fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
             assert_eq!(simulation.advance(120, &mut || true), 120);
             let counts = simulation.counts();
             assert_eq!(counts.unconverged, 0, "{model} {integrator}: {counts:?}");
-            assert!(counts.newton_iterations < 8 * 240, "{model} {integrator}: {counts:?}");
+            // The matrix of the energy-momentum method is not the derivative.
+            let most = if integrator == "EnergyMomentum" { 16 } else { 8 };
+            assert!(counts.newton_iterations < most * 240, "{model} {integrator}: {counts:?}");
         }
     }
 }

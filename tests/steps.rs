@@ -248,7 +248,7 @@ fn fused_and_separate_steps_have_the_same_bits() {
     levels.extend(levels::BUILT_IN.iter().map(|(file, text)| (files::parse(text, file).unwrap(), false)));
     for (level, shaken) in levels.into_iter().filter(|(level, _)| level.toy.is_none()) {
         let [mut one, mut other] = [&level; 2].map(simulation);
-        other.set_timed(true);
+        other.set_measured(true);
         if shaken {
             shake(&mut one, 3);
             shake(&mut other, 3);

@@ -170,7 +170,7 @@ const STEPS: [(&str, f64); 12] = [
     ("LinearlyImplicitEuler()", 10.0),
     ("ImplicitEuler()", 10.0),
     ("ImplicitMidpoint()", 2.0),
-    ("EnergyMomentum()", 10.0),
+    ("EnergyMomentum()", 2.0),
     ("Bdf2()", 10.0),
 ];
 
@@ -206,7 +206,8 @@ fn two_disks_keep_momentum_and_energy() {
                 "DormandPrince(relative: 1e-4, absolute: 1e-4)" => 0.003,
                 "VelocityVerlet()" | "PositionVerlet()" => 1e-3,
                 "RungeKutta4()" | "DormandPrince(relative: 1e-6, absolute: 1e-6)" => 1e-5,
-                "EnergyMomentum()" => 1e-9,
+                // Gaps between surfaces are not linear in the positions.
+                "EnergyMomentum()" => 0.002,
                 _ => 1e-12,
             };
             assert!(most <= gain, "{scheme}: {most:e}");

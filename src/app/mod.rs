@@ -381,13 +381,13 @@ impl App {
         }
     }
 
-    /// Measures the time of each effect only while the ledger is shown.
-    fn time_effects(&mut self) {
-        let timed = self.view.ledger;
+    /// Measures effects only while the ledger is shown.
+    fn measure_effects(&mut self) {
+        let measured = self.view.ledger;
         for sandbox in [&mut self.sandbox].into_iter().chain(self.comparison.as_mut().map(|panes| &mut panes.b)) {
-            sandbox.set_timed(timed);
+            sandbox.set_measured(measured);
         }
-        if !timed {
+        if !measured {
             self.meter.stop();
         }
     }
@@ -403,7 +403,7 @@ impl eframe::App for App {
         self.apply_requests();
         self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
-        self.time_effects();
+        self.measure_effects();
         self.advance(ctx.input(|input| input.time), time_of_frame);
         self.study(ctx);
         self.update_snapshot();

@@ -36,6 +36,25 @@ impl PlacedObstacle {
         (!self.motions.is_empty()).then(|| placed(&self.motions, time))
     }
 
+    /// Where it is in the middle of a span of time about a moment \[s\]: its translation and its velocity are means of those at both ends, so that
+    /// these are half of the displacement away. `None` for an obstacle at rest.
+    fn within(&self, time: f64, span: f64) -> Option<Rigid> {
+        let middle = self.at(time)?;
+        if span == 0.0 {
+            return Some(middle);
+        }
+        let [start, end] = [-0.5, 0.5].map(|part| placed(&self.motions, time + part * span).shift);
+        let shift @ [x, y] = [0, 1].map(|axis| 0.5 * (start[axis] + end[axis]));
+        let turning = [-middle.spin * y, middle.spin * x];
+        let velocity = [0, 1].map(|axis| (end[axis] - start[axis]) / span - turning[axis]);
+        Some(Rigid { shift, velocity, ..middle })
+    }
+
+    /// Where it is in a motion, and how fast it moves; `None` for an obstacle at rest.
+    fn moving(&self, motion: Motion<'_>) -> Option<Rigid> {
+        if motion.span == 0.0 { self.at(motion.time - motion.lag) } else { self.within(motion.time, motion.span) }
+    }
+
     /// Its motion between two times \[s\].
     pub fn swept_motion(&self, time: [f64; 2]) -> SweptMotion {
         let [start, end] = time.map(|time| self.at(time));
@@ -61,7 +80,7 @@ struct Corners<'a> {
 
 impl<'a> Corners<'a> {
     fn new(first: u32, placed: &'a PlacedObstacle, at: Option<Rigid>, motion: Motion<'_>) -> Self {
-        Self { first, at_rest: placed.obstacle.corners(), at, moves: placed.at(motion.time - motion.lag) }
+        Self { first, at_rest: placed.obstacle.corners(), at, moves: placed.moving(motion) }
     }
 
     /// The corners where they are, with their numbers.
@@ -130,7 +149,7 @@ impl ObstacleContact {
     /// Whether anything may be within the contact margin of an obstacle at a time \[s\]; conservative.
     pub fn may_touch(&self, time: f64, x: &[f64]) -> bool {
         let mut any = false;
-        self.each_near((x, time, self.greatest_thickness()), |_, _, _| any = true);
+        self.each_near(Motion { x, time, ..Motion::NONE }, self.greatest_thickness(), |_, _, _| any = true);
         any
     }
 
@@ -195,15 +214,11 @@ impl ObstacleContact {
         }
     }
 
-    /// Calls `act` with the number, the obstacle and its place, of each obstacle that the skin may touch at a time \[s\].
-    fn each_near(
-        &self,
-        (x, time, reach): (&[f64], f64, f64),
-        mut act: impl FnMut(usize, &PlacedObstacle, Option<Rigid>),
-    ) {
-        let bounds = Bounds::of(x).grown(reach);
+    /// Calls `act` with the number, the obstacle and its place, of each obstacle that the skin may touch in a motion.
+    fn each_near(&self, motion: Motion<'_>, reach: f64, mut act: impl FnMut(usize, &PlacedObstacle, Option<Rigid>)) {
+        let bounds = Bounds::of(motion.x).grown(reach);
         for (number, obstacle) in self.obstacles.iter().enumerate() {
-            let at = obstacle.at(time);
+            let at = obstacle.within(motion.time, motion.span);
             if obstacle.is_near(bounds, at) {
                 act(number, obstacle, at);
             }
@@ -214,7 +229,7 @@ impl ObstacleContact {
     fn each_vertex(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         let moved = motion.half_displacement();
         let reach = self.greatest_thickness() + moved;
-        self.each_near((motion.x, motion.time, reach), |number, placed, at| {
+        self.each_near(motion, reach, |number, placed, at| {
             let obstacle = &placed.obstacle;
             let near = |block: &&[SurfaceVertex]| {
                 let [first, .., last] = [block[0], block[block.len() - 1]].map(|vertex| 2 * vertex.vertex as usize);
@@ -248,7 +263,7 @@ impl ObstacleContact {
                     kept: None,
                 };
                 touch.add_velocities(motion.v);
-                if let Some(at) = placed.at(motion.time - motion.lag) {
+                if let Some(at) = placed.moving(motion) {
                     touch.add_obstacle(at.velocity_at(x));
                 }
                 if let Some(anchor) = anchor_of(motion.anchors, touch.name) {
@@ -264,7 +279,7 @@ impl ObstacleContact {
         if !self.has_corners {
             return;
         }
-        self.each_near((motion.x, motion.time, self.greatest_thickness()), |number, placed, at| {
+        self.each_near(motion, self.greatest_thickness(), |number, placed, at| {
             act(&Corners::new(self.first_corner(number), placed, at, motion));
         });
     }
@@ -380,7 +395,7 @@ impl ContactTerm for ObstacleContact {
     /// Within the span of a motion a vertex may touch that is farther away in its middle.
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
         let (mut any, reach) = (false, self.greatest_thickness() + motion.half_displacement());
-        self.each_near((motion.x, motion.time, reach), |_, _, _| any = true);
+        self.each_near(motion, reach, |_, _, _| any = true);
         (!any).then_some(NO_OBSTACLE_NEAR)
     }
 
@@ -398,7 +413,7 @@ impl ContactTerm for ObstacleContact {
         });
         let mut first = 0;
         for placed in self.obstacles.iter().filter(|placed| !placed.obstacle.corners().is_empty()) {
-            let corners = Corners::new(first, placed, placed.at(motion.time), motion);
+            let corners = Corners::new(first, placed, placed.within(motion.time, motion.span), motion);
             for edge in 0..self.surface.edges().len() as u32 {
                 let mut block = nalgebra::Matrix2::zeros();
                 self.each_of_edge(motion, edge, &corners, &mut |touch| {

@@ -182,8 +182,13 @@ impl Touch {
 
     /// Energy \[J\].
     pub fn energy(&self) -> f64 {
-        let friction = self.memory.map_or(0.0, |(u, _)| self.parameters.potential.friction_energy(u, self.limit()));
-        self.area * (self.parameters.potential.energy(self.gap) + friction)
+        self.area * self.parameters.potential.energy(self.gap) + self.friction_energy()
+    }
+
+    /// Energy of the spring of friction \[J\].
+    pub fn friction_energy(&self) -> f64 {
+        let of = |(u, _)| self.parameters.potential.friction_energy(u, self.limit());
+        self.area * self.memory.map_or(0.0, of)
     }
 
     /// Force \[N\] on each vertex.
@@ -200,6 +205,12 @@ impl Touch {
     pub fn power(&self) -> f64 {
         let [vx, vy] = self.obstacle_velocity;
         self.forces().map(|(_, [fx, fy])| fx * vx + fy * vy).sum()
+    }
+
+    /// Power taken from the motion \[W\]: by friction, a part of which its spring stores, and by the pressure beyond its energy.
+    pub fn taken_power(&self) -> f64 {
+        let normal = self.pressure() * self.approach * (1.0 - self.damped());
+        self.area * (normal + self.traction().0 * self.sliding)
     }
 
     /// Stiffness and damping of the force along the normal and along the slip [N/m, N s/m]. The change of the greatest
@@ -243,9 +254,15 @@ impl Touch {
 
     /// Memory of the contact after a step of length h \[s\]: the anchor is dragged, and the initial penetration decreases, as long
     /// as the surfaces are nearer than a part of the thickness of the skin. Returns also the energy that this supplies \[J\].
+    ///
+    /// Steps never lead to a new contact at a negative gap. One that is found there is of surfaces that began inside each other, where
+    /// another edge has become the nearest: it begins without a force.
     pub fn dragged(&self, h: f64) -> (Anchor, f64) {
         /// That part.
         const LEFT: f64 = 0.25;
+        if self.is_new_inside() {
+            return (self.begun(), 0.0);
+        }
         let (u, before) = self.memory.unwrap_or_default();
         let missing = LEFT * self.parameters.potential.thickness - (self.gap - before);
         let decrease = (h * self.parameters.depenetration_speed).min(missing).min(before).max(0.0);
@@ -256,6 +273,11 @@ impl Touch {
             0.0
         };
         (self.anchor(self.parameters.potential.dragged(u, self.limit()), before - decrease), supplied)
+    }
+
+    /// Whether it has no memory at a negative gap.
+    const fn is_new_inside(&self) -> bool {
+        self.memory.is_none() && self.gap < 0.0
     }
 
     /// Memory of the contact in a state that no step led to: without memory it begins without a force.
@@ -387,6 +409,16 @@ impl dyn ContactTerm + '_ {
             self.each(motion, &mut |touch| power += touch.power());
         }
         power
+    }
+
+    /// Power taken from the motion by dissipation and friction \[W\], and energy that the springs of friction store \[J\].
+    pub fn taken_power(&self, motion: Motion<'_>) -> [f64; 2] {
+        let mut taken = [0.0; 2];
+        self.each(motion, &mut |touch| {
+            taken[0] += touch.taken_power();
+            taken[1] += touch.friction_energy();
+        });
+        taken
     }
 
     /// Energy \[J\].

@@ -146,7 +146,7 @@ impl Effect for Resistance {
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<2>() else { return };
         for body in &self.bodies {
-            body.add_stiffness_of(motion, weights, matrix, self.density(body));
+            body.add_energy_tangent(motion.x, weights, matrix, self.density(body));
         }
     }
 }

@@ -160,7 +160,7 @@ pub trait MeshMaterial: Send + Sync {
     fn stiffness_times(&self, of: &Triangles, moving: [&[f64]; 2], scratch: &mut [f64], product: &mut [f64]);
 
     /// Adds the blocks of the elastic stiffness.
-    fn add_stiffness(&self, of: &Triangles, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix<2>);
+    fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>);
 }
 
 impl fmt::Debug for dyn MeshMaterial {
@@ -222,7 +222,7 @@ impl<M: Material> MeshMaterial for M {
         of.add_energy_change(moving, scratch, product, Elastic(*self));
     }
 
-    fn add_stiffness(&self, of: &Triangles, motion: Motion<'_>, weights: Weights, matrix: &mut BlockMatrix<2>) {
-        of.add_stiffness_of(motion, weights, matrix, Elastic(*self));
+    fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
+        of.add_energy_tangent(x, weights, matrix, Elastic(*self));
     }
 }

@@ -168,7 +168,7 @@ impl Packed {
 
 /// Adds the stiffness between the two ends of the next spring of the list.
 #[inline]
-pub(super) fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &MatrixBlock<D>) {
+fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &MatrixBlock<D>) {
     for end in link.ends {
         matrix.diagonal(end as usize, block);
     }
@@ -344,9 +344,6 @@ impl<const D: usize> Effect for Springs<D> {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<D>() else { return };
-        if motion.elastic_span != 0.0 {
-            return self.add_mean_stiffness(motion, weights, matrix);
-        }
         for link in &self.links {
             add_block(matrix, link, &(stiffness(motion.x, link, weights.tangent) * weights.position));
         }

@@ -330,7 +330,7 @@ impl Effect for Triangles {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         if let Some(matrix) = matrix.blocks::<2>() {
-            self.material.passes().add_stiffness(self, motion, weights, matrix);
+            self.material.passes().add_stiffness(self, motion.x, weights, matrix);
         }
     }
 }

@@ -44,7 +44,7 @@ impl Account {
 
     /// Records the present energies.
     pub fn record(&mut self, energies: Energies) {
-        self.put_in = self.put_in.max(self.start + self.work - energies.potential);
+        self.put_in = self.put_in.max(self.start + self.work - energies.external());
         let balance = energies.total() - self.work;
         let gain = (balance - self.least) / self.put_in;
         // NaN counts as an infinite gain.

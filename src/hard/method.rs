@@ -36,7 +36,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All methods, in the order of the integrators.
+    /// All methods, in the order of the integrators; the energy-momentum method is not among them.
     pub const ALL: [Self; 11] = [
         Self::SymplecticEuler,
         Self::ForwardEuler,

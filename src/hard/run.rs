@@ -5,12 +5,13 @@ use super::{
     reference::{Comparison, Scale},
 };
 use crate::{
+    contact::PlacedObstacle,
     effects::EffectKind,
     inversion_recovery::{Tangle, untangled},
     level::{Level, RunMode, Substeps, Switch, Toggle, When, frame},
     materials::Model,
     meshes::NoFiles,
-    obstacles::Obstacle,
+    obstacles::ObstacleKind,
     quantity::Point,
     scene::{Scene, SceneError, extent},
     simulation::Simulation,
@@ -154,7 +155,7 @@ impl Run {
         self.frame += 1;
         self.account.supply(self.simulation.work_of_obstacles() - work);
         self.account.record(self.simulation.energies());
-        self.outside = self.outside.max(self.fence.beyond(&self.simulation.state().x));
+        self.outside = self.outside.max(self.fence.beyond(self.simulation.state().time, &self.simulation.state().x));
         let crossings = self.simulation.count_crossings().unwrap_or(0);
         self.crossings[1] = self.crossings[1].max(crossings);
         if let Some((reference, comparison)) = &mut self.comparison {
@@ -243,7 +244,7 @@ fn greatest_strain(scene: &Scene, x: &[f64]) -> f64 {
 
 /// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
 pub struct Fence {
-    obstacles: Vec<Box<dyn Obstacle>>,
+    obstacles: Vec<PlacedObstacle>,
     /// Lower left and upper right corners \[m\].
     boxes: Vec<[[f64; 2]; 2]>,
     /// Longest side of the bounding boxes of the bodies at rest \[m\].
@@ -261,7 +262,11 @@ impl Fence {
                 EffectKind::Boundary(edges) => boxes.push([edges.least.get(), edges.greatest.get()]),
                 // A wall that cannot be built also prevents the scene.
                 EffectKind::Walls(walls) => {
-                    obstacles.extend(walls.obstacles.iter().filter_map(|kind| kind.kind().build().ok()));
+                    let place = |kind: &ObstacleKind| {
+                        let (obstacle, motions) = (kind.kind().build().ok()?, kind.kind().motions());
+                        Some(PlacedObstacle { obstacle, motions })
+                    };
+                    obstacles.extend(walls.obstacles.iter().filter_map(place));
                 }
                 _ => {}
             }
@@ -273,17 +278,20 @@ impl Fence {
         Self { obstacles, boxes, size: sides.fold(0.0, f64::max) }
     }
 
-    /// Greatest distance of the points (flat, \[m\]) beyond the boundaries, as a share of the size of the bodies.
-    pub fn beyond(&self, x: &[f64]) -> f64 {
+    /// Greatest distance of the points (flat, \[m\]) beyond the boundaries at a time \[s\], as a share of the size of the bodies.
+    pub fn beyond(&self, time: f64, x: &[f64]) -> f64 {
         let mut farthest = 0.0_f64;
+        let obstacles: Vec<_> = self.obstacles.iter().map(|placed| (&placed.obstacle, placed.at(time))).collect();
         for point in x.chunks_exact(2) {
             for [least, greatest] in &self.boxes {
                 for axis in 0..2 {
                     farthest = farthest.max(least[axis] - point[axis]).max(point[axis] - greatest[axis]);
                 }
             }
-            for obstacle in &self.obstacles {
-                let depth = obstacle.contact([point[0], point[1]]).map_or(0.0, |contact| -contact.distance);
+            for (obstacle, at) in &obstacles {
+                let point = [point[0], point[1]];
+                let point = at.as_ref().map_or(point, |at| at.back(point));
+                let depth = obstacle.contact(point).map_or(0.0, |contact| -contact.distance);
                 farthest = farthest.max(depth);
             }
         }

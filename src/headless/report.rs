@@ -83,6 +83,10 @@ pub struct RunReport {
     pub slept_triangle_share: Option<f64>,
     /// Attempts at a step that the guard threw away.
     pub retaken_steps: u64,
+    /// Work of moving obstacles on bodies \[J\].
+    pub obstacle_work_joules: f64,
+    /// Energy that truncation of steps dissipated \[J\].
+    pub truncated_joules: f64,
     /// Time spent stepping, without clocks in the effects \[s\].
     pub wall_seconds: f64,
     /// Time per computed step \[s\]; null if none was computed.
@@ -139,6 +143,8 @@ impl RunReport {
             slept_triangle_share: ratio(counts.triangle_steps as f64, triangles as f64 * steps as f64)
                 .map(|computed| 1.0 - computed),
             retaken_steps: counts.retaken,
+            obstacle_work_joules: simulation.work_of_obstacles(),
+            truncated_joules: counts.truncated_energy,
             wall_seconds,
             seconds_per_step: ratio(wall_seconds, counts.computed() as f64),
             ns_per_triangle_step: ratio(wall_seconds * 1e9, counts.triangle_steps as f64),
@@ -192,6 +198,8 @@ pub struct EnergyReport {
     pub kinetic: f64,
     /// Of deformation.
     pub elastic: f64,
+    /// Of contact.
+    pub contact: f64,
     /// Of gravity and springs.
     pub potential: f64,
     /// The sum.
@@ -211,6 +219,8 @@ pub struct EffectReport {
     pub ms_per_frame: Option<f64>,
     /// Its share of the time spent in all effects.
     pub share: f64,
+    /// Energy that it dissipated \[J\].
+    pub heat_joules: f64,
     /// Number of calls.
     pub calls: u64,
     /// Elements touched, summed over the calls.
@@ -252,6 +262,7 @@ fn ledger(level: &Level, simulation: &Simulation, savings: &[Saving]) -> Vec<Eff
         seconds: cost.time.as_secs_f64(),
         ms_per_frame: ratio(1e3 * cost.time.as_secs_f64(), frames(cost.slept)),
         share: if all > 0.0 { cost.time.as_secs_f64() / all } else { 0.0 },
+        heat_joules: cost.heat,
         calls: cost.calls,
         elements: cost.elements,
         skipped: cost.skipped,
@@ -274,8 +285,8 @@ fn ledger(level: &Level, simulation: &Simulation, savings: &[Saving]) -> Vec<Eff
 
 impl From<Energies> for EnergyReport {
     fn from(energies: Energies) -> Self {
-        let Energies { kinetic, elastic, potential } = energies;
-        Self { kinetic, elastic, potential, total: energies.total() }
+        let Energies { kinetic, elastic, contact, potential } = energies;
+        Self { kinetic, elastic, contact, potential, total: energies.total() }
     }
 }
 
@@ -379,7 +390,7 @@ impl EndState {
         let own = beginning.energies.kinetic + beginning.energies.elastic.abs() + beginning.scale;
         // A long fall gains a small share of the potential energy lost. That is the error of a scheme, not an
         // explosion.
-        let falling = 1e-2 * (now.potential - beginning.energies.potential).abs();
+        let falling = 1e-2 * (now.external() - beginning.energies.external()).abs();
         if scene.toy.is_none() && energy_gain > GREATEST_GAIN * own + falling {
             remarks.push(format!(
                 "the energy grew by {energy_gain:.3e} J, which is {:.0e} times what the scene had",

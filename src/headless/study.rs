@@ -263,7 +263,7 @@ fn drift(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     let valid = drift.runs().iter().filter(|run| drift.status(run) != Status::Unstable).count();
     if !touching.is_empty() {
         let who = if touching.len() == valid { "all that stayed stable".to_owned() } else { touching.join("; ") };
-        let _ = write!(table, "\nenergy and momentum: changed by walls that are touched by right, for {who}");
+        let _ = write!(table, "\nmomentum: changed by walls that are touched by right, for {who}");
     }
     let widest = drift.runs().iter().map(|run| run.setting.label().len()).max().unwrap_or(0);
     let _ =

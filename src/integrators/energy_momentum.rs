@@ -1,9 +1,6 @@
 //! Energy-momentum method.
 
-use super::{
-    Class, Dynamics, Integrator, MeanForces, Scheme, SecondOrder, StepCounts, Workspace,
-    implicit,
-};
+use super::{Class, Dynamics, Integrator, MeanForces, Scheme, SecondOrder, StepCounts, Workspace, implicit};
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 

@@ -133,6 +133,10 @@ impl Equations for Stage<'_, '_> {
         matrix.add_to_diagonal(&|number| mass[number]);
     }
 
+    fn has_derivative(&self) -> bool {
+        self.system.has_derivative()
+    }
+
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         self.system.sparsity_pattern(add);
     }

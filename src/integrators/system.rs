@@ -72,6 +72,11 @@ pub trait Dynamics {
     /// Adds `ax (-df/dx) + av (-df/dv)` to a cleared matrix.
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix);
 
+    /// Whether [`Self::add_stiffness`] adds the derivative of the force; otherwise a matrix that is near to it in short steps.
+    fn has_derivative(&self) -> bool {
+        true
+    }
+
     /// Largest multiple of the displacement `d` \[m\] from the positions `x` \[m\] that stays within the barriers of all
     /// energies.
     fn longest_step(&mut self, _x: &[f64], _d: &[f64]) -> f64 {

@@ -15,8 +15,8 @@ pub(super) struct Contacts {
     next: Vec<Anchor>,
     /// Forces of contact on vertices at the start of the step \[N\].
     pub forces: Vec<(usize, [f64; 2])>,
-    /// Time since the start of the step \[s\], and power of moving obstacles then \[W\].
-    pub power: (f64, f64),
+    /// Time since the start of the step up to which work was added \[s\].
+    pub power_time: f64,
     /// Pairs that may be near each other at the positions they were updated for.
     pub candidates: Candidates,
     /// Pairs that have blocks in the stiffness matrix: those near at the start of the step, and those that Newton's method
@@ -28,9 +28,9 @@ pub(super) struct Contacts {
     near: Vec<Pair>,
     /// Scratch for truncation.
     pub truncation: Truncation,
-    /// Positions at the start of the step, where they are needed \[m\].
+    /// Positions \[m\] and velocities [m/s] at the start of an inner step, where they are needed.
     pub start: Vec<f64>,
-    /// Scratch for positions.
+    /// Scratch for positions and velocities.
     pub end: Vec<f64>,
 }
 

@@ -32,7 +32,7 @@ impl Simulation {
     pub(super) fn energies_with(&self, grab: Option<Grab>) -> Energies {
         if let (Some(toy), &[a, b]) = (&self.scene.toy, self.state.x.as_slice()) {
             let [kinetic, potential] = toy.kind().energies([a, b]);
-            return Energies { kinetic, elastic: 0.0, potential };
+            return Energies { kinetic, potential, ..Energies::default() };
         }
         let motion = self.scene.motion(&self.state, grab);
         let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
@@ -41,8 +41,12 @@ impl Simulation {
             self.elastic.borrow_mut().evaluations += 1;
         }
         let elastic = self.elastic.borrow().each.iter().sum();
-        let potential = other.iter().map(|effect| effect.energy(motion)).sum();
-        Energies { kinetic: self.kinetic_energy(), elastic, potential }
+        let mut energies = Energies { kinetic: self.kinetic_energy(), elastic, ..Energies::default() };
+        for effect in other {
+            let kind = if effect.contact().is_some() { &mut energies.contact } else { &mut energies.potential };
+            *kind += effect.energy(motion);
+        }
+        energies
     }
 
     /// Kinetic energy \[J\].

@@ -37,6 +37,7 @@ impl System<'_> {
             self.stop_at_surfaces(means, start, x, v);
         }
         let gained = self.energy(x, v) - before - (self.scratch.supplied - was_supplied);
+        self.scratch.counts.truncated_energy += (-gained).max(0.0);
         if gained > 0.0 && is_pushed {
             // Moved vertices deform elements; that is work of the obstacle.
             self.scratch.supplied += gained;

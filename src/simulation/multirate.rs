@@ -181,7 +181,8 @@ impl SubstepStepper {
 
     /// Steps over an interval from the state of the scene, and writes the result back.
     fn advance(&mut self, interval: StepInterval<'_>, whole: &mut State, parent: &mut Scratch) {
-        (self.scratch.timed, self.scratch.clear_box, self.scratch.supplied) = (parent.timed, parent.clear_box, 0.0);
+        (self.scratch.measured, self.scratch.clear_box, self.scratch.supplied) =
+            (parent.measured, parent.clear_box, 0.0);
         self.scratch.pushes_out = false;
         self.state.x.clear();
         self.state.x.extend_from_slice(&whole.x[self.numbers()]);

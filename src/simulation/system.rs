@@ -2,7 +2,7 @@
 
 use super::contacts::{Contacts, contacts, surface_contact};
 use crate::{
-    contact::{ContactProperties, ContactTerm},
+    contact::ContactProperties,
     effects::{Bounds, Effect, Grab, Motion, NO_OBSTACLE_NEAR},
     elements::{EulerUpdate, UniformForce, reserve_scratch},
     integrators::{Class, Dynamics, MeanForces, Ode, Workspace, symplectic_euler_update},
@@ -99,8 +99,14 @@ pub(super) struct Scratch {
     pub lightest: f64,
     pub counts: Counts,
     pub costs: Vec<EffectCost>,
-    /// Whether effects are timed.
-    pub timed: bool,
+    /// Whether time and heat of effects are measured.
+    pub measured: bool,
+    /// Powers at the end, in the middle and at the start of an inner step \[W\]: that of moving obstacles, then that which each effect dissipates.
+    pub powers: [Vec<f64>; 3],
+    /// Energy that friction of each effect stores at the end and at the start of an inner step \[J\].
+    pub stored: [Vec<f64>; 2],
+    /// Forces of one effect \[N\].
+    pub forces: Vec<f64>,
 }
 
 impl Scratch {
@@ -150,7 +156,7 @@ impl Scratch {
     }
 
     /// The uniform force, if no other force acts beside the elements, all elements have an Euler update, and effects are not
-    /// timed.
+    /// measured.
     pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
         if !self.plan.elements.iter().all(|number| scene.effects[*number].has_euler_update()) {
             return None;
@@ -160,7 +166,7 @@ impl Scratch {
         let forces = self.plan.forces.iter().filter(|number| scene.effects[**number].contact().is_none());
         let mut acting = forces.filter(acts).map(|number| scene.effects[*number].uniform_force());
         let all = acting.try_fold(UniformForce::default(), |all, next| all.and(next?));
-        all.filter(|_| !self.timed)
+        all.filter(|_| !self.measured)
     }
 
     /// Runs one effect and adds its time and, if it is a separate call, its elements to the statistics.
@@ -170,7 +176,7 @@ impl Scratch {
         elements: Option<usize>,
         run: impl FnOnce(&mut [f64]) -> T,
     ) -> T {
-        let start = self.timed.then(Instant::now);
+        let start = self.measured.then(Instant::now);
         let result = run(&mut self.effects);
         let cost = &mut self.costs[number];
         if let Some(start) = start {
@@ -219,11 +225,7 @@ impl<'a> System<'a> {
         if scene.integrator.kind().class() == Class::Implicit {
             system.contacts.begin_pattern(scene, &state.x);
         }
-        system.contacts.start.clear();
-        if scene.integrator.kind().mean_forces() != MeanForces::None && contacts(scene).any(ContactTerm::moves) {
-            system.contacts.start.extend_from_slice(&state.x);
-        }
-        system.contacts.power = (0.0, system.power_of_obstacles(0.0, 0.0, [&state.x, &state.v]));
+        system.begin_work(&state.x, &state.v);
         system
     }
 
@@ -234,32 +236,8 @@ impl<'a> System<'a> {
         self.scratch.contacts = self.contacts;
     }
 
-    /// Power of moving obstacles at a time, with their velocities at an earlier one \[W\].
-    fn power_of_obstacles(&self, time: f64, lag: f64, [x, v]: [&[f64]; 2]) -> f64 {
-        let motion = Motion { lag, ..self.motion(time, x, v) };
-        contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum()
-    }
-
-    /// Power of moving obstacles at the middle of a step that ends at positions x, which the midpoint rule takes \[W\].
-    fn power_at_midpoint(&mut self, time: f64, x: &[f64]) -> f64 {
-        if self.contacts.start.is_empty() {
-            return 0.0;
-        }
-        let (mut start, mut v) = (std::mem::take(&mut self.contacts.start), std::mem::take(&mut self.contacts.end));
-        let span = self.time[1] - self.time[0];
-        v.clear();
-        for (x, start) in x.iter().zip(&mut start) {
-            v.push((x - *start) / span);
-            *start = 0.5 * (x + *start);
-        }
-        let motion = self.over_step(self.motion(time, &start, &v));
-        let power = contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum();
-        (self.contacts.start, self.contacts.end) = (start, v);
-        power
-    }
-
     /// A motion with the times over which forces are means.
-    fn over_step<'m>(&self, motion: Motion<'m>) -> Motion<'m> {
+    pub(super) fn over_step<'m>(&self, motion: Motion<'m>) -> Motion<'m> {
         let ([start, end], means) = (self.time, self.scene.integrator.kind().mean_forces());
         let span_of = |forces| if means >= forces { end - start } else { 0.0 };
         Motion { span: span_of(MeanForces::Contact), elastic_span: span_of(MeanForces::All), ..motion }
@@ -376,7 +354,7 @@ impl System<'_> {
                 self.scratch.costs[number].pass_over(why);
                 continue;
             }
-            let start = self.scratch.timed.then(Instant::now);
+            let start = self.scratch.measured.then(Instant::now);
             contact.each_force(motion, |vertex, force| found.push((vertex, force)));
             let cost = &mut self.scratch.costs[number];
             cost.time += start.map_or(std::time::Duration::ZERO, |start| start.elapsed());
@@ -488,6 +466,10 @@ impl Dynamics for System<'_> {
         }
     }
 
+    fn has_derivative(&self) -> bool {
+        self.scene.integrator.kind().mean_forces() != MeanForces::All
+    }
+
     fn longest_step(&mut self, x: &[f64], d: &[f64]) -> f64 {
         let apart = self.contacts.longest_step(self.scene, x, d).min(self.longest_step_to_solids(x, d));
         awake(self.scene, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(apart, f64::min)
@@ -505,21 +487,8 @@ impl Dynamics for System<'_> {
 
     fn end_step(&mut self, time: f64, x: &[f64], v: &[f64]) {
         self.contacts.update(self.scene, x);
-        let integrator = self.scene.integrator.kind();
-        let (before, was) = self.contacts.power;
-        // Implicit Euler takes the forces at the end of the step: they do their work along the whole displacement of an obstacle. To
-        // second order the mean power does.
-        let takes_end = integrator.class() == Class::Implicit && integrator.order() == 1;
-        let half = 0.5 * (time - before);
-        let power = self.power_of_obstacles(time, if takes_end { half } else { 0.0 }, [x, v]);
-        self.contacts.power = (time, power);
-        self.scratch.supplied += if integrator.mean_forces() != MeanForces::None {
-            2.0 * half * self.power_at_midpoint(time - half, x)
-        } else if takes_end {
-            2.0 * half * power
-        } else {
-            half * (power + was)
-        };
+        let before = self.contacts.power_time;
+        self.add_work(time, x, v);
         let mut next = self.contacts.take_next();
         let eased = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, &mut next);
         next.sort_unstable_by_key(|anchor| anchor.contact);
@@ -542,7 +511,7 @@ impl Dynamics for System<'_> {
             return false;
         }
         let (whole, start) = (self.time, self.time[0]);
-        self.time = [start + self.contacts.power.0, start + time];
+        self.time = [start + self.contacts.power_time, start + time];
         let changed = self.keep_apart(before, x, v);
         (self.time, self.is_truncated) = (whole, true);
         changed
@@ -571,6 +540,7 @@ impl Scratch {
         for (cost, &number) in one.costs.iter_mut().zip(effects) {
             let whole = &mut self.costs[number];
             whole.time += cost.time;
+            whole.heat += cost.heat;
             whole.calls += cost.calls;
             whole.elements += cost.elements;
             whole.skipped += cost.skipped;

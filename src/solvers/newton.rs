@@ -17,6 +17,11 @@ pub trait Equations {
     /// Adds dg/dz, with the tangent's change of eigenvalues, to a cleared matrix.
     fn derivative(&mut self, z: &[f64], tangent: Tangent, matrix: &mut dyn SparseMatrix);
 
+    /// Whether [`Self::derivative`] is that of g, apart from what makes it unsymmetric. Steps with another matrix can run in circles.
+    fn has_derivative(&self) -> bool {
+        true
+    }
+
     /// Sparsity pattern of the derivative: its vertex pairs, in the order in which it adds them.
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
@@ -69,7 +74,8 @@ pub enum LinearSolver {
 /// potential.
 ///
 /// It stops when the remaining steps, extrapolated with the last convergence rate, sum to less than the tolerance
-/// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.8).
+/// (Hairer and Wanner, *Solving Ordinary Differential Equations II*, section IV.8). Where the matrix is not the derivative and steps do not
+/// shrink, they are shortened.
 ///
 /// Large systems are solved iteratively ([`LinearSolver`]), each step as exactly as is useful at this distance from the
 /// solution (Eisenstat and Walker, *Choosing the forcing terms in an inexact Newton method*, SIAM Journal on Scientific
@@ -93,8 +99,9 @@ pub struct Newton {
 }
 
 impl Newton {
-    /// Most iterations of one solve.
+    /// Most iterations of one solve, and of one with another matrix than the derivative: what they do not reach soon they do not reach at all.
     pub const ITERATIONS: usize = 200;
+    const INEXACT_ITERATIONS: usize = 50;
     /// Most halvings of one step, to 1e-9 of it.
     const CUTS: u32 = 30;
     /// Greatest fraction of the longest step, and the fraction of a step below which it counts as zero.
@@ -134,7 +141,9 @@ impl Newton {
         self.start(equations, z);
         let mut last = f64::INFINITY;
         let mut least = Regularisation::EXACT;
-        for _ in 0..Self::ITERATIONS {
+        let mut damping = Damping::default();
+        let most = if equations.has_derivative() { Self::ITERATIONS } else { Self::INEXACT_ITERATIONS };
+        for _ in 0..most {
             if self.g.iter().all(|g| *g == 0.0) {
                 return counts;
             }
@@ -153,7 +162,8 @@ impl Newton {
                 z.iter_mut().zip(&self.step).for_each(|(z, step)| *z += step);
                 return counts;
             }
-            let share = self.search(equations, z, &mut counts);
+            let most = if equations.has_derivative() { 1.0 } else { damping.after(size) };
+            let share = self.search(equations, z, most, &mut counts);
             least = regularisation.after(share);
             let whole = share == 1.0 && !regularisation.shifts();
             let ratio = (size / last).max(self.left);
@@ -292,13 +302,13 @@ impl Newton {
         None
     }
 
-    /// Line search; returns the fraction of the step that was taken, which may be zero.
-    fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], counts: &mut NewtonCounts) -> f64 {
+    /// Line search from at most a fraction of the step; returns the fraction that was taken, which may be zero.
+    fn search(&mut self, equations: &mut dyn Equations, z: &mut [f64], most: f64, counts: &mut NewtonCounts) -> f64 {
         let along = |g: &[f64], step: &[f64]| g.iter().zip(step).map(|(g, step)| g * step).sum::<f64>();
         let limit = -Self::BACK * along(&self.g, &self.step);
         let limit_to_boundary = Self::TO_BOUNDARY * equations.longest_step(z, &self.step);
         // At a barrier the solution lies beyond it: a step limited to the barrier would never progress.
-        let mut share = if limit_to_boundary < Self::STUCK { 1.0 } else { limit_to_boundary.min(1.0) };
+        let mut share = if limit_to_boundary < Self::STUCK { 1.0 } else { limit_to_boundary }.min(most);
         for _ in 0..Self::CUTS {
             for ((trial, z), step) in self.trial.iter_mut().zip(&*z).zip(&self.step) {
                 *trial = z + share * step;
@@ -315,6 +325,37 @@ impl Newton {
             share *= 0.5;
         }
         0.0
+    }
+}
+
+/// Greatest fraction of steps that run in circles.
+struct Damping {
+    fraction: f64,
+    /// Size of the step that the next ones are compared with, and their number.
+    size: f64,
+    steps: u32,
+}
+
+impl Default for Damping {
+    fn default() -> Self {
+        Self { fraction: 1.0, size: f64::INFINITY, steps: 0 }
+    }
+}
+
+impl Damping {
+    /// Steps within which the size must halve; otherwise the fraction does.
+    const STEPS: u32 = 8;
+
+    /// Fraction after a step of a size was found.
+    fn after(&mut self, size: f64) -> f64 {
+        self.steps += 1;
+        if size < 0.5 * self.size {
+            (self.size, self.steps) = (size, 0);
+        } else if self.steps >= Self::STEPS {
+            (self.size, self.steps) = (size, 0);
+            self.fraction *= 0.5;
+        }
+        self.fraction
     }
 }
 

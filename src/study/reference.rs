@@ -346,9 +346,6 @@ pub enum NoOrder {
     /// The agreeing points span less than a factor of 4.
     #[error("sizes span less than a factor 4")]
     ShortSpan,
-    /// A physical cause, such as damping or a wall, changes the energy.
-    #[error("energy is changed by right")]
-    ChangedByRight,
 }
 
 /// Measured order, or the reason why there is none.

@@ -66,7 +66,7 @@ impl Savings {
         let state = own.first_state(level.state.as_ref())?;
         let mut runs = [own, forced].map(|scene| Simulation::new(scene, state.clone()));
         for run in &mut runs {
-            run.set_timed(true);
+            run.set_measured(true);
         }
         Ok(Self { runs, spent: [0.0; 2], steps: 0, turn: 1, substeps: u64::from(level.substeps.get()) })
     }

@@ -49,7 +49,7 @@ fn saved_energies_have_a_head_that_tells_their_origin() {
     has_head(&table, &["# level: Chain", "# reference: none"]);
     let rows = table.lines().filter(|line| !line.starts_with('#'));
     assert!(
-        rows.clone().next() == Some("time_s,kinetic_j,elastic_j,potential_j,total_j") && rows.count() > 3,
+        rows.clone().next() == Some("time_s,kinetic_j,elastic_j,contact_j,potential_j,total_j") && rows.count() > 3,
         "{table}"
     );
 }

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     app::{numbers, theme::Theme},
+    effects::EffectKind,
     level::Level,
     snapshot::{Energies, Snapshot},
     study::{Setting, head},
@@ -57,10 +58,12 @@ impl History {
                 "none: these are the energies of the scene as it ran, with all that was done to it".to_owned(),
             ),
         ];
-        let columns = ["time_s", "kinetic_j", "elastic_j", "potential_j", "total_j"];
+        let columns = ["time_s", "kinetic_j", "elastic_j", "contact_j", "potential_j", "total_j"];
         let mut table = Table::new(head(&level.name, 1, &about), &columns);
         for (time, of) in &self.samples {
-            table.row([*time, of.kinetic, of.elastic, of.potential, of.total()].map(|number| number.to_string()));
+            table.row(
+                [*time, of.kinetic, of.elastic, of.contact, of.potential, of.total()].map(|number| number.to_string()),
+            );
         }
         table.text()
     }
@@ -90,7 +93,7 @@ struct Curve {
     color: fn(&Theme) -> Color32,
 }
 
-const CURVES: [Curve; 4] = [
+const CURVES: [Curve; 5] = [
     Curve {
         name: "Kinetic",
         help: "Of motion: the sum of m v²/2 [J]",
@@ -102,6 +105,12 @@ const CURVES: [Curve; 4] = [
         help: "Of deformation: the sum of ψ(F) times rest area [J]",
         value: |of| of.elastic,
         color: |theme| theme.series[0],
+    },
+    Curve {
+        name: "Contact",
+        help: "Of skins that are compressed, and of friction that sticks [J]",
+        value: |of| of.contact,
+        color: |theme| theme.series[3],
     },
     Curve {
         name: "Potential",
@@ -117,9 +126,17 @@ const CURVES: [Curve; 4] = [
     },
 ];
 
+/// The curves of a scene: that of contact only where something can touch.
+fn curves(level: &Level) -> Vec<&'static Curve> {
+    let touches =
+        |effect: &EffectKind| matches!(effect, EffectKind::Boundary(_) | EffectKind::Walls(_) | EffectKind::Contact(_));
+    let can_touch = level.effects.iter().any(|listed| listed.switch.is_on() && touches(&listed.effect));
+    CURVES.iter().filter(|curve| can_touch || curve.name != "Contact").collect()
+}
+
 /// Value of a curve; zero if it is round-off of the largest energy, or at most `negligible` for the scene \[J\].
 fn visible(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
-    let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.potential.abs());
+    let largest = of.kinetic.abs().max(of.elastic.abs()).max(of.contact.abs()).max(of.potential.abs());
     numbers::or_zero((curve.value)(of), negligible.max(1e-12 * largest))
 }
 
@@ -134,7 +151,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         });
     });
     let theme = Theme::of(ui.ctx());
-    for pair in CURVES.chunks(2) {
+    let curves = curves(level);
+    for pair in curves.chunks(2) {
         ui.spacing_mut().item_spacing.x = 20.0;
         ui.columns(pair.len(), |columns| {
             for (ui, curve) in columns.iter_mut().zip(pair) {
@@ -143,7 +161,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             }
         });
     }
-    let rect = ui.scope(|ui| plot(ui, history, (end, context.now.negligible), theme)).response.rect;
+    let rect = ui.scope(|ui| plot(ui, (history, &curves), (end, context.now.negligible), theme)).response.rect;
     plotting::pose(ui, view, Figure::Energies, rect);
 }
 
@@ -153,8 +171,8 @@ fn plotted(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-FARTHEST, FARTHEST) }
 }
 
-fn plot(ui: &mut Ui, history: &History, (end, negligible): (f64, f64), theme: &Theme) {
-    let values = history.samples().flat_map(|(_, of)| CURVES.iter().map(|curve| plotted(curve, of, negligible)));
+fn plot(ui: &mut Ui, (history, curves): (&History, &[&'static Curve]), (end, negligible): (f64, f64), theme: &Theme) {
+    let values = history.samples().flat_map(|(_, of)| curves.iter().map(|curve| plotted(curve, of, negligible)));
     let (low, high) = nice_range(values);
     let begin = (end - WINDOW).max(0.0);
     let span = (end - begin).max(1.0);
@@ -170,14 +188,14 @@ fn plot(ui: &mut Ui, history: &History, (end, negligible): (f64, f64), theme: &T
             // The labels stand to the right of the ends of the lines.
             plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
             plot.set_plot_bounds_y(low..=high);
-            for curve in &CURVES {
+            for curve in curves {
                 let points: PlotPoints<'_> =
                     history.samples().map(|(time, of)| [*time, plotted(curve, of, negligible)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
             let now = history.last().map(|(_, now)| *now).unwrap_or_default();
-            for (curve, y) in CURVES.iter().zip(label_heights(&now, negligible, [apart, high - apart])) {
+            for (curve, y) in curves.iter().zip(label_heights(curves, &now, negligible, [apart, high - apart])) {
                 let at = PlotPoint::new(end + 0.02 * span, y);
                 let text = RichText::new(curve.name).small().color((curve.color)(theme));
                 plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
@@ -195,12 +213,12 @@ pub(super) fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
 }
 
 /// Heights of the curve labels: at the last values, but at least `apart` from each other, and at most `top`.
-fn label_heights(now: &Energies, negligible: f64, [apart, top]: [f64; 2]) -> [f64; 4] {
-    let mut heights = CURVES.each_ref().map(|curve| plotted(curve, now, negligible));
-    let mut order = [0, 1, 2, 3];
+fn label_heights(curves: &[&Curve], now: &Energies, negligible: f64, [apart, top]: [f64; 2]) -> Vec<f64> {
+    let mut heights: Vec<_> = curves.iter().map(|curve| plotted(curve, now, negligible)).collect();
+    let mut order: Vec<_> = (0..heights.len()).collect();
     order.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
     let mut floor = f64::NEG_INFINITY;
-    for curve in order {
+    for &curve in &order {
         heights[curve] = heights[curve].max(floor);
         floor = heights[curve] + apart;
     }
@@ -260,7 +278,7 @@ mod tests {
 
     #[test]
     fn round_off_of_energies_is_drawn_as_zero() {
-        let rest = Energies { kinetic: 3e-12, elastic: -6e-11, potential: 0.0 };
+        let rest = Energies { kinetic: 3e-12, elastic: -6e-11, ..Energies::default() };
         let values = || CURVES.iter().map(|curve| plotted(curve, &rest, 1e-10));
         assert!(values().all(|value| value == 0.0));
         let (low, high) = nice_range(values());
@@ -270,8 +288,9 @@ mod tests {
 
     #[test]
     fn labels_of_equal_energies_do_not_cover_each_other() {
-        let heights = label_heights(&Energies::default(), 0.0, [1.0, 2.0]);
-        assert!(heights.iter().all(|height| *height <= 2.0));
+        let curves: Vec<_> = CURVES.iter().collect();
+        let heights = label_heights(&curves, &Energies::default(), 0.0, [1.0, 3.0]);
+        assert!(heights.iter().all(|height| *height <= 3.0));
         for (index, a) in heights.iter().enumerate() {
             assert!(heights[index + 1..].iter().all(|b| (a - b).abs() >= 1.0));
         }

@@ -113,9 +113,10 @@ fn entry(ui: &mut Ui, context: &PanelContext<'_>, number: usize, cost: &EffectCo
     response.response.on_hover_text(
         "Time in a frame of 1/60 s of simulated time in which it is computed, and its share of what all effects take",
     );
+    let heat = if cost.heat == 0.0 { String::new() } else { format!("; {} to heat", numbers::si(cost.heat, "J")) };
     let words = match (state(cost, used), saving(context, number, cost)) {
-        (state, Some(saving)) => format!("{state}; skipping saves {} a frame", numbers::si(saving.saved(), "s")),
-        (state, None) => state,
+        (state, Some(saving)) => format!("{state}{heat}; skipping saves {} a frame", numbers::si(saving.saved(), "s")),
+        (state, None) => format!("{state}{heat}"),
     };
     ui.add(egui::Label::new(RichText::new(words).small()).wrap());
 }

@@ -436,7 +436,7 @@ pub fn show_drift(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         let text = format!("Here {reasons} also change the {}: that is not an error of a scheme.", invariant.title());
         ui.label(RichText::new(text).color(theme.warning));
     }
-    if !courses.touching.is_empty() {
+    if !courses.touching.is_empty() && *invariant != Invariant::Energy {
         let valid = courses.each.iter().filter(|course| course.status != Status::Unstable).count();
         let who = if courses.touching.len() == valid {
             "all that stay stable".to_owned()
@@ -450,7 +450,9 @@ pub fn show_drift(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         return;
     }
     let about = match invariant {
-        Invariant::Energy => "Greatest change of the energy so far, over the greatest kinetic energy.".to_owned(),
+        Invariant::Energy => {
+            "Greatest change of the energy and heat less work so far, over the greatest kinetic energy.".to_owned()
+        }
         _ => format!("Greatest change of the {} so far [{}].", invariant.title(), invariant.unit()),
     };
     caption(ui, view, Figure::Drift, &about, &courses.level, &courses.csv);

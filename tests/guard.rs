@@ -280,12 +280,12 @@ fn time_is_never_turned_forth() {
 #[test]
 fn supplied_energy_does_not_excuse_an_explosion() {
     let run = simulation(&sheet("Corotated", "", ""));
-    let calm = Energies { elastic: 1.0, ..Energies::default() };
+    let before = Energies { elastic: 1.0, ..Energies::default() };
     let judged = |elastic: f64| {
         let mut guard = Guard::default();
-        guard.begin(calm);
+        guard.begin(before);
         guard.supply(1e300);
-        guard.judge(run.scene(), Some(calm), Energies { elastic, ..calm })
+        guard.judge(run.scene(), Some(before), Energies { elastic, ..before })
     };
     assert_eq!(judged(1e3), Verdict::Fine);
     assert_eq!(judged(1e15), Verdict::Unstable);

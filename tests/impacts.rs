@@ -118,9 +118,10 @@ fn implicit_steps_keep_a_fast_body_above_a_thin_wall() {
                 }
                 assert!(simulation.state().x.iter().skip(1).step_by(2).all(|y| *y > 0.0), "{} {cells}", kind.name());
                 let total = simulation.energies().total();
-                // An energy-momentum step is solved to a tolerance. The midpoint rule has no bound on the energy of triangles that are crushed within a step.
+                // Of an energy-momentum step the tolerance of its equations is left. The midpoint rule has no bound on the energy of triangles that are crushed within a step.
+                let excess = if kind.kind().mean_forces() == MeanForces::All { 1e-8 } else { 1e-9 };
                 assert!(
-                    total <= start * (1.0 + 1e-8) || substeps == 1 || is_midpoint,
+                    total <= start * (1.0 + excess) || substeps == 1 || is_midpoint,
                     "{} {cells}: {total} J after {start} J",
                     kind.name()
                 );

@@ -186,3 +186,28 @@ fn walls_switched_on_over_a_limb_are_told_and_flatten_nothing() {
     assert!(least > 0.4, "least J {least}");
     assert_eq!(seen(&sandbox).inside, 0, "nothing is inside any more");
 }
+
+/// Deep vertices come nearer to other edges than those that they began at. These new contacts begin without a force.
+#[test]
+fn a_disk_halfway_inside_a_block_gains_no_energy() {
+    let level = level(
+        "(name: \"\", substeps: 200, guard: Off, bodies: [
+            (name: \"block\", mesh: Rectangle(width: 0.4, height: 0.4, columns: 5, rows: 5, diagonals: Alternating, corner: (0.3, 0.3)),
+                material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100)),
+            (name: \"disk\", mesh: Disk(centre: (0.7, 0.53), radius: 0.1, rings: 3),
+                material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100))],
+        effects: [(effect: Rayleigh(mass: 2)), (effect: Contact())])",
+    );
+    let mut simulation = simulation(&level);
+    assert!(simulation.count_crossings().unwrap() > 0, "they begin inside each other");
+    let mut least = simulation.energies().total();
+    for _ in 0..180 {
+        simulation.advance(200, &mut || true);
+        assert!(simulation.fault().is_none(), "{:?}", simulation.fault());
+        // What parts them is counted as work of obstacles.
+        let balance = simulation.energies().total() - simulation.work_of_obstacles();
+        assert!(balance - least < 0.02 * simulation.work_of_obstacles(), "{balance} J, from {least} J");
+        least = least.min(balance);
+    }
+    assert_eq!(simulation.count_crossings(), Some(0), "they part");
+}

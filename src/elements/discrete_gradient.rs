@@ -1,7 +1,7 @@
 //! Mean forces of a step, whose work is the change of energy: discrete gradients of the energies of triangles and springs.
 //!
 //! Newton's method takes the stiffness at the midpoint for their derivative, from which it differs by the change within half a step. The
-//! symmetric part of the true derivative needs a tenth fewer iterations in most steps, but where triangles turn over it fails more often.
+//! symmetric part of the true derivative saves iterations in gentle motion, but fails more often where triangles turn over.
 
 use super::{
     Adding, Springs, Triangles,

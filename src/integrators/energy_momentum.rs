@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 /// The energy-momentum method: the implicit midpoint rule `x' = x + h (v + v')/2`, `v' = v + h f/m` with a discrete gradient as the
 /// force, `f . (x' - x) = U(x) - U(x')`.
 ///
-/// Second order. Without damping it keeps the energy exactly at every step length, and both momenta where the forces do: stresses and
-/// pressures of contact are corrected along changes of strains and gaps, which no rigid motion has. So it stays bounded where the midpoint rule
-/// blows up. What a long step cannot follow is not damped. Forces of effects with a linear or quadratic energy need no correction
+/// Second order. Without damping it keeps the energy at every step length, up to the tolerance of the equations, and both momenta where the
+/// forces do: stresses and pressures of contact are corrected along changes of strains and gaps, which no rigid motion has. Gaps between bodies
+/// and at curved obstacles are not linear in the positions; there it keeps the energy to second order. What a long step cannot follow is not
+/// damped. Forces of effects with a linear or quadratic energy need no correction
 /// (Simo and Tarnow, *The discrete energy-momentum method*, Zeitschrift für angewandte Mathematik und Physik 43, 1992; Gonzalez, *Exact
 /// energy and momentum conserving algorithms for general models in nonlinear elasticity*, Computer Methods in Applied Mechanics and
 /// Engineering 190, 2000).
@@ -23,7 +24,7 @@ impl Integrator for EnergyMomentum {
     }
 
     fn about(&self) -> &'static str {
-        "The midpoint rule with mean stresses of the step, whose work is the change of energy. Second order; keeps the energy at every h."
+        "The midpoint rule with mean stresses of the step, whose work is the change of energy. Second order; keeps the energy at every h, but for contact of curved surfaces and between bodies."
     }
 
     fn order(&self) -> u32 {

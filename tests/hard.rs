@@ -7,7 +7,7 @@ use gingerbread::{
     files,
     guard::Guard,
     hard::{
-        Account, COLUMNS, Case, Entry, Expects, Experiment, Failure, Lasts, Method, Quantity, Run, Sweep, Trial,
+        Account, COLUMNS, Case, Entry, Expects, Experiment, Failure, Fence, Lasts, Method, Quantity, Run, Sweep, Trial,
         Verdict,
         random::{Outcome, Variation},
         row,
@@ -15,6 +15,7 @@ use gingerbread::{
     level::{Level, Substeps},
     levels::HARD,
     materials::Model,
+    meshes::NoFiles,
     quantity::Spin,
     report::Energies,
     scene::Scene,
@@ -526,4 +527,20 @@ fn an_experiment_without_steps_is_refused() {
     let read = |times: &str| files::parse_as::<Experiment>(&format!("Shorter({times})"), "case.ron");
     assert_eq!(read("4").unwrap(), Experiment::Shorter(Substeps::nearest(4.0)));
     assert!(read("0").unwrap_err().to_string().contains("at least 1"));
+}
+
+/// A ball moves by 0.3 m to the right within half a second.
+#[test]
+fn moving_obstacles_are_watched_where_they_are() {
+    let text =
+        "(name: \"\", bodies: [(name: \"\", mesh: Rectangle(corner: (0, 0), width: 1, height: 1, columns: 1, rows: 1),
+            material: (model: Corotated, young: 1000, poisson: 0.3, plane: Strain), mass: Density(1))],
+        effects: [(switch: On, effect: Walls(obstacles: [Moving(obstacle: Ball(centre: (0.5, 2), radius: 0.1, eps: 0.01),
+            motions: [Swing(way: (0.3, 0), period: 2, phase: 0)])]))])";
+    let level: Level = files::parse(text, "ball.ron").unwrap();
+    let fence = Fence::new(&level, &Scene::build(&level, level.mode, &NoFiles, None).unwrap(), None);
+    for (time, x, depth) in [(0.0, 0.52, 0.08), (0.0, 0.82, 0.0), (0.5, 0.52, 0.0), (0.5, 0.82, 0.08)] {
+        let found = fence.beyond(time, &[x, 2.0]);
+        assert!((found - depth).abs() < 1e-12, "{time} {x}: {found}");
+    }
 }

@@ -535,7 +535,7 @@ fn moving_obstacles_are_watched_where_they_are() {
     let text =
         "(name: \"\", bodies: [(name: \"\", mesh: Rectangle(corner: (0, 0), width: 1, height: 1, columns: 1, rows: 1),
             material: (model: Corotated, young: 1000, poisson: 0.3, plane: Strain), mass: Density(1))],
-        effects: [(switch: On, effect: Walls(obstacles: [Moving(obstacle: Ball(centre: (0.5, 2), radius: 0.1, eps: 0.01),
+        effects: [(effect: Walls(obstacles: [Moving(obstacle: Ball(centre: (0.5, 2), radius: 0.1, eps: 0.01),
             motions: [Swing(way: (0.3, 0), period: 2, phase: 0)])]))])";
     let level: Level = files::parse(text, "ball.ron").unwrap();
     let fence = Fence::new(&level, &Scene::build(&level, level.mode, &NoFiles, None).unwrap(), None);

@@ -211,3 +211,28 @@ fn a_disk_halfway_inside_a_block_gains_no_energy() {
     }
     assert_eq!(simulation.count_crossings(), Some(0), "they part");
 }
+
+/// A block that begins exactly on a floor is held there until its skin bears it.
+#[test]
+fn what_begins_on_a_floor_does_not_sink() {
+    for (scheme, substeps) in schemes() {
+        for floor in [
+            "Boundary(least: (-1, 0), greatest: (1, 1))",
+            "Walls(obstacles: [Plane(point: (0, 0), normal: (0, 1), eps: 0)])",
+        ] {
+            let level = level(&format!(
+                "(name: \"\", integrator: {scheme}(), substeps: {substeps}, bodies: [(name: \"block\",
+                    mesh: Rectangle(width: 0.4, height: 0.4, columns: 4, rows: 4, diagonals: Alternating, corner: (0, 0)),
+                    material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100))],
+                effects: [(effect: Gravity(down: 9.8)), (effect: Rayleigh(mass: 2)), (effect: {floor})])"
+            ));
+            let mut simulation = simulation(&level);
+            for _ in 0..60 {
+                simulation.advance(substeps.into(), &mut || true);
+                assert!(simulation.fault().is_none(), "{scheme}: {:?}", simulation.fault());
+                let lowest = simulation.state().x.iter().skip(1).step_by(2).copied().fold(f64::INFINITY, f64::min);
+                assert!(lowest > -1e-12, "{scheme}: {lowest} m at {floor}");
+            }
+        }
+    }
+}

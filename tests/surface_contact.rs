@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Random, SLOPE, level, reopened, started};
+use common::{Random, SLOPE, level, reopened, simulation, started};
 use gingerbread::{
     contact::{Anchor, Candidates, ContactTerm, SurfaceContact},
     effects::Motion,
@@ -215,6 +215,33 @@ fn two_disks_keep_momentum_and_energy() {
             assert_eq!((counts.unconverged, counts.constrained), (0, 0), "{scheme}");
             assert_eq!(simulation.count_crossings(), Some(0));
         }
+    }
+}
+
+/// A block that begins exactly on another may leave it, and may not enter it.
+#[test]
+fn what_begins_on_an_edge_may_leave_it() {
+    for (velocity, rises) in [(0.5, true), (-0.5, false)] {
+        let level = level(&format!(
+            "(name: \"\", substeps: 20, bodies: [
+                (name: \"lower\", mesh: Rectangle(width: 0.4, height: 0.2, columns: 4, rows: 2, diagonals: Alternating, corner: (0, 0)),
+                    material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100)),
+                (name: \"upper\", velocity: (0, {velocity}),
+                    mesh: Rectangle(width: 0.15, height: 0.2, columns: 2, rows: 2, diagonals: Alternating, corner: (0.125, 0.2)),
+                    material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100))],
+            effects: [(effect: Contact())])"
+        ));
+        let mut simulation = simulation(&level);
+        let momentum = momenta(&simulation)[1];
+        for _ in 0..200 {
+            simulation.advance(1, &mut || true);
+            assert!(simulation.fault().is_none(), "{:?}", simulation.fault());
+            let upper = 2 * simulation.scene().bodies[1].vertices.start;
+            let risen = simulation.state().x[upper + 1] - 0.2;
+            assert!(!rises || risen > 0.9 * velocity * simulation.state().time, "{risen} m");
+        }
+        assert_eq!(simulation.count_crossings(), Some(0), "at {velocity} m/s");
+        assert!((momenta(&simulation)[1] / momentum - 1.0).abs() < 1e-12, "at {velocity} m/s");
     }
 }
 

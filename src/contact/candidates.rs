@@ -19,6 +19,8 @@ pub struct Candidates {
     near: f64,
     coarse: List,
     fine: List,
+    /// Pairs that may touch however far apart they are.
+    deep: Vec<Pair>,
     /// Cells of the grid, with the edges in them.
     cells: Vec<(u64, u32)>,
     /// Edges that are too long for the grid.
@@ -60,9 +62,36 @@ impl Candidates {
         list.mark(surface, x);
     }
 
-    /// The pairs.
+    /// Sets the pairs that may touch however far apart they are.
+    pub fn set_deep(&mut self, pairs: impl Iterator<Item = Pair>) {
+        self.deep.clear();
+        self.deep.extend(pairs);
+        self.deep.sort_unstable();
+        self.deep.dedup();
+    }
+
+    /// The pairs that are near each other.
     pub fn pairs(&self) -> &[Pair] {
         &self.fine.pairs
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.fine.pairs.is_empty() && self.deep.is_empty()
+    }
+
+    /// The pairs that are near each other as `is_near` tells, and those that may touch anyway, in their order.
+    pub fn each(&self, is_near: impl Fn(Pair) -> bool, mut act: impl FnMut(Pair)) {
+        let mut deep = self.deep.iter().copied().peekable();
+        for pair in self.fine.pairs.iter().copied() {
+            while let Some(earlier) = deep.next_if(|deep| *deep < pair) {
+                act(earlier);
+            }
+            if deep.next_if_eq(&pair).is_some() || is_near(pair) {
+                act(pair);
+            }
+        }
+        deep.for_each(act);
     }
 
     /// Writes all pairs within a distance \[m\] at positions x \[m\] of a vertex and an edge that does not end in it.
@@ -132,16 +161,18 @@ impl List {
         (0..surface.parts()).all(|part| {
             let [sx, sy] = shifts[part];
             let apart = length([sx - shift[0], sy - shift[1]]);
-            // NaN fails the comparison.
             let left = distance - apart;
             let squares = displacements.by_ref().take(surface.vertices_of(part).len());
-            let farthest = squares.fold(0.0, |most: f64, [dx, dy]| {
-                let square = (dx - sx) * (dx - sx) + (dy - sy) * (dy - sy);
-                if square <= most { most } else { square }
-            });
+            let farthest = squares.map(|[dx, dy]| (dx - sx) * (dx - sx) + (dy - sy) * (dy - sy)).fold(0.0, greater);
+            // NaN fails the comparison.
             left >= 0.0 && farthest <= left * left
         })
     }
+}
+
+/// The greater of two numbers; NaN if one of them is that.
+pub(super) const fn greater(one: f64, other: f64) -> f64 {
+    if one.is_nan() || other <= one { one } else { other }
 }
 
 /// Mean of some vectors.

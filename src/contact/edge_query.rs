@@ -145,6 +145,10 @@ impl EdgeQuery<'_> {
         let [before, after] = edge.neighbours;
         for (end, other) in [(0, before), (1, after)] {
             let is_beyond = |seen: &Seen, end: usize| if end == 1 { seen.share >= 1.0 } else { seen.share <= 0.0 };
+            let may_be_beyond = is_beyond(&seen, end) || seen.is_within() && seen.distance > 0.0;
+            if !(may_be_beyond && self.is_near(edge.ends[end])) {
+                continue;
+            }
             if !can_touch(other) {
                 if is_beyond(&seen, end) {
                     self.at_corner(number, (end, [seen.normal(); 2]), 1.0, act);
@@ -159,6 +163,15 @@ impl EdgeQuery<'_> {
                 self.at_corner(number, (end, [seen.normal(), next.normal()]), -0.5, act);
             }
         }
+    }
+
+    /// Whether the point may touch a corner.
+    fn is_near(&self, corner: u32) -> bool {
+        /// Far more than the round-off of a distance.
+        const SLACK: f64 = 1.0 + 1e-9;
+        let ([px, py], [cx, cy]) = (self.point, vector(self.x, corner));
+        let (dx, dy, reach) = (px - cx, py - cy, SLACK * (self.thickness + self.radius));
+        dx * dx + dy * dy < reach * reach
     }
 
     /// Contact with the edge that the point is inside of, at any depth.

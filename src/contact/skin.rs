@@ -262,6 +262,11 @@ impl SurfaceVertices {
         &self.vertices[place as usize]
     }
 
+    /// Place in the list of a vertex with a skin, by its number in the scene.
+    pub fn place_of(&self, vertex: u32) -> Option<u32> {
+        self.vertices.binary_search_by_key(&vertex, |own| own.vertex).ok().map(|place| place as u32)
+    }
+
     /// Number of vertices.
     pub const fn len(&self) -> usize {
         self.vertices.len()

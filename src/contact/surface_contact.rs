@@ -30,6 +30,8 @@ pub struct SurfaceContact {
     between: Vec<Between>,
     /// Pairs of a part that are within their skin at rest, which do not touch.
     excluded: Vec<Pair>,
+    /// Where those of each edge begin, and their number.
+    excluded_from: Vec<usize>,
     /// Greatest thickness of the skin \[m\].
     reach: f64,
 }
@@ -62,7 +64,8 @@ impl SurfaceContact {
         let between: Vec<_> = (0..parts * parts).map(between).collect();
         let reach = between.iter().map(|pair| pair.potential.thickness).fold(0.0, f64::max);
         let surface = Arc::clone(surface);
-        let mut contact = Self { number: 0, skin, surface, between, excluded: Vec::new(), reach };
+        let mut contact =
+            Self { number: 0, skin, surface, between, excluded: Vec::new(), excluded_from: Vec::new(), reach };
         let mut near = Vec::new();
         Candidates::default().find(&contact.surface, rest, reach, &mut near);
         near.retain(|pair| {
@@ -70,6 +73,8 @@ impl SurfaceContact {
             let within = contact.potential(edge.part, vertex.part).thickness;
             edge.part == vertex.part && contact.distance(rest, *pair) < within
         });
+        let edges = 0..=contact.surface.edges().len() as u32;
+        contact.excluded_from = edges.map(|edge| near.partition_point(|pair| pair[0] < edge)).collect();
         contact.excluded = near;
         contact
     }
@@ -134,8 +139,13 @@ impl SurfaceContact {
     /// Whether an edge and a vertex can touch.
     fn can_touch(&self, pair: Pair) -> bool {
         let (edge, vertex) = self.members(pair);
-        let is_apart = self.are_apart(edge.part, vertex.part);
-        !is_apart && !edge.ends.contains(&vertex.vertex) && self.excluded.binary_search(&pair).is_err()
+        if edge.part != vertex.part {
+            return !self.are_apart(edge.part, vertex.part);
+        }
+        let is_end = edge.ends.contains(&vertex.vertex);
+        let from = pair[0] as usize;
+        let excluded = &self.excluded[self.excluded_from[from]..self.excluded_from[from + 1]];
+        !is_end && !self.are_apart(edge.part, vertex.part) && !excluded.contains(&pair)
     }
 
     /// Whether the vertex of a pair is not inside another body, as far as the edge tells.
@@ -154,10 +164,17 @@ impl SurfaceContact {
         seen.distance > 0.0 && beyond.distance > 0.0
     }
 
-    /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts.
+    /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts: those that are near
+    /// each other, and vertices with an initial penetration, which touch their edges and the neighbours of these at any depth.
     pub fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
-        let deepest = self.own_anchors(anchors).iter().map(|anchor| anchor.penetration).fold(0.0, f64::max);
-        candidates.update(&self.surface, x, self.near() + deepest);
+        candidates.update(&self.surface, x, self.near());
+        let deep = self.own_anchors(anchors).iter().filter(|anchor| anchor.penetration > 0.0);
+        candidates.set_deep(deep.flat_map(|anchor| {
+            let edge = anchor.contact.surface;
+            let [before, after] = self.surface.edges()[edge as usize].neighbours;
+            let place = self.surface.place_of(anchor.contact.vertex);
+            [before, edge, after].into_iter().filter_map(move |edge| Some([edge, place?]))
+        }));
     }
 
     /// Adds the pairs that are near at positions x \[m\], in their order: a function of the positions alone.
@@ -166,15 +183,17 @@ impl SurfaceContact {
         near.extend(candidates.pairs().iter().filter(is_near));
     }
 
-    /// Calls `act` for everything that touches in some pairs. Most of them are too far apart.
-    fn each_of_all(&self, motion: Motion<'_>, pairs: &[Pair], act: &mut dyn FnMut(Pair, &Touch)) {
-        let anchors = self.own_anchors(motion.anchors);
-        let motion = Motion { anchors, ..motion };
-        let deepest = anchors.iter().map(|anchor| anchor.penetration).fold(0.0, f64::max);
-        let within = (self.reach + deepest) * (self.reach + deepest);
-        for pair in pairs.iter().filter(|pair| squared_distance(&self.surface, motion.x, **pair) < within) {
-            self.each_of(motion, *pair, &mut |touch| act(*pair, touch));
-        }
+    /// Calls `act` for everything that touches in the candidates. Most of them are too far apart.
+    fn each_of_all(&self, motion: Motion<'_>, candidates: &Candidates, act: &mut dyn FnMut(Pair, &Touch)) {
+        /// Far more than the round-off of a distance.
+        const SLACK: f64 = 1.0 + 1e-9;
+        let motion = Motion { anchors: self.own_anchors(motion.anchors), ..motion };
+        let is_near = |pair: Pair| {
+            let (edge, vertex) = self.members(pair);
+            let within = SLACK * self.potential(edge.part, vertex.part).thickness;
+            squared_distance(&self.surface, motion.x, pair) < within * within
+        };
+        candidates.each(is_near, |pair| self.each_of(motion, pair, &mut |touch| act(pair, touch)));
     }
 
     /// The vertex of a pair as a query of the edge.
@@ -253,8 +272,8 @@ impl SurfaceContact {
 
     /// Calls `act` with the numbers of the bodies or nets of each pair that presses on each other.
     pub fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
-        self.with_candidates(motion, |pairs| {
-            self.each_of_all(motion, pairs, &mut |pair, touch| {
+        self.with_candidates(motion, |candidates| {
+            self.each_of_all(motion, candidates, &mut |pair, touch| {
                 if touch.pressure() > 0.0 {
                     let (edge, vertex) = self.members(pair);
                     act([edge.part, vertex.part].map(|part| self.surface.owner(part)));
@@ -263,20 +282,22 @@ impl SurfaceContact {
         });
     }
 
-    /// Calls `act` for each pair of candidates at the positions of a motion.
-    fn with_candidates(&self, motion: Motion<'_>, act: impl FnOnce(&[Pair])) {
+    /// Calls `act` with the candidates at the positions of a motion.
+    fn with_candidates(&self, motion: Motion<'_>, act: impl FnOnce(&Candidates)) {
         if let Some(candidates) = motion.candidates {
-            return act(candidates.pairs());
+            return act(candidates);
         }
         let mut candidates = Candidates::default();
         self.update(&mut candidates, motion.x, motion.anchors);
-        act(candidates.pairs());
+        act(&candidates);
     }
 }
 
 impl ContactTerm for SurfaceContact {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
-        self.with_candidates(motion, |pairs| self.each_of_all(motion, pairs, &mut |_, touch| act(touch)));
+        self.with_candidates(motion, |candidates| {
+            self.each_of_all(motion, candidates, &mut |_, touch| act(touch));
+        });
     }
 
     fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
@@ -302,7 +323,7 @@ impl ContactTerm for SurfaceContact {
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
         let mut none = true;
-        self.with_candidates(motion, |pairs| none = pairs.is_empty());
+        self.with_candidates(motion, |candidates| none = candidates.is_empty());
         none.then_some(NO_OBSTACLE_NEAR)
     }
 

@@ -19,7 +19,8 @@
 
 use super::{
     Candidate, Candidates, Pair, SurfaceContact,
-    candidates::squared_distance,
+    candidates::{greater, squared_distance},
+    edge_query::Seen,
     touch::{length, vector},
 };
 use std::ops::Range;
@@ -78,12 +79,13 @@ pub(super) struct Clearance {
 
 impl Clearance {
     /// Distances where the skin is used up at a floor \[m\]. What begins nearer to the surface may lose a small share of its
-    /// distance; what begins inside may go deeper until the skin is used up that its initial penetration leaves.
+    /// distance. What begins on the surface, as exactly as the floor, goes no deeper; what begins deeper inside may do so until the skin is
+    /// used up that its initial penetration leaves.
     pub fn new(floor: f64, begins: f64, penetration: f64) -> Self {
         if begins > 0.0 {
             return Self { least: floor.min((1.0 - CREEP) * begins), wanted: floor.min(2.0 * begins) };
         }
-        let least = (floor - penetration).min(begins);
+        let least = if begins > -floor { begins } else { (floor - penetration).min(begins) };
         Self { least, wanted: least }
     }
 }
@@ -177,7 +179,7 @@ impl SurfaceContact {
                 let [dx, dy] = displacement(place);
                 (dx - mean[0]) * (dx - mean[0]) + (dy - mean[1]) * (dy - mean[1])
             };
-            displaced.push((mean, vertices.map(deviation).fold(0.0, f64::max).sqrt()));
+            displaced.push((mean, vertices.map(deviation).fold(0.0, greater).sqrt()));
             all = [all[0] + mean[0], all[1] + mean[1]];
         }
         let all = all.map(|all| all / self.surface().parts().max(1) as f64);
@@ -185,7 +187,7 @@ impl SurfaceContact {
         let from_all = |(mean, deviation): &([f64; 2], f64)| {
             deviation + if single { 0.0 } else { length([mean[0] - all[0], mean[1] - all[1]]) }
         };
-        let farthest = 2.0 * displaced.iter().map(from_all).fold(0.0, f64::max);
+        let farthest = 2.0 * displaced.iter().map(from_all).fold(0.0, greater);
         pairs.clear();
         if !farthest.is_finite() {
             return;
@@ -266,16 +268,18 @@ impl SurfaceContact {
             for pair in &*meeting {
                 self.divide(start, x, *pair, kept, round >= CUTS);
             }
+            let mut has_moved = false;
             for (vertex, kept) in kept.iter_mut().enumerate().filter(|(_, kept)| **kept < 1.0) {
                 for number in [2 * vertex, 2 * vertex + 1] {
+                    has_moved |= x[number] != start[number];
                     x[number] = start[number] + *kept * (x[number] - start[number]);
                     v[number] *= *kept;
                 }
                 *kept = 1.0;
             }
             self.find_meeting(pairs, start, x, meeting);
-            // With every vertex at its start nothing meets; but the start itself may be beyond repair.
-            if meeting.is_empty() || round > CUTS + pairs.len() {
+            // What meets with every vertex at its start was beyond repair before the step.
+            if meeting.is_empty() || round > CUTS && !has_moved {
                 break;
             }
         }
@@ -283,7 +287,8 @@ impl SurfaceContact {
     }
 
     /// Fraction of a step from `start` to `x` at which the vertex and the edge of a pair meet. A vertex inside another
-    /// body may leave that: where bodies do not cross themselves, it began there.
+    /// body may leave that: where bodies do not cross themselves, it began there. One that begins exactly on an edge meets it
+    /// only on its way to the inner side.
     fn meeting(&self, start: &[f64], x: &[f64], pair: Pair) -> Option<f64> {
         let (from, to) = (self.points(start, pair), self.points(x, pair));
         // Most pairs are farther apart than they move.
@@ -291,6 +296,10 @@ impl SurfaceContact {
         let reach = moved(0) + moved(1).max(moved(2)) + FLOOR * self.thickness(pair);
         if squared_distance(self.surface(), start, pair) > reach * reach {
             return None;
+        }
+        if nearest(from).2 == 0.0 {
+            let ends = Seen::new(x, self.members(pair).0, to[0]);
+            return (ends.is_within() && ends.distance < 0.0).then_some(0.0);
         }
         let share = meeting(from, to, 0.0, self.clearance(start, pair).least)?;
         (self.is_outside(start, pair) || !self.is_inside(start, pair)).then_some(share)
@@ -314,14 +323,14 @@ impl SurfaceContact {
         let clearance = self.clearance(start, pair);
         let Some(share) = meeting(from, to, 0.0, clearance.least) else { return };
         let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
-        let ([nx, ny], t, gap) = nearest(at);
+        let ([nx, ny], t, _) = nearest(at);
         let (weights, vertices) = ([1.0, t - 1.0, -t], self.vertices(pair));
         let along = |of: &[f64]| {
             (0..3).map(|i| weights[i] * (nx * of[2 * vertices[i]] + ny * of[2 * vertices[i] + 1])).sum::<f64>()
         };
         let inverse = |i: usize| nx * nx * inverse_mass[2 * vertices[i]] + ny * ny * inverse_mass[2 * vertices[i] + 1];
         let mobility: f64 = (0..3).map(|i| weights[i] * weights[i] * inverse(i)).sum();
-        if !(mobility > 0.0 && gap > 0.0) {
+        if mobility.is_nan() || mobility <= 0.0 {
             return;
         }
         let missing = (clearance.wanted - along(x)).max(0.0);

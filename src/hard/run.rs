@@ -8,7 +8,7 @@ use crate::{
     contact::PlacedObstacle,
     effects::EffectKind,
     inversion_recovery::{Tangle, untangled},
-    level::{Level, RunMode, Substeps, Switch, Toggle, When, frame},
+    level::{Level, RunMode, Substeps, Toggle, When, frame},
     materials::Model,
     meshes::NoFiles,
     obstacles::ObstacleKind,
@@ -239,7 +239,7 @@ fn greatest_strain(scene: &Scene, x: &[f64]) -> f64 {
         let difference = libm::hypot(f.m11 - f.m22, f.m21 + f.m12);
         (0.5 * (sum + difference) - 1.0).abs().max((0.5 * (sum - difference) - 1.0).abs())
     });
-    strains.fold(0.0, |most: f64, strain| if strain <= most { most } else { strain })
+    strains.fold(0.0, |most: f64, strain| if most.is_nan() || strain <= most { most } else { strain })
 }
 
 /// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
@@ -257,7 +257,7 @@ impl Fence {
         let mut obstacles = Vec::new();
         let mut boxes: Vec<_> = within.iter().map(|(least, greatest)| [least.get(), greatest.get()]).collect();
         let acts = |when: When| when == When::Always || level.mode == RunMode::Collide;
-        for listed in level.effects.iter().filter(|listed| listed.switch == Switch::On && acts(listed.when)) {
+        for listed in level.effects.iter().filter(|listed| listed.switch.is_on() && acts(listed.when)) {
             match &listed.effect {
                 EffectKind::Boundary(edges) => boxes.push([edges.least.get(), edges.greatest.get()]),
                 // A wall that cannot be built also prevents the scene.

@@ -1,7 +1,7 @@
 //! Material of a body: a constitutive model for all triangles of a mesh at a time.
 
 use super::{
-    Diagnostics, EulerUpdate, Field, Triangles,
+    Diagnostics, EulerUpdate, Field, Membranes, Triangles,
     blocks::{Both, Elastic},
 };
 use crate::{
@@ -161,6 +161,18 @@ pub trait MeshMaterial: Send + Sync {
 
     /// Adds the blocks of the elastic stiffness.
     fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>);
+
+    /// See [`Membranes::elastic_energy`].
+    fn membrane_energy(&self, of: &Membranes, x: &[f64]) -> f64;
+
+    /// Adds the forces of a membrane.
+    fn add_membrane_force(&self, of: &Membranes, motion: Motion<'_>, force: &mut [f64]);
+
+    /// Adds the stiffness of a membrane at the first positions, times the second displacement, to a product.
+    fn membrane_stiffness_times(&self, of: &Membranes, moving: [&[f64]; 2], product: &mut [f64]);
+
+    /// Adds the blocks of the stiffness of a membrane.
+    fn add_membrane_stiffness(&self, of: &Membranes, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<3>);
 }
 
 impl fmt::Debug for dyn MeshMaterial {
@@ -223,6 +235,22 @@ impl<M: Material> MeshMaterial for M {
     }
 
     fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
+        of.add_energy_tangent(x, weights, matrix, Elastic(*self));
+    }
+
+    fn membrane_energy(&self, of: &Membranes, x: &[f64]) -> f64 {
+        of.energy_of(Elastic(*self), x)
+    }
+
+    fn add_membrane_force(&self, of: &Membranes, motion: Motion<'_>, force: &mut [f64]) {
+        of.add_force_of(motion, force, Elastic(*self));
+    }
+
+    fn membrane_stiffness_times(&self, of: &Membranes, moving: [&[f64]; 2], product: &mut [f64]) {
+        of.add_energy_change(moving, product, Elastic(*self));
+    }
+
+    fn add_membrane_stiffness(&self, of: &Membranes, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<3>) {
         of.add_energy_tangent(x, weights, matrix, Elastic(*self));
     }
 }

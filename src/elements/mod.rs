@@ -1,4 +1,4 @@
-//! Elements: triangles and springs, which store elastic energy. An element is an effect like any other to a step.
+//! Elements: triangles, membranes and springs, which store elastic energy. An element is an effect like any other to a step.
 //!
 //! ```
 //! use gingerbread::{
@@ -22,6 +22,7 @@ mod diagnostics;
 mod discrete_gradient;
 mod gather;
 mod material;
+mod membrane;
 mod partitions;
 mod spring;
 mod tangent;
@@ -32,6 +33,7 @@ pub(crate) use blocks::{EnergyLaw, StressLaw};
 pub use diagnostics::{Diagnostics, Field};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use material::{BodyMaterial, OwnMaterial};
+pub use membrane::Membranes;
 pub(crate) use partitions::is_unpartitioned;
 pub use spring::Springs;
 pub(crate) use tangent::Isotropic;

@@ -215,7 +215,7 @@ impl<R: Real> Corner<R> {
 /// Blocks of the three corners with themselves, then of the first with the second, the first with the third and the second with
 /// the third, each column by column: the formula of [`Rest::corner_blocks`], with C taken apart into its eigenvectors.
 #[inline(always)]
-fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Mat2<R>) -> [[R; 4]; 6] {
+pub(super) fn corner_blocks<R: Real>(parts: &Parts<R>, moduli: &Moduli<R>, inverse: Mat2<R>) -> [[R; 4]; 6] {
     let one = Corner::new(parts, moduli, [inverse.m11, inverse.m12]);
     let two = Corner::new(parts, moduli, [inverse.m21, inverse.m22]);
     let (b11, b12, b22) = (one.entry(&one, 0, 0), one.entry(&one, 0, 1), one.entry(&one, 1, 1));

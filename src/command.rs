@@ -20,7 +20,7 @@ use crate::{
     materials::{MaterialParameters, Model},
     meshes::MeshKind,
     nets::NetKind,
-    quantity::ParticleMass,
+    quantity::{ParticleMass, Thickness},
     toys::ToyKind,
 };
 
@@ -69,10 +69,10 @@ pub enum Command {
     Rewind(f64),
     /// Resets tangled bodies to a shape without folds; time continues from there.
     Untangle,
-    /// Begins to pull a vertex (by its number in the scene) towards a point \[m\].
-    Grab(usize, [f64; 2]),
+    /// Begins to pull a vertex (by its number in the scene) towards a point \[m\]; in the plane its third coordinate is not used.
+    Grab(usize, [f64; 3]),
     /// Moves the point that the grabbed vertex is pulled to \[m\].
-    Pull([f64; 2]),
+    Pull([f64; 3]),
     /// Ends the pull.
     Release,
 
@@ -86,6 +86,8 @@ pub enum Command {
     SetMesh(usize, MeshKind),
     /// Sets the mass of a body (by number).
     SetMass(usize, MassLevel),
+    /// Sets the material of a membrane (by number), its thickness and its mass.
+    SetMembrane(usize, MaterialParameters, Thickness, MassLevel),
     /// Sets the springs of a net (by number) and the mass of its particles, which stay in place.
     SetNet(usize, NetKind, ParticleMass),
     /// Sets the parameters of the toy and restarts it.
@@ -159,6 +161,7 @@ impl Command {
             | Self::Open(_)
             | Self::SetMaterial(..)
             | Self::SetMass(..)
+            | Self::SetMembrane(..)
             | Self::SetNet(..)
             | Self::SetToy(_)
             | Self::SetEffect(..)

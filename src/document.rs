@@ -52,6 +52,8 @@ pub enum Gesture {
     Mass(usize),
     /// Mass and springs of a net.
     Net(usize),
+    /// Material, thickness and mass of a membrane.
+    Membrane(usize),
     /// The parameters of the toy.
     Toy,
     /// An effect of the list.
@@ -186,6 +188,7 @@ impl Document {
                 self.level.bodies.get_mut(source).map(|body| &mut body.pins)
             }
             Owner::Net(number) => self.level.nets.get_mut(number).map(|net| &mut net.pins),
+            Owner::Membrane(number) => self.level.membranes.get_mut(number).map(|membrane| &mut membrane.pins),
         };
         if let Some(rules) = rules {
             *rules = pins.into_iter().map(Pin::Vertex).collect();
@@ -209,6 +212,7 @@ impl Document {
     pub fn clear_pins(&mut self) {
         self.level.bodies.iter_mut().for_each(|body| body.pins.clear());
         self.level.nets.iter_mut().for_each(|net| net.pins.clear());
+        self.level.membranes.iter_mut().for_each(|membrane| membrane.pins.clear());
     }
 
     /// Switches all damping effects. It adds one if there is none, unless the level has a toy.

@@ -116,17 +116,27 @@ fn worst_triangle(scene: &Scene, state: &State) -> Option<(Culprit, Option<&'sta
             }
         }
     }
-    let (body, number, volume_ratio, undefined) = worst?;
+    let Some((body, number, volume_ratio, undefined)) = worst else { return worst_of_membranes(scene, state) };
     let crushed = (undefined && volume_ratio <= 0.0).then(|| body.elements.material().title());
     let number = body.mesh.numbering().element_name(number);
     Some((Culprit::Triangle { body: body.name.clone(), number, volume_ratio }, crushed))
+}
+
+/// The most deformed triangle of all membranes.
+fn worst_of_membranes(scene: &Scene, state: &State) -> Option<(Culprit, Option<&'static str>)> {
+    let all = scene.membranes.iter().flat_map(|membrane| {
+        membrane.elements.gradients(&state.x).enumerate().map(move |(number, g)| (membrane, number, g))
+    });
+    let (membrane, number, g) = all.max_by(|(.., a), (.., b)| a.norm_squared().total_cmp(&b.norm_squared()))?;
+    let number = membrane.mesh.numbering().element_name(number);
+    Some((Culprit::Triangle { body: membrane.name.clone(), number, volume_ratio: g.determinant() }, None))
 }
 
 /// The spring that is farthest from its rest length.
 fn worst_spring(scene: &Scene, state: &State) -> Option<Culprit> {
     let springs = scene.nets.iter().flat_map(|net| net.springs.links().iter().enumerate().map(move |link| (net, link)));
     let measured = springs.map(|(net, (number, link))| {
-        let (length, number) = (link.length(&state.x), net.numbering.element_name(number));
+        let (length, number) = (net.springs.length(link, &state.x), net.numbering.element_name(number));
         ((length - link.rest).abs(), Culprit::Spring { net: net.name.clone(), number, length })
     });
     measured.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, culprit)| culprit)

@@ -263,7 +263,8 @@ pub fn open(path: &Path) -> Result<Level, HeadlessError> {
 fn elements(scene: &Scene) -> String {
     let springs = scene.nets.iter().map(|net| net.springs.links().len()).sum();
     let mut text = String::new();
-    for (count, name) in [(scene.triangles.len(), "triangles"), (springs, "springs")] {
+    let membranes: usize = scene.membranes.iter().map(|membrane| membrane.elements.corners().len()).sum();
+    for (count, name) in [(scene.triangles.len() + membranes, "triangles"), (springs, "springs")] {
         if count > 0 {
             // Writing to a string cannot fail.
             let _ = write!(text, "{count} {name}, ");
@@ -324,10 +325,15 @@ fn csv(simulation: &Simulation, head: String) -> String {
         table.row([state.time].iter().chain(&state.x).chain(&exact).map(|number| digits(*number)));
         return table.text();
     }
-    let mut table = Table::new(head, &["vertex", "x", "y", "vx", "vy"]);
+    let columns: &[&str] = if scene.dimension == 3 {
+        &["vertex", "x", "y", "z", "vx", "vy", "vz"]
+    } else {
+        &["vertex", "x", "y", "vx", "vy"]
+    };
+    let mut table = Table::new(head, columns);
     let (x, v) = (scene.listed(&state.x), scene.listed(&state.v));
-    for (vertex, (x, v)) in x.chunks_exact(2).zip(v.chunks_exact(2)).enumerate() {
-        table.row([vertex.to_string(), digits(x[0]), digits(x[1]), digits(v[0]), digits(v[1])]);
+    for (vertex, (x, v)) in x.chunks_exact(scene.dimension).zip(v.chunks_exact(scene.dimension)).enumerate() {
+        table.row(std::iter::once(vertex.to_string()).chain(x.iter().chain(v).map(|number| digits(*number))));
     }
     table.text()
 }

@@ -19,7 +19,9 @@ use crate::{
     materials::MaterialParameters,
     meshes::MeshKind,
     nets::NetKind,
-    quantity::{Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Spin, Velocity},
+    quantity::{
+        Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, SpacePoint, Spin, Thickness, Velocity,
+    },
     toys::ToyKind,
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -57,6 +59,9 @@ pub struct Level {
     /// Particles held together by springs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nets: Vec<NetLevel>,
+    /// Cloth and other thin sheets in space.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub membranes: Vec<MembraneLevel>,
     /// A small system with an exact solution, in place of bodies, nets and effects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub toy: Option<ToyKind>,
@@ -129,6 +134,83 @@ pub struct NetLevel {
     /// Particles that do not move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<Pin>,
+    /// Where it is put in space. Without it the net is in the plane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub space: Option<SpacePlace>,
+}
+
+/// A thin sheet in space, such as a cloth: triangles of a material that may bend freely.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MembraneLevel {
+    /// Name in the panels and reports.
+    pub name: String,
+    /// Its rest shape, which is flat.
+    pub mesh: MeshKind,
+    /// What it is made of.
+    pub material: MaterialParameters,
+    /// Thickness.
+    pub thickness: Thickness,
+    /// How heavy it is.
+    pub mass: MassLevel,
+    /// Where the rest shape is put in space.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub space: SpacePlace,
+    /// Factors in x and y of the flat shape applied at the start about the middle of its bottom edge.
+    #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
+    pub stretch: (Factor, Factor),
+    /// Vertices that do not move.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<Pin>,
+}
+
+/// A rigid transform of a flat shape into space: turned about the x axis, then about y, then about z, and moved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpacePlace {
+    /// Turns about x, y and z \[degrees\].
+    pub turn: (Angle, Angle, Angle),
+    /// Move \[m\].
+    pub offset: SpacePoint,
+    /// Velocity at the start [m/s].
+    #[serde(skip_serializing_if = "is_at_rest_in_space")]
+    pub velocity: (Velocity, Velocity, Velocity),
+}
+
+impl Default for SpacePlace {
+    fn default() -> Self {
+        let (angle, zero, still) = (Angle::literal(0.0), Coordinate::literal(0.0), Velocity::literal(0.0));
+        Self { turn: (angle, angle, angle), offset: SpacePoint(zero, zero, zero), velocity: (still, still, still) }
+    }
+}
+
+impl SpacePlace {
+    /// A vector of the flat shape in space, turned but not moved.
+    pub fn turned(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        let turn = |[a, b]: [f64; 2], angle: Angle| {
+            let angle = angle.get().to_radians();
+            if angle == 0.0 {
+                return [a, b];
+            }
+            let (c, s) = (libm::cos(angle), libm::sin(angle));
+            [c * a - s * b, s * a + c * b]
+        };
+        let (about_x, about_y, about_z) = self.turn;
+        let [y, z] = turn([y, 0.0], about_x);
+        let [z, x] = turn([z, x], about_y);
+        let [x, y] = turn([x, y], about_z);
+        [x, y, z]
+    }
+
+    /// A point of the flat shape in space \[m\].
+    pub fn placed(&self, point: [f64; 2]) -> [f64; 3] {
+        let ([x, y, z], [dx, dy, dz]) = (self.turned(point), self.offset.get());
+        [x + dx, y + dy, z + dz]
+    }
+}
+
+fn is_at_rest_in_space(velocity: &(Velocity, Velocity, Velocity)) -> bool {
+    *velocity == SpacePlace::default().velocity
 }
 
 /// A similarity transform of the rest shape: scaled and turned about the origin, then moved.

@@ -1,6 +1,6 @@
-//! Gingerbread: a 2D deformable-body FEM sandbox, as a simulation library with a window on top.
+//! Gingerbread: an FEM sandbox of deformable bodies in the plane and cloth in space, as a simulation library with a window on top.
 //!
-//! A **level file** lists bodies and effects; a **scene** is built from it once and does not change while time runs; an
+//! A **level file** lists bodies, nets, membranes and effects; a **scene** is built from it once and does not change while time runs; an
 //! **integrator** advances the **state**; the window draws a **snapshot** and sends **commands**.
 //!
 //! ```text
@@ -32,7 +32,7 @@
 //! | [`nets`] | particles and springs: chains, sheets, lists |
 //! | [`solvers`] | sparse matrices of small blocks, their factorisation, conjugate gradients, Newton's method |
 //! | [`obstacles`] | rigid obstacles and their motions: distances, normals, corners; the only module that uses parry2d |
-//! | [`effects`], [`elements`] and [`contact`] | forces: gravity, damping, the triangles and springs, and contact of bodies with obstacles and each other |
+//! | [`effects`], [`elements`] and [`contact`] | forces: gravity, damping, the triangles, membranes and springs, and contact of bodies with obstacles and each other |
 //! | [`state`] | positions and velocities |
 //! | [`integrators`] | time integration, independent of physics |
 //! | [`toys`] | small systems with an exact solution: the circle, the pendulum |

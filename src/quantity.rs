@@ -271,12 +271,108 @@ quantities! {
     Triangles: "number of triangles" [""] in Included(100.0), Included(2e5); slider 200.0 to 20000.0, logarithmic;
     /// How far an outline may be moved to do with fewer points.
     Tolerance: "simplification" ["m"] in Included(0.0), Included(1e9); slider 0.0 to 0.05, linear;
+    /// Thickness of a membrane at rest.
+    Thickness: "thickness" ["m"] in Excluded(0.0), Included(1e6); slider 1e-4 to 0.1, logarithmic;
     /// Equal cells along a side of a rectangle.
     Cells: "number of cells" [""] in Included(1.0), Included(1e6); slider 1.0 to 100.0, linear;
     /// Springs in a row.
     Springs: "number of springs" [""] in Included(1.0), Included(1e5); slider 1.0 to 50.0, linear;
     /// Rings of vertices about the centre of a disk.
     Rings: "number of rings" [""] in Included(1.0), Included(500.0); slider 1.0 to 50.0, linear;
+}
+
+/// A point or a vector in space, written `(x, y, z)` in level files.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SpacePoint(pub Coordinate, pub Coordinate, pub Coordinate);
+
+impl SpacePoint {
+    /// Coordinates \[m\].
+    pub const fn get(self) -> [f64; 3] {
+        [self.0.get(), self.1.get(), self.2.get()]
+    }
+
+    /// Checked point.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] if a coordinate is not finite.
+    pub fn new([x, y, z]: [f64; 3]) -> Result<Self, OutOfRange> {
+        Ok(Self(Coordinate::new(x)?, Coordinate::new(y)?, Coordinate::new(z)?))
+    }
+}
+
+/// A point of a scene: of the plane, written `(x, y)` in level files, or in space, written `(x, y, z)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Position {
+    /// Of the plane.
+    Plane(Point),
+    /// In space.
+    Space(SpacePoint),
+}
+
+impl Position {
+    /// Checked point with two or three coordinates \[m\]; `None` for another number, or if one is not finite.
+    pub fn new(coordinates: &[f64]) -> Option<Self> {
+        match *coordinates {
+            [x, y] => Point::new([x, y]).ok().map(Self::Plane),
+            [x, y, z] => SpacePoint::new([x, y, z]).ok().map(Self::Space),
+            _ => None,
+        }
+    }
+
+    /// Number of coordinates.
+    pub const fn dimension(self) -> usize {
+        match self {
+            Self::Plane(_) => 2,
+            Self::Space(_) => 3,
+        }
+    }
+
+    /// Coordinates \[m\]; the third is zero in the plane.
+    pub const fn get(self) -> [f64; 3] {
+        match self {
+            Self::Plane(point) => {
+                let [x, y] = point.get();
+                [x, y, 0.0]
+            }
+            Self::Space(point) => point.get(),
+        }
+    }
+
+    /// Its coordinates alone \[m\].
+    pub fn coordinates(self) -> impl Iterator<Item = f64> {
+        self.get().into_iter().take(self.dimension())
+    }
+}
+
+impl serde::Serialize for Position {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Plane(point) => point.serialize(to),
+            Self::Space(point) => point.serialize(to),
+        }
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Position {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Coordinates;
+        impl<'de> serde::de::Visitor<'de> for Coordinates {
+            type Value = Position;
+
+            fn expecting(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                out.write_str("a point (x, y) or (x, y, z)")
+            }
+
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut all: A) -> Result<Position, A::Error> {
+                let missing = |number: usize| serde::de::Error::invalid_length(number, &self);
+                let x = all.next_element()?.ok_or_else(|| missing(0))?;
+                let y = all.next_element()?.ok_or_else(|| missing(1))?;
+                let z: Option<Coordinate> = all.next_element()?;
+                Ok(z.map_or(Position::Plane(Point(x, y)), |z| Position::Space(SpacePoint(x, y, z))))
+            }
+        }
+        from.deserialize_tuple(3, Coordinates)
+    }
 }
 
 /// A point or a vector of the plane, written `(x, y)` in level files.

@@ -330,7 +330,7 @@ impl Sandbox {
         Ok(())
     }
 
-    fn grab(&mut self, vertex: usize, target: [f64; 2]) -> Result<(), Refused> {
+    fn grab(&mut self, vertex: usize, target: [f64; 3]) -> Result<(), Refused> {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
         }

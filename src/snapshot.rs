@@ -14,11 +14,12 @@
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
-    elements::{BodyMaterial, Diagnostics, Springs},
+    elements::{BodyMaterial, Diagnostics, Membranes, NetSprings},
     fault::Fault,
     guard::negligible,
     inversion_recovery::Tangle,
     level::Level,
+    materials::Model,
     meshes::Mesh,
     report::EffectCost,
     sandbox::Sandbox,
@@ -44,13 +45,17 @@ pub struct Snapshot {
     pub bodies: Vec<BodySnapshot>,
     /// The nets, in the order of the level.
     pub nets: Vec<NetSnapshot>,
+    /// The membranes, in the order of the level.
+    pub membranes: Vec<MembraneSnapshot>,
     /// The toy, if the level has one.
     pub toy: Option<ToySnapshot>,
+    /// Number of coordinates of a vertex: 2 in the plane, 3 in space.
+    pub dimension: usize,
     /// Triangles of all bodies (scene vertex numbers), in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
-    /// Current positions, x and y of each vertex \[m\].
+    /// Current positions, the coordinates of each vertex \[m\].
     pub positions: Vec<f64>,
-    /// Start positions, x and y of each vertex \[m\].
+    /// Start positions, the coordinates of each vertex \[m\].
     pub start: Arc<Vec<f64>>,
     /// Pinned vertices, ascending.
     pub pins: Arc<Vec<u32>>,
@@ -161,7 +166,24 @@ pub struct NetSnapshot {
     /// Its particles in the scene.
     pub vertices: Range<usize>,
     /// Its springs; their ends are scene vertex numbers.
-    pub springs: Arc<Springs>,
+    pub springs: NetSprings,
+    /// Triangles by which it is drawn in space, by the numbers of the scene; empty if it is drawn by its springs.
+    pub faces: Arc<Vec<[u32; 3]>>,
+    /// Elastic energy \[J\].
+    pub energy: f64,
+}
+
+/// One membrane of a snapshot.
+#[derive(Clone, Debug)]
+pub struct MembraneSnapshot {
+    /// Name from the level.
+    pub name: String,
+    /// Its elements.
+    pub elements: Arc<Membranes>,
+    /// Its rest mesh, which is flat.
+    pub mesh: Arc<Mesh>,
+    /// Its vertices in the scene.
+    pub vertices: Range<usize>,
     /// Elastic energy \[J\].
     pub energy: f64,
 }
@@ -187,15 +209,49 @@ pub struct Pull {
     /// The vertex, by its number in the scene.
     pub vertex: usize,
     /// Target of the pull \[m\].
-    pub target: [f64; 2],
+    pub target: [f64; 3],
     /// Force k |target - vertex| \[N\].
     pub force: f64,
 }
 
 impl Snapshot {
+    /// Number of bodies, nets and membranes.
+    pub const fn part_count(&self) -> usize {
+        self.bodies.len() + self.nets.len() + self.membranes.len()
+    }
+
+    /// Names of the bodies, nets and membranes.
+    pub fn part_names(&self) -> impl Iterator<Item = &String> {
+        let nets = self.nets.iter().map(|net| &net.name);
+        let membranes = self.membranes.iter().map(|membrane| &membrane.name);
+        self.bodies.iter().map(|body| &body.name).chain(nets).chain(membranes)
+    }
+
+    /// Constitutive models of all bodies and membranes; `None` for a material from outside the crate.
+    pub fn models(&self) -> impl Iterator<Item = Option<Model>> {
+        let bodies = self.bodies.iter().map(|body| body.material.model());
+        bodies.chain(self.membranes.iter().map(|membrane| membrane.elements.material().model()))
+    }
+
+    /// Whether there are triangles of a constitutive model.
+    pub const fn has_models(&self) -> bool {
+        !self.bodies.is_empty() || !self.membranes.is_empty()
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len().checked_div(self.dimension).unwrap_or(0)
+    }
+
+    /// Position of a vertex \[m\]; the third coordinate is zero in the plane.
+    pub fn position(&self, vertex: usize) -> Option<[f64; 3]> {
+        let own = self.positions.get(self.dimension * vertex..self.dimension * (vertex + 1))?;
+        Some(std::array::from_fn(|axis| own.get(axis).copied().unwrap_or(0.0)))
+    }
+
     /// Whether everything sleeps.
     pub const fn is_asleep(&self) -> bool {
-        self.asleep > 0 && self.asleep == self.bodies.len() + self.nets.len()
+        self.asleep > 0 && self.asleep == self.part_count()
     }
 
     /// Whether the clock is paused although the scene runs, because everything sleeps.
@@ -213,8 +269,13 @@ impl Sandbox {
         if snapshot.generation != self.generation {
             snapshot.generation = self.generation;
             snapshot.start = Arc::new(if scene.toy.is_none() { scene.start.x.clone() } else { Vec::new() });
+            snapshot.dimension = scene.dimension;
             let (left, right) = extent(&snapshot.start, 0);
-            snapshot.width = if self.shown.test.is_some() { (1.0 - 2.0 * left.min(1.0 - right)).max(1.0) } else { 1.0 };
+            snapshot.width = if self.shown.test.is_some() && scene.dimension == 2 {
+                (1.0 - 2.0 * left.min(1.0 - right)).max(1.0)
+            } else {
+                1.0
+            };
         }
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
@@ -281,18 +342,32 @@ impl Sandbox {
         snapshot.nets.extend(scene.nets.iter().enumerate().map(|(number, net)| NetSnapshot {
             name: net.name.clone(),
             vertices: net.vertices.clone(),
-            springs: Arc::clone(&net.springs),
+            springs: net.springs.clone(),
+            faces: Arc::clone(&net.faces),
             energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
-        for (number, net) in snapshot.nets.iter().enumerate() {
-            if snapshot.exploded.is_none() && scene.has_exploded(scene.bodies.len() + number, net.energy, x) {
-                snapshot.exploded = Some((net.name.clone(), net.energy));
+        snapshot.membranes.clear();
+        let known = |number: usize| simulation.known_energy(scene.bodies.len() + scene.nets.len() + number);
+        snapshot.membranes.extend(scene.membranes.iter().enumerate().map(|(number, membrane)| MembraneSnapshot {
+            name: membrane.name.clone(),
+            elements: Arc::clone(&membrane.elements),
+            mesh: Arc::clone(&membrane.mesh),
+            vertices: membrane.vertices.clone(),
+            energy: known(number).unwrap_or_else(|| membrane.elements.elastic_energy(x)),
+        }));
+        let nets = snapshot.nets.iter().map(|net| (&net.name, net.energy));
+        let all = nets.chain(snapshot.membranes.iter().map(|membrane| (&membrane.name, membrane.energy)));
+        for (number, (name, energy)) in (scene.bodies.len()..).zip(all) {
+            if snapshot.exploded.is_none() && scene.has_exploded(number, energy, x) {
+                snapshot.exploded = Some((name.clone(), energy));
             }
         }
         if simulation.known_energy(0).is_none() {
             snapshot.energy_evaluations += 1;
             let bodies = snapshot.bodies.iter().map(|body| body.energy);
-            simulation.set_elastic_energies(bodies.chain(snapshot.nets.iter().map(|net| net.energy)));
+            let nets = snapshot.nets.iter().map(|net| net.energy);
+            let membranes = snapshot.membranes.iter().map(|membrane| membrane.energy);
+            simulation.set_elastic_energies(bodies.chain(nets).chain(membranes));
         }
         snapshot.wound = Tangle::of_all(scene, x).wound;
         let start = Instant::now();
@@ -337,12 +412,13 @@ impl Sandbox {
 
     fn pull(&self, Grab { vertex, target }: Grab) -> Pull {
         let x = &self.simulation.state().x;
-        let (dx, dy) = (target[0] - x[2 * vertex], target[1] - x[2 * vertex + 1]);
+        let own = &x[self.simulation.scene().numbers(&(vertex..vertex + 1))];
+        let square: f64 = own.iter().zip(target).map(|(x, target)| (target - x) * (target - x)).sum();
         let springs = self.shown.effects.iter().filter(|listed| listed.switch.is_on());
         let stiffness = springs.map(|listed| {
             if let EffectKind::MouseSpring(spring) = &listed.effect { spring.stiffness.get() } else { 0.0 }
         });
-        Pull { vertex, target, force: stiffness.sum::<f64>() * (dx * dx + dy * dy).sqrt() }
+        Pull { vertex, target, force: stiffness.sum::<f64>() * square.sqrt() }
     }
 }
 

@@ -250,10 +250,9 @@ fn an_edited_saved_state_drops_what_the_guard_knew() {
     run.advance(123, &mut || true);
     let mut saved = run.saved().unwrap();
     assert!(saved.guard.is_some() && !saved.checkpoints.is_empty());
-    saved
-        .positions
-        .iter_mut()
-        .for_each(|point| *point = gingerbread::quantity::Point::new([2.0 * point.get()[0], point.get()[1]]).unwrap());
+    saved.positions.iter_mut().for_each(|point| {
+        *point = gingerbread::quantity::Position::new(&[2.0 * point.get()[0], point.get()[1]]).unwrap();
+    });
     let edited = simulation(&Level { state: Some(saved.clone()), ..level.clone() });
     let bare = gingerbread::level::SavedState { guard: None, checkpoints: Vec::new(), ..saved };
     let bare = simulation(&Level { state: Some(bare), ..level });

@@ -153,7 +153,7 @@ fn drift_shows_who_keeps_energy_and_that_nobody_loses_momentum() {
     assert!(change(implicit) < -0.05, "implicit Euler loses: {}", change(implicit));
     assert_eq!(symplectic.moments.len(), 31);
     for moment in &symplectic.moments {
-        assert!(moment.momentum.iter().all(|p| p.abs() < 1e-12) && moment.angular.abs() < 1e-12, "{moment:?}");
+        assert!(moment.momentum.iter().chain(&moment.angular).all(|p| p.abs() < 1e-12), "{moment:?}");
     }
     assert!(drift.csv().lines().count() > 90);
 }

@@ -53,7 +53,8 @@ fn hand(moment: u64, vertices: usize) -> Option<Grab> {
     let (pull, along) = (moment / 20, (moment % 20) as f64 / 12.0);
     let vertex = (pull as usize * 7 + 3) % vertices.max(1);
     let way = [0.45 - 0.3 * (pull % 4) as f64, 0.2 + 0.15 * (pull % 5) as f64];
-    (along < 1.0 && vertices > 0).then(|| Grab { vertex, target: [0.5 + along * way[0], 0.5 + along * (way[1] - 0.5)] })
+    (along < 1.0 && vertices > 0)
+        .then(|| Grab { vertex, target: [0.5 + along * way[0], 0.5 + along * (way[1] - 0.5), 0.0] })
 }
 
 /// Runs for so many twentieths of a second under the hand.

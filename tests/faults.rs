@@ -11,7 +11,7 @@ use gingerbread::{
     integrators::IntegratorKind,
     level::{EffectLevel, Level, SavedState},
     meshes::{Files, MeshKind},
-    quantity::{Coordinate, Point},
+    quantity::Position,
     sandbox::Sandbox,
     simulation::Simulation,
     state::State,
@@ -278,7 +278,7 @@ const INTO: &str = "GINGERBREAD_TEST_SAVES_INTO";
 /// Two levels that are long enough to be caught in the middle.
 fn long_ones() -> [Level; 2] {
     let long = |number: f64| {
-        let point = Point(Coordinate::new(number).unwrap(), Coordinate::new(1.0 / 3.0).unwrap());
+        let point = Position::new(&[number, 1.0 / 3.0]).unwrap();
         let time = gingerbread::quantity::Time::new(0.1).unwrap();
         let state = SavedState::new((3, time), vec![point; 60_000], vec![point; 60_000]);
         Level { state: Some(state), ..released("") }
@@ -349,7 +349,7 @@ fn a_killed_save_leaves_the_old_or_the_new_file_whole() {
 #[test]
 fn a_simulation_recovers_from_a_grab_at_nan() {
     let mut run: Simulation = simulation(&released("effects: [(effect: MouseSpring(stiffness: 50))]"));
-    run.set_grab(Some(gingerbread::effects::Grab { vertex: 0, target: [f64::NAN, 0.0] }));
+    run.set_grab(Some(gingerbread::effects::Grab { vertex: 0, target: [f64::NAN, 0.0, 0.0] }));
     run.advance(10, &mut || true);
     assert!(run.fault().is_some() && run.state().is_finite());
     run.set_grab(None);

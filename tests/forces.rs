@@ -141,7 +141,7 @@ fn effect_forces_are_minus_the_derivative_of_energy() {
     let simulation = simulation(&sheet("Corotated", "", ""));
     let scene: &Scene = simulation.scene();
     let bodies = of(scene);
-    let grab = Some(gingerbread::effects::Grab { vertex: 3, target: [0.9, 0.2] });
+    let grab = Some(gingerbread::effects::Grab { vertex: 3, target: [0.9, 0.2, 0.0] });
     let mut acting = 0;
     for kind in EffectKind::all().into_iter().filter(|kind| !kind.kind().is_damping()) {
         let effect = kind.kind().build(&bodies).unwrap();

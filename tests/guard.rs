@@ -196,7 +196,7 @@ fn a_hard_pull_is_not_mistaken_for_an_explosion() {
         let level = Level { integrator, ..sheet("Corotated", "", effects) };
         let mut run = simulation(&level);
         for frame in 0..60 {
-            let target = [if frame % 2 == 0 { 3.0 } else { -2.0 }, 0.5];
+            let target = [if frame % 2 == 0 { 3.0 } else { -2.0 }, 0.5, 0.0];
             run.set_grab(Some(gingerbread::effects::Grab { vertex: 3, target }));
             assert_eq!(run.advance(100, &mut || true), 100, "{}: {:?}", level.integrator.name(), run.fault());
         }

@@ -69,7 +69,7 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
 /// One component at a time, at order-one stiffness, with the best of several epsilons.
 #[test]
 fn the_stiffness_matrix_matches_force_differences() {
-    let grab = Some(Grab { vertex: 7, target: [0.1, 0.9] });
+    let grab = Some(Grab { vertex: 7, target: [0.1, 0.9, 0.0] });
     for model in models() {
         // Of damping's own dependence on x only the symmetric half is in the matrix, so it is at rest for that part.
         for (speed, weights) in [(0.0, [1.0, 0.0]), (0.7, [0.0, 1.0])] {
@@ -239,7 +239,7 @@ fn newton_serves_damping_pulls_and_walls_at_one_step_a_frame() {
                 DAMPED.replace(']', ", (effect: Boundary(least: (0, 0.2), greatest: (1, 1)))]")
             );
             let mut simulation = built(&under(sheet(model, "", &effects), integrator), None);
-            simulation.set_grab(Some(Grab { vertex: 24, target: [0.9, 0.9] }));
+            simulation.set_grab(Some(Grab { vertex: 24, target: [0.9, 0.9, 0.0] }));
             assert_eq!(simulation.advance(120, &mut || true), 120);
             simulation.set_grab(None);
             assert_eq!(simulation.advance(120, &mut || true), 120);
@@ -291,7 +291,7 @@ fn a_barrier_energy_prevents_inversion_in_implicit_steps() {
                 let mut state = simulation.state().clone();
                 state.v.iter_mut().for_each(|v| *v = random.between(-200.0, 200.0));
                 simulation.set_state(state);
-                simulation.set_grab(Some(Grab { vertex: 0, target: [0.9, 0.8] }));
+                simulation.set_grab(Some(Grab { vertex: 0, target: [0.9, 0.8, 0.0] }));
                 for step in 0..40 {
                     assert_eq!(
                         simulation.advance(1, &mut || true),

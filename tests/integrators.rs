@@ -269,7 +269,7 @@ fn a_pull_that_begins_or_ends_acts_from_the_next_step_on() {
     let mut simulation = built(&level, 1e-3);
     advance(&mut simulation, 3);
     let start = simulation.state().clone();
-    simulation.set_grab(Some(Grab { vertex: 0, target: [start.x[0] - 0.1, start.x[1]] }));
+    simulation.set_grab(Some(Grab { vertex: 0, target: [start.x[0] - 0.1, start.x[1], 0.0] }));
     advance(&mut simulation, 1);
     let mass = simulation.scene().mass[0];
     let expected = -50.0 * 0.1 / mass * 1e-6;

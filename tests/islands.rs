@@ -82,7 +82,7 @@ fn beside_alone(
         .map(|(name, times)| simulation(&finer(own(&[name]), *times)))
         .collect();
     for bunch in 0..bunches {
-        let grab = (bunch % 30 >= 20).then_some(Grab { vertex: 3, target: [0.6, 0.6] });
+        let grab = (bunch % 30 >= 20).then_some(Grab { vertex: 3, target: [0.6, 0.6, 0.0] });
         alone[1].set_grab(grab);
         together.set_grab(grab.map(|grab| Grab { vertex: CAKE + 3, ..grab }));
         assert_eq!(together.advance(steps, &mut || true), steps, "{}", integrator.name());
@@ -349,7 +349,7 @@ fn each_falls_asleep_when_it_would_alone_and_wakes_by_itself() {
     assert!(together.is_asleep() && moments[0] != moments[1], "{moments:?}");
     let (before, calls) =
         (together.state().clone(), together.costs().iter().map(|cost| cost.calls).collect::<Vec<_>>());
-    together.set_grab(Some(Grab { vertex: CAKE + 3, target: [0.6, 0.6] }));
+    together.set_grab(Some(Grab { vertex: CAKE + 3, target: [0.6, 0.6, 0.0] }));
     assert_eq!(together.sleeping().collect::<Vec<_>>(), [true, false]);
     together.advance(100, &mut || true);
     let called: Vec<_> = together.costs().iter().zip(&calls).map(|(cost, before)| cost.calls - before).collect();

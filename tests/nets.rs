@@ -55,7 +55,7 @@ fn a_particle_is_pulled_and_a_reset_puts_the_net_back() {
     assert_eq!((start.nets[0].name.as_str(), start.nets[0].vertices.clone()), ("chain", 9..13));
     assert_eq!(start.nets[0].springs.links()[2].ends, [11, 12]);
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox.apply(Command::Grab(12, [0.9, 0.2])).unwrap();
+    sandbox.apply(Command::Grab(12, [0.9, 0.2, 0.0])).unwrap();
     sandbox.advance(200, &mut || true);
     let pulled = seen(&sandbox);
     assert!(pulled.pull.unwrap().force > 0.0 && pulled.positions[25] < start.positions[25]);
@@ -114,7 +114,7 @@ fn a_toy_cannot_be_pinned_pulled_or_damped() {
     sandbox.apply(Command::SetDamping(true)).unwrap();
     assert!(sandbox.saved().effects.is_empty() && !seen(&sandbox).can_undo);
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    assert!(sandbox.apply(Command::TogglePin(0)).is_err() && sandbox.apply(Command::Grab(0, [0.0; 2])).is_err());
+    assert!(sandbox.apply(Command::TogglePin(0)).is_err() && sandbox.apply(Command::Grab(0, [0.0; 3])).is_err());
     sandbox.advance(100, &mut || true);
     let now = seen(&sandbox);
     let shown = now.toy.unwrap();

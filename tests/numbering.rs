@@ -212,7 +212,7 @@ fn a_shuffled_mesh_is_saved_as_listed_and_resumes_exactly() {
     let [mut whole, mut half] = [simulation(&level), simulation(&level)];
     whole.advance(5, &mut || true);
     half.advance(3, &mut || true);
-    let positions: Vec<_> = half.saved().unwrap().positions.iter().flat_map(|point| point.get()).collect();
+    let positions: Vec<_> = half.saved().unwrap().positions.iter().flat_map(|point| point.coordinates()).collect();
     assert_eq!(positions, listed(&half)[0]);
     let mut rest = reopened(&half, &level);
     assert_eq!(rest.state(), half.state());

@@ -109,8 +109,8 @@ fn pull(level: Level, drags: Vec<(usize, [f64; 2])>) -> Result<(), TestCaseError
     // A body may begin beyond the domain; it comes in slowly, and never goes farther out than its skin gives way.
     let beyond = |x: f64| (x - 1.0).max(-x).max(0.0);
     let begins: Vec<_> = sandbox.simulation().state().x.iter().map(|x| beyond(*x)).collect();
-    for (vertex, target) in drags {
-        let _ = sandbox.apply(Command::Grab(vertex, target));
+    for (vertex, [x, y]) in drags {
+        let _ = sandbox.apply(Command::Grab(vertex, [x, y, 0.0]));
         sandbox.advance(per_frame.min(8), &mut || true);
         sandbox.snapshot(Field::VonMises, &mut snapshot);
         prop_assert!(snapshot.positions.iter().all(|x| x.is_finite()));

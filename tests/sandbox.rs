@@ -55,20 +55,20 @@ fn only_collide_mode_has_the_effects_kept_for_it() {
 #[test]
 fn a_pull_draws_the_vertex_until_release() {
     let mut sandbox = small();
-    assert!(sandbox.apply(Command::Grab(0, [0.0, 0.0])).is_err(), "nothing can be pulled in edit mode");
+    assert!(sandbox.apply(Command::Grab(0, [0.0, 0.0, 0.0])).is_err(), "nothing can be pulled in edit mode");
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox.apply(Command::Grab(0, [-1.0, -1.0])).unwrap();
-    sandbox.apply(Command::Pull([-2.0, 0.0])).unwrap();
+    sandbox.apply(Command::Grab(0, [-1.0, -1.0, 0.0])).unwrap();
+    sandbox.apply(Command::Pull([-2.0, 0.0, 0.0])).unwrap();
     let before = seen(&sandbox);
     let pull = before.pull.unwrap();
     let distance = (before.positions[0] + 2.0).hypot(before.positions[1]);
-    assert!(pull.vertex == 0 && pull.target == [-2.0, 0.0] && (pull.force - 50.0 * distance).abs() < 1e-12);
+    assert!(pull.vertex == 0 && pull.target == [-2.0, 0.0, 0.0] && (pull.force - 50.0 * distance).abs() < 1e-12);
     run(&mut sandbox, 200);
     assert!(seen(&sandbox).positions[0] < before.positions[0] - 0.01);
     sandbox.apply(Command::Release).unwrap();
     assert!(seen(&sandbox).pull.is_none());
-    assert!(sandbox.apply(Command::Grab(999, [0.0, 0.0])).is_err());
-    assert!(sandbox.apply(Command::Grab(0, [f64::NAN, 0.0])).is_err());
+    assert!(sandbox.apply(Command::Grab(999, [0.0, 0.0, 0.0])).is_err());
+    assert!(sandbox.apply(Command::Grab(0, [f64::NAN, 0.0, 0.0])).is_err());
 }
 
 #[test]
@@ -260,7 +260,7 @@ fn what_is_saved_goes_on_exactly() {
 fn a_pull_survives_a_reset_and_a_change_of_mode() {
     let mut sandbox = small();
     sandbox.apply(Command::SetMode(Mode::Simulate)).unwrap();
-    sandbox.apply(Command::Grab(0, [0.0, 0.0])).unwrap();
+    sandbox.apply(Command::Grab(0, [0.0, 0.0, 0.0])).unwrap();
     for command in [Command::Reset, Command::SetMode(Mode::Collide)] {
         sandbox.apply(command).unwrap();
         assert!(seen(&sandbox).pull.is_some());
@@ -325,7 +325,7 @@ fn a_fork_continues_bit_equal_and_is_independent() {
     let mut first = small();
     first.apply(Command::SetRunning(true)).unwrap();
     run(&mut first, 30);
-    first.apply(Command::Grab(3, [0.9, 0.9])).unwrap();
+    first.apply(Command::Grab(3, [0.9, 0.9, 0.0])).unwrap();
     let mut fork = first.fork();
     run(&mut first, 30);
     run(&mut fork, 30);

@@ -93,7 +93,7 @@ fn a_pull_wakes_without_a_jump_and_letting_go_wakes_nobody() {
     let asleep = run.state().x.clone();
     run.set_grab(None);
     assert!(run.is_asleep());
-    run.set_grab(Some(Grab { vertex: 15, target: [0.6, 0.5] }));
+    run.set_grab(Some(Grab { vertex: 15, target: [0.6, 0.5, 0.0] }));
     assert!(!run.is_asleep() && run.state().x == asleep, "positions keep every bit on waking");
     let mut awake = simulation(&Level { sleep: Toggle::Off, ..falling() });
     awake.set_state(run.state().clone());
@@ -160,7 +160,7 @@ fn each_body_and_net_sleeps_by_itself() {
     until_asleep(&mut run);
     let (before, calls) = (run.state().clone(), run.costs().iter().map(|cost| cost.calls).collect::<Vec<_>>());
     // The second block is pulled: it alone wakes.
-    run.set_grab(Some(Grab { vertex: 20, target: [0.7, 0.6] }));
+    run.set_grab(Some(Grab { vertex: 20, target: [0.7, 0.6, 0.0] }));
     assert_eq!(run.sleeping().collect::<Vec<_>>(), [true, false, true]);
     run.advance(300, &mut || true);
     let called: Vec<_> = run.costs().iter().zip(&calls).map(|(cost, before)| cost.calls - before).collect();
@@ -267,7 +267,7 @@ fn every_change_of_what_acts_wakes_and_moves_nothing() {
         Command::SetGuard(Toggle::Off),
         Command::SetSleep(Toggle::Off),
         Command::SetSubstepMode(gingerbread::level::SubstepMode::Own),
-        Command::Grab(3, [0.5, 0.5]),
+        Command::Grab(3, [0.5, 0.5, 0.0]),
     ];
     for change in changes {
         let mut sandbox = resting();

@@ -38,7 +38,7 @@ fn a_state_is_surveyed_once_however_often_it_is_drawn() {
     assert_eq!((snapshot.energies, snapshot.min_j, snapshot.inverted), (energies, min_j, inverted));
     assert_eq!(snapshot.values.iter().copied().fold(f64::INFINITY, f64::min), min_j);
     let (sweeps, before) = (snapshot.evaluations, snapshot.energies);
-    sandbox.apply(Command::Grab(0, [0.5, 0.5])).unwrap();
+    sandbox.apply(Command::Grab(0, [0.5, 0.5, 0.0])).unwrap();
     sandbox.snapshot(Field::Volume, &mut snapshot);
     assert_eq!((snapshot.evaluations, snapshot.energies), (sweeps, sandbox.simulation().energies()));
     assert!(snapshot.energies.potential > before.potential, "a pull stores energy, and moves nothing yet");
@@ -62,7 +62,7 @@ fn elastic_energy_is_computed_once_per_shape() {
     for frame in 0..30 {
         let before = sweeps(&sandbox, &snapshot);
         // Energies before and after the hand has moved, and those that are drawn, are all of one shape.
-        sandbox.apply(Command::Grab(0, [0.5, 0.01 * f64::from(frame)])).unwrap();
+        sandbox.apply(Command::Grab(0, [0.5, 0.01 * f64::from(frame), 0.0])).unwrap();
         sandbox.snapshot(Field::VonMises, &mut snapshot);
         assert_eq!(sweeps(&sandbox, &snapshot), before);
         sandbox.advance(1, &mut || true);

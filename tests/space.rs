@@ -216,7 +216,7 @@ fn effects_of_the_plane_are_refused_in_space() {
             Err(why) => assert_eq!((kind.name(), why.contains("triangles")), ("Compression", true), "{why}"),
         }
     }
-    assert_eq!(refused, ["MouseSpring", "Boundary", "Walls", "Contact"]);
+    assert_eq!(refused, ["Boundary", "Walls", "Contact"]);
     let start = moving(&scene);
     let mut simulation = Simulation::new(scene, start);
     assert_eq!(simulation.advance(20, &mut || true), 20, "{:?}", simulation.fault());

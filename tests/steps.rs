@@ -177,7 +177,7 @@ fn a_stiff_pull_lowers_the_stability_limit() {
         let run = simulation(&sheet(model, "", &format!("effects: [(effect: MouseSpring(stiffness: {stiffness:e}))]")));
         let (scene, state) = (run.scene(), run.state());
         let vertex = 7;
-        let grab = Some(Grab { vertex, target: [0.0, 0.0] });
+        let grab = Some(Grab { vertex, target: [0.0, 0.0, 0.0] });
         let closed_form = 2.0 * (scene.mass[2 * vertex] / stiffness).sqrt();
         let limit = critical_step(scene, state, grab).unwrap();
         assert!((limit / closed_form - 1.0).abs() < 0.01, "{model}: {limit} against {closed_form}");

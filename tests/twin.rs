@@ -109,7 +109,7 @@ fn a_pull_leaves_the_closed_form_and_a_twin_takes_over() {
     let mut live = simulation(&level(text));
     let mut twin = Twin::new(&live);
     assert!(twin.exact().is_some());
-    live.set_grab(Some(gingerbread::effects::Grab { vertex: 120, target: [0.8, 0.3] }));
+    live.set_grab(Some(gingerbread::effects::Grab { vertex: 120, target: [0.8, 0.3, 0.0] }));
     frames(&mut live, &mut twin, 2);
     assert!(twin.exact().is_none() && twin.error().is_some());
 }
@@ -119,7 +119,7 @@ fn the_twin_follows_pulls_and_restarts() {
     let level = released("effects: [(effect: MouseSpring(stiffness: 50))]");
     let mut live = simulation(&level);
     let mut twin = Twin::new(&live);
-    live.set_grab(Some(gingerbread::effects::Grab { vertex: 0, target: [0.0, 0.0] }));
+    live.set_grab(Some(gingerbread::effects::Grab { vertex: 0, target: [0.0, 0.0, 0.0] }));
     frames(&mut live, &mut twin, 6);
     let pulled = twin.error().unwrap();
     assert!(pulled > 0.0 && pulled < 0.2, "the twin feels the mouse: {pulled}");

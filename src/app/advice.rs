@@ -572,7 +572,7 @@ mod tests {
     /// Pulls for half a second. Returns the number of force evaluations, and the ratio of computed steps to undivided steps.
     fn cost(sandbox: &mut Sandbox) -> (u64, f64) {
         sandbox.apply(Command::Reset).unwrap();
-        sandbox.apply(Command::Grab(100, [0.9, 0.9])).unwrap();
+        sandbox.apply(Command::Grab(100, [0.9, 0.9, 0.0])).unwrap();
         let before = sandbox.simulation().counts();
         let steps = 30 * u64::from(sandbox.document().level.substeps.get());
         assert_eq!(sandbox.advance(steps, &mut || true), steps);

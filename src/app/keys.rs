@@ -59,7 +59,7 @@ impl When {
             Self::Always => true,
             Self::Edit => now.mode == Mode::Edit,
             Self::Moving => now.mode != Mode::Edit,
-            Self::Bodies => !now.bodies.is_empty(),
+            Self::Bodies => now.has_models(),
             Self::Test => now.level.test.is_some(),
         }
     }

@@ -227,8 +227,8 @@ pub(crate) const ZERO: &str = "its strength is zero";
 pub struct Grab {
     /// The vertex, by its number in the scene.
     pub vertex: usize,
-    /// Where it is pulled to \[m\].
-    pub target: [f64; 2],
+    /// Where it is pulled to \[m\]; in the plane the third coordinate is not used.
+    pub target: [f64; 3],
 }
 
 /// An effect, built for stepping. Methods that do not apply keep their empty default.

@@ -6,7 +6,6 @@ use crate::{
     quantity::{Quantity, Spring},
     solvers::{SparseMatrix, Weights},
 };
-use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 /// The spring between the cursor and the vertex it took hold of: `f = k (cursor - vertex)`, energy `k/2 |cursor - vertex|²`.
@@ -48,19 +47,15 @@ impl EffectParameters for MouseSpring {
 /// Stiffness k [N/m].
 struct PullingSpring(f64);
 
-/// Vector from the vertex to the cursor \[m\].
-fn spring_vector(x: &[f64], grab: Grab) -> [f64; 2] {
-    let at = 2 * grab.vertex;
-    [grab.target[0] - x[at], grab.target[1] - x[at + 1]]
+/// Each number of the vertex, and how far the cursor is from there \[m\].
+fn spring_vector(motion: Motion<'_>, grab: Grab) -> impl Iterator<Item = (usize, f64)> {
+    let numbers = motion.dimension * grab.vertex..motion.dimension * (grab.vertex + 1);
+    numbers.zip(grab.target).map(move |(number, target)| (number, target - motion.x[number]))
 }
 
 impl Effect for PullingSpring {
     fn name(&self) -> &'static str {
         "Mouse spring"
-    }
-
-    fn dimension(&self) -> Option<usize> {
-        Some(2)
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {
@@ -73,30 +68,27 @@ impl Effect for PullingSpring {
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
         motion.grab.map_or(0.0, |grab| {
-            let [dx, dy] = spring_vector(motion.x, grab);
-            0.5 * self.0 * (dx * dx + dy * dy)
+            let square: f64 = spring_vector(motion, grab).map(|(_, d)| d * d).sum();
+            0.5 * self.0 * square
         })
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         if let Some(grab) = motion.grab {
-            let [dx, dy] = spring_vector(motion.x, grab);
-            force[2 * grab.vertex] += self.0 * dx;
-            force[2 * grab.vertex + 1] += self.0 * dy;
+            spring_vector(motion, grab).for_each(|(number, d)| force[number] += self.0 * d);
         }
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _: &mut [f64], product: &mut [f64]) {
         if let Some(grab) = motion.grab {
-            let at = 2 * grab.vertex;
-            product[at] += self.0 * d[at];
-            product[at + 1] += self.0 * d[at + 1];
+            spring_vector(motion, grab).for_each(|(number, _)| product[number] += self.0 * d[number]);
         }
     }
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
-        if let (Some(grab), Some(matrix)) = (motion.grab, matrix.blocks::<2>()) {
-            matrix.diagonal(grab.vertex, &Matrix2::from_diagonal_element(weights.position * self.0));
+        if let Some(grab) = motion.grab {
+            let own = motion.dimension * grab.vertex..motion.dimension * (grab.vertex + 1);
+            matrix.add_to_diagonal(&|number| if own.contains(&number) { weights.position * self.0 } else { 0.0 });
         }
     }
 }

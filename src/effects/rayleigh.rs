@@ -2,7 +2,7 @@
 
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Springs, StressLaw, Triangles, UniformForce},
+    elements::{Adding, Elements, Membranes, NetSprings, StressLaw, Triangles, UniformForce},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
     simd::{Mat2, Real},
@@ -58,9 +58,9 @@ impl EffectParameters for Rayleigh {
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let (alpha, beta) = (self.mass.get(), self.stiffness.get());
-        let Elements { triangles: bodies, springs: nets, .. } =
+        let Elements { triangles: bodies, springs: nets, membranes, .. } =
             if beta > 0.0 { elements.clone() } else { Elements::default() };
-        Ok(Box::new(Damping { alpha, beta, bodies, nets }))
+        Ok(Box::new(Damping { alpha, beta, bodies, nets, membranes }))
     }
 }
 
@@ -112,15 +112,24 @@ impl StressLaw for Viscous {
 }
 
 /// Whether all these vertices are at rest, as those of a sleeping body: their viscous stress is zero.
-fn is_still(v: &[f64], vertices: &Range<usize>) -> bool {
-    v[2 * vertices.start..2 * vertices.end].iter().all(|v| *v == 0.0)
+fn is_still(motion: Motion<'_>, vertices: &Range<usize>) -> bool {
+    let dimension = motion.dimension;
+    motion.v[dimension * vertices.start..dimension * vertices.end].iter().all(|v| *v == 0.0)
 }
 
 struct Damping {
     alpha: f64,
     beta: f64,
     bodies: Vec<Arc<Triangles>>,
-    nets: Vec<Arc<Springs>>,
+    nets: Vec<NetSprings>,
+    membranes: Vec<Arc<Membranes>>,
+}
+
+impl Damping {
+    /// beta mu, and beta lambda [Pa s].
+    fn viscosities(&self, Lame { mu, lambda }: Lame) -> [f64; 2] {
+        [self.beta * mu, self.beta * lambda]
+    }
 }
 
 impl Effect for Damping {
@@ -131,7 +140,8 @@ impl Effect for Damping {
     fn elements(&self, motion: Motion<'_>) -> usize {
         let triangles: usize = self.bodies.iter().map(|body| body.corners().len()).sum();
         let springs: usize = self.nets.iter().map(|net| net.links().len()).sum();
-        motion.vertices() + triangles + springs
+        let membranes: usize = self.membranes.iter().map(|membrane| membrane.corners().len()).sum();
+        motion.vertices() + triangles + springs + membranes
     }
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
@@ -143,11 +153,11 @@ impl Effect for Damping {
         2 * self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)
     }
 
-    /// Dampers beside springs are summed one after another.
+    /// Dampers beside springs, and those of membranes, are summed one after another.
     fn uniform_force(&self) -> Option<UniformForce> {
         let uniform_force =
             UniformForce { mass_damping: self.alpha, stiffness_damping: self.beta, ..UniformForce::default() };
-        self.nets.is_empty().then_some(uniform_force)
+        (self.nets.is_empty() && self.membranes.is_empty()).then_some(uniform_force)
     }
 
     fn damping(&self, _: Motion<'_>) -> [f64; 2] {
@@ -158,13 +168,20 @@ impl Effect for Damping {
         for ((force, v), mass) in force.iter_mut().zip(motion.v).zip(motion.mass) {
             *force -= self.alpha * mass * v;
         }
-        for body in self.bodies.iter().filter(|body| !is_still(motion.v, body.vertices())) {
+        for body in self.bodies.iter().filter(|body| !is_still(motion, body.vertices())) {
             let viscous = Viscous::new(self.beta, body.material().lame());
             let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
             body.assemble(viscous, &mut forces, &mut scratch[..body.scratch()]);
         }
-        for net in self.nets.iter().filter(|net| !is_still(motion.v, net.vertices())) {
+        for net in self.nets.iter().filter(|net| !is_still(motion, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);
+        }
+        for membrane in self.membranes.iter().filter(|membrane| !is_still(motion, membrane.vertices())) {
+            membrane.add_viscous_force(
+                [motion.x, motion.v],
+                Viscous::new(self.beta, membrane.material().lame()),
+                force,
+            );
         }
     }
 
@@ -173,28 +190,38 @@ impl Effect for Damping {
             body.add_sparsity(add);
         }
         for net in &self.nets {
-            net.sparsity_pattern(add);
+            net.elements().sparsity_pattern(add);
+        }
+        for membrane in &self.membranes {
+            membrane.sparsity_pattern(add);
         }
     }
 
-    /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, for springs none.
+    /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, for springs and membranes
+    /// none.
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         matrix.add_to_diagonal(&|number| weights.velocity * self.alpha * motion.mass[number]);
-        let Some(matrix) = matrix.blocks::<2>() else { return };
         // The derivative of damping by x may be indefinite; that by v is not.
         let weights = match weights.tangent {
             Tangent::Exact => weights,
             _ => Weights { position: 0.0, ..weights },
         };
-        for body in &self.bodies {
-            let lame = body.material().lame();
-            let (mu, lambda) = (self.beta * lame.mu, self.beta * lame.lambda);
-            body.add_tangent(motion.x, 1.0, matrix, |number, f| {
-                viscous_tangent(f, &body.gradient_of(motion.v, number), weights, [mu, lambda])
-            });
+        if let Some(matrix) = matrix.blocks::<2>() {
+            for body in &self.bodies {
+                let lame = self.viscosities(body.material().lame());
+                body.add_tangent(motion.x, 1.0, matrix, |number, f| {
+                    viscous_tangent(f, &body.gradient_of(motion.v, number), weights, lame)
+                });
+            }
         }
         for net in &self.nets {
             net.add_damping_stiffness(motion.x, self.beta, weights.velocity, matrix);
+        }
+        let Some(matrix) = matrix.blocks::<3>() else { return };
+        let weights = Weights { position: 0.0, ..weights };
+        for membrane in &self.membranes {
+            let lame = self.viscosities(membrane.material().lame());
+            membrane.add_tangent(motion.x, matrix, |f| viscous_tangent(f, &Matrix2::zeros(), weights, lame));
         }
     }
 }

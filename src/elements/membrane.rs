@@ -26,6 +26,7 @@ use super::{
     BodyMaterial, ElasticElements,
     blocks::{EnergyLaw, StressLaw},
     tangent::{Isotropic, corner_blocks},
+    triangle::Rest,
 };
 use crate::{
     effects::{Effect, Motion},
@@ -34,6 +35,7 @@ use crate::{
     simd::{LANES, Lanes, Mat2, Real, Wide},
     solvers::{Block as MatrixBlock, BlockMatrix, SparseMatrix, Weights},
 };
+use nalgebra::{Matrix2, Matrix3x2, Matrix4};
 use pulp::{Arch, Simd, WithSimd};
 use std::{array, ops::Range, sync::Arc};
 
@@ -47,7 +49,7 @@ use std::{array, ops::Range, sync::Arc};
 ///
 /// with the unit normal n = q1 x q2 and the second Piola-Kirchhoff stress `S = G⁻¹ P(G)`, which is symmetric: it resists motion
 /// along the normal where it pulls, and makes the membrane buckle where it presses. (The first term is that of the plane in the
-/// frame Q. For dF = n bᵀ, FᵀF does not change in the first order, and neither does S, so that `dP = dF S`; Bonet and Wood, *Nonlinear Continuum
+/// frame Q. For `dF = n bᵀ` the product `FᵀF` does not change in the first order, and neither does S, so that `dP = dF S`; Bonet and Wood, *Nonlinear Continuum
 /// Mechanics for Finite Element Analysis*, section 7.4.)
 ///
 /// A triangle that is a line or a point has no normal: a fixed one is taken. Nothing can be inverted.
@@ -87,7 +89,7 @@ type Columns<R> = [Vector<R>; 2];
 type Edges = [[Lanes; 3]; 2];
 
 /// Number of blocks gathered at a time: enough for scalar stores to complete before they are read as SIMD vectors.
-const RUN_BLOCKS: usize = 8;
+const RUN_BLOCKS: usize = 4;
 
 /// Length of q2 before it is normalised, as a fraction of the second column of F, that could be round-off of zero.
 const FLAT: f64 = 1e-12;
@@ -312,6 +314,20 @@ impl Membranes {
             .map(|number| self.shape.blocks[number / LANES].volume[number % LANES] / self.thickness)
     }
 
+    /// G of each triangle (see [`Self`]): its deformation gradient in its own plane.
+    pub fn gradients(&self, x: &[f64]) -> impl Iterator<Item = Matrix2<f64>> {
+        let x = x.as_chunks().0;
+        self.shape.corners.iter().enumerate().map(|(number, corners)| {
+            let inverse = self.inverse(number);
+            Frame::of(product(edges(x, *corners), inverse)).g.into()
+        })
+    }
+
+    /// D0⁻¹ of a triangle, column by column [1/m].
+    fn inverse(&self, number: usize) -> [f64; 4] {
+        self.shape.blocks[number / LANES].inverse.each_ref().map(|entry| entry[number % LANES])
+    }
+
     /// Masses of the vertices \[kg\] of a density [kg/m³]: a third of each triangle at each corner.
     pub fn lumped_mass(&self, density: f64) -> Vec<f64> {
         let mut masses = vec![0.0; self.shape.vertices.len()];
@@ -360,6 +376,39 @@ impl Membranes {
         self.shape.set.dispatch(Assemble { law, shape, x, weight, negative, matrix });
     }
 
+    /// Adds the forces of a viscous stress in the plane of each triangle.
+    pub(crate) fn add_viscous_force(&self, moving: [&[f64]; 2], law: impl StressLaw, force: &mut [f64]) {
+        self.assemble(InPlane(law), moving, force);
+    }
+
+    /// Adds blocks for every triangle from `tangent`, the derivative of its stress in the plane by G or dG/dt (4 x 4, entries column by column,
+    /// symmetric) [Pa or Pa s].
+    pub(crate) fn add_tangent(
+        &self,
+        x: &[f64],
+        matrix: &mut BlockMatrix<3>,
+        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+    ) {
+        let x = x.as_chunks().0;
+        for (number, corners) in self.shape.corners.iter().enumerate() {
+            let (inverse, area) = (self.inverse(number), self.shape.blocks[number / LANES].volume[number % LANES]);
+            let Frame { q: [q1, q2], g } = Frame::of(product(edges(x, *corners), inverse));
+            let rest = Rest { inverse: Matrix2::from_column_slice(&inverse), area };
+            let q = Matrix3x2::from_columns(&[q1.into(), q2.into()]);
+            let [one, two, across] =
+                rest.corner_blocks(&tangent(&g.into()), 1.0).map(|block| q * block * q.transpose());
+            let turned = across.transpose();
+            let (to_one, to_two) = (-one - turned, -across - two);
+            // The rows of the first corner are minus the sum of the other two, by translation invariance.
+            for (corner, block) in corners.iter().zip([-to_one - to_two, one, two]) {
+                matrix.diagonal(*corner as usize, &block);
+            }
+            for block in [to_one, to_two, across] {
+                matrix.off_diagonal(&block);
+            }
+        }
+    }
+
     /// Adds the forces of a stress on the corners, `[f1 f2] = -V P D0⁻ᵀ`.
     fn assemble(&self, law: impl MembraneLaw, [x, v]: [&[f64]; 2], force: &mut [f64]) {
         let (x, v, force) = (x.as_chunks().0, v.as_chunks().0, force.as_chunks_mut().0);
@@ -367,15 +416,22 @@ impl Membranes {
     }
 }
 
+/// Edge vectors of a triangle.
+#[inline(always)]
+fn edges(x: &[[f64; 3]], corners: [u32; 3]) -> Columns<f64> {
+    let [a, b, c] = corners.map(|corner| x[corner as usize]);
+    [minus(b, a), minus(c, a)]
+}
+
 /// Edge vectors of some triangles, block by block.
 #[inline(always)]
 fn collect(triangles: &[[u32; 3]], x: &[[f64; 3]], edges: &mut [Edges; RUN_BLOCKS]) {
     for (number, corners) in triangles.iter().enumerate() {
-        let [a, b, c] = corners.map(|corner| x[corner as usize]);
         let (block, lane) = (number / LANES, number % LANES);
+        let [one, two] = self::edges(x, *corners);
         for axis in 0..3 {
-            edges[block][0][axis][lane] = b[axis] - a[axis];
-            edges[block][1][axis][lane] = c[axis] - a[axis];
+            edges[block][0][axis][lane] = one[axis];
+            edges[block][1][axis][lane] = two[axis];
         }
     }
 }

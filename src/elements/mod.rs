@@ -35,7 +35,7 @@ pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use material::{BodyMaterial, OwnMaterial};
 pub use membrane::Membranes;
 pub(crate) use partitions::is_unpartitioned;
-pub use spring::Springs;
+pub use spring::{NetSprings, Springs};
 pub(crate) use tangent::Isotropic;
 pub use triangle::Triangles;
 
@@ -66,8 +66,10 @@ pub struct Elements {
     /// The triangles of each body.
     pub triangles: Vec<Arc<Triangles>>,
     /// The springs of each net.
-    pub springs: Vec<Arc<Springs>>,
-    /// Names of the bodies, and of the nets after them.
+    pub springs: Vec<NetSprings>,
+    /// The triangles of each membrane.
+    pub membranes: Vec<Arc<Membranes>>,
+    /// Names of the bodies, of the nets after them, and of the membranes after these.
     pub names: Vec<String>,
     /// Positions at rest, flat \[m\].
     pub rest: Arc<Vec<f64>>,

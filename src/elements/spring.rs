@@ -13,7 +13,7 @@ use crate::{
 };
 use nalgebra::SVector;
 use pulp::{Arch, Simd, WithSimd};
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 /// The springs of one net, in the plane or in space: linear in their length.
 ///
@@ -109,6 +109,89 @@ impl<const D: usize> Springs<D> {
         for link in &self.links {
             let along = direction::<D>(x, link).map_or_else(SVector::zeros, |(along, _)| along);
             add_block(matrix, link, &(along * along.transpose()).map(|entry| factor * beta * link.stiffness * entry));
+        }
+    }
+}
+
+/// The springs of a net of a level: in the plane or in space.
+#[derive(Clone, Debug)]
+pub enum NetSprings {
+    /// In the plane.
+    Plane(Arc<Springs>),
+    /// In space.
+    Space(Arc<Springs<3>>),
+}
+
+impl NetSprings {
+    /// The springs; their ends are scene vertex numbers.
+    pub fn links(&self) -> &[Link] {
+        match self {
+            Self::Plane(springs) => springs.links(),
+            Self::Space(springs) => springs.links(),
+        }
+    }
+
+    /// Scene numbers of the net's particles.
+    pub fn vertices(&self) -> &Range<usize> {
+        match self {
+            Self::Plane(springs) => springs.vertices(),
+            Self::Space(springs) => springs.vertices(),
+        }
+    }
+
+    /// Stored energy at these positions \[J\].
+    pub fn elastic_energy(&self, x: &[f64]) -> f64 {
+        match self {
+            Self::Plane(springs) => springs.elastic_energy(x),
+            Self::Space(springs) => springs.elastic_energy(x),
+        }
+    }
+
+    /// The springs of a net in the plane.
+    pub const fn plane(&self) -> Option<&Arc<Springs>> {
+        match self {
+            Self::Plane(springs) => Some(springs),
+            Self::Space(_) => None,
+        }
+    }
+
+    /// Length of a spring at these positions \[m\].
+    pub fn length(&self, link: &Link, x: &[f64]) -> f64 {
+        match self {
+            Self::Plane(_) => between::<2>(x, link).norm(),
+            Self::Space(_) => between::<3>(x, link).norm(),
+        }
+    }
+
+    /// The elements.
+    pub fn elements(&self) -> Arc<dyn ElasticElements> {
+        match self {
+            Self::Plane(springs) => Arc::clone(springs) as Arc<dyn ElasticElements>,
+            Self::Space(springs) => Arc::clone(springs) as Arc<dyn ElasticElements>,
+        }
+    }
+
+    /// See [`Springs::add_damping`].
+    pub(crate) fn add_damping(&self, x: &[f64], v: &[f64], beta: f64, force: &mut [f64]) {
+        match self {
+            Self::Plane(springs) => springs.add_damping(x, v, beta, force),
+            Self::Space(springs) => springs.add_damping(x, v, beta, force),
+        }
+    }
+
+    /// See [`Springs::add_damping_stiffness`].
+    pub(crate) fn add_damping_stiffness(&self, x: &[f64], beta: f64, factor: f64, matrix: &mut dyn SparseMatrix) {
+        match self {
+            Self::Plane(springs) => {
+                if let Some(matrix) = matrix.blocks() {
+                    springs.add_damping_stiffness(x, beta, factor, matrix);
+                }
+            }
+            Self::Space(springs) => {
+                if let Some(matrix) = matrix.blocks() {
+                    springs.add_damping_stiffness(x, beta, factor, matrix);
+                }
+            }
         }
     }
 }

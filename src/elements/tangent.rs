@@ -111,7 +111,7 @@ impl Rest {
     /// `K_ab[i, k] = weight A sum over J, L of g_a[J] C[iJ, kL] g_b[L]`, with `g_a` the gradient of a corner's shape
     /// function, a row of D0⁻¹ (Bonet and Wood, *Nonlinear Continuum Mechanics for Finite Element Analysis*, section 9.4).
     #[inline]
-    fn corner_blocks(&self, tangent: &Matrix4<f64>, weight: f64) -> [Matrix2<f64>; 3] {
+    pub(super) fn corner_blocks(&self, tangent: &Matrix4<f64>, weight: f64) -> [Matrix2<f64>; 3] {
         let scale = weight * self.area;
         let gradient = |corner: usize| [self.inverse[(corner, 0)], self.inverse[(corner, 1)]];
         let (g1, g2) = (gradient(0), gradient(1));

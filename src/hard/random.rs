@@ -9,7 +9,7 @@ use crate::{
     levels,
     materials::{MaterialParameters, Model},
     meshes::NoFiles,
-    quantity::{Angle, Coordinate, Density, Factor, Mass, Point, Poisson, Spin, Time, Velocity, Young},
+    quantity::{Angle, Coordinate, Density, Factor, Mass, Point, Poisson, Position, Spin, Time, Velocity, Young},
     random,
     scene::Scene,
     simulation::Simulation,
@@ -179,6 +179,11 @@ fn vary<R: Iterator<Item = f64>>(mut level: Level, model: Model, draw: &mut Draw
     for body in &mut level.bodies {
         vary_body(body, model, draw);
     }
+    for membrane in &mut level.membranes {
+        let now = membrane.material;
+        let young = Young::new(now.young().get() * draw.factor(2.0)).unwrap_or(now.young());
+        membrane.material = MaterialParameters::new(model, young, now.poisson(), now.plane()).unwrap_or(now);
+    }
     for listed in &mut level.effects {
         for number in listed.effect.kind_mut().parameters() {
             if draw.chance(0.3) {
@@ -189,7 +194,8 @@ fn vary<R: Iterator<Item = f64>>(mut level: Level, model: Model, draw: &mut Draw
     }
     if draw.chance(0.4) {
         let time = |seconds: f64| Time::new(seconds).unwrap_or(Time::literal(0.0));
-        let actions = [Action::Grab(draw.point()), Action::Pull { to: draw.point(), over: time(0.2) }, Action::Release];
+        let mut point = || Position::Plane(draw.point());
+        let actions = [Action::Grab(point()), Action::Pull { to: point(), over: time(0.2) }, Action::Release];
         level.actions = actions
             .into_iter()
             .zip([0.0, 0.0, 0.5])

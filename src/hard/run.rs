@@ -59,6 +59,9 @@ impl Run {
     pub fn new(case: &Case, model: Model, method: Method) -> Result<Self, SceneError> {
         let level = Level { substeps: Substeps::nearest(1.0), sleep: Toggle::Off, ..case.level(model, method) };
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
+        if scene.dimension != 2 {
+            return Err(SceneError::HardCaseInSpace);
+        }
         let fence = Fence::new(&level, &scene, case.within);
         let simulation = Simulation::open(scene, &level, level.mode)?;
         let end = match case.lasts {

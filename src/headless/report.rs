@@ -303,10 +303,10 @@ pub struct SubstepReport {
     pub critical_step_seconds: Option<f64>,
 }
 
-/// Reports of the bodies, then of the nets. Empty if all took the same steps.
+/// Reports of the bodies, of the nets and of the membranes. Empty if all took the same steps.
 fn substep_reports(simulation: &Simulation) -> Vec<SubstepReport> {
     let scene = simulation.scene();
-    let names = scene.bodies.iter().map(|body| &body.name).chain(scene.nets.iter().map(|net| &net.name));
+    let names = scene.part_names();
     let row = |(name, plan): (&String, SubstepPlan)| SubstepReport {
         name: name.clone(),
         steps: plan.steps,

@@ -1,6 +1,6 @@
 //! Levels built in code.
 
-use super::{BodyLevel, EffectLevel, Level, MassLevel, NetLevel, no_spin, no_velocity, unstretched};
+use super::{BodyLevel, EffectLevel, Level, MassLevel, MembraneLevel, NetLevel, no_spin, no_velocity, unstretched};
 use crate::{
     effects::EffectKind, materials::MaterialParameters, meshes::MeshKind, nets::NetKind, quantity::ParticleMass,
 };
@@ -50,6 +50,20 @@ impl Level {
         self
     }
 
+    /// Names of its bodies, nets and membranes, in their order in a scene.
+    pub fn part_names(&self) -> impl Iterator<Item = &String> {
+        let nets = self.nets.iter().map(|net| &net.name);
+        let membranes = self.membranes.iter().map(|membrane| &membrane.name);
+        self.bodies.iter().map(|body| &body.name).chain(nets).chain(membranes)
+    }
+
+    /// The level with one more membrane.
+    #[must_use]
+    pub fn with_membrane(mut self, membrane: MembraneLevel) -> Self {
+        self.membranes.push(membrane);
+        self
+    }
+
     /// The level with one more effect, which acts in every mode.
     #[must_use]
     pub fn with_effect(mut self, effect: impl Into<EffectKind>) -> Self {
@@ -90,6 +104,6 @@ impl BodyLevel {
 impl NetLevel {
     /// A net at rest and free, each of whose particles has a mass.
     pub fn new(name: impl Into<String>, net: impl Into<NetKind>, mass: ParticleMass) -> Self {
-        Self { name: name.into(), net: net.into(), mass, velocity: no_velocity(), pins: Vec::new() }
+        Self { name: name.into(), net: net.into(), mass, velocity: no_velocity(), pins: Vec::new(), space: None }
     }
 }

@@ -1,7 +1,7 @@
 //! Saved state of a running level.
 
 use super::is_default;
-use crate::quantity::{Coordinate, Point, Reach, Time};
+use crate::quantity::{Coordinate, Point, Position, Reach, Time};
 use serde::{Deserialize, Serialize};
 
 /// A moment of a running scene: enough to continue bit for bit.
@@ -14,9 +14,9 @@ pub struct SavedState {
     /// Simulated time \[s\].
     pub time: Time,
     /// Positions of all bodies' vertices and then all nets' particles, one after another \[m\]; of a toy, its state.
-    pub positions: Vec<Point>,
+    pub positions: Vec<Position>,
     /// Velocities of the same [m/s]; a toy has none.
-    pub velocities: Vec<Point>,
+    pub velocities: Vec<Position>,
     /// What the integrator remembers between steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub memory: Vec<Coordinate>,
@@ -28,7 +28,7 @@ pub struct SavedState {
     pub calm: Vec<u32>,
     /// The vertex that a scripted action pulls, by its place in the positions, and the point that it is pulled to \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pulled: Option<(u32, Point)>,
+    pub pulled: Option<(u32, Position)>,
     /// What the guard knew, if the run was guarded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guard: Option<SavedGuard>,
@@ -42,7 +42,7 @@ pub struct SavedState {
 
 impl SavedState {
     /// Positions and velocities at a time, without anything that a run remembers of earlier steps.
-    pub const fn new((steps, time): (u64, Time), positions: Vec<Point>, velocities: Vec<Point>) -> Self {
+    pub const fn new((steps, time): (u64, Time), positions: Vec<Position>, velocities: Vec<Position>) -> Self {
         Self {
             steps,
             time,

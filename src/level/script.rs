@@ -1,7 +1,7 @@
 //! Scripted actions of a level.
 
 use super::Side;
-use crate::quantity::{Angle, Point, Time};
+use crate::quantity::{Angle, Position, Time};
 use serde::{Deserialize, Serialize};
 
 /// A scripted action: something that is done to a scene while it runs.
@@ -23,11 +23,11 @@ pub struct ScriptedAction {
 #[serde(deny_unknown_fields)]
 pub enum Action {
     /// Takes hold of the vertex nearest to a point \[m\].
-    Grab(Point),
+    Grab(Position),
     /// Moves the point that the vertex is pulled to, straight and evenly.
     Pull {
         /// Where to \[m\].
-        to: Point,
+        to: Position,
         /// In which time \[s\].
         over: Time,
     },

@@ -7,6 +7,8 @@ use crate::meshes::{NEAR, Numbering, size};
 pub struct Net {
     points: Vec<[f64; 2]>,
     links: Vec<Link>,
+    /// Triangles that fill its cells, for drawing; empty if it has none.
+    faces: Vec<[u32; 3]>,
     numbering: Numbering,
 }
 
@@ -116,7 +118,7 @@ impl Net {
         }
         match held.iter().position(|held| !held) {
             Some(particle) => Err(NetError::Unused { particle, count: held.iter().filter(|held| !**held).count() }),
-            None => Ok(Self { points, links, numbering: Numbering::default() }),
+            None => Ok(Self { points, links, faces: Vec::new(), numbering: Numbering::default() }),
         }
     }
 
@@ -125,7 +127,19 @@ impl Net {
     pub fn renumbered(&self, numbering: Numbering) -> Self {
         let link = |link: Link| Link { ends: link.ends.map(|end| numbering.vertex(end)), ..link };
         let links = numbering.elements_of(&self.links).into_iter().map(link).collect();
-        Self { points: numbering.vertices_of(&self.points), links, numbering }
+        let faces = self.faces.iter().map(|face| face.map(|corner| numbering.vertex(corner))).collect();
+        Self { points: numbering.vertices_of(&self.points), links, faces, numbering }
+    }
+
+    /// The net with triangles between its particles, by which it is drawn in space. They carry no force.
+    #[must_use]
+    pub(super) fn with_faces(self, faces: Vec<[u32; 3]>) -> Self {
+        Self { faces, ..self }
+    }
+
+    /// Triangles between its particles, by which it is drawn in space; empty if it is drawn by its springs.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
     }
 
     /// Numbers of particles and springs in the original list.

@@ -82,7 +82,13 @@ impl NetSource for Sheet {
                 }
             }
         }
-        Net::new(points, links)
+        let cell = |row: u32, column: u32| {
+            let here = row * (columns + 1) + column;
+            let [a, b, c, d] = [here, here + 1, here + columns + 2, here + columns + 1];
+            [[a, b, c], [a, c, d]]
+        };
+        let faces = (0..rows).flat_map(|row| (0..columns).flat_map(move |column| cell(row, column))).collect();
+        Ok(Net::new(points, links)?.with_faces(faces))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

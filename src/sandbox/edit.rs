@@ -3,8 +3,9 @@
 use super::{Refused, Sandbox, Then};
 use crate::{
     command::Command,
-    document::Gesture,
+    document::{Document, Gesture},
     level::{EffectLevel, Switch, When},
+    materials::Model,
 };
 
 impl Sandbox {
@@ -16,12 +17,7 @@ impl Sandbox {
         let mut gesture = None;
         match command {
             Command::SetModel(model) => {
-                document.side_by_side = None;
-                document.level.state = None;
-                for body in &mut document.level.bodies {
-                    body.material = body.material.try_with_model(model)?;
-                    body.own_material = None;
-                }
+                set_model(&mut document, model)?;
                 then = Then::Restart;
             }
             Command::SetMaterial(body, material) => {
@@ -46,6 +42,11 @@ impl Sandbox {
                 let body = document.source(body);
                 get(&mut document.level.bodies, body)?.mass = mass;
                 gesture = Some(Gesture::Mass(body));
+            }
+            Command::SetMembrane(number, material, thickness, mass) => {
+                let listed = get(&mut document.level.membranes, number)?;
+                (listed.material, listed.thickness, listed.mass) = (material, thickness, mass);
+                gesture = Some(Gesture::Membrane(number));
             }
             Command::SetNet(number, net, mass) => {
                 let listed = get(&mut document.level.nets, number)?;
@@ -110,4 +111,18 @@ impl Sandbox {
 
 fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
     list.get_mut(number).ok_or(Refused::NotHere("there is no such body or effect"))
+}
+
+/// Sets the constitutive model of all bodies and membranes.
+fn set_model(document: &mut Document, model: Model) -> Result<(), Refused> {
+    document.side_by_side = None;
+    document.level.state = None;
+    for body in &mut document.level.bodies {
+        body.material = body.material.try_with_model(model)?;
+        body.own_material = None;
+    }
+    for membrane in &mut document.level.membranes {
+        membrane.material = membrane.material.try_with_model(model)?;
+    }
+    Ok(())
 }

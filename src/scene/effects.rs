@@ -4,7 +4,7 @@ use super::{Scene, SceneError};
 use crate::{
     contact::{ContactModel, ContactProperties, SurfaceVertices},
     effects::{DuplicatePolicy, Effect},
-    elements::{ElasticElements, Elements},
+    elements::{ElasticElements, Elements, NetSprings},
     level::{EffectLevel, Level, RunMode, Switch, When},
 };
 use std::sync::Arc;
@@ -14,21 +14,17 @@ impl Scene {
     pub(super) fn add_effects(&mut self, level: &Level, mode: RunMode) -> Result<(), SceneError> {
         let mut elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
-            springs: self.nets.iter().map(|net| Arc::clone(&net.springs)).collect(),
-            names: level
-                .bodies
-                .iter()
-                .map(|body| &body.name)
-                .chain(level.nets.iter().map(|net| &net.name))
-                .cloned()
-                .collect(),
+            springs: self.nets.iter().map(|net| net.springs.clone()).collect(),
+            membranes: self.membranes.iter().map(|membrane| Arc::clone(&membrane.elements)).collect(),
+            names: level.part_names().cloned().collect(),
             rest: Arc::new(self.rest.clone()),
             surface: Arc::new(self.surface_vertices()),
             contact: ContactModel::default(),
         };
         let bodies = elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn ElasticElements>);
-        let nets = elements.springs.iter().map(|net| Arc::clone(net) as Arc<dyn ElasticElements>);
-        self.set_parts(bodies.chain(nets).collect());
+        let nets = elements.springs.iter().map(NetSprings::elements);
+        let membranes = elements.membranes.iter().map(|membrane| Arc::clone(membrane) as Arc<dyn ElasticElements>);
+        self.set_parts(bodies.chain(nets).chain(membranes).collect());
         self.messages.extend(examined(&level.effects)?);
         let mut touching = Touching::default();
         let build = |listed: &EffectLevel, elements: &Elements| {
@@ -49,6 +45,9 @@ impl Scene {
         elements.contact = properties.into();
         for listed in level.effects.iter().filter(acts) {
             let mut effect = build(listed, &elements)?;
+            if let Some(dimension) = effect.dimension().filter(|dimension| *dimension != self.dimension) {
+                return Err(SceneError::Dimension { effect: listed.effect.name(), dimension, scene: self.dimension });
+            }
             effect.set_number(self.effects.len());
             self.effects.push(Arc::from(effect));
             self.auto.push(listed.switch == Switch::Auto);
@@ -68,7 +67,11 @@ impl Scene {
                 body.boundary.iter().map(|edge| edge.map(|vertex| vertex + body.vertices.start as u32)).collect();
             surface.add_body(&body.elements, &edges, &self.rest, &self.mass);
         }
-        self.nets.iter().for_each(|net| surface.add_net(&net.springs, &self.mass));
+        for net in &self.nets {
+            if let NetSprings::Plane(springs) = &net.springs {
+                surface.add_net(springs, &self.mass);
+            }
+        }
         surface
     }
 }

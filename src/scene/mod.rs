@@ -3,11 +3,13 @@
 
 mod checks;
 mod effects;
+mod membrane;
 mod net;
 mod numbering;
 mod start;
 mod sub_scene;
 
+pub use membrane::Membrane;
 pub use net::Net;
 use start::{on_edge, pinned, sliding};
 pub use sub_scene::SubScene;
@@ -18,7 +20,7 @@ use crate::{
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
-    quantity::Point,
+    quantity::{Factor, Position},
     state::State,
     toys::ToyKind,
 };
@@ -31,6 +33,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// The nets, in the order of the level; their particles come after the bodies' vertices.
     pub nets: Vec<Net>,
+    /// The membranes, in the order of the level; their vertices come after the nets' particles.
+    pub membranes: Vec<Membrane>,
     /// The toy problem in place of bodies and nets, if any: its state is `x`, and `v` is empty.
     pub toy: Option<ToyKind>,
     /// Number of coordinates of a vertex.
@@ -49,7 +53,7 @@ pub struct Scene {
     pub rollers: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
-    /// Elements of each body and then each net, which are also the first effects.
+    /// Elements of each body, each net and each membrane, which are also the first effects.
     pub parts: Vec<Arc<dyn ElasticElements>>,
     /// All effects, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
@@ -63,7 +67,7 @@ pub struct Scene {
     pub guard: bool,
     /// Whether bodies and nets at rest sleep until something acts on them.
     pub sleep: bool,
-    /// Sub-scenes of each body and then each net, with multirate stepping; empty otherwise.
+    /// Sub-scenes of each body, each net and each membrane, with multirate stepping; empty otherwise.
     pub sub_scenes: Vec<Arc<SubScene>>,
     /// Repairs while building, and other notes for the user.
     pub messages: Vec<String>,
@@ -97,16 +101,18 @@ pub enum Owner {
     Body(usize),
     /// A net, by number.
     Net(usize),
+    /// A membrane, by number.
+    Membrane(usize),
 }
 
 /// A level that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// The level has no bodies, nets or toy.
-    #[error("a level needs at least one body or net, or a toy")]
+    /// The level has no bodies, nets, membranes or toy.
+    #[error("a level needs at least one body, net or membrane, or a toy")]
     Nothing,
     /// A toy together with bodies, nets or effects.
-    #[error("a level with a toy problem has nothing else: remove its bodies, nets and effects, or the toy")]
+    #[error("a level with a toy problem has nothing else: remove its bodies, nets, membranes and effects, or the toy")]
     ToyWithOthers,
     /// The integrator needs positions and velocities, which a toy lacks.
     #[error(
@@ -133,6 +139,24 @@ pub enum SceneError {
         name: String,
         /// What is wrong, and what to do.
         why: String,
+    },
+    /// An error in a membrane's mesh, pins or place.
+    #[error("membrane {name:?}: {why}")]
+    Membrane {
+        /// Name of the membrane.
+        name: String,
+        /// What is wrong, and what to do.
+        why: String,
+    },
+    /// Something in the plane together with something in space.
+    #[error(
+        "{plane:?} is in the plane, but {space:?} is in space: give nets a place with `space`, and make bodies membranes, or keep both apart"
+    )]
+    Mixed {
+        /// Name of a body or net in the plane.
+        plane: String,
+        /// Name of a net or membrane in space.
+        space: String,
     },
     /// An error in an effect's parameters.
     #[error("effect {name}: {why}")]
@@ -174,6 +198,12 @@ pub enum SceneError {
         /// Number of vertices.
         vertices: usize,
     },
+    /// A hard case in space.
+    #[error("hard cases are in the plane, but this level is in space")]
+    HardCaseInSpace,
+    /// The saved state has points of the plane in a scene in space, or the other way round.
+    #[error("the saved state must have points with {0} coordinates each, as the level has")]
+    StateDimension(usize),
 }
 
 impl Body {
@@ -196,13 +226,17 @@ impl Scene {
             step: level.substeps.step(),
             guard: level.guard == Toggle::On,
             sleep: level.sleep == Toggle::On,
-            ..Self::empty(2)
+            ..Self::empty(dimension(level)?)
         };
         for body in &level.bodies {
             scene.add_body(body, files, previous).map_err(|why| SceneError::Body { name: body.name.clone(), why })?;
         }
         for net in &level.nets {
             scene.add_net(net).map_err(|why| SceneError::Net { name: net.name.clone(), why })?;
+        }
+        for membrane in &level.membranes {
+            let why = |why| SceneError::Membrane { name: membrane.name.clone(), why };
+            scene.add_membrane(membrane, files, previous).map_err(why)?;
         }
         if let Some(toy) = &level.toy {
             scene.start.x.extend(toy.kind().exact(0.0));
@@ -219,6 +253,7 @@ impl Scene {
         Self {
             bodies: Vec::new(),
             nets: Vec::new(),
+            membranes: Vec::new(),
             toy: None,
             dimension,
             rest: Vec::new(),
@@ -318,7 +353,10 @@ impl Scene {
             let (positions, velocities) = (saved.positions.len(), saved.velocities.len());
             return Err(SceneError::State { positions, velocities, vertices });
         }
-        let flat = |points: &[Point]| points.iter().flat_map(|point| point.get()).collect::<Vec<_>>();
+        if saved.positions.iter().chain(&saved.velocities).any(|point| point.dimension() != self.dimension) {
+            return Err(SceneError::StateDimension(self.dimension));
+        }
+        let flat = |points: &[Position]| points.iter().flat_map(|point| point.coordinates()).collect::<Vec<_>>();
         let mut v = self.unlisted(&flat(&saved.velocities));
         for (v, _) in v.iter_mut().zip(&self.inverse_mass).filter(|(_, inverse_mass)| **inverse_mass == 0.0) {
             *v = 0.0;
@@ -356,6 +394,13 @@ impl Scene {
             elastic_span: 0.0,
             lag: 0.0,
         }
+    }
+
+    /// Names of the bodies, nets and membranes.
+    pub fn part_names(&self) -> impl Iterator<Item = &String> {
+        let nets = self.nets.iter().map(|net| &net.name);
+        let membranes = self.membranes.iter().map(|membrane| &membrane.name);
+        self.bodies.iter().map(|body| &body.name).chain(nets).chain(membranes)
     }
 
     /// Number of vertices; a toy has none.
@@ -416,7 +461,7 @@ impl Scene {
         let masses = lumped(level.mass, &elements);
         let pins = pinned(&level.pins, rest, numbering)?;
         let rollers: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
-        let mut start = stretched(level, rest);
+        let mut start = stretched(level.stretch, rest);
         start::reshape(level.start, (&pins, &rollers), numbering, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
@@ -443,9 +488,22 @@ impl Scene {
     }
 }
 
-/// Checks that a level has bodies and nets, or a toy with a suitable integrator.
+/// Number of coordinates of a level: two, or three if its nets and membranes are in space.
+fn dimension(level: &Level) -> Result<usize, SceneError> {
+    let nets =
+        |in_space: bool| level.nets.iter().filter(move |net| net.space.is_some() == in_space).map(|net| &net.name);
+    let plane = level.bodies.iter().map(|body| &body.name).chain(nets(false)).next();
+    let space = level.membranes.iter().map(|membrane| &membrane.name).chain(nets(true)).next();
+    match (plane, space) {
+        (Some(plane), Some(space)) => Err(SceneError::Mixed { plane: plane.clone(), space: space.clone() }),
+        (_, Some(_)) => Ok(3),
+        _ => Ok(2),
+    }
+}
+
+/// Checks that a level has bodies, nets and membranes, or a toy with a suitable integrator.
 fn check_kind(level: &Level) -> Result<(), SceneError> {
-    let still = level.bodies.is_empty() && level.nets.is_empty();
+    let still = level.bodies.is_empty() && level.nets.is_empty() && level.membranes.is_empty();
     if level.toy.is_none() {
         return if still { Err(SceneError::Nothing) } else { Ok(()) };
     }
@@ -488,8 +546,8 @@ fn placed(level: &BodyLevel, mesh: &Mesh) -> Vec<f64> {
 }
 
 /// The start positions: stretched about the middle of the bottom edge, flat \[m\].
-fn stretched(level: &BodyLevel, rest: &[f64]) -> Vec<f64> {
-    let (sx, sy) = (level.stretch.0.get(), level.stretch.1.get());
+fn stretched((sx, sy): (Factor, Factor), rest: &[f64]) -> Vec<f64> {
+    let (sx, sy) = (sx.get(), sy.get());
     let ((left, right), (bottom, _)) = (extent(rest, 0), extent(rest, 1));
     let middle = 0.5 * (left + right);
     let along =
@@ -524,15 +582,16 @@ fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
 }
 
 /// The number of the vertex nearest to a point, by flat positions; the lowest of equals.
-pub fn nearest_vertex(x: &[f64], point: [f64; 2]) -> Option<usize> {
-    nearest(0..x.len() / 2, x, point)
+pub fn nearest_vertex(x: &[f64], point: &[f64]) -> Option<usize> {
+    nearest(0..x.len() / point.len(), x, point)
 }
 
 /// The vertex of these that is nearest to a point, by flat positions; the first of equals.
-fn nearest(vertices: impl Iterator<Item = usize>, x: &[f64], [px, py]: [f64; 2]) -> Option<usize> {
+fn nearest(vertices: impl Iterator<Item = usize>, x: &[f64], point: &[f64]) -> Option<usize> {
+    let dimension = point.len();
     let square = |vertex: usize| {
-        let (dx, dy) = (x[2 * vertex] - px, x[2 * vertex + 1] - py);
-        dx * dx + dy * dy
+        let own = &x[dimension * vertex..dimension * (vertex + 1)];
+        own.iter().zip(point).map(|(x, p)| (x - p) * (x - p)).sum::<f64>()
     };
     let squares = vertices.map(|vertex| (vertex, square(vertex)));
     squares.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(vertex, _)| vertex)

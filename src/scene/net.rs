@@ -1,7 +1,12 @@
 //! Builds the nets of a scene.
 
 use super::{Scene, numbering, pinned};
-use crate::{elements::Springs, level::NetLevel, meshes::Numbering};
+use crate::{
+    elements::{NetSprings, Springs},
+    level::NetLevel,
+    meshes::Numbering,
+    nets::Link,
+};
 use std::{ops::Range, sync::Arc};
 
 /// One net of a scene.
@@ -12,7 +17,9 @@ pub struct Net {
     /// Its particles in the scene.
     pub vertices: Range<usize>,
     /// Its elements.
-    pub springs: Arc<Springs>,
+    pub springs: NetSprings,
+    /// Triangles by which it is drawn in space, by the numbers of the scene; empty if it is drawn by its springs.
+    pub faces: Arc<Vec<[u32; 3]>>,
     /// Names of its particles and springs in the level.
     pub numbering: Numbering,
 }
@@ -25,14 +32,31 @@ impl Scene {
         let points = net.points().as_flattened();
         let pins = pinned(&level.pins, points, net.numbering())?;
         let (vx, vy) = (level.velocity.0.get(), level.velocity.1.get());
-        self.rest.extend(points);
-        self.start.x.extend(points);
-        self.start.v.extend(vertices.clone().flat_map(|_| [vx, vy]));
+        let velocity = [vx, vy];
+        if let Some(place) = level.space {
+            let rest: Vec<_> = net.points().iter().flat_map(|point| place.placed(*point)).collect();
+            let ([x, y, z], (dx, dy, dz)) = (place.turned(velocity), place.velocity);
+            self.start.v.extend(vertices.clone().flat_map(|_| [x + dx.get(), y + dy.get(), z + dz.get()]));
+            self.start.x.extend(&rest);
+            self.rest.extend(rest);
+        } else {
+            self.rest.extend(points);
+            self.start.x.extend(points);
+            self.start.v.extend(vertices.clone().flat_map(|_| velocity));
+        }
         self.mass.extend(std::iter::repeat_n(level.mass.get(), self.dimension * vertices.len()));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         self.messages.extend(net.messages().iter().map(|message| format!("{}: {message}", level.name)));
-        let springs = Arc::new(Springs::new(&net, vertices.clone()));
-        self.nets.push(Net { name: level.name.clone(), vertices, springs, numbering: net.numbering().clone() });
+        let springs = if level.space.is_some() {
+            let first = vertices.start as u32;
+            let links = net.links().iter().map(|link| Link { ends: link.ends.map(|end| end + first), ..*link });
+            NetSprings::Space(Arc::new(Springs::of_links(links.collect(), vertices.clone())))
+        } else {
+            NetSprings::Plane(Arc::new(Springs::new(&net, vertices.clone())))
+        };
+        let faces = net.faces().iter().map(|face| face.map(|corner| corner + first as u32)).collect();
+        let (name, faces, numbering) = (level.name.clone(), Arc::new(faces), net.numbering().clone());
+        self.nets.push(Net { name, vertices, springs, faces, numbering });
         Ok(())
     }
 }

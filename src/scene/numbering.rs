@@ -77,12 +77,17 @@ impl Scene {
         anchors
     }
 
-    /// All bodies and nets.
+    /// All bodies, nets and membranes.
     fn owners(&self) -> impl Iterator<Item = (Owner, Range<usize>, &Numbering)> {
         let bodies = self.bodies.iter().enumerate();
         let bodies = bodies.map(|(number, body)| (Owner::Body(number), body.vertices.clone(), body.mesh.numbering()));
         let nets = self.nets.iter().enumerate();
-        bodies.chain(nets.map(|(number, net)| (Owner::Net(number), net.vertices.clone(), &net.numbering)))
+        let nets = nets.map(|(number, net)| (Owner::Net(number), net.vertices.clone(), &net.numbering));
+        let membranes =
+            self.membranes.iter().enumerate().map(|(number, membrane)| {
+                (Owner::Membrane(number), membrane.vertices.clone(), membrane.mesh.numbering())
+            });
+        bodies.chain(nets).chain(membranes)
     }
 
     /// Moves values from the first of two numbers to the second, both computed from a vertex and its name.

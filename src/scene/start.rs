@@ -84,7 +84,7 @@ pub(super) fn pinned(pins: &[Pin], rest: &[f64], numbering: &Numbering) -> Resul
             }
             Pin::Nearest(point) => {
                 let listed = (0..count as u32).map(|name| numbering.vertex(name) as usize);
-                pinned.extend(nearest(listed, rest, point.get()).map(|i| i as u32));
+                pinned.extend(nearest(listed, rest, &point.get()).map(|i| i as u32));
             }
             Pin::Left => pinned.extend(on_edge(0, false)),
             Pin::Right => pinned.extend(on_edge(0, true)),

@@ -55,13 +55,17 @@ impl Scene {
             (Level { bodies: vec![listed.clone()], ..Level::default() }, body.vertices.clone(), elements)
         });
         let nets = level.nets.iter().zip(&self.nets).map(|(listed, net)| {
-            let elements = Elements { springs: vec![Arc::clone(&net.springs)], ..Elements::default() };
+            let elements = Elements { springs: vec![net.springs.clone()], ..Elements::default() };
             (Level { nets: vec![listed.clone()], ..Level::default() }, net.vertices.clone(), elements)
+        });
+        let membranes = level.membranes.iter().zip(&self.membranes).map(|(listed, membrane)| {
+            let elements = Elements { membranes: vec![Arc::clone(&membrane.elements)], ..Elements::default() };
+            (Level { membranes: vec![listed.clone()], ..Level::default() }, membrane.vertices.clone(), elements)
         });
         let there =
             |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
         let mut sub_scenes = Vec::new();
-        for (number, (own, vertices, elements)) in bodies.chain(nets).enumerate() {
+        for (number, (own, vertices, elements)) in bodies.chain(nets).chain(membranes).enumerate() {
             // Effects that cannot act on it, as the compression guard on a net, are omitted.
             let acting = level.effects.iter().filter(there).zip(self.element_count()..);
             let acting = acting.filter(|(listed, _)| listed.effect.kind().build(&elements).is_ok());

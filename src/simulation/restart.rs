@@ -6,7 +6,7 @@ use crate::{
     effects::Grab,
     guard::Guard,
     level::{Level, RunMode, SavedState},
-    quantity::{Coordinate, Point, Reach, Time},
+    quantity::{Coordinate, Point, Position, Reach, Time},
     report::{Counts, EffectCost},
     scene::{Scene, SceneError},
     state::State,
@@ -162,7 +162,7 @@ impl Simulation {
     /// A state for a level file, without guard and checkpoints; `None` if it is not finite.
     fn saved_state(&self, state: &State) -> Option<SavedState> {
         let points =
-            |flat: &[f64]| flat.chunks_exact(2).map(|p| Point::new([p[0], p[1]]).ok()).collect::<Option<Vec<_>>>();
+            |flat: &[f64]| flat.chunks_exact(self.scene.dimension).map(Position::new).collect::<Option<Vec<_>>>();
         let state = self.scene.listed_state(state);
         let anchor = |anchor: &Anchor| {
             let ContactName { effect, surface, vertex } = anchor.contact;
@@ -179,7 +179,7 @@ impl Simulation {
 
 /// Hash of saved positions and velocities: saved guard data do not apply to an edited state.
 fn hash(saved: &SavedState) -> u64 {
-    let flat = |points: &[Point]| points.iter().flat_map(|point| point.get()).collect();
+    let flat = |points: &[Position]| points.iter().flat_map(|point| point.coordinates()).collect();
     State { x: flat(&saved.positions), v: flat(&saved.velocities), ..State::default() }.hash()
 }
 

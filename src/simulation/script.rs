@@ -8,7 +8,7 @@ use crate::{
     effects::{EffectKind, Grab},
     level::{Action, Level, RunMode, ScriptedAction, Side},
     meshes::NoFiles,
-    quantity::{Gravity, Point},
+    quantity::{Gravity, Position},
     report::Energies,
     scene::{Scene, extent, nearest_vertex},
     state::State,
@@ -58,7 +58,7 @@ impl Script {
     }
 
     /// Point at which the pulled vertex was grabbed, and the point that it is pulled to \[m\].
-    fn scripted_grab(&self) -> Option<([f64; 2], [f64; 2])> {
+    fn scripted_grab(&self) -> Option<(Position, [f64; 3])> {
         let last = self.due.checked_sub(1)?;
         let latest = |scripted: &ScriptedAction| scripted.count(last).checked_sub(1).map(|count| scripted.begin(count));
         let holds =
@@ -75,7 +75,7 @@ impl Script {
             }
             frame = next + 1;
         }
-        Some((point.get(), target))
+        Some((point, target))
     }
 
     /// The level with the changes so far.
@@ -92,6 +92,7 @@ impl Script {
         if self.changes.freed {
             level.bodies.iter_mut().for_each(|body| body.pins.clear());
             level.nets.iter_mut().for_each(|net| net.pins.clear());
+            level.membranes.iter_mut().for_each(|membrane| membrane.pins.clear());
         }
         level
     }
@@ -151,9 +152,9 @@ impl Simulation {
     }
 
     /// Pulled vertex as the level lists it, and its target \[m\], if there are scripted actions.
-    pub fn scripted_pull(&self) -> Option<(u32, Point)> {
+    pub fn scripted_pull(&self) -> Option<(u32, Position)> {
         let Grab { vertex, target } = self.grab.filter(|_| self.script.is_some())?;
-        Some((self.scene.listed_vertex(vertex)? as u32, Point::new(target).ok()?))
+        Some((self.scene.listed_vertex(vertex)? as u32, Position::new(target.get(..self.scene.dimension)?)?))
     }
 
     /// Performs the scripted actions that are due and calls `listener` with the energies before and after each. [`Self::advance`] does so
@@ -193,11 +194,16 @@ impl Simulation {
         }
         if self.grab.is_none()
             && let Some((point, target)) = script.scripted_grab()
-            && let Some(vertex) = nearest_vertex(&self.state.x, point)
+            && let Some(vertex) = self.nearest(point)
         {
             self.set_grab(Some(Grab { vertex, target }));
         }
         self.script = Some(script);
+    }
+
+    /// The vertex nearest to a point.
+    fn nearest(&self, point: Position) -> Option<usize> {
+        nearest_vertex(&self.state.x, point.get().get(..self.scene.dimension)?)
     }
 
     /// Frame of the present time. A time within half a step of the begin of a frame belongs to it.
@@ -221,8 +227,9 @@ impl Simulation {
             }
             match scripted.action {
                 Action::Grab(point) => {
-                    if let Some(vertex) = nearest_vertex(&self.state.x, point.get()) {
-                        let target = [self.state.x[2 * vertex], self.state.x[2 * vertex + 1]];
+                    if let Some(vertex) = self.nearest(point) {
+                        let own = &self.state.x[self.scene.numbers(&(vertex..vertex + 1))];
+                        let target = std::array::from_fn(|axis| own.get(axis).copied().unwrap_or(0.0));
                         self.change(listener, |own| own.set_grab(Some(Grab { vertex, target })));
                     }
                 }
@@ -269,9 +276,9 @@ impl Simulation {
 }
 
 /// Target a frame later, if the vertex reaches another point in the given number of frames \[m\].
-fn pulled(target: [f64; 2], to: [f64; 2], left: u64) -> [f64; 2] {
+fn pulled(target: [f64; 3], to: [f64; 3], left: u64) -> [f64; 3] {
     let share = 1.0 / left as f64;
-    [0, 1].map(|axis| target[axis] + share * (to[axis] - target[axis]))
+    [0, 1, 2].map(|axis| target[axis] + share * (to[axis] - target[axis]))
 }
 
 /// The state with the pinned vertices on a side of the first body rotated about their mean by an angle \[rad\].

@@ -388,10 +388,11 @@ impl Dynamics for System<'_> {
 
     /// Hash of the pull of the mouse, and of the sleeping bodies and nets, whose elements are skipped.
     fn load_fingerprint(&self) -> u32 {
-        let grab = self.grab.map(|Grab { vertex, target: [x, y] }| [vertex as u64 + 1, x.to_bits(), y.to_bits()]);
+        let grab = self.grab.map(|Grab { vertex, target: [x, y, _] }| [vertex as u64 + 1, x.to_bits(), y.to_bits()]);
+        let third = self.grab.filter(|_| self.scene.dimension > 2).map(|grab| grab.target[2].to_bits());
         let sleeping = self.scratch.plan.sleeping.iter().map(|number| *number as u64 + 1);
         let mix = |hash: u64, number: u64| (hash ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
-        let hash = grab.unwrap_or_default().into_iter().chain(sleeping).fold(0, mix);
+        let hash = grab.unwrap_or_default().into_iter().chain(third).chain(sleeping).fold(0, mix);
         (hash >> 32) as u32 ^ hash as u32
     }
 

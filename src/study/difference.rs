@@ -2,7 +2,7 @@
 
 use crate::{
     meshes::Locator,
-    scene::{Body, Owner, Scene, nearest_vertex},
+    scene::{Owner, Scene, nearest_vertex},
     simulation::Simulation,
 };
 use std::{borrow::Cow, ops::Range};
@@ -25,7 +25,10 @@ enum Place {
 impl Correspondence {
     /// Locates the vertices of `a` in the rest shape of `b`. `None` if the scenes differ in their bodies, nets or toy.
     pub fn new(a: &Scene, b: &Scene) -> Option<Self> {
-        let counts = |scene: &Scene| (scene.dimension, scene.bodies.len(), scene.nets.len(), scene.toy.is_some());
+        let counts = |scene: &Scene| {
+            let parts = [scene.bodies.len(), scene.nets.len(), scene.membranes.len()];
+            (scene.dimension, parts, scene.toy.is_some())
+        };
         if counts(a) != counts(b) {
             return None;
         }
@@ -35,13 +38,19 @@ impl Correspondence {
         let mut places = Vec::with_capacity(a.vertices());
         for (a_body, b_body) in a.bodies.iter().zip(&b.bodies) {
             let locator = Locator::new(points(b, &b_body.vertices), b_body.mesh.triangles());
-            places.extend(points(a, &a_body.vertices).iter().map(|point| inside(&locator, b_body, *point)));
+            let triangles = (b_body.mesh.triangles(), b_body.vertices.start);
+            places.extend(points(a, &a_body.vertices).iter().map(|point| inside(&locator, triangles, *point)));
         }
         for (a_net, b_net) in a.nets.iter().zip(&b.nets) {
             if a_net.vertices.len() != b_net.vertices.len() {
                 return None;
             }
             places.extend(b_net.vertices.clone().map(Place::Vertex));
+        }
+        for (a_membrane, b_membrane) in a.membranes.iter().zip(&b.membranes) {
+            let locator = Locator::new(b_membrane.mesh.points(), b_membrane.mesh.triangles());
+            let triangles = (b_membrane.mesh.triangles(), b_membrane.vertices.start);
+            places.extend(a_membrane.mesh.points().iter().map(|point| inside(&locator, triangles, *point)));
         }
         Some(Self { dimension: a.dimension, places: Some(places) })
     }
@@ -66,12 +75,9 @@ fn points<'a>(scene: &'a Scene, vertices: &Range<usize>) -> &'a [[f64; 2]] {
     scene.rest[scene.numbers(vertices)].as_chunks().0
 }
 
-fn inside(locator: &Locator, body: &Body, point: [f64; 2]) -> Place {
-    let first = body.vertices.start;
+fn inside(locator: &Locator, (triangles, first): (&[[u32; 3]], usize), point: [f64; 2]) -> Place {
     match locator.locate_nearest(point) {
-        Some((triangle, weights)) => {
-            Place::Inside(body.mesh.triangles()[triangle].map(|corner| first + corner as usize), weights)
-        }
+        Some((triangle, weights)) => Place::Inside(triangles[triangle].map(|corner| first + corner as usize), weights),
         None => Place::Vertex(first),
     }
 }
@@ -84,9 +90,10 @@ pub fn counterpart(from: &Scene, to: &Scene, vertex: usize) -> Option<usize> {
     let vertices = match from.owner_of(vertex)?.0 {
         Owner::Body(number) => to.bodies.get(number)?.vertices.clone(),
         Owner::Net(number) => to.nets.get(number)?.vertices.clone(),
+        Owner::Membrane(number) => to.membranes.get(number)?.vertices.clone(),
     };
-    let point = points(from, &(vertex..vertex + 1)).first()?;
-    Some(vertices.start + nearest_vertex(&to.rest[to.numbers(&vertices)], *point)?)
+    let point = &from.rest[from.numbers(&(vertex..vertex + 1))];
+    Some(vertices.start + nearest_vertex(&to.rest[to.numbers(&vertices)], point)?)
 }
 
 /// Difference of two runs at one time.

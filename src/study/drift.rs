@@ -59,22 +59,36 @@ pub struct Moment {
     /// Kinetic energy \[J\].
     pub kinetic: f64,
     /// Linear momentum [kg m/s].
-    pub momentum: [f64; 2],
-    /// Angular momentum about the origin of the world [kg m²/s], counter-clockwise.
-    pub angular: f64,
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin of the world [kg m²/s]; in the plane along the third axis alone.
+    pub angular: [f64; 3],
 }
 
 impl Moment {
     fn of(simulation: &Simulation, time: f64) -> Self {
         let state = simulation.state();
-        let points = state.x.chunks_exact(2).zip(state.v.chunks_exact(2)).zip(simulation.scene().mass.chunks_exact(2));
-        let [px, py, angular] = points.fold([0.0; 3], |[px, py, l], ((x, v), m)| {
-            [px + m[0] * v[0], py + m[1] * v[1], l + m[0] * (x[0] * v[1] - x[1] * v[0])]
-        });
+        let crate::scene::Scene { mass, dimension, .. } = simulation.scene();
+        let points = state.x.chunks_exact(*dimension).zip(state.v.chunks_exact(*dimension));
+        let (mut momentum, mut angular) = ([0.0; 3], [0.0; 3]);
+        for ((x, v), mass) in points.zip(mass.chunks_exact(*dimension)) {
+            let all = |of: &[f64]| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(0.0));
+            let ([x, y, z], [vx, vy, vz]) = (all(x), all(v));
+            for (sum, part) in momentum.iter_mut().zip([vx, vy, vz]) {
+                *sum += mass[0] * part;
+            }
+            for (sum, part) in angular.iter_mut().zip([y * vz - z * vy, z * vx - x * vz, x * vy - y * vx]) {
+                *sum += mass[0] * part;
+            }
+        }
         let energies = simulation.energies();
         let energy = energies.total() + simulation.heat() - simulation.work_of_obstacles();
-        Self { time, energy, kinetic: energies.kinetic, momentum: [px, py], angular }
+        Self { time, energy, kinetic: energies.kinetic, momentum, angular }
     }
+}
+
+/// Length of the difference of two vectors.
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 /// Run of one setting.
@@ -270,11 +284,8 @@ impl Drift {
         match invariant {
             Invariant::Energy if moment.energy == first.energy => 0.0,
             Invariant::Energy => (moment.energy - first.energy) / self.scale(),
-            Invariant::Momentum => {
-                let [x, y] = [0, 1].map(|axis| moment.momentum[axis] - first.momentum[axis]);
-                (x * x + y * y).sqrt()
-            }
-            Invariant::AngularMomentum => (moment.angular - first.angular).abs(),
+            Invariant::Momentum => distance(moment.momentum, first.momentum),
+            Invariant::AngularMomentum => distance(moment.angular, first.angular),
         }
     }
 

@@ -247,15 +247,18 @@ impl Drift {
             "momentum_y",
             "angular_momentum",
         ];
+        let in_space = self.trial().scene.dimension == 3;
+        let more_columns = ["momentum_z", "angular_momentum_x", "angular_momentum_y"];
+        let columns: Vec<_> = columns.into_iter().chain(more_columns.into_iter().filter(|_| in_space)).collect();
         let mut table = Table::new(head_of(self.trial(), self.threads(), &more), &columns);
         for run in self.runs() {
             let tolerance = run.setting.tolerance().map_or(String::new(), |tolerance| format!("{tolerance:e}"));
             let status = self.status(run);
             let walls = if status == Status::Unstable { String::new() } else { run.touches().to_string() };
             for moment in &run.moments {
-                let [px, py] = moment.momentum;
+                let ([px, py, pz], [lx, ly, lz]) = (moment.momentum, moment.angular);
                 let change = nothing.is_none().then(|| self.change(run, Invariant::Energy, moment));
-                table.row([
+                let row = [
                     run.setting.integrator.name().to_owned(),
                     run.setting.substeps.get().to_string(),
                     tolerance.clone(),
@@ -266,8 +269,10 @@ impl Drift {
                     change.map_or_else(String::new, finite),
                     format!("{px:e}"),
                     format!("{py:e}"),
-                    format!("{:e}", moment.angular),
-                ]);
+                    format!("{lz:e}"),
+                ];
+                let more = [pz, lx, ly].into_iter().filter(|_| in_space).map(|number| format!("{number:e}"));
+                table.row(row.into_iter().chain(more));
             }
         }
         table.text()

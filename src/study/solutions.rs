@@ -131,7 +131,8 @@ fn oscillator(scene: &Scene, start: &State) -> Option<ClosedForm> {
 
 /// Free fall of a body without stress under gravity alone: `x = x0 + v t + g t²/2`.
 fn free_fall(scene: &Scene, start: &State) -> Option<ClosedForm> {
-    if !only(scene, &["Elasticity", "Springs", "Gravity"]) || scene.inverse_mass.contains(&0.0) {
+    let in_plane = scene.dimension == 2;
+    if !in_plane || !only(scene, &["Elasticity", "Springs", "Gravity"]) || scene.inverse_mass.contains(&0.0) {
         return None;
     }
     let acceleration = acceleration(scene, start);

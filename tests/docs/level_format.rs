@@ -35,6 +35,8 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("enum Side", "level.rs", "Side of a body"),
     ("enum Plane", "materials/parameters.rs", "Plane strain and plane stress"),
     ("struct NetLevel", "level.rs", "Net"),
+    ("struct MembraneLevel", "level.rs", "Membrane"),
+    ("struct SpacePlace", "level.rs", "Place in space"),
     ("struct EffectLevel", "level.rs", "Effect in a level"),
     ("struct SurfaceFriction", "effects/friction.rs", "Friction of a surface"),
     ("enum Switch", "level.rs", "Switch of an effect"),
@@ -77,7 +79,7 @@ const SPECS: &[(&str, &Spec)] = specs![
     Young Poisson Density Mass Coordinate Time Period Length Width Height Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
     DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
-    SkinThickness ImpactSpeed Dissipation Triangles Tolerance Cells Springs Rings
+    SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings
 ];
 
 /// Longest example that is shown [characters].
@@ -225,6 +227,8 @@ fn value(kind: &str) -> String {
         "String" => "text in double quotes".to_owned(),
         "PathBuf" => "path in double quotes".to_owned(),
         "Point" => "point `(x, y)` in m".to_owned(),
+        "SpacePoint" => "point `(x, y, z)` in m".to_owned(),
+        "Position" => "point `(x, y)`, or `(x, y, z)` in space, in m".to_owned(),
         "Substeps" => format!("whole number, at least 1 and at most {}", Substeps::MAX),
         "u32" => format!("whole number, at least 0 and at most {}", u32::MAX),
         "bool" => "`true` or `false`".to_owned(),
@@ -343,7 +347,7 @@ fn integrators(page: &mut String) {
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
-    let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel";
+    let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace";
     let actions = "EffectLevel Switch When StretchTest ScriptedAction Action";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);

@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use gingerbread::files::Disk;
 use gingerbread::level::{SavedState, Substeps, Toggle};
-use gingerbread::quantity::{Point, Time};
+use gingerbread::quantity::{Point, Position, Time};
 use gingerbread::scene::Scene;
 
 /// The old scene goes on.
@@ -98,9 +98,9 @@ fn scattered(size: f64) -> gingerbread::level::Level {
     let count = scene.rest.len() / 2;
     let place = |i: usize| {
         let chance = |salt: usize| ((i * 7919 + salt) * 104_729 % 10_007) as f64 / 10_007.0 - 0.5;
-        Point::new([0.5 + size * chance(1), 0.5 + size * chance(5000)]).unwrap()
+        Position::new(&[0.5 + size * chance(1), 0.5 + size * chance(5000)]).unwrap()
     };
-    let velocities = vec![Point::new([0.0; 2]).unwrap(); count];
+    let velocities = vec![Position::new(&[0.0; 2]).unwrap(); count];
     level.state = Some(SavedState::new((0, Time::new(0.0).unwrap()), (0..count).map(place).collect(), velocities));
     level
 }
@@ -158,8 +158,8 @@ fn a_mirrored_body_is_told_and_untangled() {
         let mut tangled = level("gingerbread");
         let scene = Scene::build(&tangled, tangled.mode, &Disk, None).unwrap();
         // Laid over itself: mirrored about its middle.
-        let mirrored = scene.rest.chunks_exact(2).map(|at| Point::new([1.0 - at[0], at[1]]).unwrap());
-        let velocities = vec![Point::new([0.0; 2]).unwrap(); scene.rest.len() / 2];
+        let mirrored = scene.rest.chunks_exact(2).map(|at| Position::new(&[1.0 - at[0], at[1]]).unwrap());
+        let velocities = vec![Position::new(&[0.0; 2]).unwrap(); scene.rest.len() / 2];
         tangled.state = Some(SavedState::new((0, Time::new(0.0).unwrap()), mirrored.collect(), velocities));
         let mut window = open_level(tangled, 1280.0, 800.0);
         let triangles = window.state().snapshot().triangles.len();

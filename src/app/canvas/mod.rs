@@ -1,6 +1,7 @@
 //! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
 mod pointer_state;
+pub(super) use pointer_state::nearest as nearest_on_screen;
 #[cfg(test)]
 mod tests;
 
@@ -14,6 +15,7 @@ use super::{
         marks::{self, Picked, Pins},
         net::{self, Trail},
         shape_buffer::{Fill, ShapeBuffer},
+        space::{self, Orbit, SpaceCamera, Surfaces},
     },
     theme::Theme,
 };
@@ -21,12 +23,13 @@ use crate::{
     command::{Command, Mode},
     effects::Shape,
     level::{EffectLevel, Switch, When},
-    snapshot::{Field, Snapshot},
+    snapshot::{Field, Pull, Snapshot},
 };
 use eframe::egui::{
-    self, Align2, Area, CursorIcon, Order, Painter, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2,
+    self, Align2, Area, CursorIcon, Order, Painter, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo,
+    vec2,
 };
-use pointer_state::PointerState;
+use pointer_state::{PointerState, Sight};
 use std::time::Duration;
 
 /// Maximum frame length for animations \[s\].
@@ -65,6 +68,9 @@ pub struct Canvas {
     scale: Scale,
     scenery: Scenery,
     snow: Snow,
+    surfaces: Surfaces,
+    /// View of a scene in space, and the generation that it was chosen for.
+    orbit: Option<(u64, Orbit)>,
     /// Time until which the hint is shown \[s\].
     told_until: f64,
     /// Layers of the drawing: background and scenery, bodies, and annotations.
@@ -80,6 +86,8 @@ struct Frame<'a> {
     options: &'a Options,
     canvas: Rect,
     view: View,
+    /// Camera of a scene in space.
+    space: Option<SpaceCamera>,
     /// Present time and length of the frame \[s\].
     now: f64,
     dt: f32,
@@ -91,14 +99,20 @@ impl Canvas {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot, options.name);
         let canvas = response.rect;
-        let camera = camera(snapshot, canvas);
+        let space = (snapshot.dimension == 3).then(|| self.space_camera(ui, &response, snapshot));
+        let camera = space.map_or_else(|| camera(snapshot, canvas), |space| Camera::of_scale(canvas, space.length()));
         let view = View { camera, theme: Theme::of(ui.ctx()) };
         let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
-        let frame = Frame { snapshot, options, canvas, view, now, dt };
+        let frame = Frame { snapshot, options, canvas, view, space, now, dt };
 
-        self.bodies.place(snapshot, view);
+        if let Some(space) = &space {
+            self.surfaces.place(snapshot, space, self.bodies.points_mut());
+        } else {
+            self.bodies.place(snapshot, view);
+        }
         let before = self.pointer_state;
-        self.pointer_state.follow(&response, snapshot, camera, self.bodies.points(), commands);
+        let sight = sight(&frame, &self.surfaces);
+        self.pointer_state.follow(&response, snapshot, sight, self.bodies.points(), commands);
         if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
             self.told_until = now + TOLD;
         }
@@ -107,6 +121,65 @@ impl Canvas {
         if ui.is_rect_visible(canvas) {
             self.draw(&painter, &frame, response.hover_pos());
         }
+    }
+
+    /// The camera of a scene in space, after the gestures of this frame: a drag of the right button turns, one of the middle button or with
+    /// Shift moves, and the wheel or a pinch zooms.
+    fn space_camera(&mut self, ui: &Ui, response: &Response, snapshot: &Snapshot) -> SpaceCamera {
+        let canvas = response.rect;
+        let all = || Orbit::opening(&snapshot.start);
+        let (_, orbit) = match &mut self.orbit {
+            Some(known) if known.0 == snapshot.generation => known,
+            known => {
+                // Another mesh of the same level does not turn the view.
+                let angles = known.as_ref().map_or(Orbit::ASLANT, |(_, orbit)| [orbit.yaw, orbit.pitch]);
+                known.insert((snapshot.generation, Orbit { yaw: angles[0], pitch: angles[1], ..all() }))
+            }
+        };
+        let (shift, zoom) = ui.input(|input| {
+            let wheel = f64::from(input.smooth_scroll_delta().y);
+            (input.modifiers.shift, f64::from(input.zoom_delta()) * libm::exp(0.002 * wheel))
+        });
+        let by = response.drag_delta();
+        let turns = response.dragged_by(PointerButton::Secondary);
+        if response.dragged_by(PointerButton::Middle) || turns && shift {
+            let moved = SpaceCamera::new(*orbit, canvas).moved(by);
+            orbit.centre = [0, 1, 2].map(|axis| orbit.centre[axis] - moved[axis]);
+        } else if turns {
+            orbit.turn(by);
+        }
+        if response.hovered() && zoom != 1.0 {
+            let whole = all().radius;
+            orbit.radius = (orbit.radius / zoom).clamp(1e-3 * whole, 1e3 * whole);
+        }
+        if let Some(angles) = Self::view_buttons(ui, response, [orbit.yaw, orbit.pitch]) {
+            *orbit = Orbit::around(&snapshot.positions, angles);
+        }
+        SpaceCamera::new(*orbit, canvas)
+    }
+
+    /// Buttons for the views of a scene in space, which is seen from some angles now; angles of the one that was clicked.
+    fn view_buttons(ui: &Ui, response: &Response, now: [f64; 2]) -> Option<[f64; 2]> {
+        use std::f64::consts::FRAC_PI_2;
+        let views = [
+            ("Front", "Look along the z axis", [0.0, 0.0]),
+            ("Side", "Look along the x axis", [FRAC_PI_2, 0.0]),
+            ("Top", "Look down", [0.0, FRAC_PI_2]),
+            ("See all", "Show the whole scene from the same side", now),
+        ];
+        let place = response.rect.right_top() + vec2(-10.0, 10.0);
+        let area = Area::new(response.id.with("views")).order(Order::Middle).pivot(Align2::RIGHT_TOP).fixed_pos(place);
+        let shown = area.constrain_to(response.rect).show(ui.ctx(), |ui| {
+            ui.horizontal(|ui| {
+                let help = "\nDrag with the right button to turn, with the middle button or Shift to move; zoom with the wheel.";
+                let clicked = views.iter().filter(|(text, about, _)| {
+                    ui.small_button(*text).on_hover_text(format!("{about}.{help}")).clicked()
+                });
+                clicked.last().map(|(.., angles)| *angles)
+            })
+            .inner
+        });
+        shown.inner
     }
 
     /// Shows a hint after a drag in edit mode, where nothing moves.
@@ -134,7 +207,8 @@ impl Canvas {
         let wanted = match self.pointer_state.vertex() {
             Some(vertex) => Some(vertex),
             None if self.pointer_state.is_free() => {
-                response.hover_pos().and_then(|at| pointer_state::nearest(self.bodies.points(), at))
+                let sight = sight(frame, &self.surfaces);
+                response.hover_pos().and_then(|at| sight.nearest(self.bodies.points(), at))
             }
             None => None,
         };
@@ -167,10 +241,19 @@ impl Canvas {
         house::sky(&mut self.behind, canvas, view);
         self.snow.draw(&mut self.behind, canvas, view);
         painter.add(self.behind.finish());
+        self.middle.clear(pixels_per_point);
+        if let Some(camera) = &frame.space {
+            let seen = (self.bodies.points(), camera);
+            self.surfaces.draw(&mut self.middle, view, snapshot, options, seen);
+            painter.add(self.middle.finish());
+            let mut painter = painter.clone();
+            painter.set_clip_rect(painter.clip_rect().expand(0.01));
+            space::axes(&painter, view, canvas, camera);
+            self.draw_front(&painter, frame, pointer);
+            return;
+        }
         house::square(painter, view, 1.0 - self.scenery.room_presence());
         painter.add(self.scenery.draw(pixels_per_point, canvas, view, options.pointed));
-
-        self.middle.clear(pixels_per_point);
         let mut fill = Fill::new(canvas);
         self.bodies.draw((&mut self.middle, &mut fill), view, snapshot, options, &self.scale);
         net::nets((&mut self.middle, &mut fill), view, snapshot, options, self.bodies.points());
@@ -192,9 +275,11 @@ impl Canvas {
         self.picked.draw(&mut self.front, view, points, free);
         marks::rollers(&mut self.front, view, snapshot, points);
         self.pins.draw(&mut self.front, view, points, now);
-        let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, *points.get(pull.vertex)?)));
-        if let Some((pull, from)) = pull {
-            marks::arrow(&mut self.front, view, from, pull);
+        let sight = sight(frame, &self.surfaces);
+        let ends = |pull: &Pull| Some([*points.get(pull.vertex)?, sight.seen(pull.target)]);
+        let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, ends(pull)?)));
+        if let Some((_, ends)) = pull {
+            marks::arrow(&mut self.front, view, ends);
         }
         if options.field != Field::None && options.field == snapshot.field && !snapshot.triangles.is_empty() {
             legends::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
@@ -204,10 +289,15 @@ impl Canvas {
             }
         }
         painter.add(self.front.finish());
-        if let Some((pull, from)) = pull {
-            marks::pull_force(painter, view, canvas, from, pull);
+        if let Some((pull, ends)) = pull {
+            marks::pull_force(painter, view, canvas, ends, pull);
         }
     }
+}
+
+/// How the stage of a frame belongs to the scene.
+fn sight<'a>(frame: &Frame<'_>, surfaces: &'a Surfaces) -> Sight<'a> {
+    frame.space.map_or(Sight::Plane(frame.view.camera), |camera| Sight::Space(camera, surfaces))
 }
 
 /// Describes the stage for screen readers and tests.
@@ -215,10 +305,9 @@ fn describe(response: &Response, snapshot: &Snapshot, name: &str) {
     let name = if name.is_empty() { "Stage" } else { name };
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, name));
     response.ctx.accesskit_node_builder(response.id, |node| {
-        let nets = snapshot.nets.iter().map(|net| net.name.as_str());
         let toy = snapshot.level.toy.iter().map(|toy| toy.kind().title());
-        let bodies: Vec<&str> = snapshot.bodies.iter().map(|body| body.name.as_str()).chain(nets).chain(toy).collect();
-        let (vertices, pins) = (snapshot.positions.len() / 2, snapshot.pins.len());
+        let bodies: Vec<&str> = snapshot.part_names().map(String::as_str).chain(toy).collect();
+        let (vertices, pins) = (snapshot.vertex_count(), snapshot.pins.len());
         node.set_description(format!("stage: {}; {vertices} vertices, {pins} pinned", bodies.join(", ")));
     });
 }

@@ -1,7 +1,10 @@
 //! State of the pointer: a press pins in edit mode and pulls in the other modes.
 
 use crate::{
-    app::draw::Camera,
+    app::draw::{
+        Camera,
+        space::{SpaceCamera, Surfaces},
+    },
     command::{Command, Mode},
     snapshot::Snapshot,
 };
@@ -19,9 +22,47 @@ pub enum PointerState {
     /// The vertex is pinned or freed when the press ends.
     Pin { vertex: usize, origin: Pos2, generation: u64 },
     /// The vertex, one of `of`, is pulled to a point \[m\].
-    Pull { vertex: usize, of: usize, target: [f64; 2], generation: u64 },
+    Pull { vertex: usize, of: usize, target: [f64; 3], generation: u64 },
     /// The press was interrupted and has no effect until it ends.
     Spent,
+}
+
+/// How the screen belongs to the scene.
+#[derive(Clone, Copy)]
+pub enum Sight<'a> {
+    /// A scene in the plane.
+    Plane(Camera),
+    /// A scene in space.
+    Space(SpaceCamera, &'a Surfaces),
+}
+
+impl Sight<'_> {
+    /// The vertex that is meant at a point of the screen.
+    pub fn nearest(self, points: &[Pos2], at: Pos2) -> Option<usize> {
+        match self {
+            Self::Plane(_) => nearest(points, at),
+            Self::Space(_, surfaces) => surfaces.pick(points, at),
+        }
+    }
+
+    /// Where a vertex would be at a point of the screen \[m\]: in space at its present depth before the eye.
+    pub fn target(self, at: Pos2, vertex: usize) -> [f64; 3] {
+        match self {
+            Self::Plane(camera) => {
+                let [x, y] = camera.world_from_screen(at);
+                [x, y, 0.0]
+            }
+            Self::Space(camera, surfaces) => camera.at_depth(at, surfaces.depth(vertex).unwrap_or(0.0)),
+        }
+    }
+
+    /// A point of the scene on the screen.
+    pub fn seen(self, [x, y, z]: [f64; 3]) -> Pos2 {
+        match self {
+            Self::Plane(camera) => camera.screen_from_world([x, y]),
+            Self::Space(camera, _) => camera.seen([x, y, z]).0,
+        }
+    }
 }
 
 /// Pointer in this frame.
@@ -77,17 +118,17 @@ impl PointerState {
         &mut self,
         response: &Response,
         snapshot: &Snapshot,
-        camera: Camera,
+        sight: Sight<'_>,
         points: &[Pos2],
         commands: &mut Vec<Command>,
     ) {
         let pointer = Pointer::new(response);
         *self = match *self {
-            Self::Nothing if pointer.down => begin(&pointer, snapshot, camera, points, commands),
+            Self::Nothing if pointer.down => begin(&pointer, snapshot, sight, points, commands),
             Self::Nothing => {
                 // A press that ends within one frame is reported only as a click.
                 if response.clicked_by(PointerButton::Primary) && snapshot.mode == Mode::Edit {
-                    let vertex = pointer.at.and_then(|at| nearest(points, at));
+                    let vertex = pointer.at.and_then(|at| sight.nearest(points, at));
                     commands.extend(vertex.map(Command::TogglePin));
                 }
                 Self::Nothing
@@ -113,7 +154,7 @@ impl PointerState {
                     commands.push(Command::Grab(vertex, target));
                     Self::Pull { vertex, of, target, generation: snapshot.generation }
                 } else {
-                    self.pulled(&pointer, camera, commands)
+                    self.pulled(&pointer, sight, commands)
                 }
             }
             Self::Spent => spent(&pointer),
@@ -121,14 +162,18 @@ impl PointerState {
     }
 
     /// Continues the pull to the present position of the pointer.
-    fn pulled(self, pointer: &Pointer, camera: Camera, commands: &mut Vec<Command>) -> Self {
-        match (self, pointer.at.map(|at| camera.world_from_screen(at))) {
-            (Self::Pull { vertex, of, target: old, generation }, Some(target)) if target != old => {
-                commands.push(Command::Pull(target));
-                Self::Pull { vertex, of, target, generation }
-            }
-            _ => self,
+    fn pulled(self, pointer: &Pointer, sight: Sight<'_>, commands: &mut Vec<Command>) -> Self {
+        let (Self::Pull { vertex, of, target: old, generation }, Some(at)) = (self, pointer.at) else { return self };
+        let target = match sight {
+            Sight::Plane(_) => sight.target(at, vertex),
+            // In the plane through the last target that faces the eye, so that the depth does not follow the vertex.
+            Sight::Space(camera, _) => camera.at_depth(at, camera.seen(old).1),
+        };
+        if target == old {
+            return self;
         }
+        commands.push(Command::Pull(target));
+        Self::Pull { vertex, of, target, generation }
     }
 }
 
@@ -136,17 +181,17 @@ impl PointerState {
 fn begin(
     pointer: &Pointer,
     snapshot: &Snapshot,
-    camera: Camera,
+    sight: Sight<'_>,
     points: &[Pos2],
     commands: &mut Vec<Command>,
 ) -> PointerState {
     let generation = snapshot.generation;
-    let begun = pointer.origin.and_then(|origin| Some((origin, nearest(points, origin)?)));
+    let begun = pointer.origin.and_then(|origin| Some((origin, sight.nearest(points, origin)?)));
     match begun {
         None => PointerState::Spent,
         Some((origin, vertex)) if snapshot.mode == Mode::Edit => PointerState::Pin { vertex, origin, generation },
         Some((origin, vertex)) => {
-            let target = camera.world_from_screen(pointer.at.unwrap_or(origin));
+            let target = sight.target(pointer.at.unwrap_or(origin), vertex);
             commands.push(Command::Grab(vertex, target));
             PointerState::Pull { vertex, of: points.len(), target, generation }
         }

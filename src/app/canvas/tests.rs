@@ -3,6 +3,7 @@
 
 use super::{Canvas, Options, camera};
 use crate::{
+    app::draw::space::{Orbit, SpaceCamera},
     command::{Command, Mode},
     files, levels,
     meshes::NoFiles,
@@ -32,7 +33,11 @@ fn seen(name: &str, mode: Mode) -> Snapshot {
 }
 
 fn bench(mode: Mode) -> Harness<'static, Bench> {
-    let snapshot = seen("jelly_disk", mode);
+    bench_of("jelly_disk", mode)
+}
+
+fn bench_of(level: &str, mode: Mode) -> Harness<'static, Bench> {
+    let snapshot = seen(level, mode);
     let options = Options { field: Field::VonMises, wireframe: true, vertices: true, ..Options::default() };
     let bench = Bench { canvas: Canvas::default(), snapshot, options, commands: Vec::new() };
     let mut harness = Harness::builder().with_size(vec2(600.0, 600.0)).build_ui_state(
@@ -54,8 +59,9 @@ fn beside(harness: &Harness<'_, Bench>, vertex: usize) -> Pos2 {
     camera(snapshot, rect(harness)).screen_from_world(point) + vec2(0.5, 0.5)
 }
 
-fn world(harness: &Harness<'_, Bench>, at: Pos2) -> [f64; 2] {
-    camera(&harness.state().snapshot, rect(harness)).world_from_screen(at)
+fn world(harness: &Harness<'_, Bench>, at: Pos2) -> [f64; 3] {
+    let [x, y] = camera(&harness.state().snapshot, rect(harness)).world_from_screen(at);
+    [x, y, 0.0]
 }
 
 fn button(pos: Pos2, pressed: bool) -> Event {
@@ -154,4 +160,62 @@ fn draws_a_scene_that_is_empty_or_has_exploded() {
     harness.run_steps(2);
     let at = rect(&harness).center();
     assert_eq!(play(&mut harness, [Event::PointerMoved(at), button(at, true), button(at, false)]), []);
+}
+
+/// Camera of a scene in space, as it opens or after a button.
+fn space(harness: &Harness<'_, Bench>, orbit: Orbit) -> SpaceCamera {
+    SpaceCamera::new(orbit, rect(harness))
+}
+
+#[test]
+fn a_vertex_in_space_is_pinned_and_pulled_where_it_is_seen() {
+    for level in ["mit_cloth", "toronto_cloth"] {
+        for vertex in [0, 5, 20] {
+            let mut harness = bench_of(level, Mode::Edit);
+            let orbit = Orbit::opening(&harness.state().snapshot.start);
+            let (camera, place) = (space(&harness, orbit), harness.state().snapshot.position(vertex).unwrap());
+            let (at, depth) = camera.seen(place);
+            let click = [Event::PointerMoved(at), button(at, true), button(at, false)];
+            assert_eq!(play(&mut harness, click), [Command::TogglePin(vertex)], "{level}");
+            let mut harness = bench_of(level, Mode::Simulate);
+            let asked = play(&mut harness, [Event::PointerMoved(at), button(at, true)]);
+            assert_eq!(asked, [Command::Grab(vertex, camera.at_depth(at, depth))], "{level}");
+            let away = at + vec2(40.0, -30.0);
+            let asked = play(&mut harness, [Event::PointerMoved(away)]);
+            let pulled = |command: &Command| if let Command::Pull(to) = command { Some(*to) } else { None };
+            let to = asked.iter().find_map(pulled).unwrap();
+            let (seen, deep) = camera.seen(to);
+            assert!(seen.distance(away) < 0.01 && (deep / depth - 1.0).abs() < 1e-6, "in the plane that faces the eye");
+        }
+    }
+}
+
+#[test]
+fn the_right_button_turns_the_view_and_asks_for_nothing() {
+    let mut harness = bench_of("mit_cloth", Mode::Edit);
+    let vertex = 7;
+    let place = harness.state().snapshot.position(vertex).unwrap();
+    let button_two = |pos: Pos2, pressed: bool| Event::PointerButton {
+        pos,
+        button: PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let middle = rect(&harness).center();
+    let to = middle + vec2(50.0, -30.0);
+    let drag = [Event::PointerMoved(middle), button_two(middle, true), Event::PointerMoved(to), button_two(to, false)];
+    assert_eq!(play(&mut harness, drag), []);
+    let (_, orbit) = harness.state().canvas.orbit.unwrap();
+    assert!(orbit.yaw < Orbit::ASLANT[0] - 0.1 && orbit.pitch < Orbit::ASLANT[1] - 0.05, "{orbit:?}");
+    let (at, _) = SpaceCamera::new(orbit, rect(&harness)).seen(place);
+    let click = [Event::PointerMoved(at), button(at, true), button(at, false)];
+    assert_eq!(play(&mut harness, click), [Command::TogglePin(vertex)]);
+    for (name, angles) in [("Front", [0.0, 0.0]), ("Top", [0.0, std::f64::consts::FRAC_PI_2])] {
+        harness.get_by_label(name).click();
+        harness.run_steps(3);
+        let orbit = Orbit::around(&harness.state().snapshot.positions, angles);
+        let (at, _) = space(&harness, orbit).seen(place);
+        let click = [Event::PointerMoved(at), button(at, true), button(at, false)];
+        assert_eq!(play(&mut harness, click), [Command::TogglePin(vertex)], "{name}");
+    }
 }

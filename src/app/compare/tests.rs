@@ -52,9 +52,9 @@ fn run_pulled(a: &mut Sandbox, panes: &mut Comparison, frames: u32) {
     for frame in 0..frames {
         match frame % 20 {
             _ if a.simulation().scene().toy.is_some() => {}
-            5 => panes.apply(a, Pane::A, Command::Grab(40, [0.9, 0.8])).unwrap(),
+            5 => panes.apply(a, Pane::A, Command::Grab(40, [0.9, 0.8, 0.0])).unwrap(),
             15 => panes.apply(a, Pane::B, Command::Release).unwrap(),
-            _ => panes.apply(a, Pane::A, Command::Pull([0.9, 0.8 + 0.01 * f64::from(frame)])).unwrap(),
+            _ => panes.apply(a, Pane::A, Command::Pull([0.9, 0.8 + 0.01 * f64::from(frame), 0.0])).unwrap(),
         }
         let rounds = (1.0 / 60.0 / panes.round_length(a)).round() as u64;
         assert_eq!(panes.advance(a, rounds, &mut || true), rounds);
@@ -180,10 +180,10 @@ fn modes_time_and_the_hand_go_to_both() {
     panes.apply(&mut a, Pane::A, Command::StepOnce).unwrap();
     assert_eq!([&a, &panes.b].map(|sandbox| sandbox.simulation().state().steps), [2, 1]);
     assert!(both(&a, &panes, |sandbox| !sandbox.running));
-    panes.apply(&mut a, Pane::A, Command::Grab(9, [0.1, 0.2])).unwrap();
+    panes.apply(&mut a, Pane::A, Command::Grab(9, [0.1, 0.2, 0.0])).unwrap();
     assert!(both(&a, &panes, |sandbox| sandbox.simulation().grab().is_some()));
-    panes.apply(&mut a, Pane::B, Command::Pull([0.3, 0.2])).unwrap();
-    assert!(both(&a, &panes, |sandbox| sandbox.simulation().grab().unwrap().target == [0.3, 0.2]));
+    panes.apply(&mut a, Pane::B, Command::Pull([0.3, 0.2, 0.0])).unwrap();
+    assert!(both(&a, &panes, |sandbox| sandbox.simulation().grab().unwrap().target == [0.3, 0.2, 0.0]));
     panes.apply(&mut a, Pane::B, Command::Release).unwrap();
     panes.apply(&mut a, Pane::B, Command::Reset).unwrap();
     assert!(

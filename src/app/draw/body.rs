@@ -43,7 +43,12 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Maps the vertices to the screen.
+    /// The points, to be set for a scene in space.
+    pub const fn points_mut(&mut self) -> &mut Vec<Pos2> {
+        &mut self.points
+    }
+
+    /// Maps the vertices of a scene in the plane to the screen.
     pub fn place(&mut self, snapshot: &Snapshot, view: View) {
         if self.generation != Some(snapshot.generation) || self.constant.len() != snapshot.bodies.len() {
             self.generation = Some(snapshot.generation);

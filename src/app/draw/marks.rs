@@ -166,9 +166,8 @@ struct Size {
     head: f32,
 }
 
-/// Draws the arrow from its vertex.
-pub fn arrow(buffer: &mut ShapeBuffer, view: View, from: Pos2, pull: &Pull) {
-    let to = view.camera.screen_from_world(pull.target);
+/// Draws the arrow from its vertex to its target.
+pub fn arrow(buffer: &mut ShapeBuffer, view: View, [from, to]: [Pos2; 2]) {
     let length = from.distance(to);
     let width = (view.size(0.006, 2.5, 14.0) + 0.012 * length).min(view.size(0.013, 5.0, 30.0));
     let head = (0.35 * length).clamp(0.0, 5.0 * width);
@@ -194,8 +193,7 @@ fn stroke(buffer: &mut ShapeBuffer, from: Pos2, to: Pos2, size: &Size, color: Co
 }
 
 /// Writes the force beside the arrow's head.
-pub fn pull_force(painter: &Painter, view: View, canvas: Rect, from: Pos2, pull: &Pull) {
-    let to = view.camera.screen_from_world(pull.target);
+pub fn pull_force(painter: &Painter, view: View, canvas: Rect, [from, to]: [Pos2; 2], pull: &Pull) {
     let right = to.x >= from.x;
     let gap = view.size(0.035, 18.0, 90.0);
     let font = FontId::monospace(view.size(0.024, 14.0, 40.0));

@@ -6,6 +6,7 @@ pub mod legends;
 pub mod marks;
 pub mod net;
 pub mod shape_buffer;
+pub mod space;
 
 use super::theme::Theme;
 use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, pos2, vec2};
@@ -78,6 +79,11 @@ impl Camera {
             scale,
             width,
         }
+    }
+
+    /// Creates a camera with a scale [points/m], for the sizes of marks in a scene in space.
+    pub const fn of_scale(canvas: Rect, scale: f32) -> Self {
+        Self { origin: canvas.min, scale, width: 1.0 }
     }
 
     /// Maps a point of the world \[m\] to the screen.

@@ -53,7 +53,7 @@ pub fn nets(
             let seen = role != Role::Flexion || options.wireframe;
             for link in net.springs.links().iter().filter(|link| seen && link.role == role) {
                 let [Some(&from), Some(&to)] = link.ends.map(|end| points.get(end as usize)) else { continue };
-                let color = color(view, link, &snapshot.positions);
+                let color = color(view, link, net.springs.length(link, &snapshot.positions));
                 match role {
                     Role::Structural if coiled => coil(buffer, view, [from, to], link, color),
                     Role::Structural => string(buffer, [from, to], view.size(0.0042, 1.6, 9.0), color),
@@ -67,8 +67,7 @@ pub fn nets(
 }
 
 /// Colour of a spring: that of icing at rest, redder when stretched, bluer when compressed.
-fn color(view: View, link: &Link, positions: &[f64]) -> Color32 {
-    let length = link.length(positions);
+fn color(view: View, link: &Link, length: f64) -> Color32 {
     let strain = if link.rest > 0.0 { (length - link.rest) / link.rest } else { 0.0 };
     let share = (strain / STRAIN).clamp(-1.0, 1.0) as f32;
     let towards = if share > 0.0 { view.theme.candy[0] } else { view.theme.series[1] };

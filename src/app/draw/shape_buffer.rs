@@ -45,6 +45,11 @@ impl ShapeBuffer {
         self.pixel
     }
 
+    /// Number of corners so far.
+    pub const fn len(&self) -> u32 {
+        self.mesh.vertices.len() as u32
+    }
+
     /// Adds a corner for [`Self::triangle`].
     pub fn vertex(&mut self, at: Pos2, color: Color32) -> u32 {
         self.mesh.colored_vertex(at, color);

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     command::{Command, Pose},
-    level::{MassLevel, NetLevel},
+    level::{MassLevel, MembraneLevel, NetLevel},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
     quantity::{Cells, Density, Mass, OutOfRange, Quantity, Rings, Tolerance, Triangles},
@@ -16,12 +16,12 @@ use eframe::egui::{ComboBox, RichText, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     let level = &now.level;
-    let names = level.bodies.iter().map(|body| &body.name).chain(level.nets.iter().map(|net| &net.name));
-    let names: Vec<&str> = names.map(String::as_str).collect();
+    let names: Vec<&str> = level.part_names().map(String::as_str).collect();
     view.body = view.body.min(names.len().saturating_sub(1));
     let Some(name) = names.get(view.body) else { return };
     let number = view.body.checked_sub(level.bodies.len());
-    heading(ui, if number.is_some() { "Net" } else { "Body" });
+    let membrane = number.and_then(|number| number.checked_sub(level.nets.len()));
+    heading(ui, if membrane.is_some() { "Membrane" } else { number.map_or("Body", |_| "Net") });
     if names.len() > 1 {
         let pick = ComboBox::from_id_salt("body").width(ui.available_width()).selected_text(*name);
         let response = pick.show_ui(ui, |ui| {
@@ -33,20 +33,32 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     }
     ui.push_id(("body", view.body), |ui| {
         if let Some(body) = level.bodies.get(view.body) {
-            material(ui, body.material, view, commands);
+            let number = view.body;
+            let set = |material| Command::SetMaterial(number, material);
+            material(ui, body.material, &set, view, commands);
             let shown = now.bodies.get(view.body);
             let area = || shown.map_or(0.0, |shown| shown.mesh.area() * body.place.scale.get().powi(2));
-            mass(ui, body.mass, area, view, commands);
+            mass(ui, body.mass, area, &|mass| Command::SetMass(number, mass), view, commands);
             let coming =
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
+        } else if let Some((number, listed)) = membrane.and_then(|number| Some((number, level.membranes.get(number)?)))
+        {
+            let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
+            show_membrane(ui, number, listed, area, view, commands);
         }
     });
 }
 
-fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands: &mut Vec<Command>) {
+fn material(
+    ui: &mut Ui,
+    material: MaterialParameters,
+    set: &dyn Fn(MaterialParameters) -> Command,
+    view: &mut View,
+    commands: &mut Vec<Command>,
+) {
     let (mut young, mut poisson, mut plane) = (material.young(), material.poisson(), material.plane());
     let outcomes = [widgets::quantity(ui, &mut young), widgets::quantity(ui, &mut poisson)];
     let mut changed = outcomes.iter().any(|outcome| outcome.changed);
@@ -73,7 +85,7 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     ui.add_space(5.0);
     let switched = plane != material.plane();
     let command = match MaterialParameters::new(material.model(), young, poisson, plane) {
-        Ok(new) => Some(Command::SetMaterial(view.body, new)),
+        Ok(new) => Some(set(new)),
         Err(error) => {
             view.notice = Some(Notice::trouble(&error));
             None
@@ -87,7 +99,15 @@ fn material(ui: &mut Ui, material: MaterialParameters, view: &mut View, commands
     apply_response(sum, command, view, commands);
 }
 
-fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, commands: &mut Vec<Command>) {
+/// Draws the mass of a body or membrane of an area \[m²\], or of a volume \[m³\].
+fn mass(
+    ui: &mut Ui,
+    mass: MassLevel,
+    area: impl Fn() -> f64,
+    set: &dyn Fn(MassLevel) -> Command,
+    view: &mut View,
+    commands: &mut Vec<Command>,
+) {
     let by_density = matches!(mass, MassLevel::Density(_));
     let part = |text, about, on| Segment { text, name: text, about, on };
     let parts = [
@@ -96,7 +116,7 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, c
     ];
     if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| (*clicked == 0) != by_density) {
         match converted(mass, area(), clicked == 0) {
-            Ok(new) => commands.extend([Command::SetMass(view.body, new), Command::EndGesture]),
+            Ok(new) => commands.extend([set(new), Command::EndGesture]),
             Err(error) => view.notice = Some(Notice::trouble(&error)),
         }
     }
@@ -104,7 +124,7 @@ fn mass(ui: &mut Ui, mass: MassLevel, area: impl Fn() -> f64, view: &mut View, c
         MassLevel::Density(mut density) => (widgets::quantity(ui, &mut density), MassLevel::Density(density)),
         MassLevel::Total(mut total) => (widgets::quantity(ui, &mut total), MassLevel::Total(total)),
     };
-    apply_response(outcome, Some(Command::SetMass(view.body, new)), view, commands);
+    apply_response(outcome, Some(set(new)), view, commands);
 }
 
 /// Draws the parameters of the mesh. Another mesh starts the scene over.
@@ -145,6 +165,24 @@ fn show_net(ui: &mut Ui, number: usize, listed: &NetLevel, view: &mut View, comm
     let springs = net.kind_mut().parameters();
     let outcome = sliders(ui, std::iter::once(&mut mass as &mut dyn Quantity).chain(springs));
     apply_response(outcome, Some(Command::SetNet(number, net, mass)), view, commands);
+}
+
+/// Draws the sliders of a membrane of an area \[m²\]: material, thickness and mass.
+fn show_membrane(
+    ui: &mut Ui,
+    number: usize,
+    listed: &MembraneLevel,
+    area: impl Fn() -> f64,
+    view: &mut View,
+    commands: &mut Vec<Command>,
+) {
+    let MembraneLevel { material: now, thickness, mass: heavy, .. } = listed;
+    material(ui, *now, &|new| Command::SetMembrane(number, new, *thickness, *heavy), view, commands);
+    let mut new = *thickness;
+    let outcome = sliders(ui, [&mut new as &mut dyn Quantity]);
+    apply_response(outcome, Some(Command::SetMembrane(number, *now, new, *heavy)), view, commands);
+    let volume = || area() * thickness.get();
+    mass(ui, *heavy, volume, &|new| Command::SetMembrane(number, *now, *thickness, new), view, commands);
 }
 
 pub fn show_toy(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {

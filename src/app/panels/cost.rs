@@ -22,6 +22,9 @@ const FRAME: f64 = 1.0 / 60.0;
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     if !context.now.triangles.is_empty() {
         looks(ui, view);
+    } else if context.now.dimension == 3 {
+        let help = "The edges of all triangles, and the structural springs";
+        ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text(help);
     } else if has_hidden_springs(context.now) {
         let help = "Draws the flexion springs too, which lie over the others";
         ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
@@ -142,9 +145,11 @@ fn substep_mode(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
         let mode = if own { SubstepMode::Own } else { SubstepMode::Same };
         commands.extend([Command::SetSubstepMode(mode), Command::EndGesture]);
     }
-    let names = now.bodies.iter().map(|body| &body.name).chain(now.nets.iter().map(|net| &net.name));
-    let each: Vec<_> =
-        names.zip(&now.substep_plans).map(|(name, plan)| format!("{name} {}", count(plan.steps as usize))).collect();
+    let each: Vec<_> = now
+        .part_names()
+        .zip(&now.substep_plans)
+        .map(|(name, plan)| format!("{name} {}", count(plan.steps as usize)))
+        .collect();
     if !each.is_empty() {
         let help = "Into how many equal parts each body or net divides a step";
         ui.add(Label::new(RichText::new(each.join(", ")).small()).wrap()).on_hover_text(help);
@@ -157,7 +162,11 @@ fn size(ui: &mut Ui, now: &Snapshot) {
         row(ui, "Springs", &count(springs), "In all nets");
     }
     if !now.positions.is_empty() {
-        row(ui, "Vertices", &count(now.positions.len() / 2), "Of all bodies, and particles of all nets");
+        row(ui, "Vertices", &count(now.vertex_count()), "Of all bodies and membranes, and particles of all nets");
+    }
+    let membranes: usize = now.membranes.iter().map(|membrane| membrane.elements.corners().len()).sum();
+    if membranes > 0 {
+        row(ui, "Triangles", &count(membranes), "In all membranes");
     }
     if !now.triangles.is_empty() {
         row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");

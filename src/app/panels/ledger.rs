@@ -128,9 +128,8 @@ fn timed<'a>(cost: &EffectCost, used: Option<&'a Use>) -> Option<&'a Use> {
 
 /// Name of an effect; with several bodies or nets also that of its owner.
 fn name(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> String {
-    let (bodies, nets) = (&context.now.bodies, &context.now.nets);
-    let owners = bodies.iter().map(|body| &body.name).chain(nets.iter().map(|net| &net.name));
-    match owners.clone().nth(number).filter(|_| owners.count() > 1) {
+    let owner = context.now.part_names().nth(number);
+    match owner.filter(|_| context.now.part_count() > 1) {
         Some(owner) => format!("{} of {owner}", cost.name),
         None => cost.name.to_owned(),
     }

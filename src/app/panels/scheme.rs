@@ -131,7 +131,7 @@ fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
         if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
             commands.extend([Command::SetSleep(on.into()), Command::EndGesture]);
         }
-        let words = match (now.asleep, now.bodies.len() + now.nets.len()) {
+        let words = match (now.asleep, now.part_count()) {
             (0, _) => return,
             (asleep, all) if asleep == all => "everything sleeps".to_owned(),
             (asleep, all) => format!("{asleep} of {all} sleep"),

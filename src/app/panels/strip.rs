@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
             }
             apart(ui);
             time(ui, context.now, commands);
-            if !context.now.bodies.is_empty() {
+            if context.now.has_models() {
                 if let Some(model) = models(ui, context.now) {
                     commands.push(Command::SetModel(model));
                 }
@@ -153,7 +153,7 @@ fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
             text: model.letter(),
             name: model.title(),
             about,
-            on: now.bodies.iter().all(|body| body.material.model() == Some(*model)),
+            on: now.models().all(|own| own == Some(*model)),
         })
         .collect();
     let clicked = segmented(ui, "model", &parts, false)?;

@@ -1,0 +1,80 @@
+//! Builds the membranes of a scene.
+
+use super::{Scene, numbering, pinned, stretched};
+use crate::{
+    elements::Membranes,
+    level::{MassLevel, MembraneLevel},
+    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
+    state::State,
+};
+use std::{ops::Range, sync::Arc};
+
+/// One membrane of a scene.
+#[derive(Clone)]
+pub struct Membrane {
+    /// Name from the level.
+    pub name: String,
+    /// Parameters of the mesh.
+    recipe: MeshKind,
+    /// The mesh, which is flat, in its own coordinates.
+    pub mesh: Arc<Mesh>,
+    /// Its vertices in the scene.
+    pub vertices: Range<usize>,
+    /// Its elements.
+    pub elements: Arc<Membranes>,
+}
+
+impl Membrane {
+    /// Parameters of its mesh.
+    pub const fn recipe(&self) -> &MeshKind {
+        &self.recipe
+    }
+}
+
+impl Scene {
+    pub(super) fn add_membrane(
+        &mut self,
+        level: &MembraneLevel,
+        files: &dyn Files,
+        previous: Option<&Self>,
+    ) -> Result<(), String> {
+        let before = previous.into_iter().flat_map(|scene| &scene.membranes);
+        let known = self.membranes.iter().chain(before).find(|membrane| membrane.recipe == level.mesh);
+        let mesh = if let Some(membrane) = known {
+            Arc::clone(&membrane.mesh)
+        } else {
+            let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
+            Arc::new(numbering::mesh(mesh))
+        };
+        let others = self.membranes.iter().map(|membrane| membrane.elements.corners().len());
+        let total = mesh.triangles().len() + others.sum::<usize>();
+        if total > MOST_TRIANGLES {
+            return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
+        }
+        let first = self.vertices();
+        let vertices = first..first + mesh.points().len();
+        let flat = mesh.points().as_flattened();
+        let in_space =
+            |flat: &[f64]| flat.as_chunks().0.iter().flat_map(|point| level.space.placed(*point)).collect::<Vec<_>>();
+        let rest = in_space(flat);
+        if !rest.iter().all(|coordinate| coordinate.abs() <= State::LIMIT) {
+            return Err(format!("its place puts it beyond {:e} m", State::LIMIT));
+        }
+        let elements = Arc::new(Membranes::new(vertices.clone(), &mesh, level.material.into(), level.thickness.get()));
+        let masses = match level.mass {
+            MassLevel::Total(total) => vec![total.get() / vertices.len() as f64; vertices.len()],
+            MassLevel::Density(density) => elements.lumped_mass(density.get()),
+        };
+        let pins = pinned(&level.pins, flat, mesh.numbering())?;
+        let (vx, vy, vz) = level.space.velocity;
+        self.start.x.extend(in_space(&stretched(level.stretch, flat)));
+        self.start.v.extend(vertices.clone().flat_map(|_| [vx.get(), vy.get(), vz.get()]));
+        self.rest.extend(rest);
+        self.mass.extend(masses.iter().flat_map(|mass| [*mass; 3]));
+        Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
+        self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
+        let (name, recipe) = (level.name.clone(), level.mesh.clone());
+        self.membranes.push(Membrane { name, recipe, mesh, vertices, elements });
+        Ok(())
+    }
+}

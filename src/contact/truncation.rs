@@ -278,8 +278,8 @@ impl SurfaceContact {
                 *kept = 1.0;
             }
             self.find_meeting(pairs, start, x, meeting);
-            // What meets with every vertex at its start was beyond repair before the step.
-            if meeting.is_empty() || round > CUTS && !has_moved {
+            // What meets with every vertex at its start was beyond repair before the step. Numbers that are not finite never return there.
+            if meeting.is_empty() || round > CUTS && (!has_moved || round > CUTS + pairs.len()) {
                 break;
             }
         }

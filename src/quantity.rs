@@ -205,6 +205,8 @@ quantities! {
     Width: "width" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// Extent along y, before any turn.
     Height: "height" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
+    /// Extent along z, before any turn.
+    Depth: "depth" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// A factor that multiplies lengths.
     Factor: "factor" [""] in Excluded(0.0), Included(1e9); slider 0.5 to 2.0, logarithmic;
     /// How far vertices are moved irregularly at most, as a share of the size of their body.

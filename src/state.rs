@@ -59,8 +59,15 @@ impl State {
 
     /// Hash of every bit of positions, velocities and the memory of contacts (FNV-1a, 64 bit): equal states have equal hashes.
     pub fn hash(&self) -> u64 {
-        let anchors = self.anchors.iter().flat_map(|anchor| anchor.point.iter().chain([&anchor.penetration]));
-        let numbers = self.x.iter().chain(&self.v).chain(anchors);
+        // In the plane the third number is zero and left out.
+        let point = |anchor: &'_ Anchor| {
+            anchor.point.into_iter().enumerate().filter(|(axis, along)| *axis < 2 || *along != 0.0)
+        };
+        let anchors = self
+            .anchors
+            .iter()
+            .flat_map(move |anchor| point(anchor).map(|(_, along)| along).chain([anchor.penetration]));
+        let numbers = self.x.iter().chain(&self.v).copied().chain(anchors);
         numbers
             .flat_map(|number| number.to_bits().to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))

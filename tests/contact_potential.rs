@@ -5,7 +5,7 @@ mod common;
 
 use common::{Random, SLOPE, integrator, level, reopened, started};
 use gingerbread::{
-    contact::{Anchor, Potential, restitution},
+    contact::{Anchor, AnyContact, Potential, restitution},
     effects::Motion,
     integrators::Class,
     level::{Level, RunMode, SubstepMode},
@@ -629,6 +629,7 @@ fn a_pressed_disk_follows_hertz() {
         let (scene, state) = (simulation.scene(), simulation.state());
         let mut force = 0.0;
         for contact in scene.effects.iter().filter_map(|effect| effect.contact()) {
+            let AnyContact::Plane(contact) = contact else { unreachable!("in the plane") };
             contact.each(scene.motion(state, None), &mut |touch| {
                 force += touch.forces().map(|(_, [_, y])| y.max(0.0)).sum::<f64>();
             });

@@ -1,6 +1,6 @@
 //! Memory of contacts: friction by an elastic-plastic spring to an anchor on the surface, and initial penetration.
 
-use super::Potential;
+use super::{Potential, touch::length};
 
 /// A contact by name: a vertex, and the surface that it touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,8 +28,8 @@ pub struct ContactName {
 pub struct Anchor {
     /// The contact.
     pub contact: ContactName,
-    /// The anchor \[m\]: a point in the frame of the obstacle, or a length along the loop of a boundary at rest, and zero.
-    pub point: [f64; 2],
+    /// The anchor \[m\]: a point in the frame of the obstacle, or a length along the loop of a boundary at rest; zeros beyond.
+    pub point: [f64; 3],
     /// Rest of the initial penetration \[m\]; it is added to the gap.
     pub penetration: f64,
 }
@@ -37,27 +37,34 @@ pub struct Anchor {
 impl Potential {
     /// Tangential traction \[Pa\] against a displacement u \[m\] from the anchor and a damping traction \[Pa\], at most `limit`
     /// \[Pa\]. Returns also whether it sticks.
-    pub(super) fn traction(self, u: f64, damping: f64, limit: f64) -> (f64, bool) {
-        let wanted = self.tangential_stiffness() * u + damping;
-        (limited(wanted, limit), wanted.abs() < limit)
+    pub(super) fn traction<const T: usize>(self, u: [f64; T], damping: [f64; T], limit: f64) -> ([f64; T], bool) {
+        let wanted = std::array::from_fn(|way| self.tangential_stiffness() * u[way] + damping[way]);
+        (limited(wanted, limit), size(wanted) < limit)
     }
 
     /// Energy of the spring of friction per area [J/m²].
-    pub(super) fn friction_energy(self, u: f64, limit: f64) -> f64 {
-        let u = self.dragged(u, limit);
+    pub(super) fn friction_energy<const T: usize>(self, u: [f64; T], limit: f64) -> f64 {
+        let u = size(self.dragged(u, limit));
         0.5 * self.tangential_stiffness() * u * u
     }
 
     /// Displacement from the anchor after it was dragged \[m\].
-    pub(super) fn dragged(self, u: f64, limit: f64) -> f64 {
+    pub(super) fn dragged<const T: usize>(self, u: [f64; T], limit: f64) -> [f64; T] {
         let most = limit / self.tangential_stiffness();
         limited(u, most)
     }
 }
 
-/// A value of at most this size. A limit that is not a number, as in a state that has exploded, does not matter.
-const fn limited(value: f64, limit: f64) -> f64 {
-    value.max(-limit).min(limit)
+/// Length of a vector of one component or more.
+fn size<const T: usize>(vector: [f64; T]) -> f64 {
+    if let [value] = vector[..] { value.abs() } else { length(vector) }
+}
+
+/// A vector of at most this length. A limit that is not a number, as in a state that has exploded, does not matter.
+fn limited<const T: usize>(vector: [f64; T], limit: f64) -> [f64; T] {
+    let size = size(vector);
+    // Along one direction the quotient is one or less one.
+    if size > limit { vector.map(|value| limit * (value / size)) } else { vector }
 }
 
 /// The anchor of a contact, if it has one.

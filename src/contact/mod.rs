@@ -7,7 +7,7 @@
 //! ([`Truncation`], [`TruncatedStep`]), so that nothing ever crosses. Convex corners of obstacles touch edges as vertices of a body do.
 //!
 //! Obstacles always act like this. Bodies touch each other where a level has the effect [`Contact`](crate::effects::Contact). The effect
-//! [`VelocityFilter`](crate::effects::VelocityFilter) replaces all of it by a filter of velocities ([`ObstacleContact::filter`]).
+//! [`VelocityFilter`](crate::effects::VelocityFilter) replaces all of it by a filter of velocities ([`ObstacleTerm::filter`]).
 //!
 //! ```
 //! use gingerbread::contact::Potential;
@@ -20,7 +20,9 @@
 //! assert_eq!(skin.pressure(0.01), 0.0);
 //! ```
 
+mod any_contact;
 mod candidates;
+mod corner_contact;
 mod crossings;
 mod edge_query;
 mod friction;
@@ -35,12 +37,14 @@ mod touch;
 mod truncation;
 mod velocity_filter;
 
+pub use any_contact::AnyContact;
 pub use candidates::{Candidates, Pair};
+pub use corner_contact::CornerContact;
 pub use crossings::count_crossings;
 pub use friction::{Anchor, ContactName};
 pub use model::{ContactModel, ContactProperties};
-pub use obstacle_contact::{ObstacleContact, PlacedObstacle};
-pub use obstacle_truncation::{Candidate, Path, TruncatedStep};
+pub use obstacle_contact::{ObstacleContact, ObstacleTerm, PlacedObstacle};
+pub use obstacle_truncation::{Candidate, Met, Path, TruncatedStep};
 pub use potential::{Potential, dissipation, restitution};
 pub use skin::{Skin, SurfaceEdge, SurfaceVertex, SurfaceVertices};
 pub use surface_contact::SurfaceContact;

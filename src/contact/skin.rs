@@ -1,7 +1,7 @@
 //! Skin of the bodies and nets of a scene.
 
 use super::Potential;
-use crate::elements::{Springs, Triangles};
+use crate::elements::{Membranes, NetSprings, Triangles};
 use std::ops::Range;
 
 /// Parameters of the skin, relative to each body or net.
@@ -155,23 +155,48 @@ impl SurfaceVertices {
         }
     }
 
-    /// Adds the particles of a net.
-    pub fn add_net(&mut self, net: &Springs, mass: &[f64]) {
-        let links = net.links();
-        let mean = |of: &dyn Fn(usize) -> f64| (0..links.len()).map(of).sum::<f64>() / links.len().max(1) as f64;
-        let edge = mean(&|link| links[link].rest);
-        let vertices = net.vertices();
-        let particle =
-            mass[2 * vertices.start..2 * vertices.end].iter().step_by(2).sum::<f64>() / vertices.len() as f64;
+    /// Adds the vertices of a membrane, whose skin is one of a solid with its stiffness and mass per area, as thick as its triangles
+    /// are long: contact then vibrates about as fast as the triangles in their plane.
+    pub fn add_membrane(&mut self, membrane: &Membranes, mass: &[f64]) {
+        let total = membrane.rest_areas().sum::<f64>();
+        let volumes = membrane.lumped_mass(1.0);
+        let thickness = volumes.iter().sum::<f64>() / total;
+        let edge = (2.0 * total / membrane.corners().len().max(1) as f64).sqrt();
+        let lame = membrane.material().lame();
+        let vertices = membrane.vertices();
+        let all: f64 = mass[3 * vertices.start..3 * vertices.end].iter().step_by(3).sum();
         let part = Part {
             number: self.count,
             vertices: 0..0,
             is_body: false,
-            young: mean(&|link| links[link].stiffness),
+            young: 4.0 * lame.mu * (lame.lambda + lame.mu) / (lame.lambda + 2.0 * lame.mu) * thickness / edge,
             edge,
-            density: particle / (edge * edge),
+            density: all / total / edge,
         };
-        self.add(part, vertices.start, &vec![edge; vertices.len()]);
+        let areas: Vec<_> = volumes.iter().map(|volume| volume / thickness).collect();
+        self.add(part, vertices.start, &areas);
+    }
+
+    /// Adds the particles of a net.
+    pub fn add_net(&mut self, net: &NetSprings, mass: &[f64]) {
+        let links = net.links();
+        let mean = |of: &dyn Fn(usize) -> f64| (0..links.len()).map(of).sum::<f64>() / links.len().max(1) as f64;
+        let edge = mean(&|link| links[link].rest);
+        let vertices = net.vertices();
+        let dimension = net.dimension();
+        let masses = &mass[dimension * vertices.start..dimension * vertices.end];
+        let particle = masses.iter().step_by(dimension).sum::<f64>() / vertices.len() as f64;
+        // In space the skin has a thickness too: an area instead of a length, and a solid's modulus instead of a sheet's.
+        let length = if dimension == 3 { edge } else { 1.0 };
+        let part = Part {
+            number: self.count,
+            vertices: 0..0,
+            is_body: false,
+            young: mean(&|link| links[link].stiffness) / length,
+            edge,
+            density: particle / (edge * edge) / length,
+        };
+        self.add(part, vertices.start, &vec![edge * length; vertices.len()]);
     }
 
     /// Adds the vertices from `first` on that have an area, if all quantities of the part are positive; returns whether

@@ -6,29 +6,29 @@ use crate::{
     obstacles::Rigid,
     solvers::{SparseMatrix, Tangent, Weights},
 };
-use nalgebra::Matrix2;
+use nalgebra::SMatrix;
 
-/// Something that touches at one moment: up to three vertices with weights w, so that the gap is `g = n . sum(w x) - c` with
-/// the unit normal n.
+/// Something that touches at one moment: up to N vertices with D coordinates and weights w, so that the gap is
+/// `g = n . sum(w x) - c` with the unit normal n.
 ///
 /// Its energy per area is that of the [`Potential`] at g, and the force on a vertex `A p (1 - c dg/dt) w n` less the friction
-/// `A T s`. Here s is the derivative of the slip by the position of the vertex, the place of the contact along a surface. So
-/// forces between bodies leave linear and angular momentum as they are, because neither the gap nor the slip changes where all
-/// vertices move rigidly.
+/// `A T s`. Here s is the derivative of the slip by the position of the vertex, the place of the contact along a surface, which has
+/// T directions: one in the plane, two in space. So forces between bodies leave linear and angular momentum as they are, because
+/// neither the gap nor the slip changes where all vertices move rigidly.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch {
+pub struct Touch<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
     /// Name.
     pub name: ContactName,
-    /// Its vertices, by their numbers in the scene: one that touches, and the ends of the edge that it touches.
-    pub vertices: [u32; 3],
+    /// Its vertices, by their numbers in the scene: one that touches, and those of what it touches, such as the ends of an edge.
+    pub vertices: [u32; N],
     /// Which of them take part, as an obstacle may take the place of the first or of the edge.
     pub members: Members,
     /// w.
-    pub weights: [f64; 3],
+    pub weights: [f64; N],
     /// n.
-    pub normal: [f64; 2],
-    /// s of each vertex.
-    pub slips: [[f64; 2]; 3],
+    pub normal: [f64; D],
+    /// s of each vertex, by directions.
+    pub slips: [[[f64; D]; T]; N],
     /// Area at a thickness of the sheet of 1 m \[m²\]; negative where the contact is subtracted because its neighbours count
     /// it twice.
     pub area: f64,
@@ -41,17 +41,17 @@ pub struct Touch {
     /// dg/dt [m/s].
     pub approach: f64,
     /// Rate of the slip [m/s].
-    pub sliding: f64,
+    pub sliding: [f64; T],
     /// Time over which the pressure is the mean, centred at this moment \[s\]; zero for the pressure at this moment.
     pub span: f64,
     /// Velocity of an obstacle at the contact [m/s].
-    pub obstacle_velocity: [f64; 2],
+    pub obstacle_velocity: [f64; D],
     /// How the gap curves.
     pub curvature: Curvature,
     /// Where along the surface it is.
-    pub place: Place,
+    pub place: Place<D>,
     /// Slip since the anchor, and initial penetration, which the gap contains \[m\]; `None` for a new contact.
-    pub memory: Option<(f64, f64)>,
+    pub memory: Option<([f64; T], f64)>,
     /// The anchor that these come from.
     pub kept: Option<Anchor>,
 }
@@ -76,19 +76,8 @@ pub enum Members {
     Vertex,
     /// The ends of an edge that touches a corner of an obstacle.
     Edge,
-    /// A vertex and the ends of an edge.
+    /// All of them: a vertex and the ends of an edge.
     Both,
-}
-
-impl Members {
-    /// Their places in the stencil.
-    pub const fn range(self) -> std::ops::Range<usize> {
-        match self {
-            Self::Vertex => 0..1,
-            Self::Edge => 1..3,
-            Self::Both => 0..3,
-        }
-    }
 }
 
 /// Second derivative of a gap by the positions.
@@ -104,9 +93,9 @@ pub enum Curvature {
 
 /// Where along a surface a contact is.
 #[derive(Clone, Copy, Debug)]
-pub enum Place {
+pub enum Place<const D: usize = 2> {
     /// A vertex at a position \[m\] on an obstacle, which is placed like this.
-    Obstacle(Rigid, [f64; 2]),
+    Obstacle(Rigid<D>, [f64; D]),
     /// At a length along a loop of a boundary at rest, of this length around \[m\]; and length now over length at rest.
     Loop {
         /// Length along the loop.
@@ -121,24 +110,34 @@ pub enum Place {
 /// Change of an edge, as a difference of its two ends, by vertex: those of [`Touch`] with an edge are the vertex and the ends.
 const EDGE: [f64; 3] = [0.0, -1.0, 1.0];
 
-impl Touch {
+impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
+    /// Places in the stencil of the vertices that take part.
+    pub const fn range(&self) -> std::ops::Range<usize> {
+        match self.members {
+            Members::Vertex => 0..1,
+            Members::Edge => 1..N,
+            Members::Both => 0..N,
+        }
+    }
+
     /// Adds the velocities of its vertices [m/s].
     pub fn add_velocities(&mut self, v: &[f64]) {
-        let [nx, ny] = self.normal;
-        for i in self.members.range() {
-            let [vx, vy] = vector(v, self.vertices[i]);
-            self.approach += self.weights[i] * (nx * vx + ny * vy);
-            self.sliding += self.slips[i][0] * vx + self.slips[i][1] * vy;
+        for i in self.range() {
+            let v = coordinates(v, self.vertices[i]);
+            self.approach += self.weights[i] * dot(self.normal, v);
+            for (sliding, slip) in self.sliding.iter_mut().zip(self.slips[i]) {
+                *sliding += dot(slip, v);
+            }
         }
     }
 
     /// Adds the velocity of an obstacle in the place of its vertex, or of the edge [m/s].
-    pub fn add_obstacle(&mut self, velocity: [f64; 2]) {
-        let [vx, vy] = velocity;
+    pub fn add_obstacle(&mut self, velocity: [f64; D]) {
         let sign = if self.members == Members::Vertex { -1.0 } else { 1.0 };
-        let ([nx, ny], [sx, sy]) = (self.normal, self.slips[0]);
-        self.approach += sign * (nx * vx + ny * vy);
-        self.sliding += sign * (sx * vx + sy * vy);
+        self.approach += sign * dot(self.normal, velocity);
+        for (sliding, slip) in self.sliding.iter_mut().zip(self.slips[0]) {
+            *sliding += sign * dot(slip, velocity);
+        }
         self.obstacle_velocity = velocity;
     }
 
@@ -164,15 +163,15 @@ impl Touch {
         self.parameters.friction * self.pressure() * self.damped()
     }
 
+    /// Slip since the anchor \[m\]: a new contact has not slipped yet.
+    fn slip(&self) -> [f64; T] {
+        self.memory.map_or([0.0; T], |(u, _)| u)
+    }
+
     /// T \[Pa\], and whether it sticks.
-    fn traction(&self) -> (f64, bool) {
-        // A new contact has not slipped yet.
-        let (u, _) = self.memory.unwrap_or_default();
-        self.parameters.potential.traction(
-            u,
-            self.parameters.dissipation * self.pressure() * self.sliding,
-            self.limit(),
-        )
+    fn traction(&self) -> ([f64; T], bool) {
+        let rate = self.parameters.dissipation * self.pressure();
+        self.parameters.potential.traction(self.slip(), self.sliding.map(|sliding| rate * sliding), self.limit())
     }
 
     /// Whether the surfaces have crossed.
@@ -187,63 +186,66 @@ impl Touch {
 
     /// Energy of the spring of friction \[J\].
     pub fn friction_energy(&self) -> f64 {
-        let of = |(u, _)| self.parameters.potential.friction_energy(u, self.limit());
+        let of = |(u, _): ([f64; T], f64)| self.parameters.potential.friction_energy(u, self.limit());
         self.area * self.memory.map_or(0.0, of)
     }
 
     /// Force \[N\] on each vertex.
-    pub fn forces(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let (normal, slip) = (self.area * self.pressure() * self.damped(), -self.area * self.traction().0);
-        let [nx, ny] = self.normal;
-        self.members.range().map(move |i| {
-            let (n, [sx, sy]) = (normal * self.weights[i], self.slips[i]);
-            (self.vertices[i] as usize, [n * nx + slip * sx, n * ny + slip * sy])
+    pub fn forces(&self) -> impl Iterator<Item = (usize, [f64; D])> {
+        let normal = self.area * self.pressure() * self.damped();
+        let slip = self.traction().0.map(|traction| -self.area * traction);
+        self.range().map(move |i| {
+            let n = normal * self.weights[i];
+            let along =
+                |axis: usize| (0..T).fold(n * self.normal[axis], |sum, way| sum + slip[way] * self.slips[i][way][axis]);
+            (self.vertices[i] as usize, std::array::from_fn(along))
         })
     }
 
     /// Power of a moving obstacle \[W\].
     pub fn power(&self) -> f64 {
-        let [vx, vy] = self.obstacle_velocity;
-        self.forces().map(|(_, [fx, fy])| fx * vx + fy * vy).sum()
+        self.forces().map(|(_, force)| dot(force, self.obstacle_velocity)).sum()
     }
 
     /// Power taken from the motion \[W\]: by friction, a part of which its spring stores, and by the pressure beyond its energy.
     pub fn taken_power(&self) -> f64 {
         let normal = self.pressure() * self.approach * (1.0 - self.damped());
-        self.area * (normal + self.traction().0 * self.sliding)
+        self.area * (normal + dot(self.traction().0, self.sliding))
     }
 
-    /// Stiffness and damping of the force along the normal and along the slip [N/m, N s/m]. The change of the greatest
-    /// friction with the pressure is omitted: it is not symmetric.
-    fn stiffness(&self) -> [[f64; 2]; 2] {
+    /// Stiffness and damping of the force along the normal [N/m, N s/m].
+    fn normal_stiffness(&self) -> [f64; 2] {
         let (area, damped, pressure) = (self.area, self.damped(), self.pressure());
         let damping = if damped > 0.0 { area * self.parameters.dissipation * pressure } else { 0.0 };
-        let along = if self.span == 0.0 {
+        if self.span == 0.0 {
             [area * damped * self.parameters.potential.stiffness(self.gap), damping]
         } else {
             let [_, by_gap, by_change] = self.mean_pressure();
             [-area * damped * by_gap, damping - area * damped * self.span * by_change]
-        };
-        let across = if self.traction().1 {
-            // A new contact has no anchor to move from.
-            let elastic = if self.memory.is_some() { self.parameters.potential.tangential_stiffness() } else { 0.0 };
-            [area * elastic, area * self.parameters.dissipation * pressure]
-        } else {
-            [0.0; 2]
-        };
-        [along, across]
+        }
+    }
+
+    /// Stiffness and damping of sticking friction [N/m, N s/m], for sliding friction zero. The change of the greatest friction with
+    /// the pressure is omitted: it is not symmetric.
+    fn slip_stiffness(&self) -> [f64; 2] {
+        if !self.traction().1 {
+            return [0.0; 2];
+        }
+        // A new contact has no anchor to move from.
+        let elastic = if self.memory.is_some() { self.parameters.potential.tangential_stiffness() } else { 0.0 };
+        [self.area * elastic, self.area * self.parameters.dissipation * self.pressure()]
     }
 
     /// Greatest damping of the force [N s/m].
     pub fn damping(&self) -> f64 {
-        let [[_, normal], [_, slip]] = self.stiffness();
+        let ([_, normal], [_, slip]) = (self.normal_stiffness(), self.slip_stiffness());
         normal.max(slip)
     }
 
     /// Weighted stiffness and damping, ready to be taken apart into blocks.
-    pub fn linearised(&self, weights: Weights) -> Linearised<'_> {
-        let [normal, slip] =
-            self.stiffness().map(|[stiffness, damping]| weights.position * stiffness + weights.velocity * damping);
+    pub fn linearised(&self, weights: Weights) -> Linearised<'_, D, T, N> {
+        let weighted = |[stiffness, damping]: [f64; 2]| weights.position * stiffness + weights.velocity * damping;
+        let (normal, slip) = (weighted(self.normal_stiffness()), weighted(self.slip_stiffness()));
         let force = weights.position * self.area * self.pressure() * self.damped();
         match weights.tangent {
             Tangent::Exact => Linearised { touch: self, normal, slip, force },
@@ -263,7 +265,7 @@ impl Touch {
         if self.is_new_inside() {
             return (self.begun(), 0.0);
         }
-        let (u, before) = self.memory.unwrap_or_default();
+        let before = self.memory.map_or(0.0, |(_, penetration)| penetration);
         let missing = LEFT * self.parameters.potential.thickness - (self.gap - before);
         let decrease = (h * self.parameters.depenetration_speed).min(missing).min(before).max(0.0);
         let supplied = if decrease > 0.0 {
@@ -272,7 +274,7 @@ impl Touch {
         } else {
             0.0
         };
-        (self.anchor(self.parameters.potential.dragged(u, self.limit()), before - decrease), supplied)
+        (self.anchor(self.parameters.potential.dragged(self.slip(), self.limit()), before - decrease), supplied)
     }
 
     /// Whether it has no memory at a negative gap.
@@ -283,31 +285,33 @@ impl Touch {
     /// Memory of the contact in a state that no step led to: without memory it begins without a force.
     pub fn begun(&self) -> Anchor {
         let missing = self.parameters.potential.thickness - self.gap;
-        self.kept.filter(|kept| kept.contact == self.name).unwrap_or_else(|| self.anchor(0.0, missing))
+        self.kept.filter(|kept| kept.contact == self.name).unwrap_or_else(|| self.anchor([0.0; T], missing))
     }
 
     /// Memory of the contact with a slip since the anchor and an initial penetration \[m\].
-    fn anchor(&self, u: f64, penetration: f64) -> Anchor {
-        let point = match self.place {
-            Place::Obstacle(at, [x, y]) => {
-                let [sx, sy] = self.slips[0];
-                at.back([x - u * sx, y - u * sy])
+    fn anchor(&self, u: [f64; T], penetration: f64) -> Anchor {
+        let mut point = [0.0; 3];
+        match self.place {
+            Place::Obstacle(at, x) => {
+                let slipped = |axis: usize| (0..T).fold(x[axis], |x, way| x - u[way] * self.slips[0][way][axis]);
+                point[..D].copy_from_slice(&at.back(std::array::from_fn(slipped)));
             }
-            Place::Loop { along, stretch, .. } => [along - u / stretch, 0.0],
-        };
+            Place::Loop { along, stretch, .. } => point[0] = along - u[0] / stretch,
+        }
         Anchor { contact: self.name, point, penetration }
     }
 
     /// Slip since an anchor \[m\].
-    fn slip_since(&self, anchor: Anchor) -> f64 {
+    fn slip_since(&self, anchor: Anchor) -> [f64; T] {
         match self.place {
-            Place::Obstacle(at, [x, y]) => {
-                let ([ax, ay], [sx, sy]) = (at.point(anchor.point), self.slips[0]);
-                (x - ax) * sx + (y - ay) * sy
+            Place::Obstacle(at, x) => {
+                let from = at.point(std::array::from_fn(|axis| anchor.point[axis]));
+                let gone = std::array::from_fn(|axis| x[axis] - from[axis]);
+                self.slips[0].map(|slip| dot(gone, slip))
             }
             Place::Loop { along, around, stretch } => {
                 let u = along - anchor.point[0];
-                stretch * (u - around * (u / around).round())
+                [stretch * (u - around * (u / around).round()); T]
             }
         }
     }
@@ -322,7 +326,8 @@ impl Touch {
     /// and after: a contact that has none continues those of its neighbours, their mean where both have one.
     pub fn remember_along(&mut self, [own, before, after]: [Option<Anchor>; 3]) {
         if let (None, Some(one), Some(other)) = (own, before, after) {
-            let u = 0.5 * (self.slip_since(one) + self.slip_since(other));
+            let [one_slip, other_slip] = [one, other].map(|anchor| self.slip_since(anchor));
+            let u = std::array::from_fn(|way| 0.5 * (one_slip[way] + other_slip[way]));
             let penetration = 0.5 * (one.penetration + other.penetration);
             self.gap += penetration;
             (self.memory, self.kept) = (Some((u, penetration)), Some(one));
@@ -333,31 +338,33 @@ impl Touch {
 }
 
 /// Stiffness of a contact.
-pub struct Linearised<'a> {
-    touch: &'a Touch,
+pub struct Linearised<'a, const D: usize = 2, const T: usize = 1, const N: usize = 3> {
+    touch: &'a Touch<D, T, N>,
     normal: f64,
     slip: f64,
     /// Force along the normal, which turns with it.
     force: f64,
 }
 
-impl Linearised<'_> {
+impl<const D: usize, const T: usize, const N: usize> Linearised<'_, D, T, N> {
     /// Block of two of its vertices.
     ///
     /// With the direction t of an edge of length L, the distance D, d = (0, -1, 1) and q = w t, the second derivative of the distance from it is
     /// `-((d n) q' + q (d n)')/L - D (d n) (d n)'/L²`, and that of the distance of two points `q q'/D`: both follow from
-    /// `dn = -t (n . d x)/L` for the edge and `dn = t (t . w x)/D` for the points.
-    pub fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
-        let Touch { weights: w, normal: [nx, ny], slips, distance, .. } = self.touch;
-        let outer = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| Matrix2::new(ax * bx, ax * by, ay * bx, ay * by);
-        let (normal, along) = ([*nx, *ny], [-ny, *nx]);
-        let block = outer(normal, normal) * (self.normal * w[i] * w[j]) + outer(slips[i], slips[j]) * self.slip;
+    /// `dn = -t (n . d x)/L` for the edge and `dn = t (t . w x)/D` for the points, in the plane.
+    pub fn block(&self, i: usize, j: usize) -> SMatrix<f64, D, D> {
+        let Touch { weights: w, normal, slips, distance, .. } = self.touch;
+        let outer = |a: [f64; D], b: [f64; D]| SMatrix::<f64, D, D>::from_fn(|row, column| a[row] * b[column]);
+        let block = outer(*normal, *normal) * (self.normal * w[i] * w[j]);
+        let block = (0..T).fold(block, |block, way| block + outer(slips[i][way], slips[j][way]) * self.slip);
+        let mut along = [0.0; D];
+        (along[0], along[1]) = (-normal[1], normal[0]);
         match self.touch.curvature {
             Curvature::Flat => block,
             Curvature::Edge(length) => {
-                let turned = outer(normal, along) * (EDGE[i] * w[j]) + outer(along, normal) * (w[i] * EDGE[j]);
+                let turned = outer(*normal, along) * (EDGE[i] * w[j]) + outer(along, *normal) * (w[i] * EDGE[j]);
                 let curved =
-                    turned / length + outer(normal, normal) * (distance * EDGE[i] * EDGE[j] / (length * length));
+                    turned / length + outer(*normal, *normal) * (distance * EDGE[i] * EDGE[j] / (length * length));
                 block + curved * self.force
             }
             Curvature::Points => block - outer(along, along) * (self.force * w[i] * w[j] / distance),
@@ -367,12 +374,12 @@ impl Linearised<'_> {
 
 /// Contact by a potential: a term of the physics like an element. A kind of contact says what touches; everything else follows
 /// from that.
-pub trait ContactTerm: Send + Sync {
+pub trait ContactTerm<const D: usize = 2, const T: usize = 1, const N: usize = 3>: Send + Sync {
     /// Calls `act` for everything that touches.
-    fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch));
+    fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch<D, T, N>));
 
     /// The same for a state that no step led to: also what is deep inside something.
-    fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+    fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch<D, T, N>)) {
         self.each(motion, act);
     }
 
@@ -394,7 +401,7 @@ pub trait ContactTerm: Send + Sync {
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix);
 }
 
-impl dyn ContactTerm + '_ {
+impl<const D: usize, const T: usize, const N: usize> dyn ContactTerm<D, T, N> + '_ {
     /// Whether a skin is compressed.
     pub fn touches(&self, motion: Motion<'_>) -> bool {
         let mut touches = false;
@@ -429,15 +436,21 @@ impl dyn ContactTerm + '_ {
     }
 
     /// Calls `act` for each vertex in contact with a force on it \[N\].
-    pub fn each_force(&self, motion: Motion<'_>, mut act: impl FnMut(usize, [f64; 2])) {
+    fn each_force(&self, motion: Motion<'_>, mut act: impl FnMut(usize, [f64; D])) {
         self.each(motion, &mut |touch| touch.forces().for_each(|(vertex, force)| act(vertex, force)));
+    }
+
+    /// Calls `act` for each number of the force on a vertex in contact \[N\], by its place among all coordinates.
+    pub fn each_number(&self, motion: Motion<'_>, act: &mut dyn FnMut(usize, f64)) {
+        self.each_force(motion, |vertex, force| {
+            force.into_iter().enumerate().for_each(|(axis, force)| act(D * vertex + axis, force));
+        });
     }
 
     /// Adds the forces \[N\].
     pub fn force(&self, motion: Motion<'_>, force: &mut [f64]) {
-        self.each_force(motion, |vertex, [x, y]| {
-            force[2 * vertex] += x;
-            force[2 * vertex + 1] += y;
+        self.each_force(motion, |vertex, added| {
+            force[D * vertex..].iter_mut().zip(added).for_each(|(force, added)| *force += added);
         });
     }
 
@@ -446,12 +459,13 @@ impl dyn ContactTerm + '_ {
         let weights = Weights { position: 1.0, velocity: 0.0, tangent: Tangent::Exact };
         self.each(motion, &mut |touch| {
             let linearised = touch.linearised(weights);
-            for i in touch.members.range() {
-                for j in touch.members.range() {
-                    let ([x, y], block) = (vector(d, touch.vertices[j]), linearised.block(i, j));
-                    let at = 2 * touch.vertices[i] as usize;
-                    product[at] += block.m11 * x + block.m12 * y;
-                    product[at + 1] += block.m21 * x + block.m22 * y;
+            for i in touch.range() {
+                for j in touch.range() {
+                    let (d, block): ([f64; D], _) = (coordinates(d, touch.vertices[j]), linearised.block(i, j));
+                    let at = D * touch.vertices[i] as usize;
+                    for (row, product) in product[at..at + D].iter_mut().enumerate() {
+                        *product += dot(std::array::from_fn(|column| block[(row, column)]), d);
+                    }
                 }
             }
         });
@@ -462,10 +476,10 @@ impl dyn ContactTerm + '_ {
         let mut greatest = 0.0_f64;
         self.each(motion, &mut |touch| {
             let inverse = |i: usize| {
-                let [x, y] = vector(motion.inverse_mass, touch.vertices[i]);
-                touch.weights[i].abs() * x.max(y)
+                let inverse: [f64; D] = coordinates(motion.inverse_mass, touch.vertices[i]);
+                touch.weights[i].abs() * inverse.into_iter().fold(0.0, f64::max)
             };
-            greatest = greatest.max(touch.damping() * touch.members.range().map(inverse).sum::<f64>());
+            greatest = greatest.max(touch.damping() * touch.range().map(inverse).sum::<f64>());
         });
         [greatest, 0.0]
     }
@@ -488,7 +502,7 @@ impl dyn ContactTerm + '_ {
     pub fn add_inside(&self, motion: Motion<'_>, vertices: &mut Vec<u32>) {
         self.each(motion, &mut |touch| {
             if touch.area > 0.0 && touch.is_inside() {
-                vertices.push(touch.vertices[touch.members.range().start]);
+                vertices.push(touch.vertices[touch.range().start]);
             }
         });
     }
@@ -505,12 +519,22 @@ impl dyn ContactTerm + '_ {
 
 /// Length of a vector: by a square root alone, which is exact everywhere and faster than a careful `hypot`; surfaces are neither
 /// as small nor as large as its range.
-pub(super) fn length([x, y]: [f64; 2]) -> f64 {
-    (x * x + y * y).sqrt()
+pub(super) fn length<const D: usize>(vector: [f64; D]) -> f64 {
+    dot(vector, vector).sqrt()
 }
 
-/// The two numbers of a vertex.
+/// Scalar product of two vectors.
+pub(super) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (1..D).fold(a[0] * b[0], |sum, axis| sum + a[axis] * b[axis])
+}
+
+/// The two numbers of a vertex in the plane.
 pub(super) fn vector(values: &[f64], vertex: u32) -> [f64; 2] {
-    let at = 2 * vertex as usize;
-    [values[at], values[at + 1]]
+    coordinates(values, vertex)
+}
+
+/// The numbers of a vertex.
+pub(super) fn coordinates<const D: usize>(values: &[f64], vertex: u32) -> [f64; D] {
+    let at = D * vertex as usize;
+    std::array::from_fn(|axis| values[at + axis])
 }

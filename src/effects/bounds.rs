@@ -1,11 +1,67 @@
-//! Boxes around the vertices of a scene in the plane, in which constraints may be skipped.
+//! Boxes around vertices, in which constraints may be skipped.
 
 /// Least and greatest corner of a box \[m\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds(pub [[f64; 2]; 2]);
+pub struct Bounds<const D: usize = 2>(pub [[f64; D]; 2]);
 
 /// Enlargement of a box in powers of two of its size: greatest and least exponent.
 const POWERS: (i32, i32) = (4, -8);
+
+impl<const D: usize> Bounds<D> {
+    /// Box around flat points.
+    pub fn of(values: &[f64]) -> Self {
+        // Several points at once are vectorised: a multiple of two and of three.
+        const COUNT: usize = 12;
+        let (mut least, mut greatest) = ([f64::INFINITY; COUNT], [f64::NEG_INFINITY; COUNT]);
+        let mut add = |number: usize, value: f64| {
+            least[number] = if value < least[number] { value } else { least[number] };
+            greatest[number] = if value > greatest[number] { value } else { greatest[number] };
+        };
+        let (chunks, rest) = values.as_chunks::<COUNT>();
+        for chunk in chunks {
+            chunk.iter().enumerate().for_each(|(number, value)| add(number, *value));
+        }
+        rest.iter().enumerate().for_each(|(number, value)| add(number, *value));
+        let mut bounds = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
+        for number in 0..COUNT {
+            let [low, high] = bounds.each_mut().map(|corner| &mut corner[number % D]);
+            *low = if least[number] < *low { least[number] } else { *low };
+            *high = if greatest[number] > *high { greatest[number] } else { *high };
+        }
+        Self(bounds)
+    }
+
+    /// Greatest magnitude of a coordinate of its corners.
+    pub fn farthest(self) -> f64 {
+        self.0.as_flattened().iter().fold(0.0, |most, along| along.abs().max(most))
+    }
+
+    /// The box around this one and another.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        let (Self([a, b]), Self([c, d])) = (self, other);
+        Self([
+            std::array::from_fn(|axis| if c[axis] < a[axis] { c[axis] } else { a[axis] }),
+            std::array::from_fn(|axis| if d[axis] > b[axis] { d[axis] } else { b[axis] }),
+        ])
+    }
+
+    /// The box around the image of this one under a map that keeps straight lines straight.
+    #[must_use]
+    pub fn mapped(self, map: impl Fn([f64; D]) -> [f64; D]) -> Self {
+        let Self(ends) = self;
+        let corner = |number: usize| map(std::array::from_fn(|axis| ends[number >> axis & 1][axis]));
+        let none = Self([[f64::INFINITY; D], [f64::NEG_INFINITY; D]]);
+        (0..1 << D).map(corner).fold(none, |bounds, corner| bounds.with(Self([corner; 2])))
+    }
+
+    /// The box with all its sides moved outwards by a length.
+    #[must_use]
+    pub fn grown(self, by: f64) -> Self {
+        let Self([least, greatest]) = self;
+        Self([least.map(|along| along - by), greatest.map(|along| along + by)])
+    }
+}
 
 impl Bounds {
     /// Box up to a distance from the origin along each axis \[m\].
@@ -26,29 +82,6 @@ impl Bounds {
             [0, 1].map(|axis| f64::min(least[axis], least[axis + 2])),
             [0, 1].map(|axis| f64::max(greatest[axis], greatest[axis + 2])),
         ])
-    }
-
-    /// Box around flat points.
-    pub fn of(values: &[f64]) -> Self {
-        // Several points at once are vectorised.
-        const COUNT: usize = 16;
-        let (mut least, mut greatest) = ([f64::INFINITY; COUNT], [f64::NEG_INFINITY; COUNT]);
-        let mut add = |number: usize, value: f64| {
-            least[number] = if value < least[number] { value } else { least[number] };
-            greatest[number] = if value > greatest[number] { value } else { greatest[number] };
-        };
-        let (chunks, rest) = values.as_chunks::<COUNT>();
-        for chunk in chunks {
-            chunk.iter().enumerate().for_each(|(number, value)| add(number, *value));
-        }
-        rest.iter().enumerate().for_each(|(number, value)| add(number, *value));
-        let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for number in 0..COUNT {
-            let [low, high] = bounds.each_mut().map(|corner| &mut corner[number % 2]);
-            *low = if least[number] < *low { least[number] } else { *low };
-            *high = if greatest[number] > *high { greatest[number] } else { *high };
-        }
-        Self(bounds)
     }
 
     /// Whether every one of these flat points lies in the box, its sides included.
@@ -76,37 +109,10 @@ impl Bounds {
             && rest.map(|(x, (least, greatest))| beyond(*x, *least, *greatest)).sum::<f64>() == 0.0
     }
 
-    /// Greatest magnitude of a coordinate of its corners.
-    pub fn farthest(self) -> f64 {
-        self.0.as_flattened().iter().fold(0.0, |most, along| along.abs().max(most))
-    }
-
     /// Length of its longer side, at least the smallest positive number.
     fn size(self) -> f64 {
         let Self([least, greatest]) = self;
         (0..2).map(|axis| greatest[axis] - least[axis]).fold(f64::MIN_POSITIVE, f64::max)
-    }
-
-    /// The box around this one and another.
-    #[must_use]
-    pub fn with(self, other: Self) -> Self {
-        let (Self([a, b]), Self([c, d])) = (self, other);
-        let (low, high) = (|a: f64, c: f64| if c < a { c } else { a }, |b: f64, d: f64| if d > b { d } else { b });
-        Self([[low(a[0], c[0]), low(a[1], c[1])], [high(b[0], d[0]), high(b[1], d[1])]])
-    }
-
-    /// The box around the image of this one under a map that keeps straight lines straight.
-    #[must_use]
-    pub fn mapped(self, map: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
-        let Self([[left, bottom], [right, top]]) = self;
-        let corners = [[left, bottom], [right, bottom], [right, top], [left, top]].map(map);
-        Self::of(corners.as_flattened())
-    }
-
-    /// The box with all its sides moved outwards by a length.
-    #[must_use]
-    pub fn grown(self, by: f64) -> Self {
-        self.with_sides([true; 4], by)
     }
 
     /// The box with some of its sides (left, bottom, right, top) moved outwards by a length.

@@ -2,7 +2,7 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
-    contact::{ContactProperties, ContactTerm, Skin, SurfaceContact},
+    contact::{AnyContact, ContactProperties, Skin, SurfaceContact},
     elements::Elements,
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
@@ -105,8 +105,8 @@ impl Effect for ContactEffect {
         self.surface.iter_mut().for_each(|surface| surface.set_number(number));
     }
 
-    fn contact(&self) -> Option<&dyn ContactTerm> {
-        self.surface_contact().map(|surface| surface as &dyn ContactTerm)
+    fn contact(&self) -> Option<AnyContact<'_>> {
+        self.surface_contact().map(|surface| AnyContact::Plane(surface))
     }
 
     fn surface_contact(&self) -> Option<&SurfaceContact> {

@@ -43,8 +43,9 @@ pub use velocity_filter::VelocityFilter;
 pub use walls::Walls;
 
 use crate::{
-    contact::{Anchor, Candidates, ContactProperties, ContactTerm, ObstacleContact, Pair, SurfaceContact},
+    contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceContact},
     elements::{Elements, EulerUpdate, UniformForce},
+    obstacles::Triangulation,
     quantity::Quantity,
     registry::registry,
     solvers::{SparseMatrix, Weights},
@@ -145,6 +146,8 @@ pub enum Shape {
     Solid(Vec<[f64; 2]>),
     /// The domain: least and greatest corner.
     Edges([f64; 2], [f64; 2]),
+    /// The surface of an obstacle in space.
+    Surface(Triangulation),
 }
 
 /// Positions, velocities and masses at one moment, flat.
@@ -322,7 +325,7 @@ pub trait Effect: Send + Sync {
     }
 
     /// Contact by a potential, if it has that: its energy and forces are those of the effect.
-    fn contact(&self) -> Option<&dyn ContactTerm> {
+    fn contact(&self) -> Option<AnyContact<'_>> {
         None
     }
 
@@ -332,7 +335,7 @@ pub trait Effect: Send + Sync {
     }
 
     /// Contact with obstacles, if it has that, by a potential or by a filter.
-    fn obstacle_contact(&self) -> Option<&ObstacleContact> {
+    fn obstacle_contact(&self) -> Option<&dyn ObstacleTerm> {
         None
     }
 

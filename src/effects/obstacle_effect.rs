@@ -2,23 +2,41 @@
 
 use super::{Bounds, Effect, Motion};
 use crate::{
-    contact::{ContactTerm, ObstacleContact, PlacedObstacle},
+    contact::{AnyContact, ContactTerm as _, ObstacleContact, ObstacleTerm, PlacedObstacle},
     elements::Elements,
 };
 
-/// Contact with some obstacles.
+/// Contact with some obstacles, all in the plane or all in space.
 pub(super) struct ObstacleEffect {
     name: &'static str,
-    contact: ObstacleContact,
+    contact: Contact,
     /// Whether it acts as a filter instead of a potential.
     is_filter: bool,
 }
 
+enum Contact {
+    Plane(ObstacleContact),
+    Space(ObstacleContact<3, 2, 4>),
+}
+
 impl ObstacleEffect {
-    /// Contact of a name with some obstacles.
+    /// Contact of a name with some obstacles in the plane.
     pub fn new(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle>) -> Self {
         let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);
-        Self { name, contact, is_filter: elements.contact.is_filter }
+        Self { name, contact: Contact::Plane(contact), is_filter: elements.contact.is_filter }
+    }
+
+    /// Contact of a name with some obstacles in space.
+    pub fn in_space(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle<3>>) -> Self {
+        let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);
+        Self { name, contact: Contact::Space(contact), is_filter: elements.contact.is_filter }
+    }
+
+    fn term(&self) -> &dyn ObstacleTerm {
+        match &self.contact {
+            Contact::Plane(contact) => contact,
+            Contact::Space(contact) => contact,
+        }
     }
 }
 
@@ -28,30 +46,44 @@ impl Effect for ObstacleEffect {
     }
 
     fn dimension(&self) -> Option<usize> {
-        Some(2)
+        Some(match &self.contact {
+            Contact::Plane(_) => 2,
+            Contact::Space(_) => 3,
+        })
     }
 
     fn elements(&self, motion: Motion<'_>) -> usize {
-        self.contact.obstacles().len() * motion.x.len() / 2
+        self.term().count() * motion.vertices()
     }
 
     fn set_number(&mut self, number: usize) {
-        self.contact.set_number(number);
+        match &mut self.contact {
+            Contact::Plane(contact) => contact.set_number(number),
+            Contact::Space(contact) => contact.set_number(number),
+        }
     }
 
-    fn contact(&self) -> Option<&dyn ContactTerm> {
-        (!self.is_filter).then_some(&self.contact as &dyn ContactTerm)
+    fn contact(&self) -> Option<AnyContact<'_>> {
+        let contact = match &self.contact {
+            Contact::Plane(contact) => AnyContact::Plane(contact),
+            Contact::Space(contact) => AnyContact::Space(contact),
+        };
+        (!self.is_filter).then_some(contact)
     }
 
-    fn obstacle_contact(&self) -> Option<&ObstacleContact> {
-        Some(&self.contact)
+    fn obstacle_contact(&self) -> Option<&dyn ObstacleTerm> {
+        Some(self.term())
     }
 
+    /// In space each step looks at the obstacles.
     fn is_clear(&self, swept_bounds: Bounds) -> bool {
-        self.contact.is_clear(swept_bounds)
+        matches!(&self.contact, Contact::Plane(contact) if contact.is_clear(swept_bounds))
     }
 
     fn is_steady(&self) -> bool {
-        !self.contact.moves()
+        !match &self.contact {
+            Contact::Plane(contact) => contact.moves(),
+            Contact::Space(contact) => contact.moves(),
+        }
     }
 }

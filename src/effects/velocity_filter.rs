@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Contact with walls and the domain boundary by a filter after each step, as in the first version of this program: a vertex
 /// within the contact margin of an obstacle loses its velocity towards it, and one inside is put on the surface; see
-/// [`crate::contact::ObstacleContact::filter`].
+/// [`crate::contact::ObstacleTerm::filter`].
 ///
 /// It is simple and has no limit of its own on the step. It has no energy, so that no scheme keeps its order through an impact,
 /// bodies do not touch each other, and what moves farther than an obstacle is thick in one step passes through it.

@@ -56,7 +56,12 @@ impl EffectParameters for Walls {
 
     fn shapes(&self, time: f64) -> Vec<Shape> {
         let (mut planes, mut shapes) = (Vec::new(), Vec::new());
-        for kind in self.obstacles.iter().map(ObstacleKind::kind) {
+        let (in_space, in_plane): (Vec<_>, Vec<_>) =
+            self.obstacles.iter().map(ObstacleKind::kind).partition(|kind| kind.dimension() == 3);
+        shapes.extend(
+            in_space.iter().map(|kind| Shape::Surface(kind.triangulation().moved(&placed(&kind.motions(), time)))),
+        );
+        for kind in in_plane {
             let at = placed(&kind.motions(), time);
             let moves = at != Rigid::STILL;
             planes.extend(kind.plane().map(|plane| if moves { plane.moved(&at) } else { plane.clone() }));
@@ -86,6 +91,15 @@ impl EffectParameters for Walls {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
+        if self.obstacles.iter().any(|kind| kind.kind().dimension() == 3) {
+            let build = |(number, kind): (usize, &ObstacleKind)| {
+                let built = kind.kind().build_in_space();
+                let obstacle = built.map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
+                Ok::<_, String>(PlacedObstacle { obstacle, motions: kind.kind().motions() })
+            };
+            let obstacles = self.obstacles.iter().enumerate().map(build).collect::<Result<Vec<_>, _>>()?;
+            return Ok(Box::new(ObstacleEffect::in_space("Walls", elements, obstacles)));
+        }
         let build = |(number, kind): (usize, &ObstacleKind)| {
             let obstacle = kind.kind().build().map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
             Ok::<_, String>(PlacedObstacle { obstacle, motions: kind.kind().motions() })

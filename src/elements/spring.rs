@@ -147,6 +147,14 @@ impl NetSprings {
         }
     }
 
+    /// Number of coordinates of a particle.
+    pub const fn dimension(&self) -> usize {
+        match self {
+            Self::Plane(_) => 2,
+            Self::Space(_) => 3,
+        }
+    }
+
     /// The springs of a net in the plane.
     pub const fn plane(&self) -> Option<&Arc<Springs>> {
         match self {

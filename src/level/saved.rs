@@ -1,7 +1,7 @@
 //! Saved state of a running level.
 
 use super::is_default;
-use crate::quantity::{Coordinate, Point, Position, Reach, Time};
+use crate::quantity::{Coordinate, Position, Reach, Time};
 use serde::{Deserialize, Serialize};
 
 /// A moment of a running scene: enough to continue bit for bit.
@@ -22,7 +22,7 @@ pub struct SavedState {
     pub memory: Vec<Coordinate>,
     /// Contacts: number of the effect, of the obstacle in it, and of the vertex; anchor of friction on the obstacle \[m\]; rest of the initial penetration \[m\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub anchors: Vec<((u32, u32, u32), Point, Reach)>,
+    pub anchors: Vec<((u32, u32, u32), Position, Reach)>,
     /// How calm each body and then each net has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,

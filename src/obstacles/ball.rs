@@ -27,7 +27,7 @@ impl ObstacleParameters for Ball {
     fn build(&self) -> Result<Box<dyn Obstacle>, String> {
         let (centre, radius) = (self.centre.get(), self.radius.get());
         let shape = parry2d::shape::Ball::new(radius);
-        Ok(Box::new(Solid::new(shape, centre, self.eps.get()).with_corners(radius, &[centre], true)))
+        Ok(Box::new(Solid::in_plane(shape, centre, self.eps.get()).with_corners(radius, &[centre], true)))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,5 +1,5 @@
-//! Rigid obstacles, represented by shapes of parry2d. Only this module uses that library; its interface takes points as
-//! `[f64; 2]`. Each kind is one file; [`ObstacleKind`] lists them all.
+//! Rigid obstacles, represented by shapes of parry2d and in space of parry3d. Only this module uses these libraries; its interface
+//! takes points as arrays. Each kind is one file; [`ObstacleKind`] lists them all.
 //!
 //! An obstacle gives distances and normals, and its convex corners; [`crate::contact`] is what it does to bodies.
 //!
@@ -15,8 +15,11 @@
 //! ```
 
 mod ball;
+mod block;
 mod corner;
 mod cuboid;
+mod cylinder;
+mod half_space;
 mod motions;
 mod moving;
 mod plane;
@@ -24,16 +27,23 @@ mod polygon;
 mod rigid;
 mod segments;
 mod solid;
+mod sphere;
+mod triangulation;
 
 pub use ball::Ball;
+pub use block::Block;
 pub use corner::Corner;
 pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
+pub use half_space::HalfSpace;
 pub use motions::{Motion, MotionKind, Slide, Swing, Turn, placed};
 pub use moving::Moving;
 pub use plane::{HalfPlane, Plane, free_region};
 pub use polygon::Polygon;
 pub use rigid::{Rigid, SweptMotion};
 pub use segments::{segments_meet, side_of};
+pub use sphere::Sphere;
+pub use triangulation::Triangulation;
 
 use crate::{quantity::Quantity, registry::registry};
 
@@ -44,6 +54,10 @@ registry! {
         Ball(Ball),
         Cuboid(Cuboid),
         Polygon(Polygon),
+        Sphere(Sphere),
+        HalfSpace(HalfSpace),
+        Block(Block),
+        Cylinder(Cylinder),
         Moving(Moving),
     }
 }
@@ -60,11 +74,26 @@ impl ObstacleKind {
 
 /// The parameters of an obstacle.
 pub trait ObstacleParameters {
-    /// Builds the obstacle for stepping.
+    /// Number of coordinates of its points.
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    /// Builds an obstacle of the plane for stepping.
     ///
     /// # Errors
-    /// A sentence, if the parameters do not define a shape.
-    fn build(&self) -> Result<Box<dyn Obstacle>, String>;
+    /// A sentence, if the parameters do not define a shape, or one in space.
+    fn build(&self) -> Result<Box<dyn Obstacle>, String> {
+        Err("it is in space, but the scene is in the plane".to_owned())
+    }
+
+    /// Builds an obstacle in space for stepping.
+    ///
+    /// # Errors
+    /// A sentence, if the parameters do not define a shape, or one of the plane.
+    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+        Err("it is in the plane, but other obstacles are in space".to_owned())
+    }
 
     /// A note for the user on the shape.
     fn notes(&self) -> Option<String> {
@@ -75,8 +104,15 @@ pub trait ObstacleParameters {
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 
     /// The surface at which vertices stop (eps outside the shape), counter-clockwise \[m\]; empty for planes, which have no
-    /// outline of their own.
-    fn outline(&self) -> Vec<[f64; 2]>;
+    /// outline of their own, and in space.
+    fn outline(&self) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
+
+    /// The surface of an obstacle in space, to be drawn.
+    fn triangulation(&self) -> Triangulation {
+        Triangulation::default()
+    }
 
     /// Its motions, applied one after another; empty for an obstacle at rest.
     fn motions(&self) -> Vec<MotionKind> {
@@ -91,32 +127,32 @@ pub trait ObstacleParameters {
 
 /// Distance and normal of the surface nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct Contact<const D: usize = 2> {
     /// Distance to the surface \[m\]; negative inside.
     pub distance: f64,
     /// Unit vector from the obstacle outwards.
-    pub normal: [f64; 2],
+    pub normal: [f64; D],
 }
 
-impl Contact {
+impl<const D: usize> Contact<D> {
     /// Component of a vector along the normal.
-    pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
-        self.normal[0] * x + self.normal[1] * y
+    pub fn along(&self, vector: [f64; D]) -> f64 {
+        (1..D).fold(self.normal[0] * vector[0], |sum, axis| sum + self.normal[axis] * vector[axis])
     }
 }
 
-/// An obstacle ready for stepping.
-pub trait Obstacle: Send + Sync {
+/// An obstacle ready for stepping, in the plane or in space.
+pub trait Obstacle<const D: usize = 2>: Send + Sync {
     /// The nearest surface, if the point is nearer to it than `reach` \[m\] or inside.
-    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact>;
+    fn distance(&self, point: [f64; D], reach: f64) -> Option<Contact<D>>;
 
     /// The nearest surface, if the point is within eps of it or inside.
-    fn contact(&self, point: [f64; 2]) -> Option<Contact> {
+    fn contact(&self, point: [f64; D]) -> Option<Contact<D>> {
         self.distance(point, self.margin())
     }
 
     /// Whether any point of a box could be within eps; conservative.
-    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool;
+    fn is_near(&self, least: [f64; D], greatest: [f64; D]) -> bool;
 
     /// Contact margin eps \[m\].
     fn margin(&self) -> f64;
@@ -132,7 +168,7 @@ pub trait Obstacle: Send + Sync {
     }
 
     /// Its convex corners, which can touch an edge of a body between two vertices.
-    fn corners(&self) -> &[Corner] {
+    fn corners(&self) -> &[Corner<D>] {
         &[]
     }
 }

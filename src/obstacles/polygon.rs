@@ -78,7 +78,7 @@ impl ObstacleParameters for Polygon {
         };
         let outer: Vec<_> = (0..corners.len()).filter(turns_left).map(|i| corners[i]).collect();
         let is_convex = outer.len() == corners.len();
-        Ok(Box::new(Solid::new(shape, [0.0, 0.0], self.eps.get()).with_corners(0.0, &outer, is_convex)))
+        Ok(Box::new(Solid::in_plane(shape, [0.0, 0.0], self.eps.get()).with_corners(0.0, &outer, is_convex)))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

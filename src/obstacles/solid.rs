@@ -1,94 +1,173 @@
-//! Bounded obstacles as shapes of parry2d.
+//! Bounded obstacles as shapes of parry, in the plane and in space.
 
 use super::{Contact, Corner, Obstacle};
-use parry2d::{
-    bounding_volume::{Aabb, BoundingVolume},
-    math::{Pose, Vector},
-    query::PointQuery,
-    shape::Shape,
-};
+
+/// A closed surface in world coordinates.
+pub trait ClosedSurface<const D: usize>: Send + Sync {
+    /// The nearest point of the surface \[m\], and whether the point is inside.
+    fn project(&self, point: [f64; D]) -> ([f64; D], bool);
+
+    /// Least and greatest corner of a box around it \[m\].
+    fn bounds(&self) -> [[f64; D]; 2];
+}
+
+/// A shape of parry2d at a place.
+pub struct PlaneShape<S>(S, parry2d::math::Pose);
+
+/// A shape of parry3d at a place.
+pub struct SpaceShape<S>(S, parry3d::math::Pose);
+
+impl<S: parry2d::shape::Shape> ClosedSurface<2> for PlaneShape<S> {
+    fn project(&self, [x, y]: [f64; 2]) -> ([f64; 2], bool) {
+        let found =
+            parry2d::query::PointQuery::project_point(&self.0, &self.1, parry2d::math::Vector::new(x, y), false);
+        (found.point.into(), found.is_inside)
+    }
+
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        let bounds = self.0.compute_aabb(&self.1);
+        [bounds.mins.into(), bounds.maxs.into()]
+    }
+}
+
+impl<S: parry3d::shape::Shape> ClosedSurface<3> for SpaceShape<S> {
+    fn project(&self, [x, y, z]: [f64; 3]) -> ([f64; 3], bool) {
+        let point = parry3d::math::Vector::new(x, y, z);
+        let found = parry3d::query::PointQuery::project_point(&self.0, &self.1, point, false);
+        (found.point.into(), found.is_inside)
+    }
+
+    fn bounds(&self) -> [[f64; 3]; 2] {
+        let bounds = self.0.compute_aabb(&self.1);
+        [bounds.mins.into(), bounds.maxs.into()]
+    }
+}
 
 /// A bounded shape in world coordinates.
-pub struct Solid<S> {
-    shape: S,
-    pose: Pose,
-    near: Aabb,
+pub struct Solid<const D: usize, S> {
+    surface: S,
+    /// Box around what is nearer than eps \[m\].
+    near: [[f64; D]; 2],
     /// eps, at least a fraction of the size above round-off \[m\].
     eps: f64,
-    corners: Vec<Corner>,
+    /// Half of the diagonal of that box \[m\].
+    size: f64,
+    corners: Vec<Corner<D>>,
     is_convex: bool,
 }
 
 /// Least eps as a fraction of the size.
 const LEAST: f64 = 1e-4;
 
-impl<S: Shape> Solid<S> {
-    /// The shape at a point, with its contact margin \[m\].
-    pub fn new(shape: S, [x, y]: [f64; 2], eps: f64) -> Self {
-        let pose = Pose::from_translation(Vector::new(x, y));
-        let bounds = shape.compute_aabb(&pose);
-        let eps = eps.max(LEAST * bounds.half_extents().length());
-        let near = bounds.loosened(eps);
-        Self { shape, pose, near, eps, corners: Vec::new(), is_convex: true }
+impl<S: parry2d::shape::Shape> Solid<2, PlaneShape<S>> {
+    /// A shape of the plane at a point, with its contact margin \[m\].
+    pub fn in_plane(shape: S, [x, y]: [f64; 2], eps: f64) -> Self {
+        let pose = parry2d::math::Pose::from_translation(parry2d::math::Vector::new(x, y));
+        Self::new(PlaneShape(shape, pose), eps)
+    }
+}
+
+impl<S: parry3d::shape::Shape> Solid<3, SpaceShape<S>> {
+    /// A shape in space at a place, with its contact margin \[m\].
+    pub fn in_space(shape: S, pose: parry3d::math::Pose, eps: f64) -> Self {
+        Self::new(SpaceShape(shape, pose), eps)
+    }
+}
+
+impl<const D: usize, S: ClosedSurface<D>> Solid<D, S> {
+    fn new(surface: S, eps: f64) -> Self {
+        let bounds = surface.bounds();
+        let eps = eps.max(LEAST * half_diagonal(bounds));
+        let near = loosened(bounds, eps);
+        Self { surface, near, eps, size: half_diagonal(near), corners: Vec::new(), is_convex: true }
     }
 
     /// Sets the radius and the centres of its convex corners, and whether all of its corners are convex.
-    pub fn with_corners(mut self, radius: f64, corners: &[[f64; 2]], is_convex: bool) -> Self {
+    pub fn with_corners(mut self, radius: f64, corners: &[[f64; D]], is_convex: bool) -> Self {
         self.corners = corners.iter().map(|&middle| Corner { middle, radius, margin: self.eps }).collect();
         self.is_convex = is_convex;
         self
     }
-}
 
-impl<S: Shape> Solid<S> {
     /// Vector to or from the nearest point of the surface, outwards, and the distance \[m\]; negative inside.
-    fn nearest(&self, point: Vector) -> (Vector, f64) {
-        let projection = PointQuery::project_point(&self.shape, &self.pose, point, false);
-        let away = if projection.is_inside { projection.point - point } else { point - projection.point };
-        (away, if projection.is_inside { -away.length() } else { away.length() })
+    fn nearest(&self, point: [f64; D]) -> ([f64; D], f64) {
+        let (nearest, is_inside) = self.surface.project(point);
+        let sign = if is_inside { -1.0 } else { 1.0 };
+        let away = std::array::from_fn(|axis| sign * (point[axis] - nearest[axis]));
+        (away, sign * length(away))
     }
 
     /// Gradient direction of the distance by central differences, for points so near to the surface that the difference
     /// vector is round-off.
-    fn slope(&self, point: Vector) -> Option<Vector> {
-        let step = 1e-5 * self.near.half_extents().length();
-        let along = |axis: Vector| self.nearest(point + axis * step).1 - self.nearest(point - axis * step).1;
-        Vector::new(along(Vector::X), along(Vector::Y)).try_normalize()
+    fn slope(&self, point: [f64; D]) -> Option<[f64; D]> {
+        let step = 1e-5 * self.size;
+        normalised(std::array::from_fn(|axis| {
+            self.nearest(moved(point, axis, step)).1 - self.nearest(moved(point, axis, -step)).1
+        }))
     }
 }
 
-/// Sets components within round-off of zero to zero, so that a contact along one axis leaves the other coordinate
-/// unchanged.
-fn snapped(normal: Vector) -> Vector {
-    const ROUND_OFF: f64 = 1e-9;
-    let kept = |value: f64| if value.abs() < ROUND_OFF { 0.0 } else { value };
-    Vector::new(kept(normal.x), kept(normal.y))
+/// A point moved along an axis \[m\].
+fn moved<const D: usize>(mut point: [f64; D], axis: usize, by: f64) -> [f64; D] {
+    point[axis] += by;
+    point
 }
 
-impl<S: Shape> Obstacle for Solid<S> {
-    fn distance(&self, point: [f64; 2], reach: f64) -> Option<Contact> {
-        let point = Vector::new(point[0], point[1]);
-        if !self.near.loosened((reach - self.eps).max(0.0)).contains_local_point(point) {
+/// Length of a vector.
+fn length<const D: usize>(vector: [f64; D]) -> f64 {
+    (1..D).fold(vector[0] * vector[0], |sum, axis| sum + vector[axis] * vector[axis]).sqrt()
+}
+
+/// A vector of length one; `None` for zero.
+fn normalised<const D: usize>(vector: [f64; D]) -> Option<[f64; D]> {
+    let scale = 1.0 / length(vector);
+    (scale.is_finite() && scale > 0.0).then(|| vector.map(|along| along * scale))
+}
+
+/// Half of the diagonal of a box \[m\].
+fn half_diagonal<const D: usize>([least, greatest]: [[f64; D]; 2]) -> f64 {
+    length(std::array::from_fn::<_, D, _>(|axis| (greatest[axis] - least[axis]) * 0.5))
+}
+
+/// A box with all its sides moved outwards \[m\].
+fn loosened<const D: usize>([least, greatest]: [[f64; D]; 2], by: f64) -> [[f64; D]; 2] {
+    [least.map(|along| along - by), greatest.map(|along| along + by)]
+}
+
+/// Sets components within round-off of zero to zero, so that a contact along one axis leaves the other coordinates unchanged.
+fn snapped<const D: usize>(normal: [f64; D]) -> [f64; D] {
+    const ROUND_OFF: f64 = 1e-9;
+    normal.map(|value| if value.abs() < ROUND_OFF { 0.0 } else { value })
+}
+
+impl<const D: usize, S: ClosedSurface<D>> Obstacle<D> for Solid<D, S> {
+    fn distance(&self, point: [f64; D], reach: f64) -> Option<Contact<D>> {
+        let [least, greatest] = loosened(self.near, (reach - self.eps).max(0.0));
+        if (0..D).any(|axis| point[axis] < least[axis] || point[axis] > greatest[axis]) {
             return None;
         }
-        let size = self.near.half_extents().length();
         let (mut away, mut distance) = self.nearest(point);
-        if away == Vector::ZERO && self.nearest(point + Vector::Y * (1e-6 * size)).1 < -1e-5 * size {
+        if away == [0.0; D] {
             // At the centre of a ball every direction is equally short; a point beside it has one.
-            (away, distance) = self.nearest(point + Vector::Y * (1e-6 * size));
+            let beside = self.nearest(moved(point, 1, 1e-6 * self.size));
+            if beside.1 < -1e-5 * self.size {
+                (away, distance) = beside;
+            }
         }
         if distance >= reach {
             return None;
         }
-        let near = distance.abs() < 1e-7 * size;
-        let normal = snapped(if near { self.slope(point) } else { away.try_normalize() }?);
-        Some(Contact { distance, normal: [normal.x, normal.y] })
+        let near = distance.abs() < 1e-7 * self.size;
+        let normal = snapped(if near { self.slope(point) } else { normalised(away) }?);
+        Some(Contact { distance, normal })
     }
 
-    fn is_near(&self, least: [f64; 2], greatest: [f64; 2]) -> bool {
-        let bounds = Aabb::new(Vector::new(least[0], least[1]), Vector::new(greatest[0], greatest[1]));
+    fn is_near(&self, least: [f64; D], greatest: [f64; D]) -> bool {
+        let [near, far] = self.near;
+        let meets = (0..D).all(|axis| near[axis] <= greatest[axis] && far[axis] >= least[axis]);
         // A box in a hollow of a polygon is far from its surface.
-        self.near.intersects(&bounds) && self.nearest(bounds.center()).1 < bounds.half_extents().length() + self.eps
+        let middle = || std::array::from_fn(|axis| (least[axis] + greatest[axis]) * 0.5);
+        meets && self.nearest(middle()).1 < half_diagonal([least, greatest]) + self.eps
     }
 
     fn margin(&self) -> f64 {
@@ -103,7 +182,7 @@ impl<S: Shape> Obstacle for Solid<S> {
         self.is_convex
     }
 
-    fn corners(&self) -> &[Corner] {
+    fn corners(&self) -> &[Corner<D>] {
         &self.corners
     }
 }

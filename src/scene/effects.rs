@@ -59,7 +59,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Vertices that can have a skin: the boundaries of bodies, and the particles of nets.
+    /// Vertices that can have a skin: the boundaries of bodies, the particles of nets, and the vertices of membranes.
     fn surface_vertices(&self) -> SurfaceVertices {
         let mut surface = SurfaceVertices::default();
         for body in &self.bodies {
@@ -68,9 +68,10 @@ impl Scene {
             surface.add_body(&body.elements, &edges, &self.rest, &self.mass);
         }
         for net in &self.nets {
-            if let NetSprings::Plane(springs) = &net.springs {
-                surface.add_net(springs, &self.mass);
-            }
+            surface.add_net(&net.springs, &self.mass);
+        }
+        for membrane in &self.membranes {
+            surface.add_membrane(&membrane.elements, &self.mass);
         }
         surface
     }

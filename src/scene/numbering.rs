@@ -15,7 +15,7 @@ use crate::{
     elements::{STAGE_ELEMENTS, is_unpartitioned},
     meshes::{Mesh, Numbering},
     nets::Net,
-    quantity::{Point, Reach},
+    quantity::{Position, Reach},
     state::State,
 };
 use std::{borrow::Cow, ops::Range};
@@ -66,8 +66,8 @@ impl Scene {
     }
 
     /// Anchors of friction from how the level lists vertices; those of vertices that do not exist are omitted.
-    pub(super) fn unlisted_anchors(&self, saved: &[((u32, u32, u32), Point, Reach)]) -> Vec<Anchor> {
-        let anchor = |((effect, surface, place), point, penetration): &((u32, u32, u32), Point, Reach)| {
+    pub(super) fn unlisted_anchors(&self, saved: &[((u32, u32, u32), Position, Reach)]) -> Vec<Anchor> {
+        let anchor = |((effect, surface, place), point, penetration): &((u32, u32, u32), Position, Reach)| {
             let vertex = self.unlisted_vertex(*place as usize)? as u32;
             let contact = ContactName { effect: *effect, surface: *surface, vertex };
             Some(Anchor { contact, point: point.get(), penetration: penetration.get() })

@@ -1,7 +1,7 @@
 //! Contacts of a running scene between its steps.
 
 use crate::{
-    contact::{Anchor, Candidates, ContactTerm, Means, Pair, SurfaceContact, Truncation},
+    contact::{Anchor, AnyContact, Candidates, Means, Pair, SurfaceContact, Truncation},
     effects::Motion,
     scene::Scene,
 };
@@ -13,8 +13,8 @@ pub(super) struct Contacts {
     pub anchors: Vec<Anchor>,
     /// Scratch for the next anchors.
     next: Vec<Anchor>,
-    /// Forces of contact on vertices at the start of the step \[N\].
-    pub forces: Vec<(usize, [f64; 2])>,
+    /// Forces of contact at the start of the step \[N\], by their places among all coordinates.
+    pub forces: Vec<(usize, f64)>,
     /// Time since the start of the step up to which work was added \[s\].
     pub power_time: f64,
     /// Pairs that may be near each other at the positions they were updated for.
@@ -35,7 +35,7 @@ pub(super) struct Contacts {
 }
 
 /// The contacts of a scene by a potential.
-pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = &dyn ContactTerm> {
+pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = AnyContact<'_>> {
     scene.effects.iter().filter_map(|effect| effect.contact())
 }
 

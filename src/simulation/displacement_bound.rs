@@ -16,6 +16,9 @@ impl Simulation {
         if self.scratch.clear_box.is_some() || plan.obstacles.is_empty() || self.guard.level() > 0 {
             return;
         }
+        if self.scene.dimension != 2 {
+            return;
+        }
         let explicit = self.scene.integrator.kind().class() == Class::Explicit;
         let auto = plan.obstacles.iter().all(|number| self.scratch.costs[*number].auto);
         if !explicit || !auto || !self.state.is_finite() {
@@ -26,7 +29,7 @@ impl Simulation {
                 && plan.obstacles.iter().all(|number| self.scene.effects[*number].is_clear(bounds))
         };
         let bounds = Bounds::of(&self.state.x);
-        let speed = Bounds::of(&self.state.v).farthest();
+        let speed = Bounds::<2>::of(&self.state.v).farthest();
         let clear_box = bounds.grown(2.0 * BATCH as f64 * self.scene.step * speed);
         if !clear(clear_box) {
             return;

@@ -5,13 +5,13 @@ use super::{
     system::{Scratch, System},
 };
 use crate::{
-    contact::{Means, ObstacleContact, Path, TruncatedStep},
+    contact::{Means, ObstacleTerm, Path, TruncatedStep},
     effects::NO_OBSTACLE_NEAR,
 };
 
 impl System<'_> {
     /// Contacts with obstacles that may act in this step.
-    fn near_obstacles(&self) -> impl Iterator<Item = &ObstacleContact> + use<'_> {
+    fn near_obstacles(&self) -> impl Iterator<Item = &dyn ObstacleTerm> + use<'_> {
         let numbers = self.scratch.plan.obstacles.iter().filter(|_| self.scratch.clear_box.is_none());
         numbers.filter_map(|number| self.scene.effects[*number].obstacle_contact())
     }
@@ -101,7 +101,7 @@ impl System<'_> {
             }
             let masked = std::mem::take(&mut scratch.masked_inverse_mass);
             let inverse_mass = if masked.is_empty() { scene.inverse_mass.as_slice() } else { &masked };
-            let elements = contact.obstacles().len() * x.len() / 2;
+            let elements = contact.count() * x.len() / scene.dimension;
             let (changed, supplied) = scratch
                 .call_effect(number, Some(elements), |_| contact.filter(time[1], inverse_mass, [&mut *x, &mut *v]));
             scratch.masked_inverse_mass = masked;

@@ -6,7 +6,7 @@ use crate::{
     effects::Grab,
     guard::Guard,
     level::{Level, RunMode, SavedState},
-    quantity::{Coordinate, Point, Position, Reach, Time},
+    quantity::{Coordinate, Position, Reach, Time},
     report::{Counts, EffectCost},
     scene::{Scene, SceneError},
     state::State,
@@ -166,7 +166,8 @@ impl Simulation {
         let state = self.scene.listed_state(state);
         let anchor = |anchor: &Anchor| {
             let ContactName { effect, surface, vertex } = anchor.contact;
-            Some(((effect, surface, vertex), Point::new(anchor.point).ok()?, Reach::new(anchor.penetration).ok()?))
+            let point = Position::new(&anchor.point[..self.scene.dimension])?;
+            Some(((effect, surface, vertex), point, Reach::new(anchor.penetration).ok()?))
         };
         Some(SavedState {
             anchors: state.anchors.iter().map(anchor).collect::<Option<_>>()?,

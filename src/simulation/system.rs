@@ -355,7 +355,7 @@ impl System<'_> {
                 continue;
             }
             let start = self.scratch.measured.then(Instant::now);
-            contact.each_force(motion, |vertex, force| found.push((vertex, force)));
+            contact.each_number(motion, &mut |number, force| found.push((number, force)));
             let cost = &mut self.scratch.costs[number];
             cost.time += start.map_or(std::time::Duration::ZERO, |start| start.elapsed());
             cost.call(elements);
@@ -367,13 +367,11 @@ impl System<'_> {
     /// vertices touch, and the step of all of them stays as it is.
     fn add_contact_forces(&mut self, x: &mut [f64], v: &mut [f64], h: f64) {
         let (mut kinetic, inverse_mass) = (0.0, self.inverse_mass());
-        for (vertex, force) in &self.contacts.forces {
-            for (number, force) in (2 * vertex..).zip(force) {
-                let change = h * force * inverse_mass[number];
-                kinetic += 0.5 * self.scene.mass[number] * change * (2.0 * v[number] + change);
-                v[number] += change;
-                x[number] += h * change;
-            }
+        for (number, force) in &self.contacts.forces {
+            let change = h * force * inverse_mass[*number];
+            kinetic += 0.5 * self.scene.mass[*number] * change * (2.0 * v[*number] + change);
+            v[*number] += change;
+            x[*number] += h * change;
         }
         if let Some(all) = &mut self.scratch.kinetic {
             *all += kinetic;

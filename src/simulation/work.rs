@@ -5,7 +5,6 @@ use super::{
     system::{Scratch, System},
 };
 use crate::{
-    contact::ContactTerm,
     effects::{Effect, Motion},
     integrators::{Class, MeanForces},
 };
@@ -13,7 +12,7 @@ use crate::{
 impl System<'_> {
     /// Whether powers act or are measured.
     pub(super) fn has_powers(&self) -> bool {
-        self.scratch.measured || contacts(self.scene).any(ContactTerm::moves)
+        self.scratch.measured || contacts(self.scene).any(|contact| contact.moves())
     }
 
     /// Finds the powers at the time since the start of the step, the positions and velocities, and with the lag and spans of a motion.

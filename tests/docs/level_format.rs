@@ -76,7 +76,7 @@ macro_rules! specs {
 /// All quantities by the names of their types; [`unlisted_quantities`] finds those that are missing.
 #[rustfmt::skip]
 const SPECS: &[(&str, &Spec)] = specs![
-    Young Poisson Density Mass Coordinate Time Period Length Width Height Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
+    Young Poisson Density Mass Coordinate Time Period Length Width Height Depth Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
     DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
     SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings

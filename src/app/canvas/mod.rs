@@ -23,6 +23,7 @@ use crate::{
     command::{Command, Mode},
     effects::Shape,
     level::{EffectLevel, Switch, When},
+    obstacles::Triangulation,
     snapshot::{Field, Pull, Snapshot},
 };
 use eframe::egui::{
@@ -244,7 +245,7 @@ impl Canvas {
         self.middle.clear(pixels_per_point);
         if let Some(camera) = &frame.space {
             let seen = (self.bodies.points(), camera);
-            self.surfaces.draw(&mut self.middle, view, snapshot, options, seen);
+            self.surfaces.draw(&mut self.middle, view, snapshot, (options, self.scenery.surfaces()), seen);
             painter.add(self.middle.finish());
             let mut painter = painter.clone();
             painter.set_clip_rect(painter.clip_rect().expand(0.01));
@@ -375,6 +376,15 @@ impl Scenery {
         self.moving
     }
 
+    /// The surfaces of obstacles in space that are there.
+    pub fn surfaces(&self) -> impl Iterator<Item = &Triangulation> + Clone {
+        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.5);
+        there.flat_map(|(shapes, _)| shapes).filter_map(|shape| match shape {
+            Shape::Surface(surface) => Some(surface),
+            _ => None,
+        })
+    }
+
     /// Presence of a room, which replaces the plain world square.
     pub fn room_presence(&self) -> f32 {
         let rooms =
@@ -403,12 +413,15 @@ impl Scenery {
             Shape::Edges(..) => 0,
             Shape::Room(_) => 1,
             Shape::Solid(_) => 2,
+            Shape::Surface(_) => 3,
         });
         for (number, (shape, presence)) in shapes.into_iter().enumerate() {
             match shape {
                 Shape::Edges(least, greatest) => house::edges(&mut self.buffer, view, [*least, *greatest], presence),
                 Shape::Room(room) => house::house(&mut self.buffer, view, canvas, room, presence),
                 Shape::Solid(outline) => house::gumdrop(&mut self.buffer, view, outline, number, presence),
+                // Those in space are sorted together with the membranes.
+                Shape::Surface(_) => {}
             }
         }
         let pointed = pointed.and_then(|[effect, solid]| {

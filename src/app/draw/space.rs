@@ -1,7 +1,7 @@
 //! Draws scenes in space: the camera that turns about a point, shaded surfaces sorted by their depth, and springs.
 
 use super::{View, shape_buffer::ShapeBuffer};
-use crate::{app::canvas::Options, snapshot::Snapshot};
+use crate::{app::canvas::Options, obstacles::Triangulation, snapshot::Snapshot};
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2, vec2};
 
 /// Half of the angle of view \[rad\].
@@ -9,6 +9,9 @@ const HALF_VIEW: f64 = 0.3;
 
 /// Part of the stage that the scene fills when all of it is seen.
 const FILLED: f64 = 0.8;
+
+/// Number of the pair of colours of obstacles.
+const OBSTACLE: u8 = 2;
 
 /// Least depth of a point before the eye, as a fraction of its distance from the centre.
 const NEAR: f64 = 0.02;
@@ -168,32 +171,48 @@ impl Surfaces {
         within.min_by(|a, b| depth(a).total_cmp(&depth(b)))
     }
 
-    /// Draws all membranes and nets.
-    pub fn draw(
+    /// Draws all membranes, nets and obstacles.
+    pub fn draw<'a>(
         &mut self,
         buffer: &mut ShapeBuffer,
         view: View,
         snapshot: &Snapshot,
-        options: &Options,
+        (options, obstacles): (&Options, impl Iterator<Item = &'a Triangulation> + Clone),
         (points, camera): (&[Pos2], &SpaceCamera),
     ) {
         self.order.clear();
         self.normals.clear();
         self.normals.resize(points.len(), [0.0; 3]);
+        let at = |vertex: u32| snapshot.position(vertex as usize);
         let membranes = snapshot.membranes.iter().map(|membrane| membrane.elements.corners());
         let nets = snapshot.nets.iter().map(|net| net.faces.as_slice());
         for (number, corners) in membranes.chain(nets).enumerate() {
             for corners in corners {
-                self.add(snapshot, camera, *corners, (number % 2) as u8);
+                self.add(&at, camera, *corners, (number % 2) as u8);
             }
+        }
+        // The corners of obstacles come after the vertices of the scene.
+        let (mut all_points, mut first) = (points.to_vec(), points.len() as u32);
+        for obstacle in obstacles {
+            for point in &obstacle.points {
+                let (seen, depth) = camera.seen(*point);
+                all_points.push(seen);
+                self.depths.push(depth);
+            }
+            self.normals.resize(all_points.len(), [0.0; 3]);
+            let at = |corner: u32| obstacle.points.get((corner - first) as usize).copied();
+            for corners in &obstacle.triangles {
+                self.add(&at, camera, corners.map(|corner| first + corner), OBSTACLE);
+            }
+            first = all_points.len() as u32;
         }
         self.order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let [one, other] = view.theme.candy;
-        let colors = [[one, view.theme.icing], [other, view.theme.icing]];
+        let colors = [[one, view.theme.icing], [other, view.theme.icing], [view.theme.wall, view.theme.wall]];
         let first = buffer.len();
         // Each vertex twice: in the colour of the front and in that of the back, for each of the two pairs of colours.
         let pairs = self.order.iter().map(|triangle| usize::from(triangle.2) + 1).max().unwrap_or(0);
-        for (point, normal) in points.iter().zip(&self.normals) {
+        for (point, normal) in all_points.iter().zip(&self.normals) {
             for pair in colors.iter().take(pairs) {
                 for (color, side) in pair.iter().zip([1.0, -1.0]) {
                     buffer.vertex(*point, shaded(*color, normal.map(|axis| side * axis)));
@@ -202,7 +221,7 @@ impl Surfaces {
         }
         let stride = 2 * pairs as u32;
         for (_, corners, pair) in &self.order {
-            let [a, b, c] = corners.map(|corner| points[corner as usize]);
+            let [a, b, c] = corners.map(|corner| all_points[corner as usize]);
             let is_back = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0.0;
             let side = 2 * u32::from(*pair) + u32::from(is_back);
             let [a, b, c] = corners.map(|corner| first + stride * corner + side);
@@ -212,8 +231,8 @@ impl Surfaces {
     }
 
     /// Adds a triangle to the normals and to the order.
-    fn add(&mut self, snapshot: &Snapshot, camera: &SpaceCamera, corners: [u32; 3], pair: u8) {
-        let [Some(a), Some(b), Some(c)] = corners.map(|corner| snapshot.position(corner as usize)) else { return };
+    fn add(&mut self, at: &dyn Fn(u32) -> Option<[f64; 3]>, camera: &SpaceCamera, corners: [u32; 3], pair: u8) {
+        let [Some(a), Some(b), Some(c)] = corners.map(at) else { return };
         let (one, two) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
         let normal =
             [one[1] * two[2] - one[2] * two[1], one[2] * two[0] - one[0] * two[2], one[0] * two[1] - one[1] * two[0]];

@@ -24,13 +24,16 @@ registry! {
 /// A motion with its parameters.
 pub trait Motion {
     /// Placement and velocity at a time \[s\].
-    fn at(&self, time: f64) -> Rigid;
+    fn at(&self, time: f64) -> Rigid<3>;
+
+    /// Whether it needs a third coordinate.
+    fn is_in_space(&self) -> bool;
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;
 }
 
 /// Composition of several motions, each applied after the ones before, at a time \[s\].
-pub fn placed(motions: &[MotionKind], time: f64) -> Rigid {
-    motions.iter().fold(Rigid::STILL, |moved, motion| motion.kind().at(time).of(&moved))
+pub fn placed<const D: usize>(motions: &[MotionKind], time: f64) -> Rigid<D> {
+    motions.iter().fold(Rigid::STILL, |moved, motion| motion.kind().at(time).within().of(&moved))
 }

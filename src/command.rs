@@ -16,7 +16,7 @@
 use crate::{
     effects::EffectKind,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, RunMode, SubstepMode, Substeps, Toggle},
+    level::{EffectLevel, Level, MassLevel, Pin, RunMode, SubstepMode, Substeps, Toggle},
     materials::{MaterialParameters, Model},
     meshes::MeshKind,
     nets::NetKind,
@@ -108,6 +108,10 @@ pub enum Command {
     AddEffect(EffectKind),
     /// Switches every damping effect on, or all off; adds one if the level has none.
     SetDamping(bool),
+    /// Switches wind on or off; adds one if the level has cloth in space and no wind.
+    SetWind(bool),
+    /// Sets the rules by which a body, net or membrane is pinned (by number: bodies first, then nets, then membranes).
+    SetPins(usize, Vec<Pin>),
     /// Pins a vertex (by its number in the scene), or frees it.
     TogglePin(usize),
     /// Frees all vertices.
@@ -167,6 +171,8 @@ impl Command {
             | Self::SetEffect(..)
             | Self::AddEffect(_)
             | Self::SetDamping(_)
+            | Self::SetWind(_)
+            | Self::SetPins(..)
             | Self::TogglePin(_)
             | Self::ClearPins
             | Self::SetPose(_)

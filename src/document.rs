@@ -175,6 +175,14 @@ impl Document {
         if self.side_by_side.is_some() { 0 } else { body }
     }
 
+    /// Pinning rules of a body, net or membrane, by its number in the shown level: bodies first, then nets, then membranes.
+    pub fn pins_mut(&mut self, part: usize) -> Option<&mut Vec<Pin>> {
+        let source = self.source(part);
+        let Level { bodies, nets, membranes, .. } = &mut self.level;
+        let lists = bodies.iter_mut().map(|body| &mut body.pins).chain(nets.iter_mut().map(|net| &mut net.pins));
+        lists.chain(membranes.iter_mut().map(|membrane| &mut membrane.pins)).nth(source)
+    }
+
     /// Replaces the pinning rules of a body or net by vertices, and pins or frees one of them.
     pub fn toggle_pin(&mut self, owner: Owner, vertex: u32, pinned: &[u32]) {
         let mut pins = pinned.to_vec();

@@ -8,6 +8,7 @@ mod saved;
 mod script;
 mod steps;
 
+pub use crate::meshes::Pin;
 pub use saved::{SavedGuard, SavedState};
 pub use script::{Action, ScriptedAction, frame};
 pub use steps::{SubstepMode, Substeps};
@@ -17,14 +18,14 @@ use crate::{
     elements::OwnMaterial,
     integrators::IntegratorKind,
     materials::MaterialParameters,
-    meshes::MeshKind,
+    meshes::{MeshKind, natural},
     nets::NetKind,
     quantity::{
         Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, SpacePoint, Spin, Thickness, Velocity,
     },
     toys::ToyKind,
 };
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Everything a file says about a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -288,14 +289,6 @@ impl StartShape {
     }
 }
 
-/// A whole number from 0 on: the number of a vertex, or a seed.
-fn natural<'de, D: Deserializer<'de>>(file: D) -> Result<u32, D::Error> {
-    let number = i64::deserialize(file)?;
-    number.try_into().map_err(|_| {
-        D::Error::custom(format!("expected a whole number, at least 0 and at most {}, got {number}", u32::MAX))
-    })
-}
-
 const fn slight() -> Noise {
     Noise::literal(0.001)
 }
@@ -307,23 +300,6 @@ pub enum MassLevel {
     Density(Density),
     /// The same share of a total for every vertex.
     Total(Mass),
-}
-
-/// A rule for pinning vertices, judged on the rest shape.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Pin {
-    /// One vertex, by its number in the body or net.
-    Vertex(#[serde(deserialize_with = "natural")] u32),
-    /// The vertex nearest to a point.
-    Nearest(Point),
-    /// All vertices at the greatest y.
-    Top,
-    /// All vertices at the least y.
-    Bottom,
-    /// All vertices at the least x.
-    Left,
-    /// All vertices at the greatest x.
-    Right,
 }
 
 /// A side of a body, judged on the rest shape: all vertices at its least or greatest coordinate.

@@ -8,7 +8,7 @@ use std::{
     process::ExitCode,
 };
 
-/// A 2D deformable-body sandbox. Without a subcommand it opens the window.
+/// A deformable-body sandbox. Without a subcommand it opens the window.
 #[derive(Parser)]
 #[command(version, about, bin_name = "gingerbread", args_conflicts_with_subcommands = true)]
 #[command(after_help = headless::EXIT_CODES)]

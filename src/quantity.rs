@@ -275,6 +275,44 @@ quantities! {
     Tolerance: "simplification" ["m"] in Included(0.0), Included(1e9); slider 0.0 to 0.05, linear;
     /// Thickness of a membrane at rest.
     Thickness: "thickness" ["m"] in Excluded(0.0), Included(1e6); slider 1e-4 to 0.1, logarithmic;
+    /// Passes over all springs in a step: more keep the lengths better, and cost more.
+    Passes: "passes" [""] in Included(1.0), Included(1000.0); slider 1.0 to 20.0, linear;
+    /// Share of the change of length of springs along the sides of cells that is corrected in a pass.
+    StructuralCorrection: "structural share" [""] in Included(0.0), Included(1.0); slider 0.0 to 1.0, linear;
+    /// Share of the change of length of springs along the diagonals of cells that is corrected in a pass.
+    ShearCorrection: "shear share" [""] in Included(0.0), Included(1.0); slider 0.0 to 1.0, linear;
+    /// Share of the change of length of springs between every other particle of a row that is corrected in a pass.
+    FlexionCorrection: "flexion share" [""] in Included(0.0), Included(1.0); slider 0.0 to 1.0, linear;
+    /// Distance to which particles of nets are pushed apart; none at 0.
+    Separation: "separation" ["m"] in Included(0.0), Included(1e9); slider 0.0 to 0.1, linear;
+    /// w: speed of the air.
+    WindSpeed: "wind speed" ["m/s"] in Included(0.0), Included(1e6); slider 0.0 to 20.0, linear;
+    /// c: pressure on a face over the velocity of the air along its normal.
+    FaceResistance: "resistance" ["Pa s/m"] in Included(0.0), Included(1e9); slider 0.001 to 10.0, logarithmic;
+    /// s: share of the velocity of the cloth that the wind feels; at 0 moving cloth feels the wind of cloth at rest.
+    OwnMotion: "own motion" [""] in Included(0.0), Included(1.0); slider 0.0 to 1.0, linear;
+    /// g: share by which gusts change the speed of the wind.
+    GustShare: "gusts" [""] in Included(0.0), Included(10.0); slider 0.0 to 1.0, linear;
+    /// T: time from gust to gust.
+    GustPeriod: "gust period" ["s"] in Excluded(0.0), Included(1e6); slider 0.1 to 10.0, logarithmic;
+    /// b: root mean square of the turbulence as a share of the speed.
+    TurbulenceShare: "turbulence" [""] in Included(0.0), Included(10.0); slider 0.0 to 1.0, linear;
+    /// Largest wavelength of the turbulence.
+    EddySize: "largest eddies" ["m"] in Excluded(0.0), Included(1e9); slider 0.1 to 2.0, logarithmic;
+    /// G: circulation of a vortex about its axis.
+    Circulation: "circulation" ["m²/s"] in Included(-1e9), Included(1e9); slider -20.0 to 20.0, linear;
+    /// r0: the air turns fastest at 1.12 times this distance from the axis.
+    CoreRadius: "core radius" ["m"] in Excluded(0.0), Included(1e9); slider 0.05 to 1.0, logarithmic;
+    /// w: speed of the air along the axis.
+    Updraft: "updraft" ["m/s"] in Included(-1e6), Included(1e6); slider -10.0 to 10.0, linear;
+    /// r: drops in a second.
+    DropRate: "drops" ["1/s"] in Included(0.0), Included(1e6); slider 0.0 to 500.0, linear;
+    /// J: momentum that a drop gives to the cloth.
+    DropImpulse: "drop impulse" ["N s"] in Included(0.0), Included(1e9); slider 1e-6 to 0.01, logarithmic;
+    /// T: how long a drop pushes.
+    DropDuration: "drop duration" ["s"] in Excluded(0.0), Included(1e3); slider 0.01 to 0.2, logarithmic;
+    /// s: bending rigidity as a multiple of that of a plate of the material.
+    BendingFactor: "bending factor" [""] in Included(0.0), Included(1e9); slider 0.0 to 2.0, linear;
     /// Equal cells along a side of a rectangle.
     Cells: "number of cells" [""] in Included(1.0), Included(1e6); slider 1.0 to 100.0, linear;
     /// Springs in a row.

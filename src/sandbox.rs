@@ -12,6 +12,7 @@
 //! ```
 
 mod edit;
+mod wind;
 
 use crate::{
     command::{Command, Mode},
@@ -424,6 +425,11 @@ impl Sandbox {
     pub fn damping(&self) -> bool {
         let mut damping = self.document.level.effects.iter().filter(|listed| listed.effect.kind().is_damping());
         damping.any(|listed| listed.switch.is_on())
+    }
+
+    /// Whether any wind is switched on.
+    pub fn wind(&self) -> bool {
+        self.document.level.effects.iter().any(|listed| wind::is_wind(listed) && listed.switch.is_on())
     }
 
     /// The document with the current state and mode in it, for saving. The rest shapes stay as they are.

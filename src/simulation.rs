@@ -117,6 +117,9 @@ impl Simulation {
         for (v, _) in self.state.v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0) {
             *v = 0.0;
         }
+        if scene.start.x.len() == self.state.x.len() {
+            scene.place_held(self.state.time, &mut self.state.x, &mut self.state.v);
+        }
         let paced = self.scene.step == scene.step;
         (self.scene, self.stale) = (scene, true);
         // The memory of the integrator belongs to the old system.

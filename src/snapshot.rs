@@ -14,7 +14,7 @@
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
-    elements::{BodyMaterial, Diagnostics, Membranes, NetSprings},
+    elements::{BodyMaterial, Diagnostics, Elements, Membranes, NetSprings},
     fault::Fault,
     guard::negligible,
     inversion_recovery::Tangle,
@@ -93,8 +93,12 @@ pub struct Snapshot {
     pub side_by_side: bool,
     /// Width of the world about x = 1/2 \[m\]: 1, or the width of the strips of a test at their start.
     pub width: f64,
+    /// What effects can be added to.
+    pub elements: Arc<Elements>,
     /// Whether any damping effect is switched on.
     pub damping: bool,
+    /// Whether any wind is switched on.
+    pub wind: bool,
     /// Number of shorter steps that the guard takes for one now.
     pub guard_substeps: u32,
     /// Number of steps that the guard divided.
@@ -238,6 +242,12 @@ impl Snapshot {
         !self.bodies.is_empty() || !self.membranes.is_empty()
     }
 
+    /// Whether there is cloth in space: membranes, or nets that are drawn as surfaces.
+    pub fn has_cloth(&self) -> bool {
+        let is_sheet = |net: &NetSnapshot| net.springs.dimension() == 3 && !net.faces.is_empty();
+        !self.membranes.is_empty() || self.nets.iter().any(is_sheet)
+    }
+
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
         self.positions.len().checked_div(self.dimension).unwrap_or(0)
@@ -280,6 +290,12 @@ impl Sandbox {
         snapshot.level = Arc::clone(&self.shown);
         snapshot.triangles = Arc::clone(&scene.triangles);
         snapshot.pins = Arc::clone(&scene.pins);
+        if scene.held().next().is_some() {
+            let mut all: Vec<_> = scene.held().chain(scene.pins.iter().copied()).collect();
+            all.sort_unstable();
+            all.dedup();
+            snapshot.pins = Arc::new(all);
+        }
         snapshot.rollers = Arc::clone(&scene.rollers);
         snapshot.toy = self.toy();
         snapshot.positions.clear();
@@ -298,7 +314,9 @@ impl Sandbox {
         (snapshot.time, snapshot.steps) = (state.time, state.steps);
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
+        snapshot.elements = Arc::clone(&scene.elements);
         snapshot.damping = self.damping();
+        snapshot.wind = self.wind();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
         let asleep = simulation.sleeping().chain(std::iter::repeat(false));
         let awake = scene.bodies.iter().zip(asleep).filter(|(_, asleep)| !asleep);
@@ -346,6 +364,9 @@ impl Sandbox {
             faces: Arc::clone(&net.faces),
             energy: known(number).unwrap_or_else(|| net.springs.elastic_energy(x)),
         }));
+        for membrane in &scene.membranes {
+            membrane.elements.add_values(field, x, &mut snapshot.values);
+        }
         snapshot.membranes.clear();
         let known = |number: usize| simulation.known_energy(scene.bodies.len() + scene.nets.len() + number);
         snapshot.membranes.extend(scene.membranes.iter().enumerate().map(|(number, membrane)| MembraneSnapshot {

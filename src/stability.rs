@@ -22,21 +22,14 @@ use crate::{
 /// Longest stable step of symplectic Euler near a state under a pull \[s\], or `None` if there is no stiffness or it is NaN. The
 /// same value holds for both Verlet schemes without damping.
 pub fn critical_step(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<f64> {
-    longest_step(scene, scene.motion(state, grab), largest_eigenvalue(scene, state, grab)?)
+    let mut probe = StabilityProbe::default();
+    let square = probe.converged_eigenvalue(scene, scene.motion(state, grab))?;
+    probe.longest_step(scene, scene.motion(state, grab), square)
 }
 
 /// The largest eigenvalue of M⁻¹ K [1/s²], K the stiffness of all effects at the state under a pull; converged.
 pub fn largest_eigenvalue(scene: &Scene, state: &State, grab: Option<Grab>) -> Option<f64> {
-    let mut probe = StabilityProbe::default();
-    let mut last = 0.0;
-    for _ in 0..RESTARTS {
-        let next = probe.largest_eigenvalue(scene, scene.motion(state, grab), ROUNDS)?;
-        if next - last <= CONVERGED * next {
-            return Some(next);
-        }
-        last = next;
-    }
-    Some(last)
+    StabilityProbe::default().converged_eigenvalue(scene, scene.motion(state, grab))
 }
 
 /// Lanczos iterations between two restarts of the converged computation.
@@ -66,7 +59,20 @@ impl StabilityProbe {
     /// stiffness; `None` if there is no stiffness or it is NaN.
     pub fn refine(&mut self, scene: &Scene, state: &State, grab: Option<Grab>, rounds: usize) -> Option<f64> {
         let motion = scene.motion(state, grab);
-        longest_step(scene, motion, self.largest_eigenvalue(scene, motion, rounds.max(2))?)
+        let square = self.largest_eigenvalue(scene, motion, rounds.max(2))?;
+        self.longest_step(scene, motion, square)
+    }
+
+    fn converged_eigenvalue(&mut self, scene: &Scene, motion: Motion<'_>) -> Option<f64> {
+        let mut last = 0.0;
+        for _ in 0..RESTARTS {
+            let next = self.largest_eigenvalue(scene, motion, ROUNDS)?;
+            if next - last <= CONVERGED * next {
+                return Some(next);
+            }
+            last = next;
+        }
+        Some(last)
     }
 
     fn largest_eigenvalue(&mut self, scene: &Scene, motion: Motion<'_>, rounds: usize) -> Option<f64> {
@@ -140,17 +146,37 @@ impl StabilityProbe {
     }
 }
 
-/// The longest stable step for a vibration of squared angular frequency w² and the scene's damping rate c = alpha + beta w²
-/// for it, taken at the old velocity: the characteristic polynomial `z² - (2 - h c - h² w²) z + (1 - h c)` has both roots
-/// inside the unit circle while `h² w² + 2 h c < 4`. Without damping that is h < 2/w.
-fn longest_step(scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
-    let dampings = scene.effects.iter().map(|effect| effect.damping(motion));
-    let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    let rate = alpha + beta * square;
-    let contacts = scene.effects.iter().filter_map(|effect| effect.contact());
-    let square = square + contacts.map(|contact| contact.square_frequency(motion)).fold(0.0, f64::max);
-    let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
-    step.is_finite().then_some(step)
+impl StabilityProbe {
+    /// The longest stable step for the vibration that was found, of squared angular frequency w², and the scene's damping rate c = alpha + beta w²
+    /// for it, taken at the old velocity: the characteristic polynomial `z² - (2 - h c - h² w²) z + (1 - h c)` has both roots
+    /// inside the unit circle while `h² w² + 2 h c < 4`. Without damping that is h < 2/w.
+    fn longest_step(&mut self, scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
+        let dampings =
+            scene.effects.iter().filter(|effect| !effect.damps_by_shape()).map(|effect| effect.damping(motion));
+        let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        let rate = alpha + beta * square + self.rate_of_shape(scene, motion);
+        let contacts = scene.effects.iter().filter_map(|effect| effect.contact());
+        let square = square + contacts.map(|contact| contact.square_frequency(motion)).fold(0.0, f64::max);
+        let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
+        step.is_finite().then_some(step)
+    }
+
+    /// Rate at which effects that damp by shape damp the vibration that was found [1/s]: with the velocity v of its shape,
+    /// `(f(0) - f(v)) · v/(v' M v)`.
+    fn rate_of_shape(&mut self, scene: &Scene, motion: Motion<'_>) -> f64 {
+        let (mut rate, still) = (0.0, vec![0.0; motion.v.len()]);
+        for effect in scene.effects.iter().filter(|effect| effect.damps_by_shape()) {
+            for ((v, value), inverse_mass) in self.displacement.iter_mut().zip(&self.vector).zip(&scene.inverse_mass) {
+                *v = value * inverse_mass.sqrt();
+            }
+            for (sign, v) in [(1.0, &still), (-1.0, &self.displacement)] {
+                self.product.fill(0.0);
+                effect.force(Motion { v, ..motion }, &mut self.scratch[..effect.scratch()], &mut self.product);
+                rate += sign * dot(&self.product, &self.displacement);
+            }
+        }
+        rate / dot(&self.vector, &self.vector)
+    }
 }
 
 /// A small symmetric matrix.

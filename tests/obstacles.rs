@@ -5,6 +5,7 @@ mod common;
 
 use common::{Random, level, models, sheet, simulation};
 use gingerbread::{
+    contact::FilteredStep,
     effects::EffectKind,
     files, levels,
     meshes::NoFiles,
@@ -36,7 +37,14 @@ fn filtered(obstacle: &str, random: &mut Random) -> Vec<[[f64; 2]; 4]> {
     let before: Vec<f64> = (0..count).map(|_| random.between(0.0, 1.0)).collect();
     let speeds: Vec<f64> = (0..count).map(|_| random.between(-1.0, 1.0)).collect();
     let (mut x, mut v) = (before.clone(), speeds.clone());
-    contact.filter(0.0, &scene.inverse_mass, [&mut x, &mut v]);
+    let start = x.clone();
+    contact.filter(FilteredStep {
+        time: [0.0; 2],
+        start: &start,
+        inverse_mass: &scene.inverse_mass,
+        x: &mut x,
+        v: &mut v,
+    });
     let all = [before, speeds, x, v];
     (0..count / 2).map(|vertex| all.each_ref().map(|values| [values[2 * vertex], values[2 * vertex + 1]])).collect()
 }

@@ -175,3 +175,27 @@ fn a_step_that_is_too_long_in_space_is_told() {
         assert!(simulation.state().x.iter().all(|x| x.is_finite()), "{name}");
     }
 }
+
+/// A flat membrane of 1 m thickness has the values of its body in the plane: energy density, von Mises stress and J.
+#[test]
+fn values_of_a_flat_membrane_are_those_of_the_plane() {
+    use gingerbread::{elements::Field, sandbox::Sandbox, snapshot::Snapshot};
+    let of = |list: &str, more: &str, material: &str| {
+        let level = level(&format!(
+            "(name: \"\", {list}: [(name: \"sheet\", mesh: Rectangle(width: 0.4, height: 0.4, columns: 3, rows: 3, diagonals: Alternating, corner: (0, 0)),
+            material: (model: {material}, young: 1000, poisson: 0.3, plane: Stress), mass: Density(100), stretch: (1.2, 0.9){more})])"
+        ));
+        Sandbox::new(level, Box::new(NoFiles)).unwrap()
+    };
+    for material in ["Corotated", "StVenantKirchhoff", "NeoHookean"] {
+        for field in [Field::EnergyDensity, Field::VonMises, Field::Volume] {
+            let [mut plane, mut space] = [Snapshot::default(), Snapshot::default()];
+            of("bodies", "", material).snapshot(field, &mut plane);
+            of("membranes", ", thickness: 1, space: (turn: (30, 40, 50))", material).snapshot(field, &mut space);
+            assert_eq!(plane.values.len(), 18);
+            for (plane, space) in plane.values.iter().zip(&space.values) {
+                assert!((plane - space).abs() < 1e-10 * plane.abs(), "{material} {field:?}: {plane} {space}");
+            }
+        }
+    }
+}

@@ -141,9 +141,16 @@ fn picked(map: &[Color32; COLORS], share: f32) -> Color32 {
     map[((share * COLORS as f32) as usize).min(COLORS - 1)]
 }
 
+/// Greatest Young's modulus of the scene \[Pa\].
+fn stiffest(snapshot: &Snapshot) -> f64 {
+    let bodies = snapshot.level.bodies.iter().map(|body| &body.material);
+    let all = bodies.chain(snapshot.level.membranes.iter().map(|membrane| &membrane.material));
+    all.map(|material| material.young().get()).fold(0.0, f64::max)
+}
+
 /// Smallest range: about a thousandth of strain, so that round-off at rest is not visible.
 fn floor(snapshot: &Snapshot) -> f64 {
-    let young = snapshot.level.bodies.iter().map(|body| body.material.young().get()).fold(0.0, f64::max).max(1e-9);
+    let young = stiffest(snapshot).max(1e-9);
     match snapshot.field {
         Field::EnergyDensity => 1e-6 * young,
         Field::VonMises => 1e-3 * young,
@@ -153,7 +160,7 @@ fn floor(snapshot: &Snapshot) -> f64 {
 
 /// Value of the field for a label: zero if it is at most round-off of stresses at a strain of one.
 pub fn reading(snapshot: &Snapshot, value: f64) -> f64 {
-    let young = snapshot.level.bodies.iter().map(|body| body.material.young().get()).fold(0.0, f64::max);
+    let young = stiffest(snapshot);
     match snapshot.field {
         Field::EnergyDensity | Field::VonMises => or_zero(value, 1e-12 * young),
         Field::None | Field::Volume => value,

@@ -35,6 +35,8 @@ pub enum When {
     Moving,
     /// In levels with bodies of triangles.
     Bodies,
+    /// In levels with cloth in space.
+    Cloth,
     /// In a test level.
     Test,
 }
@@ -60,6 +62,7 @@ impl When {
             Self::Edit => now.mode == Mode::Edit,
             Self::Moving => now.mode != Mode::Edit,
             Self::Bodies => now.has_models(),
+            Self::Cloth => now.has_cloth(),
             Self::Test => now.level.test.is_some(),
         }
     }
@@ -71,12 +74,13 @@ impl When {
             Self::Edit => "Edit mode",
             Self::Moving => "Simulate and collide mode",
             Self::Bodies => "Bodies of triangles",
+            Self::Cloth => "Cloth",
             Self::Test => "Test levels",
         }
     }
 
     /// The groups, in the order of the overlay.
-    pub const ALL: [Self; 5] = [Self::Edit, Self::Moving, Self::Always, Self::Bodies, Self::Test];
+    pub const ALL: [Self; 6] = [Self::Edit, Self::Moving, Self::Always, Self::Bodies, Self::Cloth, Self::Test];
 }
 
 const fn key(key: Key) -> KeyboardShortcut {
@@ -137,6 +141,7 @@ pub static TABLE: &[Binding] = &[
     binding("U", "untangle bodies that overlap themselves", When::Bodies, &[key(Key::U)], |_| {
         KeyAction::Do(Command::Untangle)
     }),
+    binding("W", "wind on or off", When::Cloth, &[key(Key::W)], |now| KeyAction::Do(Command::SetWind(!now.wind))),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
     Binding {

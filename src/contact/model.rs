@@ -14,8 +14,17 @@ pub struct ContactProperties {
     pub apart: Vec<[usize; 2]>,
     /// e.
     pub restitution: Option<f64>,
-    /// Whether a velocity filter takes the place of the potential.
-    pub is_filter: bool,
+    /// What takes the place of the potential.
+    pub filter: Option<Filter>,
+}
+
+/// A rule of the originals for obstacles, which acts after each step in place of a potential.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    /// Of velocities.
+    Velocity,
+    /// Of positions.
+    Position,
 }
 
 /// How surfaces touch.
@@ -29,18 +38,18 @@ pub struct ContactModel {
     pub apart: Vec<[usize; 2]>,
     /// e of the velocity filter; that of the skin is in its dissipation.
     pub restitution: f64,
-    /// Whether obstacles act by a velocity filter instead of the potential of the skin.
-    pub is_filter: bool,
+    /// How obstacles act instead of by the potential of the skin.
+    pub filter: Option<Filter>,
 }
 
 impl From<ContactProperties> for ContactModel {
     /// The dissipation of the skin is its own and that which leaves the restitution at its impact speed.
     fn from(properties: ContactProperties) -> Self {
-        let ContactProperties { skin, friction, apart, restitution, is_filter } = properties;
+        let ContactProperties { skin, friction, apart, restitution, filter } = properties;
         let mut skin = skin.unwrap_or_else(|| effects::Contact::default().skin());
         skin.dissipation += restitution.map_or(0.0, |restitution| dissipation(restitution, skin.speed));
         let (friction, restitution) = (friction.unwrap_or_default(), restitution.unwrap_or(0.0));
-        Self { skin, friction, apart, restitution, is_filter }
+        Self { skin, friction, apart, restitution, filter }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Contact of the boundaries of bodies and the particles of nets with obstacles.
 
 use super::{
-    Anchor, ContactModel, ContactName, ContactParameters, ContactTerm, CornerContact, Curvature, Members, Pair, Path,
-    Place, Potential, Surface, SurfaceVertex, SurfaceVertices, Touch, TruncatedStep,
+    Anchor, ContactModel, ContactName, ContactParameters, ContactTerm, CornerContact, Curvature, Filter, Members, Pair,
+    Path, Place, Potential, Surface, SurfaceVertex, SurfaceVertices, Touch, TruncatedStep,
     friction::{anchor_of, anchors_of},
     touch::{coordinates, dot},
 };
@@ -324,11 +324,35 @@ pub trait ObstacleTerm: Send + Sync {
     /// Fraction of the displacements until something meets an obstacle; with `solids`, only obstacles that are bounded.
     fn first_meeting(&self, path: &Path<'_>, solids: bool) -> Option<f64>;
 
-    /// Filters the end of a step at a time \[s\]: a vertex within the contact margin of an obstacle loses its velocity towards it,
+    /// Filters the end of a step, by the rule of [`super::Filter`].
+    ///
+    /// By velocities: a vertex within the contact margin of an obstacle loses its velocity towards it,
     /// `v - (1 + e) min(0, v n) n`, and as much of that along it as friction takes, at most mu times the change along the normal. A
-    /// vertex inside is put on the surface. Velocities are relative to an obstacle that moves. Returns the number of vertices
-    /// changed, and the work of moving obstacles \[J\].
-    fn filter(&self, time: f64, inverse_mass: &[f64], end: [&mut [f64]; 2]) -> (usize, f64);
+    /// vertex inside is put on the surface. Velocities are relative to an obstacle that moves.
+    ///
+    /// By positions: a vertex within the contact margin is put at `mu p + (1 - mu) n`, where n is the nearest point at the margin, and p the
+    /// position at the start of the step, moved along with the obstacle. If it was within the margin there already, it is put at
+    /// n. The velocity changes by the displacement over the length of the step.
+    ///
+    /// Returns the number of vertices changed, and the work of moving obstacles as far as it is known \[J\].
+    fn filter(&self, step: FilteredStep<'_>) -> (usize, f64);
+
+    /// Whether [`Self::filter`] changes positions without telling its work.
+    fn filters_positions(&self) -> bool;
+}
+
+/// The end of a step that a filter changes.
+pub struct FilteredStep<'a> {
+    /// Simulated time at the start and at the end \[s\].
+    pub time: [f64; 2],
+    /// Positions at the start, flat \[m\].
+    pub start: &'a [f64],
+    /// 1/mass, flat [1/kg].
+    pub inverse_mass: &'a [f64],
+    /// Positions at the end, flat \[m\].
+    pub x: &'a mut [f64],
+    /// Velocities at the end, flat [m/s].
+    pub v: &'a mut [f64],
 }
 
 impl<const D: usize, const T: usize, const N: usize> ObstacleTerm for ObstacleContact<D, T, N>
@@ -353,7 +377,14 @@ where
         self.meeting_of_path(path, solids)
     }
 
-    fn filter(&self, time: f64, inverse_mass: &[f64], end: [&mut [f64]; 2]) -> (usize, f64) {
-        self.filtered(time, inverse_mass, end)
+    fn filter(&self, step: FilteredStep<'_>) -> (usize, f64) {
+        match self.model.filter {
+            Some(Filter::Position) => (self.filter_positions(step), 0.0),
+            _ => self.filter_velocities(step),
+        }
+    }
+
+    fn filters_positions(&self) -> bool {
+        self.model.filter == Some(Filter::Position)
     }
 }

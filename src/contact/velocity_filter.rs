@@ -2,7 +2,7 @@
 
 use super::{
     CornerContact, ObstacleContact,
-    obstacle_contact::tangents,
+    obstacle_contact::{FilteredStep, tangents},
     touch::{coordinates, dot, length},
 };
 use crate::{effects::Bounds, obstacles::Rigid};
@@ -12,7 +12,8 @@ where
     Self: CornerContact<D, T, N>,
 {
     /// Filters the end of a step; see [`super::ObstacleTerm::filter`].
-    pub(super) fn filtered(&self, time: f64, inverse_mass: &[f64], [x, v]: [&mut [f64]; 2]) -> (usize, f64) {
+    pub(super) fn filter_velocities(&self, step: FilteredStep<'_>) -> (usize, f64) {
+        let FilteredStep { time: [_, time], inverse_mass, x, v, .. } = step;
         let (mut changed, mut supplied) = (0, 0.0);
         let bounds = Bounds::of(x);
         for placed in &self.obstacles {

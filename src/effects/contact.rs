@@ -57,7 +57,7 @@ impl EffectParameters for Contact {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        let contact = !elements.contact.is_filter;
+        let contact = elements.contact.filter.is_none();
         let surface = contact.then(|| SurfaceContact::new(&elements.contact, &elements.surface, &elements.rest));
         let mut apart = Vec::new();
         for (one, other) in &self.apart {

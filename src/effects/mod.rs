@@ -13,6 +13,9 @@
 //! # Ok::<(), String>(())
 //! ```
 
+mod absolute_damping;
+mod air;
+mod bending;
 mod boundary;
 mod bounds;
 mod compression;
@@ -21,12 +24,20 @@ mod drag;
 mod friction;
 mod gravity;
 mod mouse_spring;
+mod moving_pins;
 mod obstacle_effect;
+mod position_filter;
+mod projection;
+mod rain;
 mod rayleigh;
 mod restitution;
 mod velocity_filter;
+mod vortex;
 mod walls;
+mod wind;
 
+pub use absolute_damping::AbsoluteDamping;
+pub use bending::Bending;
 pub use boundary::Boundary;
 pub use bounds::Bounds;
 pub use compression::Compression;
@@ -35,12 +46,18 @@ pub use drag::Drag;
 pub use friction::{Friction, SurfaceFriction};
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
+pub use moving_pins::{HeldVertices, MovingPins};
 use obstacle_effect::ObstacleEffect;
+pub use position_filter::PositionFilter;
+pub use projection::{LengthProjection, ProjectedPins, Projection};
+pub use rain::Rain;
 pub use rayleigh::Rayleigh;
 pub(crate) use rayleigh::Viscous;
 pub use restitution::Restitution;
 pub use velocity_filter::VelocityFilter;
+pub use vortex::Vortex;
 pub use walls::Walls;
+pub use wind::{MODES, Wind};
 
 use crate::{
     contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceContact},
@@ -65,6 +82,29 @@ registry! {
         Compression(Compression),
         Contact(Contact),
         VelocityFilter(VelocityFilter),
+        PositionFilter(PositionFilter),
+        Projection(Projection),
+        Wind(Wind),
+        Vortex(Vortex),
+        Rain(Rain),
+        Bending(Bending),
+        MovingPins(MovingPins),
+        AbsoluteDamping(AbsoluteDamping),
+    }
+}
+
+impl EffectKind {
+    /// Whether the effect can act on the elements of a scene.
+    ///
+    /// # Errors
+    /// The reason why not, in words.
+    pub fn fits(&self, elements: &Elements) -> Result<(), String> {
+        let effect = self.kind().build(elements)?;
+        match effect.dimension().filter(|dimension| *dimension != elements.dimension()) {
+            Some(3) => Err("it acts in space, and the level is in the plane".to_owned()),
+            Some(_) => Err("it acts in the plane, and the level is in space".to_owned()),
+            None => Ok(()),
+        }
     }
 }
 
@@ -283,6 +323,17 @@ pub trait Effect: Send + Sync {
         }
     }
 
+    /// Power that its force supplies from outside, as a wind does \[W\], with scratch for the forces; `None` if its energy or its heat
+    /// accounts for the work.
+    fn supplied_power(&self, _motion: Motion<'_>, _forces: &mut Vec<f64>) -> Option<f64> {
+        None
+    }
+
+    /// Whether there is a [`Self::supplied_power`].
+    fn supplies(&self) -> bool {
+        false
+    }
+
     /// The uniform force, if [`Self::force`] adds exactly that.
     fn uniform_force(&self) -> Option<UniformForce> {
         None
@@ -324,6 +375,12 @@ pub trait Effect: Send + Sync {
         self.contact().map_or([0.0; 2], |contact| contact.damping(motion))
     }
 
+    /// Whether the rate at which it damps a vibration follows from the shape of that, so that [`Self::damping`] is only an estimate.
+    /// The force is then linear in the velocities.
+    fn damps_by_shape(&self) -> bool {
+        false
+    }
+
     /// Contact by a potential, if it has that: its energy and forces are those of the effect.
     fn contact(&self) -> Option<AnyContact<'_>> {
         None
@@ -336,6 +393,16 @@ pub trait Effect: Send + Sync {
 
     /// Contact with obstacles, if it has that, by a potential or by a filter.
     fn obstacle_contact(&self) -> Option<&dyn ObstacleTerm> {
+        None
+    }
+
+    /// Projection of positions at the end of a step, if it is that.
+    fn projection(&self) -> Option<&LengthProjection> {
+        None
+    }
+
+    /// Vertices with prescribed positions, if it is that.
+    fn held_vertices(&self) -> Option<&HeldVertices> {
         None
     }
 

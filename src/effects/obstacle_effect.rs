@@ -1,4 +1,4 @@
-//! Contact with obstacles, as an effect: by the potential of a skin, or by a velocity filter.
+//! Contact with obstacles, as an effect: by the potential of a skin, or by a filter.
 
 use super::{Bounds, Effect, Motion};
 use crate::{
@@ -23,13 +23,13 @@ impl ObstacleEffect {
     /// Contact of a name with some obstacles in the plane.
     pub fn new(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle>) -> Self {
         let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);
-        Self { name, contact: Contact::Plane(contact), is_filter: elements.contact.is_filter }
+        Self { name, contact: Contact::Plane(contact), is_filter: elements.contact.filter.is_some() }
     }
 
     /// Contact of a name with some obstacles in space.
     pub fn in_space(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle<3>>) -> Self {
         let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);
-        Self { name, contact: Contact::Space(contact), is_filter: elements.contact.is_filter }
+        Self { name, contact: Contact::Space(contact), is_filter: elements.contact.filter.is_some() }
     }
 
     fn term(&self) -> &dyn ObstacleTerm {

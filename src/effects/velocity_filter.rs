@@ -1,7 +1,11 @@
 //! Effect: contact by a velocity filter instead of a potential.
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
-use crate::{contact::ContactProperties, elements::Elements, quantity::Quantity};
+use crate::{
+    contact::{ContactProperties, Filter},
+    elements::Elements,
+    quantity::Quantity,
+};
 use serde::{Deserialize, Serialize};
 
 /// Contact with walls and the domain boundary by a filter after each step, as in the first version of this program: a vertex
@@ -48,6 +52,6 @@ impl Effect for VelocityFilterEffect {
     }
 
     fn set_properties(&self, properties: &mut ContactProperties) {
-        properties.is_filter = true;
+        properties.filter = Some(Filter::Velocity);
     }
 }

@@ -1,7 +1,7 @@
 //! Diagnostics of triangles: energy, least det F, and fields for their colour.
 
 use super::{
-    Triangles,
+    Membranes, Triangles,
     triangle::{Rest, edges},
 };
 use crate::{
@@ -158,6 +158,26 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
         found.energy = energy.unwrap_or_else(|| out[end..].iter().fold(0.0, |sum, energy| sum + energy));
         out.truncate(end);
         found
+    }
+}
+
+impl Membranes {
+    /// Appends one value for each triangle to `values`, in their order, at these positions \[m\]; nothing for [`Field::None`]. The energy density is
+    /// that of the thickness.
+    pub fn add_values(&self, field: Field, x: &[f64], values: &mut Vec<f64>) {
+        self.material().passes().add_membrane_values(self, field, x, values);
+    }
+
+    /// The same for a material of known type.
+    pub(super) fn add_values_as(&self, material: &impl Material, field: Field, x: &[f64], values: &mut Vec<f64>) {
+        let is_stress = self.material().plane().is_stress();
+        let value = |f: Mat2<f64>| match field {
+            Field::None => None,
+            Field::Volume => Some(f.determinant()),
+            Field::EnergyDensity => Some(material.psi(f) * self.thickness()),
+            Field::VonMises => Some(von_mises(material, f, is_stress)),
+        };
+        values.extend(self.gradients(x).filter_map(|f| value(Mat2::from(&f))));
     }
 }
 

@@ -162,6 +162,9 @@ pub trait MeshMaterial: Send + Sync {
     /// Adds the blocks of the elastic stiffness.
     fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>);
 
+    /// See [`Membranes::add_values`].
+    fn add_membrane_values(&self, of: &Membranes, field: Field, x: &[f64], values: &mut Vec<f64>);
+
     /// See [`Membranes::elastic_energy`].
     fn membrane_energy(&self, of: &Membranes, x: &[f64]) -> f64;
 
@@ -236,6 +239,10 @@ impl<M: Material> MeshMaterial for M {
 
     fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
         of.add_energy_tangent(x, weights, matrix, Elastic(*self));
+    }
+
+    fn add_membrane_values(&self, of: &Membranes, field: Field, x: &[f64], values: &mut Vec<f64>) {
+        of.add_values_as(self, field, x, values);
     }
 
     fn membrane_energy(&self, of: &Membranes, x: &[f64]) -> f64 {

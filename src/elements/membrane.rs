@@ -303,6 +303,11 @@ impl Membranes {
         &self.shape.corners
     }
 
+    /// Thickness at rest \[m\].
+    pub const fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
     /// The material.
     pub const fn material(&self) -> &BodyMaterial {
         &self.material

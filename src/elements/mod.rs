@@ -21,9 +21,11 @@ mod blocks;
 mod diagnostics;
 mod discrete_gradient;
 mod gather;
+mod hinges;
 mod material;
 mod membrane;
 mod partitions;
+mod space_springs;
 mod spring;
 mod tangent;
 mod triangle;
@@ -32,9 +34,11 @@ pub use accumulator::{Accumulator, Adding, EulerUpdate, Scatter, UniformForce};
 pub(crate) use blocks::{EnergyLaw, StressLaw};
 pub use diagnostics::{Diagnostics, Field};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
+pub use hinges::Hinges;
 pub use material::{BodyMaterial, OwnMaterial};
 pub use membrane::Membranes;
 pub(crate) use partitions::is_unpartitioned;
+pub use space_springs::SpaceSprings;
 pub use spring::{NetSprings, Springs};
 pub(crate) use tangent::Isotropic;
 pub use triangle::Triangles;
@@ -42,6 +46,7 @@ pub use triangle::Triangles;
 use crate::{
     contact::{ContactModel, SurfaceVertices},
     effects::Effect,
+    meshes::{Numbering, Pin, pinned},
 };
 use std::{ops::Range, sync::Arc};
 
@@ -67,19 +72,55 @@ pub struct Elements {
     pub triangles: Vec<Arc<Triangles>>,
     /// The springs of each net.
     pub springs: Vec<NetSprings>,
+    /// The numbers of those springs in the list of each net.
+    pub spring_numbers: Vec<Numbering>,
+    /// Triangles between the particles of each net; a net may have none.
+    pub faces: Vec<Arc<Vec<[u32; 3]>>>,
     /// The triangles of each membrane.
     pub membranes: Vec<Arc<Membranes>>,
     /// Names of the bodies, of the nets after them, and of the membranes after these.
     pub names: Vec<String>,
+    /// The flat shapes of those parts, by which vertices are named.
+    pub shapes: Vec<FlatShape>,
     /// Positions at rest, flat \[m\].
     pub rest: Arc<Vec<f64>>,
+    /// Positions at the start, flat \[m\].
+    pub start: Arc<Vec<f64>>,
     /// Boundaries of bodies and particles of nets.
     pub surface: Arc<SurfaceVertices>,
     /// How they touch.
     pub contact: ContactModel,
 }
 
+/// Flat shape of a body, net or membrane at rest.
+#[derive(Clone, Debug)]
+pub struct FlatShape {
+    /// Its first vertex in the scene.
+    pub first: u32,
+    /// Positions of its vertices in its own plane, flat \[m\].
+    pub points: Vec<f64>,
+    /// Their numbers in the level.
+    pub numbering: Numbering,
+}
+
+impl FlatShape {
+    /// Scene numbers of the vertices that some rules name, ascending.
+    ///
+    /// # Errors
+    /// A sentence, if there is no such vertex.
+    pub fn pinned(&self, pins: &[Pin]) -> Result<Vec<u32>, String> {
+        let own = pinned(pins, &self.points, &self.numbering)?;
+        Ok(own.into_iter().map(|vertex| vertex + self.first).collect())
+    }
+}
+
 impl Elements {
+    /// Number of coordinates of a vertex.
+    pub fn dimension(&self) -> usize {
+        let in_space = self.springs.iter().any(|springs| springs.dimension() == 3);
+        if in_space || !self.membranes.is_empty() { 3 } else { 2 }
+    }
+
     /// Numbers of the bodies and nets of a name, for the effect that names them; bodies come first.
     ///
     /// # Errors

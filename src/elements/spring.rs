@@ -1,12 +1,12 @@
 //! Spring elements.
 
 use super::{
-    Accumulator, Adding, ElasticElements, EulerUpdate,
+    Accumulator, Adding, ElasticElements, EulerUpdate, SpaceSprings,
     gather::{Corners, RUN_BLOCKS},
     gather::{Gather, pairs, scratch_size},
 };
 use crate::{
-    effects::{Effect, Motion},
+    effects::{Effect, Motion, ZERO},
     nets::{Link, Net},
     simd::{INDEXED16, LANES, Lanes, Order, Pairs, Real, Wide},
     solvers::{Block as MatrixBlock, BlockMatrix, SparseMatrix, Tangent, Weights},
@@ -27,8 +27,12 @@ use std::{ops::Range, sync::Arc};
 pub struct Springs<const D: usize = 2> {
     vertices: Range<usize>,
     links: Vec<Link>,
+    /// Whether no spring has any stiffness.
+    is_slack: bool,
     /// Force assembly by SIMD, for springs in the plane.
     packed: Option<Packed>,
+    /// The same for springs in space.
+    in_space: Option<SpaceSprings>,
 }
 
 /// Springs in SIMD vectors, in the plane.
@@ -71,8 +75,10 @@ impl Springs {
 
 impl<const D: usize> Springs<D> {
     /// Springs between the scene's `vertices`, by their numbers in the scene.
-    pub const fn of_links(links: Vec<Link>, vertices: Range<usize>) -> Self {
-        Self { vertices, links, packed: None }
+    pub fn of_links(links: Vec<Link>, vertices: Range<usize>) -> Self {
+        let is_slack = links.iter().all(|link| link.stiffness == 0.0);
+        let in_space = (D == 3).then(|| SpaceSprings::new(&links, Arch::new()));
+        Self { vertices, links, is_slack, packed: None, in_space }
     }
 
     /// Scene numbers of the net's particles.
@@ -387,6 +393,10 @@ impl<const D: usize> Effect for Springs<D> {
         self.links.len()
     }
 
+    fn idle(&self, _: Motion<'_>) -> Option<&'static str> {
+        self.is_slack.then_some(ZERO)
+    }
+
     fn energy(&self, motion: Motion<'_>) -> f64 {
         self.elastic_energy(motion.x)
     }
@@ -402,6 +412,9 @@ impl<const D: usize> Effect for Springs<D> {
         if let Some(packed) = &self.packed {
             packed.assemble(&mut Adding { x: motion.x, v: &[], force }, scratch);
             return;
+        }
+        if let Some(springs) = &self.in_space {
+            return springs.add_force(motion.x, force);
         }
         for link in &self.links {
             if let Some((along, length)) = direction::<D>(motion.x, link) {

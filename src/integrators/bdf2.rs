@@ -36,6 +36,11 @@ impl Integrator for Bdf2 {
         Class::Implicit
     }
 
+    /// It continues from two steps, and the one before would have been another motion.
+    fn allows_projection(&self) -> bool {
+        false
+    }
+
     fn scheme(&self) -> Scheme<'_> {
         Scheme::Second(self)
     }

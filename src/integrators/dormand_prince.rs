@@ -52,6 +52,11 @@ impl Integrator for DormandPrince {
         vec![&mut self.relative, &mut self.absolute]
     }
 
+    /// Its steps have lengths of their own, and its estimate of the error knows nothing of the projection.
+    fn allows_projection(&self) -> bool {
+        false
+    }
+
     fn scheme(&self) -> Scheme<'_> {
         Scheme::First(self)
     }

@@ -112,6 +112,11 @@ pub trait Integrator: Send + Sync {
         MeanForces::None
     }
 
+    /// Whether it continues from positions that [`crate::effects::Projection`] changed at the end of its step.
+    fn allows_projection(&self) -> bool {
+        true
+    }
+
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()

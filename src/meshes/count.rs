@@ -1,6 +1,7 @@
 //! Whole numbers in level files and panels.
 
 use crate::quantity::{OutOfRange, Quantity, Spec};
+use serde::{Deserialize, Deserializer, de::Error as _};
 
 /// A quantity whose value is a whole number.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -64,4 +65,12 @@ impl<Q: Quantity> Quantity for Whole<Q> {
     fn set(&mut self, value: f64) -> Result<(), OutOfRange> {
         self.0.set(value.round())
     }
+}
+
+/// A whole number from 0 on: the number of a vertex, or a seed.
+pub(crate) fn natural<'de, D: Deserializer<'de>>(file: D) -> Result<u32, D::Error> {
+    let number = i64::deserialize(file)?;
+    number.try_into().map_err(|_| {
+        D::Error::custom(format!("expected a whole number, at least 0 and at most {}, got {number}", u32::MAX))
+    })
 }

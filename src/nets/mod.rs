@@ -19,7 +19,7 @@ mod sheet;
 pub use chain::Chain;
 pub use links::Links;
 pub use net::{Link, Net, NetError, Role};
-pub use sheet::Sheet;
+pub use sheet::{Sheet, SpringOrder};
 
 use crate::{quantity::Quantity, registry::registry};
 

@@ -30,6 +30,26 @@ pub struct Sheet {
     pub flexion: FlexionSpring,
     /// The lower left corner \[m\].
     pub corner: Point,
+    /// Order of the springs.
+    #[serde(default, skip_serializing_if = "SpringOrder::is_by_particle")]
+    pub order: SpringOrder,
+}
+
+/// Order in which a [`Sheet`] lists its springs. A [`crate::effects::Projection`] depends on it, forces only by round-off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum SpringOrder {
+    /// Particle by particle.
+    #[default]
+    ByParticle,
+    /// First the structural springs along the four edges, which come twice; then all structural, all shear and all flexion springs,
+    /// those to the row above before those in the row. It is the list of the cloth of Princeton's course COS 426.
+    EdgesFirst,
+}
+
+impl SpringOrder {
+    const fn is_by_particle(&self) -> bool {
+        matches!(self, Self::ByParticle)
+    }
 }
 
 impl Default for Sheet {
@@ -44,6 +64,7 @@ impl Default for Sheet {
             shear: ShearSpring::literal(100.0),
             flexion: FlexionSpring::literal(100.0),
             corner: Point(Coordinate::literal(0.3), Coordinate::literal(0.3)),
+            order: SpringOrder::ByParticle,
         }
     }
 }
@@ -60,28 +81,10 @@ impl NetSource for Sheet {
         let (dx, dy) = (self.width.get() / f64::from(columns), self.height.get() / f64::from(rows));
         let points = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (f64::from(column), f64::from(row))));
         let points = points.map(|(column, row)| [x + dx * column, y + dy * row]).collect();
-        let diagonal = (dx * dx + dy * dy).sqrt();
-        let mut links = Vec::new();
-        for row in 0..=rows {
-            for column in 0..=columns {
-                let here = row * (columns + 1) + column;
-                let mut link = |right: u32, up: u32, stiffness: f64, rest: f64, role: Role| {
-                    if column + right <= columns && row + up <= rows {
-                        let ends = [here, here + up * (columns + 1) + right];
-                        links.push(Link { ends, stiffness, rest, role });
-                    }
-                };
-                link(1, 0, self.structural.get(), dx, Role::Structural);
-                link(0, 1, self.structural.get(), dy, Role::Structural);
-                link(1, 1, self.shear.get(), diagonal, Role::Shear);
-                link(2, 0, self.flexion.get(), 2.0 * dx, Role::Flexion);
-                link(0, 2, self.flexion.get(), 2.0 * dy, Role::Flexion);
-                if column < columns && row < rows {
-                    let ends = [here + 1, here + columns + 1];
-                    links.push(Link { ends, stiffness: self.shear.get(), rest: diagonal, role: Role::Shear });
-                }
-            }
-        }
+        let links = match self.order {
+            SpringOrder::ByParticle => self.by_particle([dx, dy]),
+            SpringOrder::EdgesFirst => self.edges_first([dx, dy]),
+        };
         let cell = |row: u32, column: u32| {
             let here = row * (columns + 1) + column;
             let [a, b, c, d] = [here, here + 1, here + columns + 2, here + columns + 1];
@@ -94,4 +97,81 @@ impl NetSource for Sheet {
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.structural, &mut self.shear, &mut self.flexion]
     }
+}
+
+impl Sheet {
+    /// Adds the spring of a particle to the one some columns to the right and some rows up, if that is there. Cells have
+    /// the size `[dx, dy]` \[m\].
+    fn add(&self, links: &mut Vec<Link>, cell: [f64; 2], [column, row]: [u32; 2], [right, up]: [u32; 2]) {
+        let (columns, rows) = (self.columns.count(), self.rows.count());
+        if column + right > columns || row + up > rows {
+            return;
+        }
+        let (stiffness, role) = match [right, up] {
+            [1, 1] => (self.shear.get(), Role::Shear),
+            [1, 0] | [0, 1] => (self.structural.get(), Role::Structural),
+            _ => (self.flexion.get(), Role::Flexion),
+        };
+        let rest = match [right, up] {
+            [1, 1] => diagonal(cell),
+            _ => f64::from(right) * cell[0] + f64::from(up) * cell[1],
+        };
+        let here = row * (columns + 1) + column;
+        links.push(Link { ends: [here, here + up * (columns + 1) + right], stiffness, rest, role });
+    }
+
+    /// Adds the spring of a cell from its lower right to its upper left corner.
+    fn add_falling(&self, links: &mut Vec<Link>, cell: [f64; 2], [column, row]: [u32; 2]) {
+        let (columns, rows) = (self.columns.count(), self.rows.count());
+        if column < columns && row < rows {
+            let here = row * (columns + 1) + column;
+            let ends = [here + 1, here + columns + 1];
+            links.push(Link { ends, stiffness: self.shear.get(), rest: diagonal(cell), role: Role::Shear });
+        }
+    }
+
+    fn particles(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let (columns, rows) = (self.columns.count(), self.rows.count());
+        (0..=rows).flat_map(move |row| (0..=columns).map(move |column| [column, row]))
+    }
+
+    fn by_particle(&self, cell: [f64; 2]) -> Vec<Link> {
+        let mut links = Vec::new();
+        for particle in self.particles() {
+            for step in [[1, 0], [0, 1], [1, 1], [2, 0], [0, 2]] {
+                self.add(&mut links, cell, particle, step);
+            }
+            self.add_falling(&mut links, cell, particle);
+        }
+        links
+    }
+
+    fn edges_first(&self, cell: [f64; 2]) -> Vec<Link> {
+        let mut links = Vec::new();
+        let (columns, rows) = (self.columns.count(), self.rows.count());
+        for particle in self.particles() {
+            let is_on_edge = [[0, columns].contains(&particle[0]), [0, rows].contains(&particle[1])];
+            for (_, step) in is_on_edge.into_iter().zip([[0, 1], [1, 0]]).filter(|(is_on_edge, _)| *is_on_edge) {
+                self.add(&mut links, cell, particle, step);
+            }
+        }
+        for particle in self.particles() {
+            self.add(&mut links, cell, particle, [0, 1]);
+            self.add(&mut links, cell, particle, [1, 0]);
+        }
+        for particle in self.particles() {
+            self.add(&mut links, cell, particle, [1, 1]);
+            self.add_falling(&mut links, cell, particle);
+        }
+        for particle in self.particles() {
+            self.add(&mut links, cell, particle, [0, 2]);
+            self.add(&mut links, cell, particle, [2, 0]);
+        }
+        links
+    }
+}
+
+/// Length of a cell's diagonal \[m\].
+fn diagonal([dx, dy]: [f64; 2]) -> f64 {
+    (dx * dx + dy * dy).sqrt()
 }

@@ -61,6 +61,7 @@ impl ObstacleParameters for Block {
 
     fn triangulation(&self) -> Triangulation {
         let (shape, pose) = self.shape();
-        Triangulation::new(shape.to_trimesh(), pose)
+        let longest = self.width.get().max(self.height.get()).max(self.depth.get());
+        Triangulation::new(shape.to_trimesh(), pose).refined(0.1 * longest)
     }
 }

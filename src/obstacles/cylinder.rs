@@ -58,6 +58,6 @@ impl ObstacleParameters for Cylinder {
 
     fn triangulation(&self) -> Triangulation {
         let (shape, pose) = self.shape();
-        Triangulation::new(shape.to_trimesh(48), pose)
+        Triangulation::new(shape.to_trimesh(48), pose).refined(0.2 * self.radius.get().max(self.height.get()))
     }
 }

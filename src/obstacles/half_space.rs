@@ -72,7 +72,7 @@ impl ObstacleParameters for HalfSpace {
             let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
             [[a, b, c], [a, c, d]]
         });
-        Triangulation { points, triangles: triangles.collect() }
+        Triangulation { points, triangles: triangles.collect(), endless_about: Some(origin) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Obstacle with a prescribed motion.
 
-use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane, Triangulation};
+use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane, Triangulation, check};
 use crate::quantity::{Point, Quantity};
 use serde::{Deserialize, Serialize};
 
@@ -28,20 +28,12 @@ impl ObstacleParameters for Moving {
     }
 
     fn build(&self) -> Result<Box<dyn Obstacle>, String> {
-        if let Some(motion) = self.motions.iter().find(|motion| motion.kind().is_in_space()) {
-            return Err(format!("its motion {} is in space, but the scene is in the plane", motion.name()));
-        }
+        check(&self.motions, 2)?;
         self.obstacle.kind().build()
     }
 
     fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
-        let has_direction = |motion: &MotionKind| match motion {
-            MotionKind::Turn(turn) => turn.axis.is_none_or(|axis| axis.get() != [0.0; 3]),
-            _ => true,
-        };
-        if !self.motions.iter().all(has_direction) {
-            return Err("the axis of a turn must have a direction, got (0, 0, 0)".to_owned());
-        }
+        check(&self.motions, 3)?;
         self.obstacle.kind().build_in_space()
     }
 

@@ -1,6 +1,6 @@
 //! Commands that edit the document and can be undone.
 
-use super::{Refused, Sandbox, Then};
+use super::{Refused, Sandbox, Then, wind::set_wind};
 use crate::{
     command::Command,
     document::{Document, Gesture},
@@ -11,6 +11,7 @@ use crate::{
 impl Sandbox {
     /// Changes to the document that can be undone.
     pub(super) fn edit(&mut self, command: Command) -> Result<(), Refused> {
+        const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
         const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
         let mut document = self.document.clone();
         let mut then = Then::Keep;
@@ -83,6 +84,8 @@ impl Sandbox {
                 document.level.effects.push(listed);
             }
             Command::SetDamping(on) => document.set_damping(on),
+            Command::SetWind(on) => set_wind(&mut document, self.simulation.scene(), on)?,
+            Command::SetPins(part, pins) => *document.pins_mut(part).ok_or(NO_PART)? = pins,
             Command::TogglePin(vertex) => {
                 let scene = self.simulation.scene();
                 let (owner, local) = scene.owner_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;

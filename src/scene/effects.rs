@@ -4,7 +4,7 @@ use super::{Scene, SceneError};
 use crate::{
     contact::{ContactModel, ContactProperties, SurfaceVertices},
     effects::{DuplicatePolicy, Effect},
-    elements::{ElasticElements, Elements, NetSprings},
+    elements::{ElasticElements, Elements, FlatShape, NetSprings},
     level::{EffectLevel, Level, RunMode, Switch, When},
 };
 use std::sync::Arc;
@@ -15,9 +15,13 @@ impl Scene {
         let mut elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| net.springs.clone()).collect(),
+            faces: self.nets.iter().map(|net| Arc::clone(&net.faces)).collect(),
+            spring_numbers: self.nets.iter().map(|net| net.numbering.clone()).collect(),
             membranes: self.membranes.iter().map(|membrane| Arc::clone(&membrane.elements)).collect(),
             names: level.part_names().cloned().collect(),
+            shapes: self.flat_shapes(),
             rest: Arc::new(self.rest.clone()),
+            start: Arc::new(self.start.x.clone()),
             surface: Arc::new(self.surface_vertices()),
             contact: ContactModel::default(),
         };
@@ -41,7 +45,7 @@ impl Scene {
         for listed in level.effects.iter().filter(acts) {
             build(listed, &elements)?.set_properties(&mut properties);
         }
-        let (is_filter, has_skin) = (properties.is_filter, properties.skin.is_some());
+        let (is_filter, has_skin) = (properties.filter.is_some(), properties.skin.is_some());
         elements.contact = properties.into();
         for listed in level.effects.iter().filter(acts) {
             let mut effect = build(listed, &elements)?;
@@ -52,11 +56,43 @@ impl Scene {
             self.effects.push(Arc::from(effect));
             self.auto.push(listed.switch == Switch::Auto);
         }
+        self.check_projection()?;
         if is_filter && has_skin {
-            self.messages.push("The contact potential does nothing: the velocity filter takes its place".to_owned());
+            self.messages.push("The contact potential does nothing: a filter takes its place".to_owned());
         }
         self.messages.extend(touching.messages());
+        self.elements = Arc::new(elements);
         Ok(())
+    }
+
+    /// # Errors
+    /// [`SceneError::Projection`] if the scheme cannot continue from positions that a projection changed.
+    fn check_projection(&self) -> Result<(), SceneError> {
+        let integrator = self.integrator.kind();
+        let projects = self.effects.iter().any(|effect| effect.projection().is_some());
+        if projects && !integrator.allows_projection() {
+            return Err(SceneError::Projection(integrator.title()));
+        }
+        Ok(())
+    }
+
+    pub(super) fn flat_shapes(&self) -> Vec<FlatShape> {
+        let bodies = self.bodies.iter().map(|body| FlatShape {
+            first: body.vertices.start as u32,
+            points: self.rest[self.numbers(&body.vertices)].to_vec(),
+            numbering: body.mesh.numbering().clone(),
+        });
+        let nets = self.nets.iter().map(|net| FlatShape {
+            first: net.vertices.start as u32,
+            points: net.points.as_flattened().to_vec(),
+            numbering: net.numbering.clone(),
+        });
+        let membranes = self.membranes.iter().map(|membrane| FlatShape {
+            first: membrane.vertices.start as u32,
+            points: membrane.mesh.points().as_flattened().to_vec(),
+            numbering: membrane.mesh.numbering().clone(),
+        });
+        bodies.chain(nets).chain(membranes).collect()
     }
 
     /// Vertices that can have a skin: the boundaries of bodies, the particles of nets, and the vertices of membranes.

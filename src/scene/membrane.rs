@@ -1,10 +1,10 @@
 //! Builds the membranes of a scene.
 
-use super::{Scene, numbering, pinned, stretched};
+use super::{Scene, numbering, stretched};
 use crate::{
     elements::Membranes,
     level::{MassLevel, MembraneLevel},
-    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
+    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, pinned},
     state::State,
 };
 use std::{ops::Range, sync::Arc};

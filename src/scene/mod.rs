@@ -9,17 +9,18 @@ mod numbering;
 mod start;
 mod sub_scene;
 
+pub use crate::meshes::extent;
 pub use membrane::Membrane;
 pub use net::Net;
-use start::{on_edge, pinned, sliding};
+use start::sliding;
 pub use sub_scene::SubScene;
 
 use crate::{
-    effects::{Effect, Motion},
-    elements::{ElasticElements, Triangles},
+    effects::{Effect, HeldVertices, LengthProjection, Motion},
+    elements::{ElasticElements, Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
-    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind},
+    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, nearest, on_edge, pinned},
     quantity::{Factor, Position},
     state::State,
     toys::ToyKind,
@@ -53,6 +54,8 @@ pub struct Scene {
     pub rollers: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
+    /// What effects are built for.
+    pub elements: Arc<Elements>,
     /// Elements of each body, each net and each membrane, which are also the first effects.
     pub parts: Vec<Arc<dyn ElasticElements>>,
     /// All effects, elasticity first.
@@ -176,6 +179,11 @@ pub enum SceneError {
         /// Number of coordinates of a vertex of the scene.
         scene: usize,
     },
+    /// The integrator cannot continue from positions that a projection changed.
+    #[error(
+        "{0} cannot step a level with Projection: it needs a scheme of one step of fixed length, such as Symplectic Euler or Position Verlet"
+    )]
+    Projection(&'static str),
     /// The masses of vertices do not fit to their positions.
     #[error("{masses} masses and {numbers} coordinates were given for vertices with {dimension} coordinates each")]
     Masses {
@@ -244,6 +252,7 @@ impl Scene {
         scene.finish_masses();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_effects(level, mode)?;
+        scene.finish_masses();
         scene.build_sub_scenes(level, mode, files, previous)?;
         Ok(scene)
     }
@@ -263,6 +272,7 @@ impl Scene {
             pins: Arc::default(),
             rollers: Arc::default(),
             triangles: Arc::default(),
+            elements: Arc::default(),
             parts: Vec::new(),
             effects: Vec::new(),
             auto: Vec::new(),
@@ -329,6 +339,23 @@ impl Scene {
         self.finish_masses();
     }
 
+    /// Vertices with prescribed positions.
+    pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
+        let held = self.effects.iter().filter_map(|effect| effect.held_vertices());
+        held.flat_map(HeldVertices::vertices).copied()
+    }
+
+    /// Writes the positions \[m\] and velocities [m/s] of vertices with prescribed ones at a time \[s\].
+    pub fn place_held(&self, time: f64, x: &mut [f64], v: &mut [f64]) {
+        let held = self.effects.iter().filter_map(|effect| effect.held_vertices());
+        held.for_each(|held| held.place(time, x, v));
+    }
+
+    /// Whether pinned vertices move in a step, and are put back after the projection of positions.
+    pub fn puts_pins_back(&self) -> bool {
+        self.effects.iter().filter_map(|effect| effect.projection()).any(LengthProjection::puts_pins_back)
+    }
+
     /// Adds an effect that is built already. It acts on all bodies and nets together, without multirate stepping.
     ///
     /// # Errors
@@ -361,8 +388,10 @@ impl Scene {
         for (v, _) in v.iter_mut().zip(&self.inverse_mass).filter(|(_, inverse_mass)| **inverse_mass == 0.0) {
             *v = 0.0;
         }
+        let mut x = self.unlisted(&flat(&saved.positions));
+        self.place_held(saved.time.get(), &mut x, &mut v);
         Ok(State {
-            x: self.unlisted(&flat(&saved.positions)),
+            x,
             v,
             time: saved.time.get(),
             steps: saved.steps,
@@ -478,13 +507,23 @@ impl Scene {
     }
 
     fn finish_masses(&mut self) {
+        let puts_back = self.puts_pins_back();
         self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
         let pinned = self.pins.iter().flat_map(|&pin| (0..self.dimension).map(move |axis| (pin, axis)));
+        let pinned = pinned.filter(|_| !puts_back);
         for (vertex, axis) in pinned.chain(self.rollers.iter().copied()) {
             let number = self.dimension * vertex as usize + axis;
             self.inverse_mass[number] = 0.0;
             self.start.v[number] = 0.0;
         }
+        let held: Vec<_> = self.held().collect();
+        for vertex in held {
+            let numbers = self.numbers(&(vertex as usize..vertex as usize + 1));
+            self.inverse_mass[numbers].fill(0.0);
+        }
+        let mut start = std::mem::take(&mut self.start);
+        self.place_held(0.0, &mut start.x, &mut start.v);
+        self.start = start;
     }
 }
 
@@ -525,16 +564,6 @@ pub fn check_toy_integrator(integrator: &IntegratorKind) -> Result<(), SceneErro
     let known = IntegratorKind::all();
     let instead = known.iter().find(|kind| suits(kind)).map_or("another", |kind| kind.kind().title());
     Err(SceneError::ToyIntegrator { integrator: integrator.kind().title(), instead })
-}
-
-/// Least and greatest of one coordinate (0 or 1) of flat points in the plane.
-pub fn extent(points: &[f64], axis: usize) -> (f64, f64) {
-    range(points.iter().skip(axis).step_by(2))
-}
-
-/// Least and greatest of some numbers.
-fn range<'a>(along: impl Iterator<Item = &'a f64>) -> (f64, f64) {
-    along.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), &value| (value.min(least), value.max(greatest)))
 }
 
 /// The rest positions: the mesh scaled, turned and moved, flat \[m\].
@@ -584,15 +613,4 @@ fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
 /// The number of the vertex nearest to a point, by flat positions; the lowest of equals.
 pub fn nearest_vertex(x: &[f64], point: &[f64]) -> Option<usize> {
     nearest(0..x.len() / point.len(), x, point)
-}
-
-/// The vertex of these that is nearest to a point, by flat positions; the first of equals.
-fn nearest(vertices: impl Iterator<Item = usize>, x: &[f64], point: &[f64]) -> Option<usize> {
-    let dimension = point.len();
-    let square = |vertex: usize| {
-        let own = &x[dimension * vertex..dimension * (vertex + 1)];
-        own.iter().zip(point).map(|(x, p)| (x - p) * (x - p)).sum::<f64>()
-    };
-    let squares = vertices.map(|vertex| (vertex, square(vertex)));
-    squares.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(vertex, _)| vertex)
 }

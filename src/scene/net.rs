@@ -1,10 +1,10 @@
 //! Builds the nets of a scene.
 
-use super::{Scene, numbering, pinned};
+use super::{Scene, numbering};
 use crate::{
     elements::{NetSprings, Springs},
     level::NetLevel,
-    meshes::Numbering,
+    meshes::{Numbering, pinned},
     nets::Link,
 };
 use std::{ops::Range, sync::Arc};
@@ -20,6 +20,8 @@ pub struct Net {
     pub springs: NetSprings,
     /// Triangles by which it is drawn in space, by the numbers of the scene; empty if it is drawn by its springs.
     pub faces: Arc<Vec<[u32; 3]>>,
+    /// Positions of its particles at rest in its own plane \[m\].
+    pub points: Arc<Vec<[f64; 2]>>,
     /// Names of its particles and springs in the level.
     pub numbering: Numbering,
 }
@@ -56,7 +58,8 @@ impl Scene {
         };
         let faces = net.faces().iter().map(|face| face.map(|corner| corner + first as u32)).collect();
         let (name, faces, numbering) = (level.name.clone(), Arc::new(faces), net.numbering().clone());
-        self.nets.push(Net { name, vertices, springs, faces, numbering });
+        let points = Arc::new(net.points().to_vec());
+        self.nets.push(Net { name, vertices, springs, faces, points, numbering });
         Ok(())
     }
 }

@@ -50,22 +50,32 @@ impl Scene {
             self.messages.push(message.to_owned());
             return Ok(());
         }
+        let (rest, start) = (Arc::new(self.rest.clone()), Arc::new(self.start.x.clone()));
+        let all = Elements { rest, start, ..Elements::default() };
         let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {
-            let elements = Elements { triangles: vec![Arc::clone(&body.elements)], ..Elements::default() };
+            let elements = Elements { triangles: vec![Arc::clone(&body.elements)], ..all.clone() };
             (Level { bodies: vec![listed.clone()], ..Level::default() }, body.vertices.clone(), elements)
         });
         let nets = level.nets.iter().zip(&self.nets).map(|(listed, net)| {
-            let elements = Elements { springs: vec![net.springs.clone()], ..Elements::default() };
+            let elements = Elements {
+                springs: vec![net.springs.clone()],
+                faces: vec![Arc::clone(&net.faces)],
+                spring_numbers: vec![net.numbering.clone()],
+                ..all.clone()
+            };
             (Level { nets: vec![listed.clone()], ..Level::default() }, net.vertices.clone(), elements)
         });
         let membranes = level.membranes.iter().zip(&self.membranes).map(|(listed, membrane)| {
-            let elements = Elements { membranes: vec![Arc::clone(&membrane.elements)], ..Elements::default() };
+            let elements = Elements { membranes: vec![Arc::clone(&membrane.elements)], ..all.clone() };
             (Level { membranes: vec![listed.clone()], ..Level::default() }, membrane.vertices.clone(), elements)
         });
         let there =
             |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
         let mut sub_scenes = Vec::new();
-        for (number, (own, vertices, elements)) in bodies.chain(nets).chain(membranes).enumerate() {
+        let parts = bodies.chain(nets).chain(membranes).zip(self.flat_shapes());
+        for (number, ((own, vertices, elements), shape)) in parts.enumerate() {
+            let names = own.part_names().cloned().collect();
+            let elements = Elements { names, shapes: vec![shape], ..elements };
             // Effects that cannot act on it, as the compression guard on a net, are omitted.
             let acting = level.effects.iter().filter(there).zip(self.element_count()..);
             let acting = acting.filter(|(listed, _)| listed.effect.kind().build(&elements).is_ok());

@@ -5,8 +5,8 @@ use super::{
     system::{Scratch, System},
 };
 use crate::{
-    contact::{Means, ObstacleTerm, Path, TruncatedStep},
-    effects::NO_OBSTACLE_NEAR,
+    contact::{FilteredStep, Means, ObstacleTerm, Path, TruncatedStep},
+    effects::{Motion, NO_OBSTACLE_NEAR},
 };
 
 impl System<'_> {
@@ -20,7 +20,7 @@ impl System<'_> {
     /// changed anything.
     pub(super) fn keep_apart(&mut self, start: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
         if !self.scratch.plan.has_potential {
-            return self.filter(x, v);
+            return self.filter(start, x, v);
         }
         let path = Path { time: self.time, start, end: x, anchors: Some(&self.contacts.anchors) };
         let meets_obstacle = self.near_obstacles().any(|contact| contact.first_meeting(&path, false).is_some());
@@ -88,7 +88,9 @@ impl System<'_> {
     }
 
     /// Filters the velocities at the end of the step.
-    fn filter(&mut self, x: &mut [f64], v: &mut [f64]) -> bool {
+    fn filter(&mut self, start: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
+        let moves = self.near_obstacles().any(ObstacleTerm::filters_positions);
+        let before = moves.then(|| self.energy(x, v));
         let Self { scene, scratch, time, .. } = self;
         let mut all = 0;
         for turn in 0..scratch.plan.obstacles.len() {
@@ -102,16 +104,21 @@ impl System<'_> {
             let masked = std::mem::take(&mut scratch.masked_inverse_mass);
             let inverse_mass = if masked.is_empty() { scene.inverse_mass.as_slice() } else { &masked };
             let elements = contact.count() * x.len() / scene.dimension;
-            let (changed, supplied) = scratch
-                .call_effect(number, Some(elements), |_| contact.filter(time[1], inverse_mass, [&mut *x, &mut *v]));
+            let (changed, supplied) = scratch.call_effect(number, Some(elements), |_| {
+                contact.filter(FilteredStep { time: *time, start, inverse_mass, x: &mut *x, v: &mut *v })
+            });
             scratch.masked_inverse_mass = masked;
             scratch.supplied += supplied;
             all += changed;
         }
+        self.scratch.counts.constrained += all as u64;
         if all > 0 {
-            scratch.kinetic = None;
+            self.scratch.kinetic = None;
+            if let Some(before) = before {
+                let gained = self.energy(x, v) - before;
+                self.record_gain(gained);
+            }
         }
-        scratch.counts.constrained += all as u64;
         all > 0
     }
 
@@ -129,6 +136,59 @@ impl System<'_> {
         let first = first.fold(f64::INFINITY, f64::min);
         self.contacts.end = end;
         first
+    }
+
+    /// Projects the positions at the end of the step from `start`; returns whether there is a projection. Velocities change by the
+    /// displacement over the length of the step, so that a scheme that stores displacements in place of velocities continues with
+    /// the same ones.
+    pub(super) fn project(&mut self, start: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
+        if self.scratch.plan.projections.is_empty() {
+            return false;
+        }
+        let before = self.energy(x, v);
+        let mut unprojected = std::mem::take(&mut self.contacts.end);
+        unprojected.clear();
+        unprojected.extend_from_slice(x);
+        for turn in 0..self.scratch.plan.projections.len() {
+            let Self { scene, scratch, .. } = self;
+            let number = scratch.plan.projections[turn];
+            let Some(projection) = scene.effects[number].projection() else { continue };
+            if scratch.costs[number].auto
+                && let Some(why) = scene.effects[number].idle(Motion::NONE)
+            {
+                scratch.costs[number].pass_over(why);
+                continue;
+            }
+            let masked = std::mem::take(&mut scratch.masked_inverse_mass);
+            let inverse_mass = if masked.is_empty() { scene.inverse_mass.as_slice() } else { &masked };
+            let elements = scene.effects[number].elements(Motion::NONE);
+            let size = scene.effects[number].scratch();
+            scratch.call_effect(number, Some(elements), |scratch| {
+                projection.project(inverse_mass, x, &mut scratch[..size]);
+            });
+            scratch.masked_inverse_mass = masked;
+        }
+        if self.scene.puts_pins_back() {
+            for pin in self.scene.pins.iter() {
+                let numbers = self.scene.numbers(&(*pin as usize..*pin as usize + 1));
+                x[numbers.clone()].copy_from_slice(&start[numbers]);
+            }
+        }
+        let h = self.time[1] - self.time[0];
+        for ((v, x), before) in v.iter_mut().zip(&*x).zip(&unprojected) {
+            *v += (x - before) / h;
+        }
+        self.contacts.end = unprojected;
+        self.scratch.kinetic = None;
+        let gained = self.energy(x, v) - before;
+        self.record_gain(gained);
+        true
+    }
+
+    /// Records energy \[J\] that a change of positions gave, or took if it is negative.
+    fn record_gain(&mut self, gained: f64) {
+        self.scratch.supplied += gained.max(0.0);
+        self.scratch.counts.truncated_energy += (-gained).max(0.0);
     }
 
     /// Total energy at the end of the step \[J\].

@@ -30,6 +30,10 @@ pub(super) struct Plan {
     pub forces: Vec<usize>,
     /// Contacts with obstacles; those by a potential are forces as well.
     pub obstacles: Vec<usize>,
+    /// Projections of positions.
+    pub projections: Vec<usize>,
+    /// Whether any vertices have prescribed positions.
+    pub holds: bool,
     /// Effects that only set properties of contacts.
     pub properties: Vec<usize>,
     /// Elements of sleeping bodies and nets, which are skipped.
@@ -60,7 +64,11 @@ impl Plan {
             if effect.obstacle_contact().is_some() {
                 plan.obstacles.push(number);
             }
-            if number < scene.element_count() {
+            if effect.projection().is_some() {
+                plan.projections.push(number);
+            } else if effect.held_vertices().is_some() {
+                plan.holds = true;
+            } else if number < scene.element_count() {
                 plan.elements.push(number);
             } else if has_potential || effect.obstacle_contact().is_none() && properties == ContactProperties::default()
             {
@@ -107,6 +115,8 @@ pub(super) struct Scratch {
     pub stored: [Vec<f64>; 2],
     /// Forces of one effect \[N\].
     pub forces: Vec<f64>,
+    /// Positions and velocities with those of held vertices.
+    pub placed: Vec<f64>,
 }
 
 impl Scratch {
@@ -221,6 +231,7 @@ impl<'a> System<'a> {
         let mut taken = std::mem::take(&mut scratch.contacts);
         std::mem::swap(&mut taken.anchors, &mut state.anchors);
         let mut system = Self { scene, scratch, grab, time, contacts: taken, is_truncated: false };
+        system.place_held(time[0], &mut state.x, &mut state.v);
         system.contacts.update(scene, &state.x);
         if scene.integrator.kind().class() == Class::Implicit {
             system.contacts.begin_pattern(scene, &state.x);
@@ -379,9 +390,45 @@ impl System<'_> {
     }
 }
 
+impl System<'_> {
+    /// Writes the positions and velocities of held vertices at a time \[s\].
+    fn place_held(&self, time: f64, x: &mut [f64], v: &mut [f64]) {
+        if self.scratch.plan.holds {
+            self.scene.place_held(time, x, v);
+        }
+    }
+
+    /// Adds moving pins to the statistics of a step.
+    fn count_held(&mut self) {
+        for (effect, cost) in self.scene.effects.iter().zip(&mut self.scratch.costs).filter(|_| self.scratch.plan.holds)
+        {
+            if let Some(held) = effect.held_vertices() {
+                cost.call(held.vertices().len());
+            }
+        }
+    }
+
+    /// Calls `act` with the positions and velocities of a stage at a time since the start of the step \[s\], in which held vertices are where
+    /// they must be at that time. Schemes leave pinned vertices where they were.
+    fn with_held<T>(&mut self, time: f64, x: &[f64], v: &[f64], act: impl FnOnce(&mut Self, &[f64], &[f64]) -> T) -> T {
+        if !self.scratch.plan.holds {
+            return act(self, x, v);
+        }
+        let mut placed = std::mem::take(&mut self.scratch.placed);
+        placed.clear();
+        placed.extend_from_slice(x);
+        placed.extend_from_slice(v);
+        let (x, v) = placed.split_at_mut(x.len());
+        self.place_held(self.time[0] + time, x, v);
+        let result = act(self, x, v);
+        self.scratch.placed = placed;
+        result
+    }
+}
+
 impl Dynamics for System<'_> {
     fn force(&mut self, time: f64, x: &[f64], v: &[f64], force: &mut [f64]) {
-        self.forces(true, time, x, v, force);
+        self.with_held(time, x, v, |system, x, v| system.forces(true, time, x, v, force));
     }
 
     /// Hash of the pull of the mouse, and of the sleeping bodies and nets, whose elements are skipped.
@@ -428,16 +475,18 @@ impl Dynamics for System<'_> {
     }
 
     fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
-        let scene = self.scene;
-        self.contacts.update(scene, x);
-        let Motion { span, elastic_span, .. } = self.over_step(Motion::NONE);
-        let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *self.scratch;
-        let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
-        let motion = motion(scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
-        let motion = Motion { inverse_mass, span, elastic_span, ..motion };
-        for effect in awake(scene, plan) {
-            effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
-        }
+        self.with_held(time, x, v, |system, x, v| {
+            let scene = system.scene;
+            system.contacts.update(scene, x);
+            let Motion { span, elastic_span, .. } = system.over_step(Motion::NONE);
+            let Scratch { plan, masked_inverse_mass, effects, .. } = &mut *system.scratch;
+            let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
+            let motion = motion(scene, &system.contacts, system.grab, system.time[0] + time, [x, v]);
+            let motion = Motion { inverse_mass, span, elastic_span, ..motion };
+            for effect in awake(scene, plan) {
+                effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
+            }
+        });
     }
 
     fn block_size(&self) -> usize {
@@ -459,10 +508,12 @@ impl Dynamics for System<'_> {
     }
 
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
-        let motion = self.over_step(self.motion(time, x, v));
-        for effect in awake(self.scene, &self.scratch.plan) {
-            effect.add_stiffness(motion, weights, matrix);
-        }
+        self.with_held(time, x, v, |system, x, v| {
+            let motion = system.over_step(system.motion(time, x, v));
+            for effect in awake(system.scene, &system.scratch.plan) {
+                effect.add_stiffness(motion, weights, matrix);
+            }
+        });
     }
 
     fn has_derivative(&self) -> bool {
@@ -475,7 +526,9 @@ impl Dynamics for System<'_> {
     }
 
     fn constrains(&self) -> bool {
-        !self.scratch.plan.obstacles.is_empty() || surface_contact(self.scene).is_some()
+        let Plan { obstacles, projections, holds, .. } = &self.scratch.plan;
+        let is_plain = obstacles.is_empty() && projections.is_empty() && !holds;
+        !is_plain || surface_contact(self.scene).is_some()
     }
 
     fn touches(&mut self, time: f64, x: &[f64], v: &[f64]) -> bool {
@@ -501,7 +554,13 @@ impl Dynamics for System<'_> {
     }
 
     fn constrain(&mut self, before: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
-        !self.is_truncated && self.keep_apart(before, x, v)
+        self.place_held(self.time[1], x, v);
+        self.count_held();
+        // What may never cross comes last.
+        let projects_first = self.scratch.plan.has_potential;
+        let mut changed = projects_first && self.project(before, x, v);
+        changed |= !self.is_truncated && self.keep_apart(before, x, v);
+        changed | (!projects_first && self.project(before, x, v))
     }
 
     fn truncate(&mut self, time: f64, before: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {

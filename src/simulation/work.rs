@@ -1,4 +1,4 @@
-//! Work in a step: of moving obstacles on bodies, and of what effects dissipate.
+//! Work in a step: of moving obstacles, moving pins and wind, and of what effects dissipate.
 
 use super::{
     contacts::contacts,
@@ -7,12 +7,14 @@ use super::{
 use crate::{
     effects::{Effect, Motion},
     integrators::{Class, MeanForces},
+    scene::Scene,
 };
 
 impl System<'_> {
     /// Whether powers act or are measured.
     pub(super) fn has_powers(&self) -> bool {
-        self.scratch.measured || contacts(self.scene).any(|contact| contact.moves())
+        let supplies = || self.scene.effects.iter().any(|effect| effect.supplies() || effect.held_vertices().is_some());
+        self.scratch.measured || contacts(self.scene).any(|contact| contact.moves()) || supplies()
     }
 
     /// Finds the powers at the time since the start of the step, the positions and velocities, and with the lag and spans of a motion.
@@ -24,7 +26,10 @@ impl System<'_> {
         let motion = Motion { span, elastic_span, lag, ..self.motion(at.time, at.x, at.v) };
         powers.clear();
         stored.clear();
-        powers.push(contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum());
+        let of_obstacles = contacts(self.scene).map(|contact| contact.power_of_obstacles(motion)).sum::<f64>();
+        let supplied = self.scene.effects.iter().filter_map(|effect| effect.supplied_power(motion, &mut forces));
+        powers
+            .push(of_obstacles + supplied.sum::<f64>() + power_of_held(self.scene, motion, &mut effects, &mut forces));
         if self.scratch.measured {
             for effect in &self.scene.effects {
                 let [power, energy] = taken_power(&**effect, motion, &mut effects, &mut forces);
@@ -78,7 +83,10 @@ impl System<'_> {
         let work = |weights: [f64; 3], number: usize| {
             step * weights.iter().enumerate().map(|(when, weight)| weight * at(when, number)).sum::<f64>()
         };
-        *supplied += work(weights, 0);
+        *supplied += work(weights, 0) + kinetic_energy_of_held(self.scene, v);
+        if let Some((_, start_v)) = self.contacts.start.split_at_checked(x.len()) {
+            *supplied -= kinetic_energy_of_held(self.scene, start_v);
+        }
         for (number, cost) in costs.iter_mut().enumerate().take(stored.len()) {
             cost.heat += work(fine_weights, 1 + number) - (stored[number] - was_stored.get(number).unwrap_or(&0.0));
         }
@@ -117,11 +125,31 @@ fn taken_power(effect: &dyn Effect, motion: Motion<'_>, scratch: &mut [f64], for
     if let Some(contact) = effect.contact() {
         return contact.taken_power(motion);
     }
-    if effect.damping(motion) == [0.0; 2] {
+    if effect.supplies() || effect.damping(motion) == [0.0; 2] {
         return [0.0; 2];
     }
     force.clear();
     force.resize(motion.x.len(), 0.0);
     effect.force(motion, &mut scratch[..effect.scratch()], force);
     [-force.iter().zip(motion.v).map(|(force, v)| force * v).sum::<f64>(), 0.0]
+}
+
+/// Power of held vertices on what they are tied to \[W\]: against all forces on them, at their velocity.
+fn power_of_held(scene: &Scene, motion: Motion<'_>, scratch: &mut [f64], force: &mut Vec<f64>) -> f64 {
+    if scene.held().next().is_none() {
+        return 0.0;
+    }
+    force.clear();
+    force.resize(motion.x.len(), 0.0);
+    for effect in &scene.effects {
+        effect.force(motion, &mut scratch[..effect.scratch()], force);
+    }
+    let numbers = scene.held().flat_map(|vertex| scene.numbers(&(vertex as usize..vertex as usize + 1)));
+    -numbers.map(|number| force[number] * motion.v[number]).sum::<f64>()
+}
+
+/// Kinetic energy of held vertices \[J\]: what moves them supplies that too.
+fn kinetic_energy_of_held(scene: &Scene, v: &[f64]) -> f64 {
+    let numbers = scene.held().flat_map(|vertex| scene.numbers(&(vertex as usize..vertex as usize + 1)));
+    numbers.map(|number| 0.5 * scene.mass[number] * v[number] * v[number]).sum()
 }

@@ -31,7 +31,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct Place", "level.rs", "Place of a body"),
     ("enum MassLevel", "level.rs", "Mass of a body"),
     ("enum StartShape", "level.rs", "Start shape of a body"),
-    ("enum Pin", "level.rs", "Pin"),
+    ("enum Pin", "meshes/pin.rs", "Pin"),
     ("enum Side", "level.rs", "Side of a body"),
     ("enum Plane", "materials/parameters.rs", "Plane strain and plane stress"),
     ("struct NetLevel", "level.rs", "Net"),
@@ -39,6 +39,8 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct SpacePlace", "level.rs", "Place in space"),
     ("struct EffectLevel", "level.rs", "Effect in a level"),
     ("struct SurfaceFriction", "effects/friction.rs", "Friction of a surface"),
+    ("enum ProjectedPins", "effects/projection.rs", "Pins and projection"),
+    ("enum SpringOrder", "nets/sheet.rs", "Order of springs"),
     ("enum Switch", "level.rs", "Switch of an effect"),
     ("enum When", "level.rs", "Modes of an effect"),
     ("enum RunMode", "level.rs", "Run mode"),
@@ -79,7 +81,8 @@ const SPECS: &[(&str, &Spec)] = specs![
     Young Poisson Density Mass Coordinate Time Period Length Width Height Depth Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
     DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
-    SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings
+    SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings Passes Separation StructuralCorrection ShearCorrection FlexionCorrection WindSpeed FaceResistance
+    OwnMotion GustShare GustPeriod TurbulenceShare EddySize Circulation CoreRadius Updraft DropRate DropImpulse DropDuration BendingFactor
 ];
 
 /// Longest example that is shown [characters].
@@ -363,6 +366,7 @@ pub fn page() -> String {
     for listed in NetKind::all() {
         kind(&mut page, "nets", listed.name(), None, &written(&listed));
     }
+    section(&mut page, "SpringOrder");
     page.push_str("\n## Toys\n");
     for listed in ToyKind::all() {
         kind(&mut page, "toys", listed.name(), Some(listed.kind().about()), &written(&listed));
@@ -373,6 +377,7 @@ pub fn page() -> String {
         kind(&mut page, "effects", listed.name(), Some(&about), &written(&listed));
     }
     section(&mut page, "SurfaceFriction");
+    section(&mut page, "ProjectedPins");
     page.push_str("\n## Obstacles\n");
     for listed in ObstacleKind::all() {
         kind(&mut page, "obstacles", listed.name(), None, &written(&listed));

@@ -28,6 +28,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("R", Mode::Edit) => assert!(now.pins.is_empty(), "{what}"),
         ("R", _) => assert!(now.time < before.time, "{what}"),
         ("D", _) => assert_ne!(now.damping, before.damping, "{what}"),
+        ("W", _) => assert_ne!(now.wind, before.wind, "{what}"),
         ("Space", Mode::Edit) => assert!(now.running && now.mode == before.level.mode.into(), "{what}"),
         ("Space", _) => assert_eq!(now.running, !before.running, "{what}"),
         ("Backspace", _) => assert!(now.time < before.time && !now.running, "{what}"),
@@ -49,7 +50,8 @@ fn every_key_does_in_every_mode_what_the_table_says() {
         let mut pressed = 0;
         for mode in [Mode::Edit, Mode::Simulate, Mode::Collide] {
             for shortcut in binding.shortcuts {
-                let mut window = in_mode("stretch_test", mode);
+                let level = if binding.when == When::Cloth { "cornell_cloth" } else { "stretch_test" };
+                let mut window = in_mode(level, mode);
                 let before = window.state().snapshot().clone();
                 if !binding.when.applies(&before) {
                     continue;

@@ -321,3 +321,76 @@ fn an_outline_can_be_simplified_in_the_window() {
     assert!(now.triangles.len() < before, "{} triangles, and {before} before", now.triangles.len());
     assert!(now.messages.iter().any(|message| message.contains("left out to simplify")), "{:?}", now.messages);
 }
+
+/// Each pin mode of the menu, for nets in space, membranes and bodies; undo brings the old pins back.
+#[test]
+fn pins_are_chosen_from_a_menu() {
+    for (name, vertices) in [
+        ("princeton_cloth", [4, 26, 52, 100, 10]),
+        ("toronto_cloth", [4, 20, 40, 76, 10]),
+        ("cantilever", [4, 65, 18, 144, 10]),
+    ] {
+        let mut window = open(name);
+        let before = window.state().snapshot().pins.len();
+        for (mode, pinned) in ["Corners", "One edge", "Two edges", "Four edges", "Random"].into_iter().zip(vertices) {
+            widget(&window, Role::ComboBox, "Pins").click();
+            window.run_steps(3);
+            click(&mut window, mode);
+            window.run_steps(3);
+            assert_eq!(window.state().snapshot().pins.len(), pinned, "{name}: {mode}");
+        }
+        widget(&window, Role::ComboBox, "Pins").click();
+        window.run_steps(3);
+        click(&mut window, "None");
+        window.run_steps(3);
+        assert!(window.state().snapshot().pins.is_empty(), "{name}");
+        for _ in 0..6 {
+            press_with(&mut window, Modifiers::COMMAND, Key::Z);
+        }
+        assert_eq!(window.state().snapshot().pins.len(), before, "{name}");
+    }
+}
+
+/// Membranes have the colours of bodies.
+#[test]
+fn cloth_is_coloured_by_its_stress() {
+    let mut window = in_mode("toronto_cloth", Mode::Simulate);
+    window.run_steps(10);
+    for (name, least) in [("Energy density", 0.0), ("Von Mises stress", 0.0), ("Area ratio J", 0.5)] {
+        click(&mut window, name);
+        window.run_steps(3);
+        let snapshot = window.state().snapshot();
+        assert_eq!(snapshot.values.len(), 722, "{name}");
+        assert!(snapshot.values.iter().all(|value| value.is_finite() && *value >= least), "{name}");
+    }
+    click(&mut window, "Gingerbread");
+    window.run_steps(3);
+    assert!(window.state().snapshot().values.is_empty());
+}
+
+/// W adds a wind that suits the cloth, and switches it; in the plane it does nothing.
+#[test]
+fn a_key_switches_the_wind() {
+    for name in ["cornell_cloth", "princeton_cloth", "toronto_cloth", "mit_cloth", "cloth_man"] {
+        let mut window = in_mode(name, Mode::Simulate);
+        press(&mut window, Key::W);
+        let winds = |window: &Window| {
+            let effects = &window.state().snapshot().level.effects;
+            effects
+                .iter()
+                .filter(|listed| listed.effect.name() == "Wind")
+                .map(|listed| listed.switch.is_on())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(winds(&window), [true], "{name}");
+        window.run_steps(60);
+        assert!(window.state().snapshot().fault.is_none(), "{name}: {:?}", window.state().snapshot().fault);
+        press(&mut window, Key::W);
+        assert_eq!(winds(&window), [false], "{name}");
+        press(&mut window, Key::W);
+        assert_eq!(winds(&window), [true], "{name}");
+    }
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    press(&mut window, Key::W);
+    assert!(window.state().snapshot().level.effects.iter().all(|listed| listed.effect.name() != "Wind"));
+}

@@ -245,7 +245,8 @@ impl Canvas {
         self.middle.clear(pixels_per_point);
         if let Some(camera) = &frame.space {
             let seen = (self.bodies.points(), camera);
-            self.surfaces.draw(&mut self.middle, view, snapshot, (options, self.scenery.surfaces()), seen);
+            let what = (options, &self.scale, self.scenery.surfaces());
+            self.surfaces.draw(&mut self.middle, view, snapshot, what, seen);
             painter.add(self.middle.finish());
             let mut painter = painter.clone();
             painter.set_clip_rect(painter.clip_rect().expand(0.01));
@@ -282,9 +283,13 @@ impl Canvas {
         if let Some((_, ends)) = pull {
             marks::arrow(&mut self.front, view, ends);
         }
-        if options.field != Field::None && options.field == snapshot.field && !snapshot.triangles.is_empty() {
+        if options.field != Field::None && options.field == snapshot.field && !snapshot.values.is_empty() {
             legends::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
-            let under = free.and_then(|at| Some((at, self.bodies.value_at(snapshot, at)?)));
+            let value_at = |at| match frame.space {
+                Some(_) => self.surfaces.value_at(snapshot, points, at),
+                None => self.bodies.value_at(snapshot, at),
+            };
+            let under = free.and_then(|at| Some((at, value_at(at)?)));
             if let Some((at, value)) = under {
                 legends::reading(painter, view, canvas, at, snapshot.field, colour::reading(snapshot, value));
             }

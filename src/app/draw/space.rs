@@ -1,7 +1,11 @@
 //! Draws scenes in space: the camera that turns about a point, shaded surfaces sorted by their depth, and springs.
 
 use super::{View, shape_buffer::ShapeBuffer};
-use crate::{app::canvas::Options, obstacles::Triangulation, snapshot::Snapshot};
+use crate::{
+    app::{canvas::Options, colour::Scale},
+    obstacles::Triangulation,
+    snapshot::{Field, Snapshot},
+};
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2, vec2};
 
 /// Half of the angle of view \[rad\].
@@ -131,6 +135,15 @@ impl SpaceCamera {
     }
 }
 
+/// Diagonal of the box around flat points in space \[m\].
+fn diagonal(points: &[f64]) -> f64 {
+    let length = |axis: usize| {
+        let along = || points.iter().skip(axis).step_by(3).copied();
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(length).map(|length| length * length).sum::<f64>().sqrt()
+}
+
 /// Buffers for drawing surfaces.
 #[derive(Default)]
 pub struct Surfaces {
@@ -138,9 +151,24 @@ pub struct Surfaces {
     depths: Vec<f64>,
     /// Sum of the normals of the triangles at each vertex, seen from the eye: right, up, back.
     normals: Vec<[f32; 3]>,
-    /// Triangles with their depth and the colours of their two sides, the farthest first.
-    order: Vec<(f32, [u32; 3], u8)>,
+    /// The triangles, the farthest first.
+    order: Vec<Facet>,
 }
+
+/// A triangle to be drawn.
+#[derive(Clone, Copy)]
+struct Facet {
+    /// Sum of the depths of its corners \[m\].
+    depth: f32,
+    corners: [u32; 3],
+    /// Number of the colours of its two sides.
+    pair: u8,
+    /// Place of its value among those of the snapshot; `u32::MAX` if it has none.
+    value: u32,
+}
+
+/// No value.
+const PLAIN: u32 = u32::MAX;
 
 impl Surfaces {
     /// Maps the vertices to the screen.
@@ -177,7 +205,7 @@ impl Surfaces {
         buffer: &mut ShapeBuffer,
         view: View,
         snapshot: &Snapshot,
-        (options, obstacles): (&Options, impl Iterator<Item = &'a Triangulation> + Clone),
+        (options, scale, obstacles): (&Options, &Scale, impl Iterator<Item = &'a Triangulation> + Clone),
         (points, camera): (&[Pos2], &SpaceCamera),
     ) {
         self.order.clear();
@@ -186,32 +214,36 @@ impl Surfaces {
         let at = |vertex: u32| snapshot.position(vertex as usize);
         let membranes = snapshot.membranes.iter().map(|membrane| membrane.elements.corners());
         let nets = snapshot.nets.iter().map(|net| net.faces.as_slice());
-        for (number, corners) in membranes.chain(nets).enumerate() {
+        let (is_coloured, mut value) = (options.field != Field::None && options.field == snapshot.field, 0);
+        let membranes = membranes.map(|corners| (corners, is_coloured));
+        for (number, (corners, has_values)) in membranes.chain(nets.map(|corners| (corners, false))).enumerate() {
             for corners in corners {
-                self.add(&at, camera, *corners, (number % 2) as u8);
+                self.add(&at, camera, *corners, ((number % 2) as u8, if has_values { value } else { PLAIN }));
+                value += u32::from(has_values);
             }
         }
         // The corners of obstacles come after the vertices of the scene.
         let (mut all_points, mut first) = (points.to_vec(), points.len() as u32);
+        let factor = (0.3 * diagonal(&snapshot.start)).max(1.0);
         for obstacle in obstacles {
-            for point in &obstacle.points {
-                let (seen, depth) = camera.seen(*point);
+            for point in (0..obstacle.points.len()).filter_map(|corner| obstacle.drawn(corner, factor)) {
+                let (seen, depth) = camera.seen(point);
                 all_points.push(seen);
                 self.depths.push(depth);
             }
             self.normals.resize(all_points.len(), [0.0; 3]);
-            let at = |corner: u32| obstacle.points.get((corner - first) as usize).copied();
+            let at = |corner: u32| obstacle.drawn((corner - first) as usize, factor);
             for corners in &obstacle.triangles {
-                self.add(&at, camera, corners.map(|corner| first + corner), OBSTACLE);
+                self.add(&at, camera, corners.map(|corner| first + corner), (OBSTACLE, PLAIN));
             }
             first = all_points.len() as u32;
         }
-        self.order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        self.order.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth));
         let [one, other] = view.theme.candy;
         let colors = [[one, view.theme.icing], [other, view.theme.icing], [view.theme.wall, view.theme.wall]];
         let first = buffer.len();
         // Each vertex twice: in the colour of the front and in that of the back, for each of the two pairs of colours.
-        let pairs = self.order.iter().map(|triangle| usize::from(triangle.2) + 1).max().unwrap_or(0);
+        let pairs = self.order.iter().map(|facet| usize::from(facet.pair) + 1).max().unwrap_or(0);
         for (point, normal) in all_points.iter().zip(&self.normals) {
             for pair in colors.iter().take(pairs) {
                 for (color, side) in pair.iter().zip([1.0, -1.0]) {
@@ -220,9 +252,16 @@ impl Surfaces {
             }
         }
         let stride = 2 * pairs as u32;
-        for (_, corners, pair) in &self.order {
+        for Facet { corners, pair, value, .. } in &self.order {
             let [a, b, c] = corners.map(|corner| all_points[corner as usize]);
             let is_back = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0.0;
+            if let Some(value) = snapshot.values.get(*value as usize) {
+                let (color, side) = (scale.at(scale.share(*value)), if is_back { -1.0 } else { 1.0 });
+                let lit = |corner: u32| shaded(color, self.normals[corner as usize].map(|axis| side * axis));
+                let [a, b, c] = corners.map(|corner| buffer.vertex(all_points[corner as usize], lit(corner)));
+                buffer.triangle(a, b, c);
+                continue;
+            }
             let side = 2 * u32::from(*pair) + u32::from(is_back);
             let [a, b, c] = corners.map(|corner| first + stride * corner + side);
             buffer.triangle(a, b, c);
@@ -230,8 +269,27 @@ impl Surfaces {
         Self::lines(buffer, view, snapshot, options, points);
     }
 
+    /// Value of the nearest triangle at a point of the screen.
+    pub fn value_at(&self, snapshot: &Snapshot, points: &[Pos2], at: Pos2) -> Option<f64> {
+        let turn = |a: Pos2, b: Pos2| (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
+        let is_inside = |facet: &&Facet| {
+            let [Some(a), Some(b), Some(c)] = facet.corners.map(|corner| points.get(corner as usize).copied()) else {
+                return false;
+            };
+            let turns = [turn(a, b), turn(b, c), turn(c, a)];
+            turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
+        };
+        snapshot.values.get(self.order.iter().rev().find(is_inside)?.value as usize).copied()
+    }
+
     /// Adds a triangle to the normals and to the order.
-    fn add(&mut self, at: &dyn Fn(u32) -> Option<[f64; 3]>, camera: &SpaceCamera, corners: [u32; 3], pair: u8) {
+    fn add(
+        &mut self,
+        at: &dyn Fn(u32) -> Option<[f64; 3]>,
+        camera: &SpaceCamera,
+        corners: [u32; 3],
+        (pair, value): (u8, u32),
+    ) {
         let [Some(a), Some(b), Some(c)] = corners.map(at) else { return };
         let (one, two) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
         let normal =
@@ -243,8 +301,10 @@ impl Surfaces {
                 sum.iter_mut().zip([right, up, -forwards]).for_each(|(sum, part)| *sum += part);
             }
         }
-        let depth: f64 = corners.iter().filter_map(|corner| self.depths.get(*corner as usize)).sum();
-        self.order.push((depth as f32, corners, pair));
+        let depths = corners.iter().filter_map(|corner| self.depths.get(*corner as usize));
+        // What lies on an obstacle is drawn after it.
+        let depth = if pair == OBSTACLE { 3.0 * depths.copied().fold(0.0, f64::max) } else { depths.sum() };
+        self.order.push(Facet { depth: depth as f32, corners, pair, value });
     }
 
     /// Draws the springs of nets without faces, and all edges if they are wanted.

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     command::{Command, Pose},
-    level::{MassLevel, MembraneLevel, NetLevel},
+    level::{MassLevel, MembraneLevel, NetLevel, Pin},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
     quantity::{Cells, Density, Mass, OutOfRange, Quantity, Rings, Tolerance, Triangles},
@@ -42,13 +42,49 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             let coming =
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
+            pins(ui, view.body, &body.pins, commands);
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
+            pins(ui, view.body, &listed.pins, commands);
         } else if let Some((number, listed)) = membrane.and_then(|number| Some((number, level.membranes.get(number)?)))
         {
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, number, listed, area, view, commands);
+            pins(ui, view.body, &listed.pins, commands);
         }
+    });
+}
+
+/// Draws a menu of the pins of a body, net or membrane (by number).
+fn pins(ui: &mut Ui, part: usize, now: &[Pin], commands: &mut Vec<Command>) {
+    // Random pins that are chosen again are others.
+    let seed =
+        now.iter().find_map(|pin| if let Pin::Random { seed, .. } = pin { Some(seed.wrapping_add(1)) } else { None });
+    let modes: [(&str, &[Pin]); 6] = [
+        ("None", &[]),
+        ("Corners", &[Pin::Corners]),
+        ("One edge", &[Pin::Top]),
+        ("Two edges", &[Pin::Left, Pin::Right]),
+        ("Four edges", &[Pin::Top, Pin::Bottom, Pin::Left, Pin::Right]),
+        ("Random", &[Pin::Random { count: 10, seed: seed.unwrap_or(0) }]),
+    ];
+    let chosen = modes.iter().find(|(_, pins)| *pins == now).map(|(name, _)| (*name).to_owned());
+    let chosen = chosen.or_else(|| seed.filter(|_| now.len() == 1).map(|_| "Random".to_owned()));
+    let chosen = chosen.unwrap_or_else(|| "Other".to_owned());
+    ui.horizontal(|ui| {
+        ui.label("Pins");
+        let menu = ComboBox::from_id_salt("pins").width(ui.available_width()).selected_text(chosen.as_str());
+        let response = menu.show_ui(ui, |ui| {
+            for (name, pins) in modes {
+                if ui.selectable_label(name == chosen, name).clicked() {
+                    commands.extend([Command::SetPins(part, pins.to_vec()), Command::EndGesture]);
+                }
+            }
+        });
+        response
+            .response
+            .on_hover_text("Which vertices are held. A click on a vertex in edit mode pins or frees it.")
+            .accessible_name("Pins");
     });
 }
 

@@ -20,7 +20,7 @@ use std::collections::BTreeSet;
 const FRAME: f64 = 1.0 / 60.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
-    if !context.now.triangles.is_empty() {
+    if !context.now.triangles.is_empty() || !context.now.membranes.is_empty() {
         looks(ui, view);
     } else if context.now.dimension == 3 {
         let help = "The edges of all triangles, and the structural springs";

@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     add(ui, now, commands);
 }
 
-/// Draws a menu of the effects that the level does not have.
+/// Draws a menu of the effects that the level does not have and that can act in it.
 fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let listed = |kind: &EffectKind| now.level.effects.iter().any(|listed| listed.effect.name() == kind.name());
     let missing: Vec<_> = EffectKind::all().into_iter().filter(|kind| !listed(kind)).collect();
@@ -28,7 +28,7 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
         return;
     }
     ui.menu_button("Add an effect", |ui| {
-        for kind in missing {
+        for kind in missing.into_iter().filter(|kind| kind.fits(&now.elements).is_ok()) {
             let entry = ui.button(kind.kind().title()).on_hover_text(kind.kind().about());
             if entry.clicked() {
                 commands.extend([Command::AddEffect(kind), Command::EndGesture]);

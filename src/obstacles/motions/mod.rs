@@ -37,3 +37,24 @@ pub trait Motion {
 pub fn placed<const D: usize>(motions: &[MotionKind], time: f64) -> Rigid<D> {
     motions.iter().fold(Rigid::STILL, |moved, motion| motion.kind().at(time).within().of(&moved))
 }
+
+/// Checks that motions fit a scene with this number of coordinates.
+///
+/// # Errors
+/// A sentence that names the motion.
+pub fn check(motions: &[MotionKind], dimension: usize) -> Result<(), String> {
+    if dimension == 2
+        && let Some(motion) = motions.iter().find(|motion| motion.kind().is_in_space())
+    {
+        return Err(format!("its motion {} is in space, but the scene is in the plane", motion.name()));
+    }
+    let has_direction = |motion: &MotionKind| match motion {
+        MotionKind::Turn(turn) => turn.axis.is_none_or(|axis| axis.get() != [0.0; 3]),
+        _ => true,
+    };
+    if motions.iter().all(has_direction) {
+        Ok(())
+    } else {
+        Err("the axis of a turn must have a direction, got (0, 0, 0)".to_owned())
+    }
+}

@@ -55,6 +55,21 @@ fn positions_are_blended_by_friction() {
     }
 }
 
+/// What was within the margin before the step is put at the margin, whatever the friction.
+#[test]
+fn what_is_within_the_margin_comes_out() {
+    for is_in_space in [false, true] {
+        let level = flying(is_in_space, floor(is_in_space), "(effect: Friction(coefficient: 1))");
+        let mut run = stepped(&level, 0.01);
+        let mut state = run.state().clone();
+        state.x[1] = 0.005;
+        run.set_state(state);
+        run.advance(1, &mut || true);
+        assert!((run.state().x[0] - 0.02).abs() < 1e-15 && (run.state().x[1] - 0.01).abs() < 1e-15);
+        assert!((run.state().v[1] - 0.5).abs() < 1e-12, "{}", run.state().v[1]);
+    }
+}
+
 /// Along with an obstacle that moves, at full friction.
 #[test]
 fn a_moving_obstacle_carries_what_it_meets() {

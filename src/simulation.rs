@@ -354,6 +354,12 @@ impl Simulation {
         surface_contact(&self.scene).map(|contact| contact.count_crossings(&self.state.x))
     }
 
+    /// Number of places where cloth in space has passed through itself or other cloth, by an exact test, where there is cloth; see
+    /// [`ClothSurface::count_crossings`](crate::contact::ClothSurface::count_crossings).
+    pub fn count_cloth_crossings(&self) -> Option<usize> {
+        (self.scene.cloth.count() > 0).then(|| self.scene.cloth.count_crossings(&self.state.x))
+    }
+
     /// Takes one step, divided as the guard requires.
     fn step(&mut self) {
         let parts = self.guard_substeps();

@@ -6,6 +6,7 @@ mod common;
 use common::{built_in, level, named, simulation};
 use gingerbread::{
     level::{Level, SpacePlace, Toggle},
+    nets::Role,
     scene::Scene,
     simulation::Simulation,
     stability::critical_step,
@@ -75,6 +76,34 @@ fn the_cornell_cloth_has_the_steps_of_its_text() {
         };
         let [below, above] = [energy(0.98 * known), energy(1.02 * known)];
         assert!(below < 30.0 && above > 1e4, "{effects}: {below} {above}");
+    }
+}
+
+/// Greatest strain of the structural springs of Princeton's cloth after 10 s: with its rule pinned particles stretch the springs next to them for
+/// ever, and n substeps keep the lengths as n² passes do.
+#[test]
+fn the_princeton_cloth_is_as_long_as_its_passes_make_it() {
+    let strain = |pins: &str, passes: u32, substeps: u32| {
+        let text = gingerbread::levels::built_in("princeton_cloth").unwrap();
+        let text = text.replace("Projection(pins: PutBack)", &format!("Projection(pins: {pins}, passes: {passes})"));
+        let mut run = simulation(&level(&text.replace("substeps: 1,", &format!("substeps: {substeps},"))));
+        run.advance(600 * u64::from(substeps), &mut || true);
+        assert!(run.fault().is_none(), "{:?}", run.fault());
+        let springs = &run.scene().nets[0].springs;
+        let structural = springs.links().iter().filter(|link| link.role == Role::Structural);
+        structural.map(|link| springs.length(link, &run.state().x) / link.rest - 1.0).fold(0.0, f64::max)
+    };
+    for (pins, passes, substeps, percent) in [
+        ("PutBack", 1, 1, 406.0),
+        ("PutBack", 64, 1, 400.0),
+        ("Stay", 1, 1, 103.0),
+        ("Stay", 4, 1, 36.0),
+        ("Stay", 64, 1, 5.3),
+        ("Stay", 1, 2, 36.0),
+        ("Stay", 1, 8, 5.3),
+    ] {
+        let found = 100.0 * strain(pins, passes, substeps);
+        assert!((found / percent - 1.0).abs() < 0.02, "{pins} {passes} {substeps}: {found} %");
     }
 }
 

@@ -33,7 +33,7 @@ pub enum When {
     Edit,
     /// In simulate and collide mode.
     Moving,
-    /// In levels with bodies of triangles.
+    /// In levels with bodies or membranes.
     Bodies,
     /// In levels with cloth in space.
     Cloth,
@@ -73,7 +73,7 @@ impl When {
             Self::Always => "Always",
             Self::Edit => "Edit mode",
             Self::Moving => "Simulate and collide mode",
-            Self::Bodies => "Bodies of triangles",
+            Self::Bodies => "Bodies and membranes",
             Self::Cloth => "Cloth",
             Self::Test => "Test levels",
         }

@@ -22,6 +22,7 @@
 
 mod any_contact;
 mod candidates;
+mod cloth_crossings;
 mod corner_contact;
 mod crossings;
 mod edge_query;
@@ -40,6 +41,7 @@ mod velocity_filter;
 
 pub use any_contact::AnyContact;
 pub use candidates::{Candidates, Pair};
+pub use cloth_crossings::{ClothSurface, segment_meets_triangle};
 pub use corner_contact::CornerContact;
 pub use crossings::count_crossings;
 pub use friction::{Anchor, ContactName};

@@ -57,7 +57,7 @@ pub struct RunReport {
     pub line_search_cuts: u64,
     /// Sparse factorisations.
     pub factorisations: u64,
-    /// Crossings of the surfaces of bodies at the end, by an exact test; null if contact has no potential.
+    /// Crossings of the surfaces of bodies or of cloth at the end, by an exact test; null for bodies if contact has no potential.
     pub crossings: Option<usize>,
     /// Factorisations repeated with another matrix, as it was not positive definite.
     pub indefinite: u64,
@@ -116,7 +116,7 @@ impl RunReport {
             min_j: (triangles > 0).then_some(min_j),
             inverted,
             wound: Tangle::of_all(scene, &state.x).wound,
-            crossings: simulation.count_crossings(),
+            crossings: simulation.count_crossings().or_else(|| simulation.count_cloth_crossings()),
             triangles,
             vertices: scene.vertices(),
             step_seconds: scene.step,

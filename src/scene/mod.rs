@@ -16,6 +16,7 @@ use start::sliding;
 pub use sub_scene::SubScene;
 
 use crate::{
+    contact::ClothSurface,
     effects::{Effect, HeldVertices, LengthProjection, Motion},
     elements::{ElasticElements, Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
@@ -54,6 +55,8 @@ pub struct Scene {
     pub rollers: Arc<Vec<(u32, usize)>>,
     /// Corners of all triangles, in the order of the bodies.
     pub triangles: Arc<Vec<[u32; 3]>>,
+    /// The triangles of cloth in space.
+    pub cloth: Arc<ClothSurface>,
     /// What effects are built for.
     pub elements: Arc<Elements>,
     /// Elements of each body, each net and each membrane, which are also the first effects.
@@ -251,6 +254,7 @@ impl Scene {
         }
         scene.finish_masses();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
+        scene.add_cloth();
         scene.add_effects(level, mode)?;
         scene.finish_masses();
         scene.build_sub_scenes(level, mode, files, previous)?;
@@ -272,6 +276,7 @@ impl Scene {
             pins: Arc::default(),
             rollers: Arc::default(),
             triangles: Arc::default(),
+            cloth: Arc::default(),
             elements: Arc::default(),
             parts: Vec::new(),
             effects: Vec::new(),
@@ -337,6 +342,12 @@ impl Scene {
         Arc::make_mut(&mut self.pins).extend(vertices);
         Arc::make_mut(&mut self.pins).sort_unstable();
         self.finish_masses();
+    }
+
+    fn add_cloth(&mut self) {
+        let sheets = self.nets.iter().filter(|net| net.springs.dimension() == 3).map(|net| net.faces.as_slice());
+        let membranes = self.membranes.iter().map(|membrane| membrane.elements.corners());
+        self.cloth = Arc::new(ClothSurface::new(sheets.chain(membranes).flatten().copied().collect()));
     }
 
     /// Vertices with prescribed positions.

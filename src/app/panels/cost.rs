@@ -168,6 +168,14 @@ fn size(ui: &mut Ui, now: &Snapshot) {
     if membranes > 0 {
         row(ui, "Triangles", &count(membranes), "In all membranes");
     }
+    if let Some((crossings, time)) = now.crossings {
+        let words = match crossings {
+            0 => format!("none: proven in {}", numbers::si(time.as_secs_f64(), "s")),
+            _ => count(crossings),
+        };
+        let help = "Edges of boundaries that cross each other, and edges of cloth that pass through triangles of cloth, by a test with exact arithmetic";
+        row(ui, "Crossings", &words, help);
+    }
     if !now.triangles.is_empty() {
         row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
         if now.asleep > 0 {
@@ -183,14 +191,6 @@ fn size(ui: &mut Ui, now: &Snapshot) {
                 rules.map(|body| format!("\n{}: {}.", body.material.title(), body.material.continuation())).collect();
             let help = "Triangles so compressed, or inverted, that the formula of their model is replaced by its continuation.".to_owned();
             row(ui, "Outside model range", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
-        }
-        if let Some((crossings, time)) = now.crossings {
-            let words = match crossings {
-                0 => format!("none: proven in {}", numbers::si(time.as_secs_f64(), "s")),
-                _ => count(crossings),
-            };
-            let help = "Edges of boundaries that cross each other, by a test with exact arithmetic";
-            row(ui, "Crossings", &words, help);
         }
         row(
             ui,

@@ -55,7 +55,7 @@ pub struct Counts {
     pub triangle_steps: u64,
     /// Steps that the guard rejected.
     pub retaken: u64,
-    /// Energy that truncation of steps dissipated \[J\].
+    /// Energy that truncation of steps, projection and the filter of positions dissipated \[J\].
     pub truncated_energy: f64,
 }
 

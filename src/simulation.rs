@@ -208,7 +208,7 @@ impl Simulation {
         1 << self.guard.level()
     }
 
-    /// Work of moving obstacles since the state was set, an estimate \[J\].
+    /// Work of moving obstacles, moving pins, wind and rain, and of projection where it adds energy, since the state was set; an estimate \[J\].
     pub const fn work_of_obstacles(&self) -> f64 {
         self.guard.work()
     }

@@ -194,6 +194,21 @@ fn projection_does_not_push_through_obstacles() {
     }
 }
 
+/// Pins that are put back are those of nets: a pinned body beside them stays where it is in every step.
+#[test]
+fn bodies_stay_pinned_beside_a_net_whose_pins_are_put_back() {
+    let text = "(name: \"\", bodies: [(name: \"body\", mesh: Rectangle(width: 0.2, height: 0.2, columns: 2, rows: 2, diagonals: Grid, corner: (0.8, 0.5)),
+        material: (model: NeoHookean, young: 1000, poisson: 0.3, plane: Stress), mass: Density(1), pins: [Top])],
+        nets: [(name: \"net\", net: Sheet(width: 0.4, height: 0.4, columns: 4, rows: 4, structural: 0, shear: 0, flexion: 0, corner: (0.3, 0.3)), mass: 0.02, pins: [Top])],
+        effects: [(effect: Gravity(down: 2)), (effect: Projection(pins: PutBack))])";
+    let run = simulation(&level(text));
+    let scene = run.scene();
+    for pin in scene.pins.iter().map(|pin| *pin as usize) {
+        let is_free = scene.inverse_mass[2 * pin] > 0.0;
+        assert_eq!(is_free, scene.nets[0].vertices.contains(&pin), "{pin}");
+    }
+}
+
 /// With a separation no two particles end nearer to each other, as long as nothing else presses them together; momentum stays.
 #[test]
 fn particles_keep_apart() {

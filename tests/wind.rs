@@ -321,3 +321,17 @@ fn rain_is_saved_and_continued_bit_for_bit() {
         }
     }
 }
+
+/// At any time that a file may name, the number of drops at work is bounded.
+#[test]
+fn rain_at_a_late_time_ends() {
+    let run = simulation(&rained(NET, "rate: 1000000, impulse: 0.0001, duration: 0.001"));
+    let scene = run.scene();
+    let rain = scene.effects.iter().find(|effect| effect.name() == "Rain").cloned().unwrap();
+    for time in [0.0, 1.0, 1e6, 1e12] {
+        assert!(
+            force(&*rain, scene, time, &scene.rest, &scene.start.v).iter().all(|force| force.is_finite()),
+            "{time}"
+        );
+    }
+}

@@ -80,8 +80,12 @@ impl Falling {
         // Drop number k begins at (k + u)/r with a random u in [0, 1).
         let newest = libm::floor(time * self.rate);
         let count = libm::ceil(self.duration * self.rate).min(MOST) + 1.0;
-        let mut number = (newest - count).max(0.0);
-        while number <= newest {
+        // At times so late that numbers of drops are rounded, some come twice.
+        for offset in (0..=count as u64).rev() {
+            let number = newest - offset as f64;
+            if number < 0.0 {
+                continue;
+            }
             let mut random = random::stream(self.seed ^ (number as u64 as u32).wrapping_mul(0x9e37_79b9))
                 .map(|one| 0.5 * (one + 1.0));
             let mut next = || random.next().unwrap_or_default();
@@ -96,7 +100,6 @@ impl Falling {
                     act(face, shares, force);
                 }
             }
-            number += 1.0;
         }
     }
 }

@@ -83,9 +83,9 @@ pub struct RunReport {
     pub slept_triangle_share: Option<f64>,
     /// Attempts at a step that the guard threw away.
     pub retaken_steps: u64,
-    /// Work of moving obstacles on bodies \[J\].
+    /// Work of moving obstacles, moving pins, wind and rain, and of projection where it adds energy \[J\].
     pub obstacle_work_joules: f64,
-    /// Energy that truncation of steps dissipated \[J\].
+    /// Energy that truncation of steps, projection and the filter of positions dissipated \[J\].
     pub truncated_joules: f64,
     /// Time spent stepping, without clocks in the effects \[s\].
     pub wall_seconds: f64,

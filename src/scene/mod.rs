@@ -521,7 +521,9 @@ impl Scene {
         let puts_back = self.puts_pins_back();
         self.inverse_mass = self.mass.iter().map(|mass| 1.0 / mass).collect();
         let pinned = self.pins.iter().flat_map(|&pin| (0..self.dimension).map(move |axis| (pin, axis)));
-        let pinned = pinned.filter(|_| !puts_back);
+        // Those of nets alone move and are put back.
+        let in_net = |pin: u32| self.nets.iter().any(|net| net.vertices.contains(&(pin as usize)));
+        let pinned = pinned.filter(|(pin, _)| !(puts_back && in_net(*pin)));
         for (vertex, axis) in pinned.chain(self.rollers.iter().copied()) {
             let number = self.dimension * vertex as usize + axis;
             self.inverse_mass[number] = 0.0;

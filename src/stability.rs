@@ -158,6 +158,10 @@ impl StabilityProbe {
         let contacts = scene.effects.iter().filter_map(|effect| effect.contact());
         let square = square + contacts.map(|contact| contact.square_frequency(motion)).fold(0.0, f64::max);
         let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
+        // They may damp another motion faster, as air does across a flat cloth: that alone is stable for h c < 2.
+        let others =
+            scene.effects.iter().filter(|effect| effect.damps_by_shape()).map(|effect| effect.damping(motion)[0]);
+        let step = step.min(2.0 / others.fold(0.0, |sum, rate| sum + rate));
         step.is_finite().then_some(step)
     }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{built_in, level, named, reopened, simulation};
+use common::{built_in, continues_bit_for_bit, level, named, simulation};
 use gingerbread::{
     integrators::IntegratorKind,
     level::Level,
@@ -165,13 +165,7 @@ fn a_projected_run_is_saved_and_continued_bit_for_bit() {
         for pins in ["Stay", "PutBack"] {
             let level = net(true, &format!("pins: {pins}"), "Vertex(20), Vertex(24)", PULLED);
             let level = Level { integrator: kind.clone(), ..level };
-            let mut run = simulation(&level);
-            run.advance(20, &mut || true);
-            let mut other = reopened(&run, &level);
-            for simulation in [&mut run, &mut other] {
-                simulation.advance(20, &mut || true);
-            }
-            assert_eq!(run.state().hash(), other.state().hash(), "{} {pins}", kind.name());
+            continues_bit_for_bit(&level);
         }
     }
 }

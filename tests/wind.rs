@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{greatest_gap, level, named, reopened, simulation};
+use common::{continues_bit_for_bit, greatest_gap, level, named, simulation};
 use gingerbread::{
     effects::{Effect, Motion},
     integrators::{Class, IntegratorKind},
@@ -221,13 +221,7 @@ fn a_run_in_wind_is_saved_and_continued_bit_for_bit() {
         for kind in IntegratorKind::all() {
             let wind = "speed: 3, direction: (0, 1, 3), resistance: 1, gusts: 0.5, turbulence: 0.5, seed: 2";
             let level = Level { integrator: kind.clone(), ..blown(parts, "Left", wind) };
-            let mut run = simulation(&level);
-            run.advance(20, &mut || true);
-            let mut other = reopened(&run, &level);
-            for simulation in [&mut run, &mut other] {
-                simulation.advance(20, &mut || true);
-            }
-            assert_eq!(run.state().hash(), other.state().hash(), "{}", kind.name());
+            continues_bit_for_bit(&level);
         }
     }
 }
@@ -308,13 +302,9 @@ fn rain_is_saved_and_continued_bit_for_bit() {
     for parts in [MEMBRANE, NET] {
         for kind in IntegratorKind::all() {
             let level = Level { integrator: kind.clone(), ..rained(parts, "rate: 500, impulse: 0.0001, seed: 5") };
+            continues_bit_for_bit(&level);
             let mut run = simulation(&level);
-            run.advance(20, &mut || true);
-            let mut other = reopened(&run, &level);
-            for simulation in [&mut run, &mut other] {
-                simulation.advance(20, &mut || true);
-            }
-            assert_eq!(run.state().hash(), other.state().hash(), "{}", kind.name());
+            run.advance(40, &mut || true);
             let mut elsewhere = simulation(&rained(parts, "rate: 500, impulse: 0.0001, seed: 6"));
             elsewhere.advance(40, &mut || true);
             assert_ne!(run.state().x, elsewhere.state().x);
@@ -333,5 +323,38 @@ fn rain_at_a_late_time_ends() {
             force(&*rain, scene, time, &scene.rest, &scene.start.v).iter().all(|force| force.is_finite()),
             "{time}"
         );
+    }
+}
+
+/// Two cloths share the drops, with multirate stepping too, and particles of two nets keep apart: parts take the same steps then.
+#[test]
+fn what_acts_on_several_parts_is_not_divided() {
+    let net = |name: &str| NET.replace("\"net\"", &format!("\"{name}\"")).replace("PINS", "");
+    let two = format!("nets: [{}, {}]", &net("one")[7..net("one").len() - 1], &net("two")[7..net("two").len() - 1]);
+    for effect in ["Rain(rate: 200, impulse: 0.0001)", "Projection(separation: 0.01)"] {
+        let scene = simulation(&level(&format!("(name: \"\", paces: Own, {two}, effects: [(effect: {effect})])")))
+            .scene()
+            .clone();
+        assert!(scene.sub_scenes.is_empty() && scene.couples_parts(), "{effect}");
+        assert!(scene.messages.iter().any(|message| message.contains("an effect acts on them together")), "{effect}");
+    }
+}
+
+/// Numbers within their ranges that cannot be computed with are refused in words.
+#[test]
+fn numbers_beyond_computing_are_refused() {
+    for (effect, words) in [
+        ("Vortex(centre: (0, 0, 0), circulation: 5, core: 1e-200, resistance: 3)", "too small or too large"),
+        (
+            "Vortex(centre: (0, 0, 0), axis: (1e-170, 0, 0), circulation: 5, core: 1, resistance: 3)",
+            "must have a direction",
+        ),
+        ("Wind(speed: 1, resistance: 1, gusts: 1, period: 1e-310)", "too short"),
+        ("Rain(rate: 1, impulse: 1, duration: 1e-310)", "for long enough"),
+        ("Rain(rate: 1000000, impulse: 1, duration: 100)", "at most 100000 drops"),
+    ] {
+        let level = level(&format!("(name: \"\", {}, effects: [(effect: {effect})])", NET.replace("PINS", "")));
+        let error = Scene::build(&level, level.mode, &NoFiles, None).err().unwrap().to_string();
+        assert!(error.contains(words), "{effect}: {error}");
     }
 }

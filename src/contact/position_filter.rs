@@ -28,7 +28,9 @@ where
                 let out = placed.obstacle.margin() - contact.distance;
                 let nearest: [f64; D] = std::array::from_fn(|axis| point[axis] + out * normal[axis]);
                 let origin = to_shape(before, coordinates(start, vertex.vertex));
-                let was_inside = placed.obstacle.contact(origin).is_some();
+                // What was put at the margin is outside, whatever round-off says.
+                let least = placed.obstacle.margin() * (1.0 - ROUND_OFF);
+                let was_inside = placed.obstacle.contact(origin).is_some_and(|contact| contact.distance < least);
                 let stuck = if was_inside { 0.0 } else { self.friction(vertex.part).min(1.0) };
                 let carried = now.map_or(origin, |now| now.point(origin));
                 let at = D * vertex.vertex as usize;
@@ -43,6 +45,9 @@ where
         changed
     }
 }
+
+/// Part of the margin that may be round-off.
+const ROUND_OFF: f64 = 1e-9;
 
 /// Maps a point of the world to the shape of an obstacle.
 fn to_shape<const D: usize>(at: Option<Rigid<D>>, point: [f64; D]) -> [f64; D] {

@@ -2,11 +2,11 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Elements, NetSprings},
-    nets::Link,
+    elements::{Elements, NetSprings, direction},
     quantity::{DampingTime, Quantity},
     solvers::{Block, BlockMatrix, SparseMatrix, Weights},
 };
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
 /// A spring of stiffness k slows each of its ends along its direction u by `f = -beta k (v · u) u`, with the velocity of that end alone. It is the
@@ -64,33 +64,28 @@ struct Slowed {
 }
 
 impl Slowed {
-    /// Calls `act` with each spring, its unit vector and beta k; a spring without length is left out.
-    fn each<const D: usize>(&self, x: &[f64], mut act: impl FnMut(&Link, Option<[f64; D]>, f64)) {
-        for link in self.nets.iter().flat_map(NetSprings::links) {
-            let [a, b] = link.ends.map(|end| D * end as usize);
-            let between: [f64; D] = std::array::from_fn(|axis| x[b + axis] - x[a + axis]);
-            let length = between.iter().map(|along| along * along).sum::<f64>().sqrt();
-            let unit = (length > 0.0).then(|| between.map(|along| along / length));
-            act(link, unit, self.beta * link.stiffness);
-        }
+    /// All springs with a direction: the ends, the unit vector between them, and beta k.
+    fn each<'a, const D: usize>(&'a self, x: &'a [f64]) -> impl Iterator<Item = ([u32; 2], SVector<f64, D>, f64)> + 'a {
+        let links = self.nets.iter().flat_map(NetSprings::links);
+        links.filter_map(|link| Some((link.ends, direction(x, link)?.0, self.beta * link.stiffness)))
     }
 
     fn add_force<const D: usize>(&self, x: &[f64], v: &[f64], force: &mut [f64]) {
-        self.each::<D>(x, |link, unit, factor| {
-            let Some(unit) = unit else { return };
-            for end in link.ends.map(|end| D * end as usize) {
+        for (ends, unit, factor) in self.each::<D>(x) {
+            for end in ends.map(|end| D * end as usize) {
                 let along: f64 = (0..D).map(|axis| v[end + axis] * unit[axis]).sum();
                 (0..D).for_each(|axis| force[end + axis] -= factor * along * unit[axis]);
             }
-        });
+        }
     }
 
     fn add_blocks<const D: usize>(&self, x: &[f64], weight: f64, matrix: &mut BlockMatrix<D>) {
-        self.each::<D>(x, |link, unit, factor| {
-            let Some(unit) = unit else { return };
-            let block = Block::<D>::from_fn(|row, column| weight * factor * unit[row] * unit[column]);
-            link.ends.iter().for_each(|end| matrix.diagonal(*end as usize, &block));
-        });
+        for (ends, unit, factor) in self.each::<D>(x) {
+            let block: Block<D> = unit * unit.transpose() * (weight * factor);
+            for end in ends {
+                matrix.diagonal(end as usize, &block);
+            }
+        }
     }
 }
 

@@ -2,7 +2,10 @@
 
 use super::{Effect, Motion, ZERO};
 use crate::{
-    elements::Elements,
+    elements::{
+        Elements,
+        frame::{cross, dot, minus},
+    },
     solvers::{Block, SparseMatrix, Weights},
 };
 
@@ -176,18 +179,6 @@ pub(super) fn coordinates(x: &[f64], vertex: u32) -> [f64; 3] {
 fn mean(values: &[f64], face: &[u32; 3]) -> [f64; 3] {
     let [a, b, c] = face.map(|corner| coordinates(values, corner));
     std::array::from_fn(|axis| (a[axis] + b[axis] + c[axis]) / 3.0)
-}
-
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| a[axis] - b[axis])
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(super) fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
-    [b * z - c * y, c * x - a * z, a * y - b * x]
 }
 
 /// The vector with length one; along x if it has none.

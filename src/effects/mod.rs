@@ -311,6 +311,11 @@ pub trait Effect: Send + Sync {
         true
     }
 
+    /// Whether what it does to one body, net or membrane depends on the others, beside contact: parts then do not step or sleep alone.
+    fn couples_parts(&self) -> bool {
+        false
+    }
+
     /// Stored energy \[J\].
     fn energy(&self, motion: Motion<'_>) -> f64 {
         self.contact().map_or(0.0, |contact| contact.energy(motion))

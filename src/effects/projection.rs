@@ -236,6 +236,10 @@ impl Effect for LengthProjection {
         self.constraints.len() * self.passes as usize + self.particles.len()
     }
 
+    fn couples_parts(&self) -> bool {
+        !self.particles.is_empty()
+    }
+
     fn scratch(&self) -> usize {
         2 * self.particles.len()
     }

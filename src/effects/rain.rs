@@ -12,7 +12,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Drops that hit random points of the triangles of cloth in space, and push them down. A drop has the impulse J and acts for the time T with
+/// Drops that hit random points of random triangles of cloth in space, large and small ones as often, and push them down. A drop has the impulse J and acts for the time T with
 ///
 /// `f(t) = J/T (1 - cos(2 pi t/T))`,
 ///
@@ -58,6 +58,11 @@ impl EffectParameters for Rain {
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let (rate, impulse, duration) = (self.rate.get(), self.impulse.get(), self.duration.get());
+        if !(impulse / duration).is_finite() || rate * duration > MOST {
+            return Err(format!(
+                "at most {MOST} drops may fall at a time, each for long enough to compute with; shorten the duration or the rate"
+            ));
+        }
         Ok(Box::new(Falling { faces: faces(elements)?, rate, impulse, duration, seed: self.seed }))
     }
 }
@@ -121,6 +126,10 @@ impl Effect for Falling {
 
     fn idle(&self, _: Motion<'_>) -> Option<&'static str> {
         (self.impulse == 0.0 || self.rate == 0.0).then_some(ZERO)
+    }
+
+    fn couples_parts(&self) -> bool {
+        true
     }
 
     fn is_steady(&self) -> bool {

@@ -2,10 +2,13 @@
 
 use super::{
     Effect, EffectParameters,
-    air::{Air, FacePressure, cross, dot, minus, unit},
+    air::{Air, FacePressure, unit},
 };
 use crate::{
-    elements::Elements,
+    elements::{
+        Elements,
+        frame::{cross, dot, minus},
+    },
     quantity::{Circulation, Coordinate, CoreRadius, FaceResistance, OwnMotion, Quantity, SpacePoint, Updraft},
 };
 use serde::{Deserialize, Serialize};
@@ -81,7 +84,7 @@ impl EffectParameters for Vortex {
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         let axis = self.axis.get();
-        if axis == [0.0; 3] {
+        if dot(axis, axis) == 0.0 {
             return Err("its axis must have a direction, got (0, 0, 0)".to_owned());
         }
         let air = Swirl {
@@ -91,6 +94,9 @@ impl EffectParameters for Vortex {
             core: self.core.get(),
             updraft: self.updraft.get(),
         };
+        if !(TAU * air.core * air.core).is_normal() {
+            return Err(format!("its core of {} m is too small or too large to compute with", air.core));
+        }
         let factors = [self.resistance.get(), self.own_motion.get()];
         Ok(Box::new(FacePressure::new("Vortex", elements, factors, air)?))
     }

@@ -2,10 +2,13 @@
 
 use super::{
     Effect, EffectParameters,
-    air::{Air, FacePressure, cross, dot, unit},
+    air::{Air, FacePressure, unit},
 };
 use crate::{
-    elements::Elements,
+    elements::{
+        Elements,
+        frame::{cross, dot},
+    },
     quantity::{
         Coordinate, EddySize, FaceResistance, GustPeriod, GustShare, OwnMotion, Quantity, SpacePoint, TurbulenceShare,
         WindSpeed,
@@ -134,7 +137,11 @@ impl EffectParameters for Wind {
         let mean = direction.map(|along| speed / length * along);
         let gusts = self.gusts.get();
         let modes = modes(self.seed, mean, self.turbulence.get() * speed, self.eddies.get());
-        let air = Blowing { mean, gusts, rate: TAU / self.period.get(), modes };
+        let rate = TAU / self.period.get();
+        if !rate.is_finite() {
+            return Err(format!("its period of {} s is too short to compute with", self.period.get()));
+        }
+        let air = Blowing { mean, gusts, rate, modes };
         let factors = [self.resistance.get(), self.own_motion.get()];
         Ok(Box::new(FacePressure::new("Wind", elements, factors, air)?))
     }

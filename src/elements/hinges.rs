@@ -1,14 +1,17 @@
 //! Bending of a membrane about the edges that two triangles share.
 
-use super::Membranes;
-use crate::simd::{Jet, Real};
+use super::{
+    Membranes,
+    frame::{Vector, cross, dot, minus},
+};
+use crate::{
+    materials::Lame,
+    simd::{Jet, Real},
+};
 use std::collections::BTreeMap;
 
 /// No hinge: an edge of the boundary.
 const NONE: u32 = u32::MAX;
-
-/// A vector in space.
-type Vector<R> = [R; 3];
 
 /// The inner edges of a membrane and the bending stiffness of its triangles.
 ///
@@ -87,12 +90,16 @@ impl Hinges {
     /// Hinges of a membrane with these positions at rest \[m\], where it is flat, and with a multiple of the rigidity that its material and
     /// thickness give it.
     pub fn new(membrane: &Membranes, rest: &[f64], factor: f64) -> Self {
-        let lame = membrane.material().lame();
-        // In the plane E/(1 - nu²) is 2 mu + lambda, and nu is lambda over that.
-        let modulus = 2.0 * lame.mu + lame.lambda;
+        let Lame { mu, lambda } = membrane.material().lame();
+        // Lame's parameters of plane stress have lambda = E nu/(1 - nu²), those of plane strain E nu/((1 + nu)(1 - 2 nu)); the faces of a plate are free.
+        let poisson = if membrane.material().plane().is_stress() {
+            lambda / (2.0 * mu + lambda)
+        } else {
+            lambda / (2.0 * (lambda + mu))
+        };
+        let modulus = 2.0 * mu / (1.0 - poisson);
         let thickness = membrane.thickness();
         let rigidity = factor * modulus * thickness * thickness * thickness / 12.0;
-        let poisson = lame.lambda / modulus;
         let mut hinges: Vec<[u32; 4]> = Vec::new();
         // The edge of another triangle in the opposite direction, with the place of that edge.
         let mut open = BTreeMap::new();
@@ -270,16 +277,4 @@ fn add(hinge: &[u32; 4], vectors: [Vector<f64>; 4], factor: f64, to: &mut [f64])
 fn points(x: &[f64], hinge: &[u32; 4]) -> [Vector<f64>; 4] {
     let all = x.as_chunks().0;
     hinge.map(|corner| all[corner as usize])
-}
-
-fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn minus<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
-    std::array::from_fn(|axis| a[axis] - b[axis])
-}
-
-fn cross<R: Real>([a, b, c]: Vector<R>, [x, y, z]: Vector<R>) -> Vector<R> {
-    [b * z - c * y, c * x - a * z, a * y - b * x]
 }

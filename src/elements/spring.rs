@@ -282,7 +282,7 @@ pub(super) fn between<const D: usize>(values: &[f64], link: &Link) -> SVector<f6
 
 /// The unit vector from the first end to the second, and their distance \[m\]; none if they coincide.
 #[inline]
-fn direction<const D: usize>(x: &[f64], link: &Link) -> Option<(SVector<f64, D>, f64)> {
+pub(crate) fn direction<const D: usize>(x: &[f64], link: &Link) -> Option<(SVector<f64, D>, f64)> {
     let between = between::<D>(x, link);
     let length = between.norm();
     (length > 0.0).then(|| (between / length, length))

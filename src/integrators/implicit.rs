@@ -49,7 +49,7 @@ pub(super) fn step(
     for (number, inverse_mass) in system.inverse_mass().iter().enumerate() {
         let pinned = *inverse_mass == 0.0;
         [predicted_x[number], predicted_v[number]] =
-            if pinned { [state.x[number], 0.0] } else { predicted(state, number) };
+            if pinned { [state.x[number], state.v[number]] } else { predicted(state, number) };
     }
     z.fill(0.0);
     let (origin, velocity) = (&state.x, &state.v);

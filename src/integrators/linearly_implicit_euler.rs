@@ -55,7 +55,11 @@ impl SecondOrder for LinearlyImplicitEuler {
         g.fill(0.0);
         force.fill(0.0);
         system.force(h, &state.x, &state.v, force);
-        system.stiffness_times(h, &state.x, &state.v, &state.v, g);
+        // Held vertices are where they must be at the end of the step already.
+        for ((moving, v), inverse_mass) in before.iter_mut().zip(&state.v).zip(system.inverse_mass()) {
+            *moving = if *inverse_mass == 0.0 { 0.0 } else { *v };
+        }
+        system.stiffness_times(h, &state.x, &state.v, before, g);
         for ((g, force), inverse_mass) in g.iter_mut().zip(&*force).zip(system.inverse_mass()) {
             *g = if *inverse_mass == 0.0 { 0.0 } else { h * *g - force };
         }

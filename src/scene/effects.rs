@@ -57,6 +57,7 @@ impl Scene {
             self.auto.push(listed.switch == Switch::Auto);
         }
         self.check_projection()?;
+        self.check_held()?;
         if is_filter && has_skin {
             self.messages.push("The contact potential does nothing: a filter takes its place".to_owned());
         }
@@ -67,13 +68,24 @@ impl Scene {
 
     /// # Errors
     /// [`SceneError::Projection`] if the scheme cannot continue from positions that a projection changed.
-    fn check_projection(&self) -> Result<(), SceneError> {
+    pub(super) fn check_projection(&self) -> Result<(), SceneError> {
         let integrator = self.integrator.kind();
         let projects = self.effects.iter().any(|effect| effect.projection().is_some());
         if projects && !integrator.allows_projection() {
             return Err(SceneError::Projection(integrator.title()));
         }
         Ok(())
+    }
+
+    /// # Errors
+    /// [`SceneError::Effect`] if two effects move one vertex.
+    pub(super) fn check_held(&self) -> Result<(), SceneError> {
+        let mut held: Vec<_> = self.held().collect();
+        held.sort_unstable();
+        let Some(vertex) = held.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]) else { return Ok(()) };
+        let listed = self.owner_of(vertex as usize).map_or(vertex as usize, |(_, number)| number);
+        let why = format!("two of them move vertex {listed}; take it out of the pins of one");
+        Err(SceneError::Effect { name: "MovingPins", why })
     }
 
     pub(super) fn flat_shapes(&self) -> Vec<FlatShape> {

@@ -362,6 +362,11 @@ impl Scene {
         held.for_each(|held| held.place(time, x, v));
     }
 
+    /// Whether an effect acts on several bodies, nets or membranes together.
+    pub fn couples_parts(&self) -> bool {
+        self.parts.len() > 1 && self.effects.iter().any(|effect| effect.couples_parts())
+    }
+
     /// Whether pinned vertices move in a step, and are put back after the projection of positions.
     pub fn puts_pins_back(&self) -> bool {
         self.effects.iter().filter_map(|effect| effect.projection()).any(LengthProjection::puts_pins_back)
@@ -377,6 +382,9 @@ impl Scene {
         }
         self.effects.push(effect);
         self.auto.push(true);
+        self.check_projection()?;
+        self.check_held()?;
+        self.finish_masses();
         Ok(())
     }
 

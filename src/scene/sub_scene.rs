@@ -50,6 +50,11 @@ impl Scene {
             self.messages.push(message.to_owned());
             return Ok(());
         }
+        if self.couples_parts() {
+            let message = "All bodies take the same steps, because an effect acts on them together";
+            self.messages.push(message.to_owned());
+            return Ok(());
+        }
         let (rest, start) = (Arc::new(self.rest.clone()), Arc::new(self.start.x.clone()));
         let all = Elements { rest, start, ..Elements::default() };
         let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {

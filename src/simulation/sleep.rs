@@ -75,7 +75,8 @@ impl Islands {
         };
         let every = BATCH * (1.0 / (CHECK_RATE * scene.step * BATCH as f64)).round().max(1.0) as u64;
         let checks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
-        let possible = scene.sleep && scene.toy.is_none() && scene.effects.iter().all(|effect| effect.is_steady());
+        let is_steady = scene.effects.iter().all(|effect| effect.is_steady()) && !scene.couples_parts();
+        let possible = scene.sleep && scene.toy.is_none() && is_steady;
         Self { all: scene.parts.iter().map(island).collect(), possible, asleep: 0, every, checks, force: Vec::new() }
     }
 }

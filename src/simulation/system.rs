@@ -564,15 +564,16 @@ impl Dynamics for System<'_> {
     }
 
     fn truncate(&mut self, time: f64, before: &[f64], x: &mut [f64], v: &mut [f64]) -> bool {
+        self.place_held(self.time[0] + time, x, v);
         // A filter acts at the end of the whole step.
         if !self.scratch.plan.has_potential {
-            return false;
+            return self.scratch.plan.holds;
         }
         let (whole, start) = (self.time, self.time[0]);
         self.time = [start + self.contacts.power_time, start + time];
         let changed = self.keep_apart(before, x, v);
         (self.time, self.is_truncated) = (whole, true);
-        changed
+        changed || self.scratch.plan.holds
     }
 }
 

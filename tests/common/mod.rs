@@ -106,6 +106,17 @@ pub fn reopened(run: &Simulation, level: &Level) -> Simulation {
     simulation(&files::parse(&files::write(&saved).unwrap(), "saved.ron").unwrap())
 }
 
+/// Saves a run after 20 steps, opens it again, and lets both take 20 more: every bit must be equal.
+pub fn continues_bit_for_bit(level: &Level) {
+    let mut run = simulation(level);
+    run.advance(20, &mut || true);
+    let mut other = reopened(&run, level);
+    for simulation in [&mut run, &mut other] {
+        simulation.advance(20, &mut || true);
+    }
+    assert_eq!(run.state().hash(), other.state().hash(), "{}", level.integrator.name());
+}
+
 /// A level that ships.
 pub fn built_in(name: &str) -> Level {
     files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap()

@@ -1,14 +1,39 @@
-//! Pairs of an edge and a vertex that are near each other, kept while the vertices move little.
+//! Pairs of surfaces that are near each other, kept while the vertices move little.
 
 use super::{
     SurfaceVertices,
-    touch::{length, vector},
+    touch::{coordinates, dot, length, vector},
 };
 
-/// An edge and a vertex, by their places in the lists of [`SurfaceVertices`].
+/// An edge and a vertex, by their places in the lists of [`SurfaceVertices`]; in space those of a
+/// [`ClothMesh`](super::ClothMesh).
 pub type Pair = [u32; 2];
 
-/// Pairs of an edge and a vertex that are near each other, in their order.
+/// Surfaces with D coordinates, pairs of which may be near each other.
+pub trait Surfaces<const D: usize> {
+    /// Their vertices.
+    fn vertices(&self) -> &SurfaceVertices;
+
+    /// Distance by which a vertex may move before the coarse list of [`Candidates`] is made anew \[m\].
+    fn spare(&self) -> f64;
+
+    /// Writes all pairs within a distance \[m\] at positions x \[m\] that have no vertex in common, in their order.
+    fn find(&self, grid: &mut Grid, x: &[f64], distance: f64, pairs: &mut Vec<Pair>);
+
+    /// Whether a pair is within a distance \[m\] at positions x \[m\].
+    fn is_within(&self, x: &[f64], pair: Pair, distance: f64) -> bool;
+}
+
+/// Scratch for [`Surfaces::find`].
+#[derive(Clone, Debug, Default)]
+pub struct Grid {
+    /// Cells, with the surfaces in them.
+    pub(super) cells: Vec<(u64, u32)>,
+    /// Surfaces that are too long for the grid.
+    pub(super) long: Vec<u32>,
+}
+
+/// Pairs of surfaces that are near each other, in their order.
 ///
 /// A coarse list of all pairs within some edge lengths comes from a grid, a fine one from the coarse list. Both stay while no
 /// vertex has moved farther than half of the spare distance, less the mean displacement of its part and, where several parts are
@@ -21,20 +46,17 @@ pub struct Candidates {
     fine: List,
     /// Pairs that may touch however far apart they are.
     deep: Vec<Pair>,
-    /// Cells of the grid, with the edges in them.
-    cells: Vec<(u64, u32)>,
-    /// Edges that are too long for the grid.
-    long: Vec<u32>,
+    grid: Grid,
 }
 
 /// Pairs within a distance at some positions.
 #[derive(Clone, Debug, Default)]
 struct List {
     pairs: Vec<Pair>,
-    /// Positions of the surface vertices then \[m\]; empty if there were none.
-    at: Vec<[f64; 2]>,
-    /// Their mean displacements since then, by part \[m\].
-    shifts: Vec<[f64; 2]>,
+    /// Positions of the surface vertices then, flat \[m\]; empty if there were none.
+    at: Vec<f64>,
+    /// Their mean displacements since then, by part, flat \[m\].
+    shifts: Vec<f64>,
 }
 
 /// Distance by which a vertex may move before the fine list is made anew, as a fraction of that within which it has all pairs.
@@ -42,24 +64,22 @@ const SPARE: f64 = 0.2;
 
 impl Candidates {
     /// Makes the list contain all pairs within a distance \[m\] at positions x \[m\].
-    pub fn update(&mut self, surface: &SurfaceVertices, x: &[f64], near: f64) {
+    pub fn update<const D: usize>(&mut self, surface: &impl Surfaces<D>, x: &[f64], near: f64) {
         let enough = near <= self.near;
-        if enough && self.fine.holds(surface, x, SPARE * self.near) {
+        if enough && self.fine.holds::<D>(surface.vertices(), x, SPARE * self.near) {
             return;
         }
         self.near = near;
-        // Each vertex may move by the spare distance with the fine list, and by an edge length with the coarse one.
-        let (within, edge) = ((1.0 + 2.0 * SPARE) * near, surface.greatest_edge());
-        if !(enough && self.coarse.holds(surface, x, edge)) {
-            let mut pairs = std::mem::take(&mut self.coarse.pairs);
-            self.find(surface, x, within + 2.0 * edge, &mut pairs);
-            self.coarse.pairs = pairs;
-            self.coarse.mark(surface, x);
+        // Each vertex may move by its own spare distance with either list.
+        let (within, spare) = ((1.0 + 2.0 * SPARE) * near, surface.spare());
+        let Self { coarse, fine, grid, .. } = self;
+        if !(enough && coarse.holds::<D>(surface.vertices(), x, spare)) {
+            surface.find(grid, x, within + 2.0 * spare, &mut coarse.pairs);
+            coarse.mark::<D>(surface.vertices(), x);
         }
-        let Self { coarse, fine: list, .. } = self;
-        list.pairs.clear();
-        list.pairs.extend(coarse.pairs.iter().filter(|pair| squared_distance(surface, x, **pair) < within * within));
-        list.mark(surface, x);
+        fine.pairs.clear();
+        fine.pairs.extend(coarse.pairs.iter().filter(|pair| surface.is_within(x, **pair, within)));
+        fine.mark::<D>(surface.vertices(), x);
     }
 
     /// Sets the pairs that may touch however far apart they are.
@@ -93,19 +113,32 @@ impl Candidates {
         }
         deep.for_each(act);
     }
+}
 
-    /// Writes all pairs within a distance \[m\] at positions x \[m\] of a vertex and an edge that does not end in it.
-    pub fn find(&mut self, surface: &SurfaceVertices, x: &[f64], distance: f64, pairs: &mut Vec<Pair>) {
+impl Surfaces<2> for SurfaceVertices {
+    fn vertices(&self) -> &SurfaceVertices {
+        self
+    }
+
+    fn spare(&self) -> f64 {
+        self.greatest_edge()
+    }
+
+    fn is_within(&self, x: &[f64], pair: Pair, distance: f64) -> bool {
+        squared_distance(self, x, pair) < distance * distance
+    }
+
+    fn find(&self, grid: &mut Grid, x: &[f64], distance: f64, pairs: &mut Vec<Pair>) {
         /// Most cells of an edge along an axis.
         const MOST: i64 = 16;
         pairs.clear();
-        let Self { cells, long, .. } = self;
-        let cell = distance + surface.greatest_edge();
+        let Grid { cells, long } = grid;
+        let cell = distance + self.greatest_edge();
         let place = |coordinate: f64| libm::floor(coordinate / cell) as i64;
         let key = |column: i64, row: i64| ((column as u64) << 32) ^ (row as u64 & 0xffff_ffff);
         cells.clear();
         long.clear();
-        for (number, edge) in surface.edges().iter().enumerate() {
+        for (number, edge) in self.edges().iter().enumerate() {
             let [a, b] = edge.ends.map(|vertex| vector(x, vertex));
             let [left, right] = [a[0].min(b[0]) - distance, a[0].max(b[0]) + distance].map(place);
             let [bottom, top] = [a[1].min(b[1]) - distance, a[1].max(b[1]) + distance].map(place);
@@ -119,15 +152,15 @@ impl Candidates {
             }
         }
         cells.sort_unstable();
-        for (number, vertex) in surface.iter().enumerate() {
+        for (number, vertex) in self.iter().enumerate() {
             let [px, py] = vector(x, vertex.vertex);
             let own = key(place(px), place(py));
             let from = cells.partition_point(|(cell, _)| *cell < own);
             let here = cells[from..].iter().take_while(|(cell, _)| *cell == own).map(|(_, edge)| *edge);
             for edge in here.chain(long.iter().copied()) {
                 let found = [edge, number as u32];
-                let apart = !surface.edges()[edge as usize].ends.contains(&vertex.vertex);
-                if apart && squared_distance(surface, x, found) < distance * distance {
+                let apart = !self.edges()[edge as usize].ends.contains(&vertex.vertex);
+                if apart && squared_distance(self, x, found) < distance * distance {
                     pairs.push(found);
                 }
             }
@@ -138,36 +171,39 @@ impl Candidates {
 
 impl List {
     /// Remembers the positions that the list is of.
-    fn mark(&mut self, surface: &SurfaceVertices, x: &[f64]) {
+    fn mark<const D: usize>(&mut self, surface: &SurfaceVertices, x: &[f64]) {
         self.at.clear();
-        self.at.extend(surface.iter().map(|vertex| vector(x, vertex.vertex)));
+        self.at.extend(surface.iter().flat_map(|vertex| coordinates::<D>(x, vertex.vertex)));
     }
 
     /// Whether no vertex has moved by more than a distance \[m\].
-    fn holds(&mut self, surface: &SurfaceVertices, x: &[f64], distance: f64) -> bool {
-        if self.at.len() != surface.len() {
+    fn holds<const D: usize>(&mut self, surface: &SurfaceVertices, x: &[f64], distance: f64) -> bool {
+        if self.at.len() != D * surface.len() {
             return false;
         }
         let Self { at, shifts, .. } = self;
-        let moved = |(vertex, [ax, ay]): (&super::SurfaceVertex, &[f64; 2])| {
-            let [px, py] = vector(x, vertex.vertex);
-            [px - ax, py - ay]
-        };
-        let all = || surface.iter().zip(&*at).map(moved);
+        let at = at.as_chunks::<D>().0;
+        let moved = |(vertex, at): (&super::SurfaceVertex, &[f64; D])| minus(coordinates(x, vertex.vertex), *at);
+        let all = || surface.iter().zip(at).map(moved);
         shifts.clear();
-        shifts.extend((0..surface.parts()).map(|part| mean(all, surface.vertices_of(part))));
+        shifts.extend((0..surface.parts()).flat_map(|part| mean(all, surface.vertices_of(part))));
+        let shifts = shifts.as_chunks::<D>().0;
         let shift = mean(|| shifts.iter().copied(), 0..shifts.len());
         let mut displacements = all();
-        (0..surface.parts()).all(|part| {
-            let [sx, sy] = shifts[part];
-            let apart = length([sx - shift[0], sy - shift[1]]);
-            let left = distance - apart;
+        shifts.iter().enumerate().all(|(part, own)| {
+            let left = distance - length(minus(*own, shift));
             let squares = displacements.by_ref().take(surface.vertices_of(part).len());
-            let farthest = squares.map(|[dx, dy]| (dx - sx) * (dx - sx) + (dy - sy) * (dy - sy)).fold(0.0, greater);
+            let square = |moved: [f64; D]| dot(minus(moved, *own), minus(moved, *own));
+            let farthest = squares.map(square).fold(0.0, greater);
             // NaN fails the comparison.
             left >= 0.0 && farthest <= left * left
         })
     }
+}
+
+/// Difference of two vectors.
+pub(super) fn minus<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
 /// The greater of two numbers; NaN if one of them is that.
@@ -176,10 +212,10 @@ pub(super) const fn greater(one: f64, other: f64) -> f64 {
 }
 
 /// Mean of some vectors.
-fn mean<I: Iterator<Item = [f64; 2]>>(all: impl Fn() -> I, part: std::ops::Range<usize>) -> [f64; 2] {
+fn mean<const D: usize, I: Iterator<Item = [f64; D]>>(all: impl Fn() -> I, part: std::ops::Range<usize>) -> [f64; D] {
     let count = part.len().max(1) as f64;
-    let [x, y] = all().skip(part.start).take(part.len()).fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    [x / count, y / count]
+    let add = |sum: [f64; D], one: [f64; D]| std::array::from_fn(|axis| sum[axis] + one[axis]);
+    all().skip(part.start).take(part.len()).fold([0.0; D], add).map(|sum| sum / count)
 }
 
 /// Square of the distance of a vertex from an edge \[m²\].

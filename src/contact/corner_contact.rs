@@ -2,10 +2,11 @@
 
 use super::{
     Anchor, ContactName, Members, Met, ObstacleContact, Path, PlacedObstacle, SurfaceEdge, Touch,
+    edge_meeting::{meeting, nearest},
     edge_query::{DEPTH, EdgeQuery, Stencil},
     friction::{anchor_of, penetration_of},
     touch::vector,
-    truncation::{Clearance, FLOOR, meeting, nearest},
+    truncation::{Clearance, FLOOR},
 };
 use crate::{
     effects::{Bounds, Motion},

@@ -2,8 +2,8 @@
 
 use super::{
     ContactName, ContactParameters, Curvature, Members, Place, SurfaceEdge, SurfaceVertices, Touch,
+    edge_meeting::nearest,
     touch::{length, vector},
-    truncation::nearest,
 };
 
 /// A point relative to an edge.

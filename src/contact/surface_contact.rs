@@ -1,13 +1,15 @@
 //! Contact of the boundaries of bodies with each other and with themselves, and of the particles of nets with bodies.
 
 use super::{
-    Anchor, Candidates, ContactModel, ContactName, ContactParameters, ContactTerm, Members, Pair, Potential, Skin,
-    Surface, SurfaceEdge, SurfaceVertex, SurfaceVertices, Touch,
-    candidates::squared_distance,
+    Anchor, AnyContact, Candidates, ContactModel, ContactName, ContactParameters, ContactTerm, Means, Members, Pair,
+    Skin, SurfaceEdge, SurfaceTerm, SurfaceVertex, SurfaceVertices, Touch, Truncation,
+    candidates::{Grid, Surfaces as _},
     count_crossings,
     edge_query::{DEPTH, EdgeQuery, Seen, Stencil},
     friction::{anchor_of, anchors_of, penetration_of},
+    surface_term::Between,
     touch::{length, vector},
+    truncation::MeetingPairs,
 };
 use crate::{
     effects::{Motion, NO_OBSTACLE_NEAR},
@@ -36,42 +38,23 @@ pub struct SurfaceContact {
     reach: f64,
 }
 
-/// What holds between two parts.
-struct Between {
-    potential: Potential,
-    /// mu.
-    friction: f64,
-    /// Whether they do not touch.
-    is_apart: bool,
-}
-
 /// Distance within which pairs have blocks in the matrix, as a multiple of the thickness of the skin.
 const NEAR: f64 = 1.1;
 
 impl SurfaceContact {
     /// Contact of all surfaces with this model; `rest` are the positions at rest \[m\].
     pub fn new(model: &ContactModel, surface: &Arc<SurfaceVertices>, rest: &[f64]) -> Self {
-        let (parts, skin) = (surface.parts(), model.skin);
-        let between = |at: usize| {
-            let pair = [at / parts, at % parts];
-            let [one, other] = pair.map(|part| surface.owner(part as u32));
-            Between {
-                potential: surface.potential_between(skin, pair),
-                friction: model.friction.between(Surface::Owner(one), Surface::Owner(other)),
-                is_apart: model.apart.contains(&[one, other]) || model.apart.contains(&[other, one]),
-            }
-        };
-        let between: Vec<_> = (0..parts * parts).map(between).collect();
+        let skin = model.skin;
+        let between = Between::all(model, surface);
         let reach = between.iter().map(|pair| pair.potential.thickness).fold(0.0, f64::max);
         let surface = Arc::clone(surface);
         let mut contact =
             Self { number: 0, skin, surface, between, excluded: Vec::new(), excluded_from: Vec::new(), reach };
         let mut near = Vec::new();
-        Candidates::default().find(&contact.surface, rest, reach, &mut near);
+        contact.surface.find(&mut Grid::default(), rest, reach, &mut near);
         near.retain(|pair| {
-            let (edge, vertex) = contact.members(*pair);
-            let within = contact.potential(edge.part, vertex.part).thickness;
-            edge.part == vertex.part && contact.distance(rest, *pair) < within
+            let [one, other] = contact.parts(*pair);
+            one == other && contact.distance(rest, *pair) < contact.thickness(*pair)
         });
         let edges = 0..=contact.surface.edges().len() as u32;
         contact.excluded_from = edges.map(|edge| near.partition_point(|pair| pair[0] < edge)).collect();
@@ -84,23 +67,13 @@ impl SurfaceContact {
         self.surface.edges().is_empty()
     }
 
-    /// Number of crossings at positions x \[m\]; see [`count_crossings`].
-    pub fn count_crossings(&self, x: &[f64]) -> usize {
-        count_crossings(&self.surface, x, |one, other| !self.are_apart(one, other))
-    }
-
-    /// Tells it the number of its effect in the scene.
-    pub const fn set_number(&mut self, number: usize) {
-        self.number = number as u32;
-    }
-
     /// The surfaces.
     pub(super) fn surface(&self) -> &SurfaceVertices {
         &self.surface
     }
 
     /// Distance within which candidates contain all pairs \[m\].
-    pub(super) fn near(&self) -> f64 {
+    pub(super) fn reach(&self) -> f64 {
         NEAR * self.reach
     }
 
@@ -109,18 +82,8 @@ impl SurfaceContact {
         (&self.surface.edges()[edge as usize], self.surface.at(vertex))
     }
 
-    /// Potential between two parts.
-    pub(super) fn potential(&self, one: u32, other: u32) -> Potential {
-        self.between(one, other).potential
-    }
-
-    /// Whether two parts do not touch.
-    pub(super) fn are_apart(&self, one: u32, other: u32) -> bool {
-        self.between(one, other).is_apart
-    }
-
     /// What holds between two parts.
-    fn between(&self, one: u32, other: u32) -> &Between {
+    pub(super) fn between(&self, one: u32, other: u32) -> &Between {
         &self.between[one as usize * self.surface.parts() + other as usize]
     }
 
@@ -139,13 +102,20 @@ impl SurfaceContact {
     /// Whether an edge and a vertex can touch.
     fn can_touch(&self, pair: Pair) -> bool {
         let (edge, vertex) = self.members(pair);
+        let is_apart = self.between(edge.part, vertex.part).is_apart;
         if edge.part != vertex.part {
-            return !self.are_apart(edge.part, vertex.part);
+            return !is_apart;
         }
         let is_end = edge.ends.contains(&vertex.vertex);
         let from = pair[0] as usize;
         let excluded = &self.excluded[self.excluded_from[from]..self.excluded_from[from + 1]];
-        !is_end && !self.are_apart(edge.part, vertex.part) && !excluded.contains(&pair)
+        !is_end && !is_apart && !excluded.contains(&pair)
+    }
+
+    /// Whether the vertex of a pair is inside the part of the edge.
+    pub(super) fn is_inside(&self, x: &[f64], pair: Pair) -> bool {
+        let (edge, vertex) = self.members(pair);
+        self.surface.is_inside(edge.part, |end| vector(x, end), vector(x, vertex.vertex))
     }
 
     /// Whether the vertex of a pair is not inside another body, as far as the edge tells.
@@ -164,42 +134,18 @@ impl SurfaceContact {
         seen.distance > 0.0 && beyond.distance > 0.0
     }
 
-    /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts: those that are near
-    /// each other, and vertices with an initial penetration, which touch their edges and the neighbours of these at any depth.
-    pub fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
-        candidates.update(&self.surface, x, self.near());
-        let deep = self.own_anchors(anchors).iter().filter(|anchor| anchor.penetration > 0.0);
-        candidates.set_deep(deep.flat_map(|anchor| {
-            let edge = anchor.contact.surface;
-            let [before, after] = self.surface.edges()[edge as usize].neighbours;
-            let place = self.surface.place_of(anchor.contact.vertex);
-            [before, edge, after].into_iter().filter_map(move |edge| Some([edge, place?]))
-        }));
-    }
-
-    /// Adds the pairs that are near at positions x \[m\], in their order: a function of the positions alone.
-    pub fn add_near(&self, candidates: &Candidates, x: &[f64], near: &mut Vec<Pair>) {
-        let is_near = |pair: &&Pair| self.can_touch(**pair) && self.distance(x, **pair) < self.near();
-        near.extend(candidates.pairs().iter().filter(is_near));
-    }
-
     /// Calls `act` for everything that touches in the candidates. Most of them are too far apart.
     fn each_of_all(&self, motion: Motion<'_>, candidates: &Candidates, act: &mut dyn FnMut(Pair, &Touch)) {
         /// Far more than the round-off of a distance.
         const SLACK: f64 = 1.0 + 1e-9;
         let motion = Motion { anchors: self.own_anchors(motion.anchors), ..motion };
-        let is_near = |pair: Pair| {
-            let (edge, vertex) = self.members(pair);
-            let within = SLACK * self.potential(edge.part, vertex.part).thickness;
-            squared_distance(&self.surface, motion.x, pair) < within * within
-        };
+        let is_near = |pair: Pair| self.surface.is_within(motion.x, pair, SLACK * self.thickness(pair));
         candidates.each(is_near, |pair| self.each_of(motion, pair, &mut |touch| act(pair, touch)));
     }
 
     /// The vertex of a pair as a query of the edge.
     fn query<'a>(&'a self, x: &'a [f64], pair: Pair) -> EdgeQuery<'a> {
-        let (edge, vertex) = self.members(pair);
-        let (point, thickness) = (vector(x, vertex.vertex), self.potential(edge.part, vertex.part).thickness);
+        let (point, thickness) = (vector(x, self.members(pair).1.vertex), self.thickness(pair));
         EdgeQuery { surface: &self.surface, x, point, radius: 0.0, thickness }
     }
 
@@ -224,11 +170,11 @@ impl SurfaceContact {
         // Between bodies each side counts half; the particles of nets have no edges that would count the other half.
         let share = if self.surface.is_body(vertex.part) { 0.5 } else { 1.0 };
         let name = ContactName { effect: self.number, surface: pair[0], vertex: vertex.vertex };
-        let [a, b] = edge.ends;
+        let ([a, b], between) = (edge.ends, self.between(edge.part, vertex.part));
         let parameters = ContactParameters {
-            potential: self.potential(edge.part, vertex.part),
+            potential: between.potential,
             dissipation: self.skin.dissipation,
-            friction: self.between(edge.part, vertex.part).friction,
+            friction: between.friction,
             depenetration_speed: self.surface.depenetration_speed(vertex.part),
         };
         let mut touch = stencil.touch(name, ([vertex.vertex, a, b], Members::Both), share * vertex.area, parameters);
@@ -257,7 +203,7 @@ impl SurfaceContact {
         let all = 0..self.surface.edges().len() as u32;
         let mut found = Vec::new();
         for (place, vertex) in self.surface.iter().enumerate() {
-            let touches = |part: &u32| *part != vertex.part && !self.are_apart(*part, vertex.part);
+            let touches = |part: &u32| *part != vertex.part && !self.between(*part, vertex.part).is_apart;
             for part in (0..self.surface.parts() as u32).filter(touches) {
                 let own = |edge: &u32| self.surface.edges()[*edge as usize].part == part;
                 let Some(first) = all.clone().find(own) else { continue };
@@ -270,18 +216,6 @@ impl SurfaceContact {
         found
     }
 
-    /// Calls `act` with the numbers of the bodies or nets of each pair that presses on each other.
-    pub fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
-        self.with_candidates(motion, |candidates| {
-            self.each_of_all(motion, candidates, &mut |pair, touch| {
-                if touch.pressure() > 0.0 {
-                    let (edge, vertex) = self.members(pair);
-                    act([edge.part, vertex.part].map(|part| self.surface.owner(part)));
-                }
-            });
-        });
-    }
-
     /// Calls `act` with the candidates at the positions of a motion.
     fn with_candidates(&self, motion: Motion<'_>, act: impl FnOnce(&Candidates)) {
         if let Some(candidates) = motion.candidates {
@@ -290,6 +224,65 @@ impl SurfaceContact {
         let mut candidates = Candidates::default();
         self.update(&mut candidates, motion.x, motion.anchors);
         act(&candidates);
+    }
+}
+
+impl SurfaceTerm for SurfaceContact {
+    fn contact(&self) -> AnyContact<'_> {
+        AnyContact::Plane(self)
+    }
+
+    fn set_number(&mut self, number: usize) {
+        self.number = number as u32;
+    }
+
+    fn count_crossings(&self, x: &[f64]) -> usize {
+        count_crossings(&self.surface, x, |one, other| !self.between(one, other).is_apart)
+    }
+
+    /// Vertices with an initial penetration touch their edges and the neighbours of these at any depth.
+    fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
+        candidates.update(&*self.surface, x, self.reach());
+        let deep = self.own_anchors(anchors).iter().filter(|anchor| anchor.penetration > 0.0);
+        candidates.set_deep(deep.flat_map(|anchor| {
+            let edge = anchor.contact.surface;
+            let [before, after] = self.surface.edges()[edge as usize].neighbours;
+            let place = self.surface.place_of(anchor.contact.vertex);
+            [before, edge, after].into_iter().filter_map(move |edge| Some([edge, place?]))
+        }));
+    }
+
+    fn add_near(&self, candidates: &Candidates, x: &[f64], near: &mut Vec<Pair>) {
+        let is_near = |pair: &&Pair| self.can_touch(**pair) && self.distance(x, **pair) < self.reach();
+        near.extend(candidates.pairs().iter().filter(is_near));
+    }
+
+    fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
+        self.with_candidates(motion, |candidates| {
+            self.each_of_all(motion, candidates, &mut |pair, touch| {
+                if touch.pressure() > 0.0 {
+                    act(self.parts(pair).map(|part| self.surface.owner(part)));
+                }
+            });
+        });
+    }
+
+    fn longest_step(&self, scratch: &mut Truncation, candidates: &mut Candidates, x: &[f64], end: &[f64]) -> f64 {
+        MeetingPairs::longest_step(self, scratch, candidates, x, end)
+    }
+
+    fn meets(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) -> bool {
+        MeetingPairs::meets(self, scratch, candidates, start, x)
+    }
+
+    fn truncate(
+        &self,
+        scratch: (&mut Truncation, &mut Candidates),
+        means: Means,
+        start: (&[f64], &[f64]),
+        end: [&mut [f64]; 2],
+    ) -> usize {
+        MeetingPairs::truncate(self, scratch, means, start, end)
     }
 }
 
@@ -314,8 +307,8 @@ impl ContactTerm for SurfaceContact {
         let parts = self.surface.parts();
         let square = |vertex: &SurfaceVertex| {
             let inverse = vector(motion.inverse_mass, vertex.vertex);
-            let others = (0..parts as u32).filter(|part| !self.are_apart(vertex.part, *part));
-            let stiffness = others.map(|part| self.potential(vertex.part, part).greatest_stiffness());
+            let others = (0..parts as u32).filter(|part| !self.between(vertex.part, *part).is_apart);
+            let stiffness = others.map(|part| self.between(vertex.part, part).potential.greatest_stiffness());
             2.0 * vertex.area * stiffness.fold(0.0, f64::max) * inverse[0].max(inverse[1])
         };
         if self.is_empty() { 0.0 } else { self.surface.iter().map(square).fold(0.0, f64::max) }

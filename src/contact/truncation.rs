@@ -1,7 +1,8 @@
-//! Truncation of steps: where the skin is used up, displacements and velocities are changed so that no vertex crosses an edge.
+//! Truncation of steps: where the skin is used up, displacements and velocities are changed so that no surfaces cross.
 //!
-//! A vertex and an edge whose vertices move along straight lines do not meet before the line across their nearest points, which
-//! separates them, is reached by one of them. Conservative advancement repeats that from there (Mirtich, *Impulse-based Dynamic
+//! In the plane a pair is a vertex and an edge; in space a vertex and a triangle, or two edges. Two such surfaces whose vertices
+//! move along straight lines do not meet before the line or plane across their nearest points, which separates them, is reached by
+//! one of them. Conservative advancement repeats that from there (Mirtich, *Impulse-based Dynamic
 //! Simulation of Rigid Body Systems*, 1996, section 2.3), so that a pair it finds free has not met. The others are treated in
 //! three ways, each where a few rounds of the one before do not suffice:
 //!
@@ -9,7 +10,7 @@
 //!    proportion to the inverse masses: it keeps linear momentum, and angular momentum where the pair does not slide.
 //! 2. All vertices that such pairs connect move alike: their displacements and velocities become the means over their masses.
 //!    This keeps linear momentum too, and never adds kinetic energy.
-//! 3. Each vertex of a pair stays on its side of the line halfway between them, a planar division of space, and its velocity is
+//! 3. Each vertex of a pair stays on its side of the line or plane halfway between them, a planar division of space, and its velocity is
 //!    scaled as its displacement. Displacements only shrink, and a vertex that stays on its side once does so from then on, so
 //!    that this ends; with no displacement left, nothing has crossed.
 //!
@@ -18,14 +19,13 @@
 //! vertices relative to each other, and what they do not have from those of their bodies.
 
 use super::{
-    Candidate, Candidates, Pair, SurfaceContact,
-    candidates::{greater, squared_distance},
-    edge_query::Seen,
-    touch::{length, vector},
+    Candidate, Candidates, Pair, SurfaceVertices,
+    candidates::{Grid, Surfaces, greater, minus},
+    touch::{coordinates, dot, length},
 };
 use std::ops::Range;
 
-/// Scratch for [`SurfaceContact::truncate`].
+/// Scratch for truncation.
 #[derive(Clone, Debug, Default)]
 pub struct Truncation {
     /// Pairs that may meet in the step.
@@ -38,14 +38,14 @@ pub struct Truncation {
     pub moved: Vec<usize>,
     /// Fraction of its displacement that each vertex of the scene keeps.
     kept: Vec<f64>,
-    /// Mean displacement of each part, and the greatest deviation from it \[m\].
-    displaced: Vec<([f64; 2], f64)>,
-    /// Search of pairs farther apart than the candidates.
-    search: Candidates,
+    /// Of each part, the greatest deviation of a displacement from their mean \[m\].
+    displaced: Vec<f64>,
+    /// Scratch for the search of pairs farther apart than the candidates.
+    search: Grid,
     /// A vertex that each vertex is connected to, itself if it is the first; and by first vertices the sums of their masses along
-    /// both axes, of these times displacements and times velocities, and their number.
+    /// each axis, of these times displacements and times velocities, and their number.
     connected: Vec<u32>,
-    sums: Vec<[f64; 7]>,
+    sums: Vec<([[f64; 3]; 3], usize)>,
 }
 
 /// What may be done to keep a step from crossing.
@@ -90,138 +90,119 @@ impl Clearance {
     }
 }
 
-/// A vertex and the ends of an edge at one moment.
-pub(super) type Points = [[f64; 2]; 3];
-
-/// Unit vector from the nearest point of an edge to a vertex, the position of that point along the edge, and the distance \[m\].
-pub(super) fn nearest([p, a, b]: Points) -> ([f64; 2], f64, f64) {
-    let ([ex, ey], [px, py]) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let square = ex * ex + ey * ey;
-    let t = if square > 0.0 { ((px * ex + py * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let (dx, dy) = (px - t * ex, py - t * ey);
-    let distance = length([dx, dy]);
-    if t > 0.0 && t < 1.0 {
-        // Exact at any distance.
-        let length = square.sqrt();
-        let side = if px * ey - py * ex < 0.0 { -1.0 } else { 1.0 };
-        return ([side * ey / length, -side * ex / length], t, distance);
-    }
-    ([dx / distance, dy / distance], t, distance)
+/// Nearest points of two surfaces.
+pub(super) struct Nearest<const D: usize, const N: usize> {
+    /// Unit vector from the second one to the first.
+    pub normal: [f64; D],
+    /// Weights w, so that the distance is `normal . sum(w x)`: of one sign for each surface.
+    pub weights: [f64; N],
+    /// Distance \[m\].
+    pub distance: f64,
 }
 
-/// Fraction of the displacement at which a vertex and an edge come within a radius and a distance \[m\]; `None` if they stay
-/// farther than the radius and half of the distance apart all the way.
-pub(super) fn meeting(from: Points, to: Points, radius: f64, distance: f64) -> Option<f64> {
-    let mut share = 0.0;
-    for _ in 0..ADVANCES {
-        let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
-        let ([nx, ny], _, gap) = nearest(at);
-        if gap <= radius + distance || gap.is_nan() {
-            return Some(share);
-        }
-        let mut next = f64::INFINITY;
-        for end in 1..3 {
-            let apart = nx * (at[0][0] - at[end][0]) + ny * (at[0][1] - at[end][1]);
-            let rate = |axis: usize| (to[end][axis] - from[end][axis]) - (to[0][axis] - from[0][axis]);
-            let approach = nx * rate(0) + ny * rate(1);
-            if approach > 0.0 {
-                next = f64::min(next, (apart - radius - distance + 0.5 * distance.abs()) / approach);
-            }
-        }
-        share += next;
-        if share >= 1.0 {
-            return None;
-        }
-    }
-    Some(share)
-}
+/// Surfaces with D coordinates, pairs of which may meet: N vertices each.
+pub(super) trait MeetingPairs<const D: usize, const N: usize> {
+    /// Kind of surfaces.
+    type All: Surfaces<D>;
 
-impl SurfaceContact {
-    /// The vertex and the ends of the edge of a pair.
-    fn points(&self, x: &[f64], pair: Pair) -> Points {
-        let (edge, vertex) = self.members(pair);
-        [vertex.vertex, edge.ends[0], edge.ends[1]].map(|vertex| vector(x, vertex))
-    }
+    /// All surfaces.
+    fn surfaces(&self) -> &Self::All;
 
-    /// Numbers of the same vertices.
-    fn vertices(&self, pair: Pair) -> [usize; 3] {
-        let (edge, vertex) = self.members(pair);
-        [vertex.vertex, edge.ends[0], edge.ends[1]].map(|vertex| vertex as usize)
+    /// Distance within which candidates contain all pairs \[m\].
+    fn near(&self) -> f64;
+
+    /// Parts of both surfaces of a pair.
+    fn parts(&self, pair: Pair) -> [u32; 2];
+
+    /// Whether two parts do not touch.
+    fn are_apart(&self, parts: [u32; 2]) -> bool;
+
+    /// Thickness of the skin between the surfaces of a pair \[m\].
+    fn thickness(&self, pair: Pair) -> f64;
+
+    /// Numbers of the vertices of a pair.
+    fn vertices(&self, pair: Pair) -> [usize; N];
+
+    /// How many of them are of the first surface.
+    fn first(&self, pair: Pair) -> usize;
+
+    /// Nearest points of a pair at some positions of its vertices.
+    fn nearest(&self, pair: Pair, points: [[f64; D]; N]) -> Nearest<D, N>;
+
+    /// Fraction of a step from `start` to `x` at which a pair meets; `None` if it does not, or is free to pass.
+    fn meeting(&self, start: &[f64], x: &[f64], pair: Pair) -> Option<f64>;
+
+    /// Positions of the vertices of a pair.
+    fn points(&self, x: &[f64], pair: Pair) -> [[f64; D]; N] {
+        self.vertices(pair).map(|vertex| coordinates(x, vertex as u32))
     }
 
     /// Distances that a pair keeps in a step from `start`.
     fn clearance(&self, start: &[f64], pair: Pair) -> Clearance {
-        Clearance::new(FLOOR * self.thickness(pair), nearest(self.points(start, pair)).2, 0.0)
+        let begins = self.nearest(pair, self.points(start, pair)).distance;
+        Clearance::new(FLOOR * self.thickness(pair), begins, 0.0)
     }
 
-    /// Thickness of the skin between a vertex and an edge \[m\].
-    fn thickness(&self, pair: Pair) -> f64 {
-        let (edge, vertex) = self.members(pair);
-        self.potential(edge.part, vertex.part).thickness
+    /// Fraction of a step from `start` to `x` at which a pair comes within its clearance; see [`advance`].
+    fn advanced(&self, start: &[f64], x: &[f64], pair: Pair) -> Option<f64> {
+        let (from, to) = (self.points(start, pair), self.points(x, pair));
+        let nearest = |at| {
+            let Nearest { normal, distance, .. } = self.nearest(pair, at);
+            (normal, distance)
+        };
+        advance((from, to), self.first(pair), [0.0, self.clearance(start, pair).least], nearest)
+    }
+
+    /// Whether a pair is too far apart to meet in a step from `start` to x.
+    fn is_far(&self, start: &[f64], x: &[f64], pair: Pair) -> bool {
+        let (from, to) = (self.points(start, pair), self.points(x, pair));
+        let moved = |i: usize| length(minus(to[i], from[i]));
+        let farthest = |range: Range<usize>| range.map(moved).fold(0.0, greater);
+        let first = self.first(pair);
+        let reach = farthest(0..first) + farthest(first..N) + FLOOR * self.thickness(pair);
+        !self.surfaces().is_within(start, pair, reach)
     }
 
     /// Finds all pairs that are near enough to each other to meet in a step from `start` to `x`.
     fn find_pairs(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) {
         let Truncation { pairs, displaced, search, .. } = scratch;
-        displaced.clear();
-        let displacement = |place: usize| {
-            let vertex = self.surface().at(place as u32).vertex;
-            let ([ax, ay], [bx, by]) = (vector(start, vertex), vector(x, vertex));
-            [bx - ax, by - ay]
-        };
-        let mut all = [0.0; 2];
-        for part in 0..self.surface().parts() {
-            let vertices = self.surface().vertices_of(part);
-            let count = vertices.len().max(1) as f64;
-            let sum = vertices.clone().map(displacement).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-            let mean = sum.map(|sum| sum / count);
-            let deviation = |place: usize| {
-                let [dx, dy] = displacement(place);
-                (dx - mean[0]) * (dx - mean[0]) + (dy - mean[1]) * (dy - mean[1])
-            };
-            displaced.push((mean, vertices.map(deviation).fold(0.0, greater).sqrt()));
-            all = [all[0] + mean[0], all[1] + mean[1]];
-        }
-        let all = all.map(|all| all / self.surface().parts().max(1) as f64);
-        let single = displaced.len() == 1;
-        let from_all = |(mean, deviation): &([f64; 2], f64)| {
-            deviation + if single { 0.0 } else { length([mean[0] - all[0], mean[1] - all[1]]) }
-        };
-        let farthest = 2.0 * displaced.iter().map(from_all).fold(0.0, greater);
+        let vertices = self.surfaces().vertices();
+        let farthest = 2.0 * find_displacements::<D>(vertices, start, x, displaced);
         pairs.clear();
         if !farthest.is_finite() {
             return;
         }
         if farthest <= self.near() {
-            candidates.update(self.surface(), start, self.near());
-            let may_meet = |pair: &&Pair| {
-                let reach = farthest + FLOOR * self.thickness(**pair);
-                squared_distance(self.surface(), start, **pair) <= reach * reach
-            };
+            candidates.update(self.surfaces(), start, self.near());
+            let may_meet =
+                |pair: &&Pair| self.surfaces().is_within(start, **pair, farthest + FLOOR * self.thickness(**pair));
             pairs.extend(candidates.pairs().iter().filter(may_meet));
         } else {
-            search.find(self.surface(), start, farthest, pairs);
+            self.surfaces().find(search, start, farthest, pairs);
             pairs.retain(|pair| {
-                let (edge, vertex) = self.members(*pair);
-                let own = edge.part == vertex.part;
-                !own || nearest(self.points(start, *pair)).2 <= 2.0 * displaced[edge.part as usize].1
+                let [one, other] = self.parts(*pair);
+                let reach = 2.0 * displaced[one as usize];
+                one != other || self.nearest(*pair, self.points(start, *pair)).distance <= reach
             });
         }
-        pairs.retain(|pair| {
-            let (edge, vertex) = self.members(*pair);
-            !self.are_apart(edge.part, vertex.part)
-        });
+        pairs.retain(|pair| !self.are_apart(self.parts(*pair)));
     }
 
-    /// Largest multiple of the displacement from positions x to `end` \[m\] in which no vertex meets an edge.
-    pub fn longest_step(&self, scratch: &mut Truncation, candidates: &mut Candidates, x: &[f64], end: &[f64]) -> f64 {
+    /// Largest multiple of the displacement from positions x to `end` \[m\] in which no surfaces meet.
+    fn longest_step(&self, scratch: &mut Truncation, candidates: &mut Candidates, x: &[f64], end: &[f64]) -> f64 {
         self.find_pairs(scratch, candidates, x, end);
         scratch.pairs.iter().filter_map(|pair| self.meeting(x, end, *pair)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Changes positions and velocities at the end of a step from `start` so that no vertex has crossed an edge. Returns the
+    /// Whether a step from `start` to x \[m\] has pairs that meet.
+    fn meets(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) -> bool {
+        self.find_pairs(scratch, candidates, start, x);
+        scratch.pairs.iter().any(|pair| self.meeting(start, x, *pair).is_some())
+    }
+
+    /// Changes positions and velocities at the end of a step from `start` so that no surfaces have crossed. Returns the
     /// number of pairs that met.
-    pub fn truncate(
+    fn truncate(
         &self,
         (scratch, candidates): (&mut Truncation, &mut Candidates),
         means: Means,
@@ -248,13 +229,13 @@ impl SurfaceContact {
                 }
             }
             connected.clear();
-            connected.extend(0..x.len() as u32 / 2);
+            connected.extend(0..(x.len() / D) as u32);
             for _ in 0..COMMON {
                 touch(meeting);
                 for pair in &*meeting {
                     connect(connected, self.vertices(*pair));
                 }
-                unite(connected, sums, (start, inverse_mass), [&mut *x, &mut *v]);
+                unite::<D>(connected, sums, (start, inverse_mass), [&mut *x, &mut *v]);
                 self.find_meeting(pairs, start, x, meeting);
                 if meeting.is_empty() {
                     return count;
@@ -262,7 +243,7 @@ impl SurfaceContact {
             }
         }
         kept.clear();
-        kept.resize(x.len() / 2, 1.0);
+        kept.resize(x.len() / D, 1.0);
         for round in 0.. {
             touch(meeting);
             for pair in &*meeting {
@@ -270,7 +251,7 @@ impl SurfaceContact {
             }
             let mut has_moved = false;
             for (vertex, kept) in kept.iter_mut().enumerate().filter(|(_, kept)| **kept < 1.0) {
-                for number in [2 * vertex, 2 * vertex + 1] {
+                for number in D * vertex..D * vertex + D {
                     has_moved |= x[number] != start[number];
                     x[number] = start[number] + *kept * (x[number] - start[number]);
                     v[number] *= *kept;
@@ -286,31 +267,6 @@ impl SurfaceContact {
         count
     }
 
-    /// Fraction of a step from `start` to `x` at which the vertex and the edge of a pair meet. A vertex inside another
-    /// body may leave that: where bodies do not cross themselves, it began there. One that begins exactly on an edge meets it
-    /// only on its way to the inner side.
-    fn meeting(&self, start: &[f64], x: &[f64], pair: Pair) -> Option<f64> {
-        let (from, to) = (self.points(start, pair), self.points(x, pair));
-        // Most pairs are farther apart than they move.
-        let moved = |i: usize| length([to[i][0] - from[i][0], to[i][1] - from[i][1]]);
-        let reach = moved(0) + moved(1).max(moved(2)) + FLOOR * self.thickness(pair);
-        if squared_distance(self.surface(), start, pair) > reach * reach {
-            return None;
-        }
-        if nearest(from).2 == 0.0 {
-            let ends = Seen::new(x, self.members(pair).0, to[0]);
-            return (ends.is_within() && ends.distance < 0.0).then_some(0.0);
-        }
-        let share = meeting(from, to, 0.0, self.clearance(start, pair).least)?;
-        (self.is_outside(start, pair) || !self.is_inside(start, pair)).then_some(share)
-    }
-
-    /// Whether the vertex of a pair is inside the part of the edge.
-    pub(super) fn is_inside(&self, x: &[f64], [edge, vertex]: Pair) -> bool {
-        let part = self.surface().edges()[edge as usize].part;
-        self.surface().is_inside(part, |end| vector(x, end), vector(x, self.surface().at(vertex).vertex))
-    }
-
     /// Writes those of some pairs that meet.
     fn find_meeting(&self, pairs: &[Pair], start: &[f64], x: &[f64], found: &mut Vec<Pair>) {
         found.clear();
@@ -319,42 +275,45 @@ impl SurfaceContact {
 
     /// Takes away the approach of a pair along the normal where it meets, beyond the distance that it keeps.
     fn stop(&self, start: &[f64], inverse_mass: &[f64], [x, v]: [&mut [f64]; 2], pair: Pair) {
+        let Some(share) = self.advanced(start, x, pair) else { return };
         let (from, to) = (self.points(start, pair), self.points(x, pair));
         let clearance = self.clearance(start, pair);
-        let Some(share) = meeting(from, to, 0.0, clearance.least) else { return };
-        let at = [0, 1, 2].map(|i| [0, 1].map(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])));
-        let ([nx, ny], t, _) = nearest(at);
-        let (weights, vertices) = ([1.0, t - 1.0, -t], self.vertices(pair));
-        let along = |of: &[f64]| {
-            (0..3).map(|i| weights[i] * (nx * of[2 * vertices[i]] + ny * of[2 * vertices[i] + 1])).sum::<f64>()
-        };
-        let inverse = |i: usize| nx * nx * inverse_mass[2 * vertices[i]] + ny * ny * inverse_mass[2 * vertices[i] + 1];
-        let mobility: f64 = (0..3).map(|i| weights[i] * weights[i] * inverse(i)).sum();
+        let Nearest { normal, weights, .. } = self.nearest(pair, between(from, to, share));
+        let vertices = self.vertices(pair);
+        let along =
+            |of: &[f64]| (0..N).map(|i| weights[i] * dot(normal, coordinates(of, vertices[i] as u32))).sum::<f64>();
+        let square = normal.map(|n| n * n);
+        let inverse = |i: usize| dot(square, coordinates(inverse_mass, vertices[i] as u32));
+        let mobility: f64 = (0..N).map(|i| weights[i] * weights[i] * inverse(i)).sum();
         if mobility.is_nan() || mobility <= 0.0 {
             return;
         }
         let missing = (clearance.wanted - along(x)).max(0.0);
         let approach = (-along(v)).max(0.0);
         for (values, wanted) in [(x, missing), (v, approach)] {
-            for i in 0..3 {
+            for i in 0..N {
                 let change = weights[i] * wanted / mobility;
-                values[2 * vertices[i]] += change * nx * inverse_mass[2 * vertices[i]];
-                values[2 * vertices[i] + 1] += change * ny * inverse_mass[2 * vertices[i] + 1];
+                for (axis, normal) in normal.iter().enumerate() {
+                    let number = D * vertices[i] + axis;
+                    values[number] += change * normal * inverse_mass[number];
+                }
             }
         }
     }
 
-    /// Cuts the displacements of a pair at the line halfway between them at the start, or to nothing.
+    /// Cuts the displacements of a pair at the line or plane halfway between them at the start, or to nothing.
     fn divide(&self, start: &[f64], x: &[f64], pair: Pair, kept: &mut [f64], entirely: bool) {
         let points = self.points(start, pair);
-        let (normal, _, gap) = nearest(points);
-        let along = |[px, py]: [f64; 2]| normal[0] * px + normal[1] * py;
-        let margin = 0.5 * (gap - self.clearance(start, pair).least);
+        let Nearest { normal, weights, distance } = self.nearest(pair, points);
+        let first = self.first(pair);
+        // Positions along the normal of the nearest points of both surfaces.
+        let near = (0..first).map(|i| weights[i] * dot(normal, points[i])).sum::<f64>();
+        let margin = 0.5 * (distance - self.clearance(start, pair).least);
         for (i, vertex) in self.vertices(pair).into_iter().enumerate() {
-            // The vertex may approach the edge by the margin, and the ends of the edge, as far as they are behind it, by more.
-            let sign = if i == 0 { -1.0 } else { 1.0 };
-            let behind = if i == 0 { 0.0 } else { along(points[0]) - gap - along(points[i]) };
-            let approach = sign * (along(vector(x, vertex as u32)) - along(points[i]));
+            // A vertex may approach the other surface by the margin, and by more as far as it is behind the nearest point.
+            let along = dot(normal, points[i]);
+            let (sign, behind) = if i < first { (-1.0, along - near) } else { (1.0, near - distance - along) };
+            let approach = sign * (dot(normal, coordinates(x, vertex as u32)) - along);
             let limit = if entirely { 0.0 } else { (margin + behind.max(0.0)) / approach };
             if approach > 0.0 && limit < kept[vertex] || entirely {
                 kept[vertex] = limit.max(0.0);
@@ -363,26 +322,98 @@ impl SurfaceContact {
     }
 }
 
-impl Truncation {
-    /// Whether a step from `start` to x \[m\] has pairs that meet.
-    pub fn meets(&mut self, contact: &SurfaceContact, candidates: &mut Candidates, start: &[f64], x: &[f64]) -> bool {
-        contact.find_pairs(self, candidates, start, x);
-        self.pairs.iter().any(|pair| contact.meeting(start, x, *pair).is_some())
-    }
+/// Points between those at the start and at the end of a step.
+fn between<const D: usize, const N: usize>(from: [[f64; D]; N], to: [[f64; D]; N], share: f64) -> [[f64; D]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|axis| from[i][axis] + share * (to[i][axis] - from[i][axis])))
+}
 
+/// Fraction of the displacement at which two surfaces come within a radius and a distance \[m\]; `None` if they stay
+/// farther than the radius and half of the distance apart all the way. The first of their points are of one of them; `nearest`
+/// gives the normal and the distance.
+pub(super) fn advance<const D: usize, const N: usize>(
+    (from, to): ([[f64; D]; N], [[f64; D]; N]),
+    first: usize,
+    [radius, distance]: [f64; 2],
+    nearest: impl Fn([[f64; D]; N]) -> ([f64; D], f64),
+) -> Option<f64> {
+    let mut share = 0.0;
+    for _ in 0..ADVANCES {
+        let at = between(from, to, share);
+        let (normal, gap) = nearest(at);
+        if gap <= radius + distance || gap.is_nan() {
+            return Some(share);
+        }
+        let mut next = f64::INFINITY;
+        for one in 0..first {
+            for other in first..N {
+                let apart = dot(normal, minus(at[one], at[other]));
+                let rate = minus(minus(to[other], from[other]), minus(to[one], from[one]));
+                let approach = dot(normal, rate);
+                if approach > 0.0 {
+                    next = f64::min(next, (apart - radius - distance + 0.5 * distance.abs()) / approach);
+                }
+            }
+        }
+        share += next;
+        if share >= 1.0 {
+            return None;
+        }
+    }
+    Some(share)
+}
+
+/// Writes the greatest deviation of a displacement from the mean of each part; returns that of all parts from the mean of these means,
+/// or of a single part from its own \[m\].
+fn find_displacements<const D: usize>(
+    vertices: &SurfaceVertices,
+    start: &[f64],
+    x: &[f64],
+    displaced: &mut Vec<f64>,
+) -> f64 {
+    displaced.clear();
+    let displacement = |place: usize| {
+        let vertex = vertices.at(place as u32).vertex;
+        minus(coordinates::<D>(x, vertex), coordinates(start, vertex))
+    };
+    let mean_of = |part: usize| {
+        let own = vertices.vertices_of(part);
+        let count = own.len().max(1) as f64;
+        own.map(displacement).fold([0.0; D], plus).map(|sum| sum / count)
+    };
+    let parts = vertices.parts();
+    let all = (0..parts).map(mean_of).fold([0.0; D], plus).map(|all| all / parts.max(1) as f64);
+    let mut farthest = 0.0;
+    for part in 0..parts {
+        let mean = mean_of(part);
+        let square = |place: usize| {
+            let deviation = minus(displacement(place), mean);
+            dot(deviation, deviation)
+        };
+        let deviation = vertices.vertices_of(part).map(square).fold(0.0, greater).sqrt();
+        displaced.push(deviation);
+        farthest = greater(farthest, deviation + if parts == 1 { 0.0 } else { length(minus(mean, all)) });
+    }
+    farthest
+}
+
+/// Sum of two vectors.
+fn plus<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|axis| a[axis] + b[axis])
+}
+impl Truncation {
     /// Takes kinetic energy \[J\] from the vertices that were moved, as far as they have it relative to each
     /// other, and the rest from their whole bodies, whose vertices `parts` gives: mean velocities stay.
     pub fn dissipate(
         &mut self,
         energy: f64,
         [mass, inverse_mass]: [&[f64]; 2],
-        parts: impl Iterator<Item = Range<usize>>,
+        (dimension, parts): (usize, impl Iterator<Item = Range<usize>>),
         v: &mut [f64],
     ) {
         let Self { moved, .. } = self;
         moved.sort_unstable();
         moved.dedup();
-        let left = dissipate(energy, [mass, inverse_mass], moved, v);
+        let left = dissipate(energy, [mass, inverse_mass], (dimension, moved), v);
         if left > 0.0 {
             let found = moved.len();
             for part in parts {
@@ -390,18 +421,26 @@ impl Truncation {
                     moved.extend(part);
                 }
             }
-            dissipate(left, [mass, inverse_mass], &moved[found..], v);
+            dissipate(left, [mass, inverse_mass], (dimension, &moved[found..]), v);
         }
     }
 }
 
 /// Takes kinetic energy \[J\] from the motion of some vertices relative to each other; returns what they do not have.
-fn dissipate(energy: f64, [mass, inverse_mass]: [&[f64]; 2], vertices: &[usize], v: &mut [f64]) -> f64 {
+fn dissipate(
+    energy: f64,
+    [mass, inverse_mass]: [&[f64]; 2],
+    (dimension, vertices): (usize, &[usize]),
+    v: &mut [f64],
+) -> f64 {
     let along = |axis: usize| {
-        let numbers = vertices.iter().map(move |vertex| 2 * vertex + axis);
+        let numbers = vertices.iter().map(move |vertex| dimension * vertex + axis);
         numbers.filter(|number| inverse_mass[*number] != 0.0)
     };
-    let means = [0, 1].map(|axis| {
+    let means = [0, 1, 2].map(|axis| {
+        if axis >= dimension {
+            return 0.0;
+        }
         let sums = along(axis).map(|number| [mass[number], mass[number] * v[number]]);
         let [total, momentum] = sums.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
         if total > 0.0 { momentum / total } else { 0.0 }
@@ -410,9 +449,9 @@ fn dissipate(energy: f64, [mass, inverse_mass]: [&[f64]; 2], vertices: &[usize],
         let square = |number: usize| (v[number] - means[axis]) * (v[number] - means[axis]);
         along(axis).map(|number| 0.5 * mass[number] * square(number)).sum::<f64>()
     };
-    let there = relative(0) + relative(1);
+    let there = (0..dimension).map(relative).sum::<f64>();
     let share = if energy < there { (1.0 - energy / there).sqrt() } else { 0.0 };
-    for (axis, mean) in means.into_iter().enumerate() {
+    for (axis, mean) in means.into_iter().enumerate().take(dimension) {
         along(axis).for_each(|number| v[number] = mean + share * (v[number] - mean));
     }
     (energy - there).max(0.0)
@@ -430,42 +469,42 @@ fn first(connected: &mut [u32], vertex: usize) -> usize {
 }
 
 /// Connects vertices.
-fn connect(connected: &mut [u32], vertices: [usize; 3]) {
+fn connect<const N: usize>(connected: &mut [u32], vertices: [usize; N]) {
     let all = vertices.map(|vertex| first(connected, vertex));
-    let least = all[0].min(all[1]).min(all[2]);
+    let least = all.into_iter().fold(usize::MAX, usize::min);
     for vertex in all {
         connected[vertex] = least as u32;
     }
 }
 
 /// Gives connected vertices their mean displacement and velocity over their masses: none where one of them is held.
-fn unite(
+fn unite<const D: usize>(
     connected: &mut [u32],
-    sums: &mut Vec<[f64; 7]>,
+    sums: &mut Vec<([[f64; 3]; 3], usize)>,
     (start, inverse_mass): (&[f64], &[f64]),
     [x, v]: [&mut [f64]; 2],
 ) {
     sums.clear();
-    sums.resize(connected.len(), [0.0; 7]);
+    sums.resize(connected.len(), ([[0.0; 3]; 3], 0));
     for vertex in 0..connected.len() {
-        let sum = first(connected, vertex);
-        sums[sum][6] += 1.0;
-        for axis in 0..2 {
-            let number = 2 * vertex + axis;
+        let ([masses, displacements, momenta], count) = &mut sums[first(connected, vertex)];
+        *count += 1;
+        for axis in 0..D {
+            let number = D * vertex + axis;
             let mass = 1.0 / inverse_mass[number];
-            sums[sum][axis] += mass;
+            masses[axis] += mass;
             if mass.is_finite() {
-                sums[sum][2 + axis] += mass * (x[number] - start[number]);
-                sums[sum][4 + axis] += mass * v[number];
+                displacements[axis] += mass * (x[number] - start[number]);
+                momenta[axis] += mass * v[number];
             }
         }
     }
     for vertex in 0..connected.len() {
-        let sum = first(connected, vertex);
-        for axis in (0..2).filter(|_| sums[sum][6] > 1.0) {
-            let number = 2 * vertex + axis;
-            x[number] = start[number] + sums[sum][2 + axis] / sums[sum][axis];
-            v[number] = sums[sum][4 + axis] / sums[sum][axis];
+        let ([masses, displacements, momenta], count) = sums[first(connected, vertex)];
+        for axis in (0..D).filter(|_| count > 1) {
+            let number = D * vertex + axis;
+            x[number] = start[number] + displacements[axis] / masses[axis];
+            v[number] = momenta[axis] / masses[axis];
         }
     }
 }

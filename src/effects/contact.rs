@@ -2,7 +2,7 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
-    contact::{AnyContact, ContactProperties, Skin, SurfaceContact},
+    contact::{AnyContact, ContactProperties, Skin, SurfaceContact, SurfaceTerm},
     elements::Elements,
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
@@ -57,16 +57,21 @@ impl EffectParameters for Contact {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        let contact = elements.contact.filter.is_none();
-        let surface = contact.then(|| SurfaceContact::new(&elements.contact, &elements.surface, &elements.rest));
+        let surface = elements.contact.filter.is_none().then(|| surfaces(elements)).flatten();
         let mut apart = Vec::new();
         for (one, other) in &self.apart {
             let others = elements.named(other)?;
             apart
                 .extend(elements.named(one)?.into_iter().flat_map(|one| others.iter().map(move |other| [one, *other])));
         }
-        Ok(Box::new(ContactEffect { skin: self.skin(), apart, surface }))
+        Ok(Box::new(ContactEffect { skin: self.skin(), apart, dimension: elements.dimension(), surface }))
     }
+}
+
+/// Contact of the surfaces of bodies or of cloth, if there are any.
+fn surfaces(elements: &Elements) -> Option<Box<dyn SurfaceTerm>> {
+    let contact = SurfaceContact::new(&elements.contact, &elements.surface, &elements.rest);
+    (!contact.is_empty()).then(|| Box::new(contact) as Box<dyn SurfaceTerm>)
 }
 
 impl Contact {
@@ -85,7 +90,9 @@ struct ContactEffect {
     skin: Skin,
     /// Bodies and nets that do not touch each other, by their numbers.
     apart: Vec<[usize; 2]>,
-    surface: Option<SurfaceContact>,
+    /// Number of coordinates of a vertex.
+    dimension: usize,
+    surface: Option<Box<dyn SurfaceTerm>>,
 }
 
 impl Effect for ContactEffect {
@@ -98,7 +105,7 @@ impl Effect for ContactEffect {
     }
 
     fn dimension(&self) -> Option<usize> {
-        Some(2)
+        Some(self.dimension)
     }
 
     fn set_number(&mut self, number: usize) {
@@ -106,11 +113,11 @@ impl Effect for ContactEffect {
     }
 
     fn contact(&self) -> Option<AnyContact<'_>> {
-        self.surface_contact().map(|surface| AnyContact::Plane(surface))
+        self.surface_contact().map(SurfaceTerm::contact)
     }
 
-    fn surface_contact(&self) -> Option<&SurfaceContact> {
-        self.surface.as_ref().filter(|surface| !surface.is_empty())
+    fn surface_contact(&self) -> Option<&dyn SurfaceTerm> {
+        self.surface.as_deref()
     }
 
     fn set_properties(&self, properties: &mut ContactProperties) {

@@ -60,7 +60,7 @@ pub use walls::Walls;
 pub use wind::{MODES, Wind};
 
 use crate::{
-    contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceContact},
+    contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceTerm},
     elements::{Elements, EulerUpdate, UniformForce},
     obstacles::Triangulation,
     quantity::Quantity,
@@ -392,7 +392,7 @@ pub trait Effect: Send + Sync {
     }
 
     /// That contact, if it is one of surfaces with each other.
-    fn surface_contact(&self) -> Option<&SurfaceContact> {
+    fn surface_contact(&self) -> Option<&dyn SurfaceTerm> {
         None
     }
 

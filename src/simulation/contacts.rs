@@ -1,7 +1,7 @@
 //! Contacts of a running scene between its steps.
 
 use crate::{
-    contact::{Anchor, AnyContact, Candidates, Means, Pair, SurfaceContact, Truncation},
+    contact::{Anchor, AnyContact, Candidates, Means, Pair, SurfaceTerm, Truncation},
     effects::Motion,
     scene::Scene,
 };
@@ -40,7 +40,7 @@ pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = AnyContact<'_>> {
 }
 
 /// Contact of the surfaces of a scene with each other.
-pub(super) fn surface_contact(scene: &Scene) -> Option<&SurfaceContact> {
+pub(super) fn surface_contact(scene: &Scene) -> Option<&dyn SurfaceTerm> {
     scene.effects.iter().find_map(|effect| effect.surface_contact())
 }
 
@@ -81,7 +81,7 @@ impl Contacts {
         std::mem::take(&mut self.is_new_pattern)
     }
 
-    /// Cuts a step from `start` so that no vertex crosses an edge; see [`SurfaceContact::truncate`].
+    /// Cuts a step from `start` so that no vertex crosses an edge; see [`SurfaceTerm::truncate`].
     pub fn truncate(&mut self, scene: &Scene, means: Means, start: (&[f64], &[f64]), end: [&mut [f64]; 2]) -> usize {
         let Self { truncation, candidates, .. } = self;
         surface_contact(scene).map_or(0, |contact| contact.truncate((truncation, candidates), means, start, end))
@@ -90,13 +90,13 @@ impl Contacts {
     /// Whether surfaces meet in a step from `start` to x.
     pub fn meets(&mut self, scene: &Scene, start: &[f64], x: &[f64]) -> bool {
         let Self { truncation, candidates, .. } = self;
-        surface_contact(scene).is_some_and(|contact| truncation.meets(contact, candidates, start, x))
+        surface_contact(scene).is_some_and(|contact| contact.meets(truncation, candidates, start, x))
     }
 
     /// Takes kinetic energy \[J\] from what was moved; see [`Truncation::dissipate`].
     pub fn dissipate(&mut self, scene: &Scene, energy: f64, inverse_mass: &[f64], v: &mut [f64]) {
         let parts = scene.parts.iter().map(|part| part.vertices());
-        self.truncation.dissipate(energy, [&scene.mass, inverse_mass], parts, v);
+        self.truncation.dissipate(energy, [&scene.mass, inverse_mass], (scene.dimension, parts), v);
     }
 
     /// Largest multiple of the displacement d from positions x \[m\] in which no vertex crosses an edge.

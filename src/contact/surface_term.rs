@@ -1,0 +1,71 @@
+//! Contact of surfaces with each other, by the calls that know neither the dimension nor what touches what.
+
+use super::{
+    Anchor, AnyContact, Candidates, ContactModel, Means, Pair, Potential, Surface, SurfaceVertices, Truncation,
+};
+use crate::effects::Motion;
+
+/// Contact of the surfaces of a scene with each other and with themselves.
+pub trait SurfaceTerm: Send + Sync {
+    /// Contact by a potential.
+    fn contact(&self) -> AnyContact<'_>;
+
+    /// Tells it the number of its effect in the scene.
+    fn set_number(&mut self, number: usize);
+
+    /// Number of places at positions x \[m\] where surfaces have crossed, by an exact test that is independent of how contact is
+    /// computed: zero is a proof.
+    fn count_crossings(&self, x: &[f64]) -> usize;
+
+    /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts: those that are near
+    /// each other, and those with an initial penetration.
+    fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]);
+
+    /// Adds the pairs that are near at positions x \[m\], in their order: a function of the positions alone.
+    fn add_near(&self, candidates: &Candidates, x: &[f64], near: &mut Vec<Pair>);
+
+    /// Calls `act` with the numbers of the bodies, nets or membranes of each pair that presses on each other.
+    fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2]));
+
+    /// Largest multiple of the displacement from positions x to `end` \[m\] in which no surfaces meet.
+    fn longest_step(&self, scratch: &mut Truncation, candidates: &mut Candidates, x: &[f64], end: &[f64]) -> f64;
+
+    /// Whether a step from `start` to x \[m\] has pairs that meet.
+    fn meets(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) -> bool;
+
+    /// Changes positions and velocities at the end of a step from the positions and with the inverse masses of `start` so that no
+    /// surfaces have crossed. Returns the number of pairs that met.
+    fn truncate(
+        &self,
+        scratch: (&mut Truncation, &mut Candidates),
+        means: Means,
+        start: (&[f64], &[f64]),
+        end: [&mut [f64]; 2],
+    ) -> usize;
+}
+
+/// What holds between two parts.
+pub(super) struct Between {
+    pub potential: Potential,
+    /// mu.
+    pub friction: f64,
+    /// Whether they do not touch.
+    pub is_apart: bool,
+}
+
+impl Between {
+    /// What holds between each two parts, by `first * parts + second`.
+    pub fn all(model: &ContactModel, surface: &SurfaceVertices) -> Vec<Self> {
+        let parts = surface.parts();
+        let between = |at: usize| {
+            let pair = [at / parts, at % parts];
+            let [one, other] = pair.map(|part| surface.owner(part as u32));
+            Self {
+                potential: surface.potential_between(model.skin, pair),
+                friction: model.friction.between(Surface::Owner(one), Surface::Owner(other)),
+                is_apart: model.apart.contains(&[one, other]) || model.apart.contains(&[other, one]),
+            }
+        };
+        (0..parts * parts).map(between).collect()
+    }
+}

@@ -160,6 +160,9 @@ pub struct MembraneLevel {
     /// Factors in x and y of the flat shape applied at the start about the middle of its bottom edge.
     #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
     pub stretch: (Factor, Factor),
+    /// Where its vertices are then put, relative to its plane.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub start: StartShape,
     /// Vertices that do not move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<Pin>,
@@ -188,6 +191,11 @@ impl Default for SpacePlace {
 impl SpacePlace {
     /// A vector of the flat shape in space, turned but not moved.
     pub fn turned(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        self.turned_from_plane([x, y, 0.0])
+    }
+
+    /// A vector relative to the flat shape, with the component across its plane, turned but not moved.
+    pub fn turned_from_plane(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let turn = |[a, b]: [f64; 2], angle: Angle| {
             let angle = angle.get().to_radians();
             if angle == 0.0 {
@@ -197,15 +205,20 @@ impl SpacePlace {
             [c * a - s * b, s * a + c * b]
         };
         let (about_x, about_y, about_z) = self.turn;
-        let [y, z] = turn([y, 0.0], about_x);
+        let [y, z] = turn([y, z], about_x);
         let [z, x] = turn([z, x], about_y);
         let [x, y] = turn([x, y], about_z);
         [x, y, z]
     }
 
     /// A point of the flat shape in space \[m\].
-    pub fn placed(&self, point: [f64; 2]) -> [f64; 3] {
-        let ([x, y, z], [dx, dy, dz]) = (self.turned(point), self.offset.get());
+    pub fn placed(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        self.placed_from_plane([x, y, 0.0])
+    }
+
+    /// A point relative to the flat shape, with its distance from its plane, in space \[m\].
+    pub fn placed_from_plane(&self, point: [f64; 3]) -> [f64; 3] {
+        let ([x, y, z], [dx, dy, dz]) = (self.turned_from_plane(point), self.offset.get());
         [x + dx, y + dy, z + dz]
     }
 }
@@ -241,7 +254,7 @@ pub enum StartShape {
     /// Its rest shape.
     #[default]
     Rest,
-    /// Every vertex anywhere in the box around the body, all places equally likely.
+    /// Every vertex anywhere in the box around the body, all places equally likely; that of a membrane is as deep as it is long.
     Scrambled {
         /// Seed of the random positions.
         #[serde(deserialize_with = "natural")]

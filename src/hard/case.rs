@@ -3,11 +3,11 @@
 use super::{Experiment, Method};
 use crate::{
     files::{self, FileError},
-    level::{BodyLevel, Level, ScriptedAction, Substeps},
+    level::{BodyLevel, Level, MembraneLevel, ScriptedAction, Substeps},
     levels,
     materials::Model,
     meshes::NoFiles,
-    quantity::{OutOfRange, Point, Time},
+    quantity::{OutOfRange, Position, Time},
     scene::{Scene, SceneError},
     study::{StudyError, with_triangles},
 };
@@ -31,7 +31,7 @@ pub struct Case {
     pub expects: Expects,
     /// Corners of a box that nothing may leave, beside the walls of the level: what is thrown at a thin wall stays before it \[m\].
     #[serde(default)]
-    pub within: Option<(Point, Point)>,
+    pub within: Option<(Position, Position)>,
     /// Runs that are known to be unstable, and why.
     #[serde(default)]
     pub cannot: Vec<Cannot>,
@@ -102,12 +102,15 @@ impl Case {
         }
     }
 
-    /// Level with the case's actions, one model for all bodies, and the integrator of a method.
+    /// Level with the case's actions, one model for all bodies and membranes, and the integrator of a method.
     pub fn level(&self, model: Model, method: Method) -> Level {
         let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
+        let cloth =
+            |cloth: &MembraneLevel| MembraneLevel { material: cloth.material.with_model(model), ..cloth.clone() };
         let bodies = self.level.bodies.iter().map(body).collect();
+        let membranes = self.level.membranes.iter().map(cloth).collect();
         let actions = self.level.actions.iter().chain(&self.actions).cloned().collect();
-        Level { bodies, actions, integrator: method.integrator(), ..self.level.clone() }
+        Level { bodies, membranes, actions, integrator: method.integrator(), ..self.level.clone() }
     }
 
     /// Level as in [`Self::level`], with the first step of the method, for use outside the gallery.

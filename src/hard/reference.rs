@@ -20,8 +20,8 @@ pub struct Reference {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Moment {
     x: Vec<f64>,
-    momentum: [f64; 2],
-    angular_momentum: f64,
+    momentum: [f64; 3],
+    angular_momentum: [f64; 3],
     mechanical: f64,
 }
 
@@ -67,23 +67,35 @@ pub(super) struct Scale {
     /// Total mass \[kg\], size \[m\], centre of the rest positions \[m\].
     mass: f64,
     size: f64,
-    centre: [f64; 2],
+    centre: [f64; 3],
 }
 
 impl Scale {
     pub fn new(scene: &Scene, size: f64) -> Self {
-        let mass = scene.mass.iter().step_by(2).sum::<f64>();
-        let count = scene.rest.len() as f64 / 2.0;
-        let centre = [0, 1].map(|axis| scene.rest.iter().skip(axis).step_by(2).sum::<f64>() / count);
+        let dimension = scene.dimension;
+        let mass = scene.mass.iter().step_by(dimension).sum::<f64>();
+        let count = (scene.rest.len() / dimension) as f64;
+        let mut centre = [0.0; 3];
+        for (axis, centre) in centre.iter_mut().enumerate().take(dimension) {
+            *centre = scene.rest.iter().skip(axis).step_by(dimension).sum::<f64>() / count;
+        }
         Self { mass, size, centre }
     }
 
     pub fn moment(&self, simulation: &Simulation) -> Moment {
         let (scene, state, energies) = (simulation.scene(), simulation.state(), simulation.energies());
-        let (mut momentum, mut angular_momentum) = ([0.0; 2], 0.0);
-        for ((x, v), mass) in state.x.chunks_exact(2).zip(state.v.chunks_exact(2)).zip(scene.mass.iter().step_by(2)) {
-            momentum = [momentum[0] + mass * v[0], momentum[1] + mass * v[1]];
-            angular_momentum += mass * ((x[0] - self.centre[0]) * v[1] - (x[1] - self.centre[1]) * v[0]);
+        let (mut momentum, mut angular_momentum) = ([0.0; 3], [0.0; 3]);
+        let dimension = scene.dimension;
+        let points = state.x.chunks_exact(dimension).zip(state.v.chunks_exact(dimension));
+        for ((x, v), mass) in points.zip(scene.mass.iter().step_by(dimension)) {
+            let number = |of: &[f64], axis: usize| of.get(axis).copied().unwrap_or(0.0);
+            let [x, v] = [x, v].map(|of| [0, 1, 2].map(|axis| number(of, axis)));
+            let from: [f64; 3] = std::array::from_fn(|axis| x[axis] - self.centre[axis]);
+            for axis in 0..3 {
+                let (one, other) = ((axis + 1) % 3, (axis + 2) % 3);
+                momentum[axis] += mass * v[axis];
+                angular_momentum[axis] += mass * (from[one] * v[other] - from[other] * v[one]);
+            }
         }
         Moment { x: state.x.clone(), momentum, angular_momentum, mechanical: energies.kinetic + energies.elastic }
     }
@@ -92,12 +104,12 @@ impl Scale {
     fn distance(&self, scene: &Scene, [a, b]: [&Moment; 2], energy: f64) -> (f64, Quantity) {
         let speed = (2.0 * energy / self.mass).sqrt();
         let squares = a.x.iter().zip(&b.x).zip(&scene.mass).map(|((a, b), mass)| mass * (a - b) * (a - b));
-        let momentum = libm::hypot(a.momentum[0] - b.momentum[0], a.momentum[1] - b.momentum[1]);
+        let length = |a: [f64; 3], b: [f64; 3]| libm::hypot(libm::hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
         let differences = [
             ((squares.sum::<f64>() / self.mass).sqrt() / self.size, Quantity::Position),
-            (momentum / (self.mass * speed), Quantity::Momentum),
+            (length(a.momentum, b.momentum) / (self.mass * speed), Quantity::Momentum),
             (
-                (a.angular_momentum - b.angular_momentum).abs() / (self.mass * speed * self.size),
+                length(a.angular_momentum, b.angular_momentum) / (self.mass * speed * self.size),
                 Quantity::AngularMomentum,
             ),
             ((a.mechanical - b.mechanical).abs() / energy, Quantity::Energy),

@@ -12,7 +12,7 @@ use crate::{
     materials::Model,
     meshes::NoFiles,
     obstacles::ObstacleKind,
-    quantity::Point,
+    quantity::Position,
     scene::{Scene, SceneError, extent},
     simulation::Simulation,
     stability::StabilityProbe,
@@ -59,9 +59,6 @@ impl Run {
     pub fn new(case: &Case, model: Model, method: Method) -> Result<Self, SceneError> {
         let level = Level { substeps: Substeps::nearest(1.0), sleep: Toggle::Off, ..case.level(model, method) };
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
-        if scene.dimension != 2 {
-            return Err(SceneError::HardCaseInSpace);
-        }
         let fence = Fence::new(&level, &scene, case.within);
         let simulation = Simulation::open(scene, &level, level.mode)?;
         let end = match case.lasts {
@@ -236,7 +233,9 @@ impl Run {
 
 /// Greatest |s - 1| of the principal stretches s of all triangles.
 fn greatest_strain(scene: &Scene, x: &[f64]) -> f64 {
-    let strains = scene.bodies.iter().flat_map(|body| body.elements.gradients(x)).map(|(f, _)| {
+    let in_plane = scene.bodies.iter().flat_map(|body| body.elements.gradients(x)).map(|(f, _)| f);
+    let of_cloth = scene.membranes.iter().flat_map(|membrane| membrane.elements.gradients(x));
+    let strains = in_plane.chain(of_cloth).map(|f| {
         // s1 + s2 and |s1 - s2|, the smaller stretch with the sign of det F.
         let sum = libm::hypot(f.m11 + f.m22, f.m21 - f.m12);
         let difference = libm::hypot(f.m11 - f.m22, f.m21 + f.m12);
@@ -247,57 +246,83 @@ fn greatest_strain(scene: &Scene, x: &[f64]) -> f64 {
 
 /// Boundaries that no vertex may cross: the walls of a level, the edges of its world, and a box.
 pub struct Fence {
+    /// Number of coordinates of a vertex.
+    dimension: usize,
     obstacles: Vec<PlacedObstacle>,
-    /// Lower left and upper right corners \[m\].
-    boxes: Vec<[[f64; 2]; 2]>,
-    /// Longest side of the bounding boxes of the bodies at rest \[m\].
+    in_space: Vec<PlacedObstacle<3>>,
+    /// Corners with the least and the greatest coordinates \[m\].
+    boxes: Vec<[[f64; 3]; 2]>,
+    /// Longest side of the bounding boxes of the bodies and membranes at rest, or of all nets where there are none \[m\].
     size: f64,
 }
 
 impl Fence {
     /// Boundaries of a level, and an additional box.
-    pub fn new(level: &Level, scene: &Scene, within: Option<(Point, Point)>) -> Self {
-        let mut obstacles = Vec::new();
+    pub fn new(level: &Level, scene: &Scene, within: Option<(Position, Position)>) -> Self {
+        let (mut obstacles, mut in_space) = (Vec::new(), Vec::new());
         let mut boxes: Vec<_> = within.iter().map(|(least, greatest)| [least.get(), greatest.get()]).collect();
         let acts = |when: When| when == When::Always || level.mode == RunMode::Collide;
         for listed in level.effects.iter().filter(|listed| listed.switch.is_on() && acts(listed.when)) {
             match &listed.effect {
-                EffectKind::Boundary(edges) => boxes.push([edges.least.get(), edges.greatest.get()]),
+                EffectKind::Boundary(edges) => {
+                    boxes.push([edges.least, edges.greatest].map(|corner| Position::Plane(corner).get()));
+                }
                 // A wall that cannot be built also prevents the scene.
                 EffectKind::Walls(walls) => {
-                    let place = |kind: &ObstacleKind| {
-                        let (obstacle, motions) = (kind.kind().build().ok()?, kind.kind().motions());
-                        Some(PlacedObstacle { obstacle, motions })
-                    };
-                    obstacles.extend(walls.obstacles.iter().filter_map(place));
+                    for kind in walls.obstacles.iter().map(ObstacleKind::kind) {
+                        let motions = kind.motions();
+                        if let Ok(obstacle) = kind.build() {
+                            obstacles.push(PlacedObstacle { obstacle, motions });
+                        } else if let Ok(obstacle) = kind.build_in_space() {
+                            in_space.push(PlacedObstacle { obstacle, motions });
+                        }
+                    }
                 }
                 _ => {}
             }
         }
-        let sides = scene.bodies.iter().flat_map(|body| {
-            let rest = &scene.rest[2 * body.vertices.start..2 * body.vertices.end];
-            [0, 1].map(|axis| extent(rest, axis)).map(|(least, greatest)| greatest - least)
+        let bodies = scene.bodies.iter().map(|body| body.mesh.points());
+        let shapes = bodies.chain(scene.membranes.iter().map(|membrane| membrane.mesh.points()));
+        let sides = shapes.flat_map(|points| {
+            [0, 1].map(|axis| extent(points.as_flattened(), axis)).map(|(least, greatest)| greatest - least)
         });
-        Self { obstacles, boxes, size: sides.fold(0.0, f64::max) }
+        let mut size = sides.fold(0.0, f64::max);
+        if size == 0.0 {
+            let along = |axis: usize| scene.rest.iter().skip(axis).step_by(scene.dimension).copied();
+            let extent =
+                |axis| along(axis).fold(f64::NEG_INFINITY, f64::max) - along(axis).fold(f64::INFINITY, f64::min);
+            size = (0..scene.dimension).map(extent).fold(0.0, f64::max);
+        }
+        Self { dimension: scene.dimension, obstacles, in_space, boxes, size }
     }
 
     /// Greatest distance of the points (flat, \[m\]) beyond the boundaries at a time \[s\], as a share of the size of the bodies.
     pub fn beyond(&self, time: f64, x: &[f64]) -> f64 {
-        let mut farthest = 0.0_f64;
-        let obstacles: Vec<_> = self.obstacles.iter().map(|placed| (&placed.obstacle, placed.at(time))).collect();
-        for point in x.chunks_exact(2) {
-            for [least, greatest] in &self.boxes {
-                for axis in 0..2 {
-                    farthest = farthest.max(least[axis] - point[axis]).max(point[axis] - greatest[axis]);
-                }
-            }
-            for (obstacle, at) in &obstacles {
-                let point = [point[0], point[1]];
-                let point = at.as_ref().map_or(point, |at| at.back(point));
-                let depth = obstacle.contact(point).map_or(0.0, |contact| -contact.distance);
-                farthest = farthest.max(depth);
-            }
-        }
+        let beyond_boxes = self.boxes.iter().flat_map(|[least, greatest]| {
+            let axes = 0..self.dimension;
+            let points = x.chunks_exact(self.dimension);
+            points.flat_map(move |point| {
+                axes.clone().map(|axis| (least[axis] - point[axis]).max(point[axis] - greatest[axis]))
+            })
+        });
+        let farthest = beyond_boxes.fold(0.0, f64::max);
+        let farthest = if self.dimension == 2 {
+            farthest.max(deepest(&self.obstacles, time, x))
+        } else {
+            farthest.max(deepest(&self.in_space, time, x))
+        };
         farthest / self.size
     }
+}
+
+/// Greatest depth of points (flat, \[m\]) inside obstacles at a time \[s\].
+fn deepest<const D: usize>(obstacles: &[PlacedObstacle<D>], time: f64, x: &[f64]) -> f64 {
+    let depths = obstacles.iter().flat_map(|placed| {
+        let at = placed.at(time);
+        x.as_chunks::<D>().0.iter().filter_map(move |point| {
+            let point = at.as_ref().map_or(*point, |at| at.back(*point));
+            placed.obstacle.contact(point).map(|contact| -contact.distance)
+        })
+    });
+    depths.fold(0.0, f64::max)
 }

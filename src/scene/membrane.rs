@@ -1,6 +1,6 @@
 //! Builds the membranes of a scene.
 
-use super::{Scene, numbering, stretched};
+use super::{Scene, numbering, start::reshape, stretched};
 use crate::{
     elements::Membranes,
     level::{MassLevel, MembraneLevel},
@@ -67,7 +67,10 @@ impl Scene {
         };
         let pins = pinned(&level.pins, flat, mesh.numbering())?;
         let (vx, vy, vz) = level.space.velocity;
-        self.start.x.extend(in_space(&stretched(level.stretch, flat)));
+        let at_start = stretched(level.stretch, flat);
+        let mut local: Vec<_> = at_start.as_chunks().0.iter().flat_map(|[x, y]| [*x, *y, 0.0]).collect();
+        reshape::<3>(level.start, (&pins, &[]), mesh.numbering(), &mut local);
+        self.start.x.extend(local.as_chunks().0.iter().flat_map(|point| level.space.placed_from_plane(*point)));
         self.start.v.extend(vertices.clone().flat_map(|_| [vx.get(), vy.get(), vz.get()]));
         self.rest.extend(rest);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass; 3]));

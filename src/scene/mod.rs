@@ -209,9 +209,6 @@ pub enum SceneError {
         /// Number of vertices.
         vertices: usize,
     },
-    /// A hard case in space.
-    #[error("hard cases are in the plane, but this level is in space")]
-    HardCaseInSpace,
     /// The saved state has points of the plane in a scene in space, or the other way round.
     #[error("the saved state must have points with {0} coordinates each, as the level has")]
     StateDimension(usize),
@@ -510,7 +507,7 @@ impl Scene {
         let pins = pinned(&level.pins, rest, numbering)?;
         let rollers: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
         let mut start = stretched(level.stretch, rest);
-        start::reshape(level.start, (&pins, &rollers), numbering, &mut start);
+        start::reshape::<2>(level.start, (&pins, &rollers), numbering, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
         self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));

@@ -396,8 +396,8 @@ impl Sandbox {
         snapshot.wound = Tangle::of_all(scene, x).wound;
         let start = Instant::now();
         let is_small = scene.cloth.count() <= MOST_TESTED;
-        let of_cloth = || if is_small { simulation.count_cloth_crossings() } else { None };
-        let count = simulation.count_crossings().or_else(of_cloth);
+        let all = || simulation.count_crossings().or_else(|| simulation.count_cloth_crossings());
+        let count = if is_small { all() } else { None };
         snapshot.crossings = count.map(|count| (count, start.elapsed()));
         snapshot.evaluations += 1;
     }

@@ -545,7 +545,7 @@ fn moving_obstacles_are_watched_where_they_are() {
     }
 }
 
-/// A stretched membrane that springs back, with damping: at home with every method. Without its wall the same cloth falls through the box of
+/// A stretched membrane that springs back, with damping: at home with every method that has a stable step. Without its wall the same cloth falls through the box of
 /// its case, and what is inside a sphere is outside of where it may be.
 #[test]
 fn cases_in_space_are_judged() {
@@ -558,7 +558,7 @@ fn cases_in_space_are_judged() {
     };
     let read = |text: String| files::parse_as::<Case>(&text, "space.ron").unwrap();
     let home = read(text("1.5, 1", "effects: [(effect: Rayleigh(mass: 8))]), lasts: Seconds(4), expects: Home)"));
-    for method in Method::ALL {
+    for method in Method::ALL.into_iter().filter(|method| !method.is_never_stable()) {
         let verdict = verdict(&home, Model::NeoHookean, method);
         assert!(verdict.is_stable(), "{}: {verdict:?}", method.name());
     }

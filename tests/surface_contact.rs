@@ -5,7 +5,7 @@ mod common;
 
 use common::{Random, SLOPE, level, reopened, simulation, started};
 use gingerbread::{
-    contact::{Anchor, Candidates, ContactTerm, SurfaceContact},
+    contact::{Anchor, AnyContact, Candidates, ContactTerm, SurfaceTerm},
     effects::Motion,
     level::Level,
     meshes::NoFiles,
@@ -14,8 +14,15 @@ use gingerbread::{
     solvers::{BlockMatrix, Tangent, Weights},
 };
 
-fn surface_contact(scene: &Scene) -> &SurfaceContact {
+fn surface_contact(scene: &Scene) -> &dyn SurfaceTerm {
     scene.effects.iter().find_map(|effect| effect.surface_contact()).unwrap()
+}
+
+fn potential(scene: &Scene) -> &dyn ContactTerm {
+    match surface_contact(scene).contact() {
+        AnyContact::Plane(contact) => contact,
+        AnyContact::Space(_) => unreachable!(),
+    }
 }
 
 /// A man under a box, with the particles of a net on top.
@@ -51,7 +58,7 @@ fn motion<'a>(
 fn forces_and_stiffness_are_derivatives() {
     let level = level(NEAR);
     let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
-    let (contact, count) = (surface_contact(&scene), scene.rest.len());
+    let (surfaces, contact, count) = (surface_contact(&scene), potential(&scene), scene.rest.len());
     let (mut kinds, mut corners) = ([0; 3], [0; 2]);
     for seed in 0..40 {
         let mut random = Random(seed);
@@ -59,9 +66,9 @@ fn forces_and_stiffness_are_derivatives() {
         let still = vec![0.0; count];
         let v: Vec<_> = (0..count).map(|_| random.between(-1e-2, 1e-2)).collect();
         let mut candidates = Candidates::default();
-        contact.update(&mut candidates, &x, &[]);
+        surfaces.update(&mut candidates, &x, &[]);
         let mut pattern = Vec::new();
-        contact.add_near(&candidates, &x, &mut pattern);
+        surfaces.add_near(&candidates, &x, &mut pattern);
         let near = (&scene, &candidates, pattern.as_slice());
         let owner = |vertex: u32| {
             scene.bodies.iter().filter(|body| body.vertices.start <= vertex as usize).count()
@@ -77,7 +84,6 @@ fn forces_and_stiffness_are_derivatives() {
                 corners[usize::from(touch.area < 0.0)] += 1;
             }
         });
-        let contact = contact as &dyn ContactTerm;
         let force = |x: &[f64], v: &[f64], anchors: &[Anchor]| {
             let mut force = vec![0.0; count];
             contact.force(motion(near, [x, v], anchors), &mut force);
@@ -113,7 +119,7 @@ fn forces_and_stiffness_are_derivatives() {
             assert!((times[number] - slope).abs() < 1e-5 * stiffest, "{number}: {} and {slope}", times[number]);
         }
         let mut pairs = Vec::new();
-        surface_contact(&scene).sparsity_pattern(&pattern, &mut |a, b| pairs.push([a, b]));
+        contact.sparsity_pattern(&pattern, &mut |a, b| pairs.push([a, b]));
         let mut matrix = BlockMatrix::<2>::new(count / 2, &pairs);
         let mut anchors = Vec::new();
         contact.drag_anchors(motion(near, [&x, &still], &[]), 1e-4, &mut anchors);

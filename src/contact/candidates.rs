@@ -20,6 +20,10 @@ pub trait Surfaces<const D: usize> {
     /// Writes all pairs within a distance \[m\] at positions x \[m\] that have no vertex in common, in their order.
     fn find(&self, grid: &mut Grid, x: &[f64], distance: f64, pairs: &mut Vec<Pair>);
 
+    /// Writes all pairs that may come within a distance \[m\] in a step between two positions \[m\], in their order: at the
+    /// start they are within the first of both distances \[m\], and the second one is the distance.
+    fn find_swept(&self, grid: &mut Grid, start_and_end: [&[f64]; 2], distances: (f64, f64), pairs: &mut Vec<Pair>);
+
     /// Whether a pair is within a distance \[m\] at positions x \[m\].
     fn is_within(&self, x: &[f64], pair: Pair, distance: f64) -> bool;
 }
@@ -27,10 +31,12 @@ pub trait Surfaces<const D: usize> {
 /// Scratch for [`Surfaces::find`].
 #[derive(Clone, Debug, Default)]
 pub struct Grid {
-    /// Cells, with the surfaces in them.
+    /// Cells, with the surfaces in them, ascending.
     pub(super) cells: Vec<(u64, u32)>,
     /// Surfaces that are too long for the grid.
     pub(super) long: Vec<u32>,
+    /// Length of a cell in space \[m\].
+    pub(super) cell: f64,
 }
 
 /// Pairs of surfaces that are near each other, in their order.
@@ -128,11 +134,15 @@ impl Surfaces<2> for SurfaceVertices {
         squared_distance(self, x, pair) < distance * distance
     }
 
+    fn find_swept(&self, grid: &mut Grid, [start, _]: [&[f64]; 2], (first, _): (f64, f64), pairs: &mut Vec<Pair>) {
+        self.find(grid, start, first, pairs);
+    }
+
     fn find(&self, grid: &mut Grid, x: &[f64], distance: f64, pairs: &mut Vec<Pair>) {
         /// Most cells of an edge along an axis.
         const MOST: i64 = 16;
         pairs.clear();
-        let Grid { cells, long } = grid;
+        let Grid { cells, long, .. } = grid;
         let cell = distance + self.greatest_edge();
         let place = |coordinate: f64| libm::floor(coordinate / cell) as i64;
         let key = |column: i64, row: i64| ((column as u64) << 32) ^ (row as u64 & 0xffff_ffff);

@@ -31,6 +31,11 @@ impl ClothSurface {
     /// Number of pairs of an edge and a triangle that meet at positions x \[m\], without those that share a vertex. Zero is a proof,
     /// because the test of each pair is exact. Positions that are not finite count as one.
     pub fn count_crossings(&self, x: &[f64]) -> usize {
+        self.count_between(x, |_| true)
+    }
+
+    /// The same of pairs with a vertex of each that `may_touch` tells of.
+    pub fn count_between(&self, x: &[f64], may_touch: impl Fn([u32; 2]) -> bool) -> usize {
         let points: &[Point] = x.as_chunks().0;
         let used = self.triangles.as_flattened().iter().map(|vertex| points[*vertex as usize]);
         if !used.clone().flatten().all(f64::is_finite) {
@@ -55,7 +60,8 @@ impl ClothSurface {
             let meets = |(edge, ends): &&(&[u32; 2], [Point; 2])| {
                 let [low, high] = bounds(ends);
                 let overlaps = (0..3).all(|axis| low[axis] <= greatest[axis] && least[axis] <= high[axis]);
-                overlaps && !edge.iter().any(|end| triangle.contains(end)) && segment_meets_triangle(*ends, corners)
+                let is_free = may_touch([edge[0], triangle[0]]) && !edge.iter().any(|end| triangle.contains(end));
+                overlaps && is_free && segment_meets_triangle(*ends, corners)
             };
             count += near.filter(meets).count();
         }

@@ -3,8 +3,9 @@
 use super::{
     Anchor, ContactName, Members, Met, ObstacleContact, Path, PlacedObstacle, SurfaceEdge, Touch,
     edge_meeting::{meeting, nearest},
-    edge_query::{DEPTH, EdgeQuery, Stencil},
+    edge_query::{DEPTH, EdgeQuery},
     friction::{anchor_of, penetration_of},
+    stencil::Stencil,
     touch::vector,
     truncation::{Clearance, FLOOR},
 };

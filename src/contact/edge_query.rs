@@ -1,8 +1,9 @@
 //! A point near the boundary of a body: which edges and corners it touches, and how the gap depends on the vertices.
 
 use super::{
-    ContactName, ContactParameters, Curvature, Members, Place, SurfaceEdge, SurfaceVertices, Touch,
+    Curvature, Place, SurfaceEdge, SurfaceVertices,
     edge_meeting::nearest,
+    stencil::Stencil,
     touch::{length, vector},
 };
 
@@ -53,53 +54,6 @@ pub(super) struct EdgeQuery<'a> {
     pub radius: f64,
     /// Thickness of the skin \[m\].
     pub thickness: f64,
-}
-
-/// Geometry of a contact of a point with an edge or with a corner, as in [`super::Touch`].
-pub(super) struct Stencil {
-    pub weights: [f64; 3],
-    pub normal: [f64; 2],
-    pub slips: [[f64; 2]; 3],
-    pub distance: f64,
-    pub curvature: Curvature,
-    pub place: Place,
-    /// Distance at which what the point belongs to begins \[m\].
-    pub radius: f64,
-    /// Share of the area: negative for the term of a corner that two edges count twice.
-    pub share: f64,
-}
-
-impl Stencil {
-    /// A contact with this geometry, without velocities and memory.
-    pub fn touch(
-        self,
-        name: ContactName,
-        (vertices, members): ([u32; 3], Members),
-        area: f64,
-        parameters: ContactParameters,
-    ) -> Touch {
-        let Self { weights, normal, slips, distance, curvature, place, share, radius } = self;
-        Touch {
-            name,
-            vertices,
-            members,
-            weights,
-            normal,
-            slips: slips.map(|slip| [slip]),
-            area: share * area,
-            parameters,
-            gap: distance - radius,
-            distance,
-            approach: 0.0,
-            sliding: [0.0],
-            span: 0.0,
-            obstacle_velocity: [0.0; 2],
-            curvature,
-            place,
-            memory: None,
-            kept: None,
-        }
-    }
 }
 
 impl EdgeQuery<'_> {
@@ -191,7 +145,7 @@ impl EdgeQuery<'_> {
         Stencil {
             weights,
             normal: [nx, ny],
-            slips: [slip(1.0, 0.0), slip(weights[1], -1.0), slip(weights[2], 1.0)],
+            slips: [slip(1.0, 0.0), slip(weights[1], -1.0), slip(weights[2], 1.0)].map(|slip| [slip]),
             distance: seen.distance,
             curvature: Curvature::Edge(seen.length),
             place: Place::Loop {
@@ -201,6 +155,7 @@ impl EdgeQuery<'_> {
             },
             radius: self.radius,
             share: 1.0,
+            share_gradient: None,
         }
     }
 
@@ -230,12 +185,13 @@ impl EdgeQuery<'_> {
         act(Stencil {
             weights,
             normal: [nx, ny],
-            slips,
+            slips: slips.map(|slip| [slip]),
             distance,
             curvature: Curvature::Points,
             place: Place::Loop { along: edge.arc[0] + end as f64 * edge.length, around: edge.arc[1], stretch: 1.0 },
             radius: self.radius,
             share,
+            share_gradient: None,
         });
     }
 }

@@ -7,7 +7,7 @@ use super::{Potential, touch::length};
 pub struct ContactName {
     /// Number of the effect that the surface belongs to.
     pub effect: u32,
-    /// Number of the obstacle in the effect, or of the edge of a boundary.
+    /// Number of the obstacle in the effect, of the edge of a boundary, or of the triangle of cloth; beyond these that of two edges of cloth.
     pub surface: u32,
     /// The vertex.
     pub vertex: u32,
@@ -28,20 +28,14 @@ pub struct ContactName {
 pub struct Anchor {
     /// The contact.
     pub contact: ContactName,
-    /// The anchor \[m\]: a point in the frame of the obstacle, or a length along the loop of a boundary at rest; zeros beyond.
+    /// The anchor \[m\]: a point in the frame of the obstacle, a length along the loop of a boundary at rest, zeros beyond, or a point of
+    /// the plane of a triangle of cloth at rest. Of two edges, the positions along both.
     pub point: [f64; 3],
     /// Rest of the initial penetration \[m\]; it is added to the gap.
     pub penetration: f64,
 }
 
 impl Potential {
-    /// Tangential traction \[Pa\] against a displacement u \[m\] from the anchor and a damping traction \[Pa\], at most `limit`
-    /// \[Pa\]. Returns also whether it sticks.
-    pub(super) fn traction<const T: usize>(self, u: [f64; T], damping: [f64; T], limit: f64) -> ([f64; T], bool) {
-        let wanted = std::array::from_fn(|way| self.tangential_stiffness() * u[way] + damping[way]);
-        (limited(wanted, limit), size(wanted) < limit)
-    }
-
     /// Energy of the spring of friction per area [J/m²].
     pub(super) fn friction_energy<const T: usize>(self, u: [f64; T], limit: f64) -> f64 {
         let u = size(self.dragged(u, limit));
@@ -56,12 +50,12 @@ impl Potential {
 }
 
 /// Length of a vector of one component or more.
-fn size<const T: usize>(vector: [f64; T]) -> f64 {
+pub(super) fn size<const T: usize>(vector: [f64; T]) -> f64 {
     if let [value] = vector[..] { value.abs() } else { length(vector) }
 }
 
 /// A vector of at most this length. A limit that is not a number, as in a state that has exploded, does not matter.
-fn limited<const T: usize>(vector: [f64; T], limit: f64) -> [f64; T] {
+pub(super) fn limited<const T: usize>(vector: [f64; T], limit: f64) -> [f64; T] {
     let size = size(vector);
     // Along one direction the quotient is one or less one.
     if size > limit { vector.map(|value| limit * (value / size)) } else { vector }

@@ -1,12 +1,12 @@
 //! Contact as a term of the physics with an energy, like an element, for every integrator alike.
 //!
 //! Each vertex of a boundary has a thin compliant skin ([`SurfaceVertex`]). Where it is compressed against an obstacle
-//! ([`ObstacleContact`]) or against the boundary of a body ([`SurfaceContact`]), a bounded, smooth potential pushes back
+//! ([`ObstacleContact`]), against the boundary of a body ([`SurfaceContact`]) or against cloth ([`ClothContact`]), a bounded, smooth potential pushes back
 //! ([`Potential`]), friction pulls with an elastic-plastic spring to an anchor ([`Anchor`]), and both dissipate. What touches at
 //! a moment is a [`Touch`]; a [`ContactTerm`] finds all of them. What the skin cannot hold, a truncation of the step does
 //! ([`Truncation`], [`TruncatedStep`]), so that nothing ever crosses. Convex corners of obstacles touch edges as vertices of a body do.
 //!
-//! Obstacles always act like this. Bodies touch each other where a level has the effect [`Contact`](crate::effects::Contact). The effect
+//! Obstacles always act like this. Bodies and cloth touch each other where a level has the effect [`Contact`](crate::effects::Contact). The effect
 //! [`VelocityFilter`](crate::effects::VelocityFilter) replaces all of it by a filter of velocities ([`ObstacleTerm::filter`]).
 //!
 //! ```
@@ -22,7 +22,11 @@
 
 mod any_contact;
 mod candidates;
+mod cloth_contact;
 mod cloth_crossings;
+mod cloth_meeting;
+mod cloth_mesh;
+mod cloth_query;
 mod corner_contact;
 mod crossings;
 mod edge_meeting;
@@ -34,6 +38,8 @@ mod obstacle_truncation;
 mod position_filter;
 mod potential;
 mod skin;
+mod space_points;
+mod stencil;
 mod surface_contact;
 mod surface_rules;
 mod surface_term;
@@ -43,7 +49,9 @@ mod velocity_filter;
 
 pub use any_contact::AnyContact;
 pub use candidates::{Candidates, Grid, Pair, Surfaces};
+pub use cloth_contact::ClothContact;
 pub use cloth_crossings::{ClothSurface, segment_meets_triangle};
+pub use cloth_mesh::{ClothEdge, ClothMesh, ClothTriangle};
 pub use corner_contact::CornerContact;
 pub use crossings::count_crossings;
 pub use friction::{Anchor, ContactName};
@@ -55,5 +63,5 @@ pub use skin::{Skin, SurfaceEdge, SurfaceVertex, SurfaceVertices};
 pub use surface_contact::SurfaceContact;
 pub use surface_rules::{FrictionRule, FrictionTable, Surface};
 pub use surface_term::SurfaceTerm;
-pub use touch::{ContactParameters, ContactTerm, Curvature, Linearised, Members, Place, Touch};
+pub use touch::{ClothPlace, ContactParameters, ContactTerm, Curvature, Linearised, Members, Place, Touch};
 pub use truncation::{Means, Truncation};

@@ -217,6 +217,7 @@ where
                     normal,
                     slips,
                     area: vertex.area,
+                    area_gradient: None,
                     parameters: self.parameters(vertex.part),
                     gap: contact.distance - offset,
                     distance: contact.distance,
@@ -229,6 +230,7 @@ where
                     place: Place::Obstacle(at.unwrap_or(Rigid::STILL), x),
                     memory: None,
                     kept: None,
+                    keeps_anchor: vertex.area > 0.0,
                 };
                 touch.add_velocities(motion.v);
                 if let Some(at) = placed.moving(motion) {

@@ -1,6 +1,9 @@
 //! A contact at one moment, as a weighted stencil of vertices, and what follows from it alike for every kind of contact.
 
-use super::{Anchor, ContactName, Pair, Potential};
+use super::{
+    Anchor, ContactName, Pair, Potential,
+    friction::{limited, size},
+};
 use crate::{
     effects::Motion,
     obstacles::Rigid,
@@ -11,8 +14,8 @@ use nalgebra::SMatrix;
 /// Something that touches at one moment: up to N vertices with D coordinates and weights w, so that the gap is
 /// `g = n . sum(w x) - c` with the unit normal n.
 ///
-/// Its energy per area is that of the [`Potential`] at g, and the force on a vertex `A p (1 - c dg/dt) w n` less the friction
-/// `A T s`. Here s is the derivative of the slip by the position of the vertex, the place of the contact along a surface, which has
+/// Its energy per area is that of the [`Potential`] phi at g, and the force on a vertex `A p (1 - c dg/dt) w n - phi dA/dx` less the
+/// friction `A T s`. Here s is the derivative of the slip by the position of the vertex, the place of the contact along a surface, which has
 /// T directions: one in the plane, two in space. So forces between bodies leave linear and angular momentum as they are, because
 /// neither the gap nor the slip changes where all vertices move rigidly.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +35,8 @@ pub struct Touch<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
     /// Area at a thickness of the sheet of 1 m \[m²\]; negative where the contact is subtracted because its neighbours count
     /// it twice.
     pub area: f64,
+    /// Derivatives of the area by the positions of the vertices \[m\], where it depends on them.
+    pub area_gradient: Option<[[f64; D]; N]>,
     /// How the surfaces act on each other.
     pub parameters: ContactParameters,
     /// g \[m\].
@@ -54,6 +59,8 @@ pub struct Touch<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
     pub memory: Option<([f64; T], f64)>,
     /// The anchor that these come from.
     pub kept: Option<Anchor>,
+    /// Whether it leaves an anchor. What is subtracted, or has the same name as another contact, leaves none.
+    pub keeps_anchor: bool,
 }
 
 /// How two surfaces act on each other.
@@ -105,6 +112,34 @@ pub enum Place<const D: usize = 2> {
         /// Length now over length at rest.
         stretch: f64,
     },
+    /// On cloth, by the position at rest.
+    Cloth(ClothPlace),
+}
+
+/// Where on cloth a contact is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ClothPlace {
+    /// Position at rest \[m\], or any coordinates of the contact on its surfaces.
+    pub point: [f64; 3],
+    /// Slip of each direction by these coordinates.
+    pub to: [[f64; 3]; 2],
+    /// These coordinates by the slip of each direction.
+    pub back: [[f64; 3]; 2],
+}
+
+impl ClothPlace {
+    /// Makes `back` the inverse of `to` along the surface, where the surface is not too steep to the directions of the slip.
+    pub(super) fn invert(&mut self) {
+        /// Least determinant, which is one where the surface is level.
+        const LEAST: f64 = 0.1;
+        let [a, b] = self.to.map(|to| self.back.map(|back| dot(to, back)));
+        let determinant = a[0] * b[1] - a[1] * b[0];
+        if determinant > LEAST {
+            let [one, other] = self.back;
+            let along = |u: f64, w: f64| std::array::from_fn(|axis| (u * one[axis] + w * other[axis]) / determinant);
+            self.back = [along(b[1], -b[0]), along(-a[1], a[0])];
+        }
+    }
 }
 
 /// Change of an edge, as a difference of its two ends, by vertex: those of [`Touch`] with an edge are the vertex and the ends.
@@ -168,10 +203,16 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         self.memory.map_or([0.0; T], |(u, _)| u)
     }
 
-    /// T \[Pa\], and whether it sticks.
-    fn traction(&self) -> ([f64; T], bool) {
+    /// T \[Pa\].
+    fn traction(&self) -> [f64; T] {
+        limited(self.sticking(), self.limit())
+    }
+
+    /// T of a contact that sticks \[Pa\].
+    fn sticking(&self) -> [f64; T] {
         let rate = self.parameters.dissipation * self.pressure();
-        self.parameters.potential.traction(self.slip(), self.sliding.map(|sliding| rate * sliding), self.limit())
+        let (elastic, slip) = (self.parameters.potential.tangential_stiffness(), self.slip());
+        std::array::from_fn(|way| elastic * slip[way] + rate * self.sliding[way])
     }
 
     /// Whether the surfaces have crossed.
@@ -193,12 +234,17 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
     /// Force \[N\] on each vertex.
     pub fn forces(&self) -> impl Iterator<Item = (usize, [f64; D])> {
         let normal = self.area * self.pressure() * self.damped();
-        let slip = self.traction().0.map(|traction| -self.area * traction);
+        let slip = self.traction().map(|traction| -self.area * traction);
         self.range().map(move |i| {
             let n = normal * self.weights[i];
             let along =
                 |axis: usize| (0..T).fold(n * self.normal[axis], |sum, way| sum + slip[way] * self.slips[i][way][axis]);
-            (self.vertices[i] as usize, std::array::from_fn(along))
+            let mut force = std::array::from_fn(along);
+            if let Some(gradient) = self.area_gradient {
+                let energy = self.parameters.potential.energy(self.gap);
+                force.iter_mut().zip(gradient[i]).for_each(|(force, slope)| *force -= energy * slope);
+            }
+            (self.vertices[i] as usize, force)
         })
     }
 
@@ -210,7 +256,7 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
     /// Power taken from the motion \[W\]: by friction, a part of which its spring stores, and by the pressure beyond its energy.
     pub fn taken_power(&self) -> f64 {
         let normal = self.pressure() * self.approach * (1.0 - self.damped());
-        self.area * (normal + dot(self.traction().0, self.sliding))
+        self.area * (normal + dot(self.traction(), self.sliding))
     }
 
     /// Stiffness and damping of the force along the normal [N/m, N s/m].
@@ -225,32 +271,39 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         }
     }
 
-    /// Stiffness and damping of sticking friction [N/m, N s/m], for sliding friction zero. The change of the greatest friction with
-    /// the pressure is omitted: it is not symmetric.
-    fn slip_stiffness(&self) -> [f64; 2] {
-        if !self.traction().1 {
-            return [0.0; 2];
+    /// Stiffness and damping of friction [N/m, N s/m], and the direction in which it slides and has none. Across that its size stays while it turns. The change
+    /// of the greatest friction with the pressure is omitted: it is not symmetric.
+    fn slip_stiffness(&self) -> ([f64; 2], Option<[f64; T]>) {
+        let (wanted, limit) = (self.sticking(), self.limit());
+        let length = size(wanted);
+        let sticks = length < limit;
+        if !sticks && T == 1 {
+            return ([0.0; 2], None);
         }
+        let share = if sticks { 1.0 } else { limit / length.max(f64::MIN_POSITIVE) };
         // A new contact has no anchor to move from.
         let elastic = if self.memory.is_some() { self.parameters.potential.tangential_stiffness() } else { 0.0 };
-        [self.area * elastic, self.area * self.parameters.dissipation * self.pressure()]
+        let both = [self.area * elastic, self.area * self.parameters.dissipation * self.pressure()];
+        let direction = (!sticks).then(|| wanted.map(|wanted| wanted / length.max(f64::MIN_POSITIVE)));
+        (both.map(|one| share * one), direction)
     }
 
     /// Greatest damping of the force [N s/m].
     pub fn damping(&self) -> f64 {
-        let ([_, normal], [_, slip]) = (self.normal_stiffness(), self.slip_stiffness());
+        let ([_, normal], ([_, slip], _)) = (self.normal_stiffness(), self.slip_stiffness());
         normal.max(slip)
     }
 
     /// Weighted stiffness and damping, ready to be taken apart into blocks.
     pub fn linearised(&self, weights: Weights) -> Linearised<'_, D, T, N> {
         let weighted = |[stiffness, damping]: [f64; 2]| weights.position * stiffness + weights.velocity * damping;
-        let (normal, slip) = (weighted(self.normal_stiffness()), weighted(self.slip_stiffness()));
+        let (slip, slides) = self.slip_stiffness();
+        let (normal, slip) = (weighted(self.normal_stiffness()), weighted(slip));
         let force = weights.position * self.area * self.pressure() * self.damped();
         match weights.tangent {
-            Tangent::Exact => Linearised { touch: self, normal, slip, force },
+            Tangent::Exact => Linearised { touch: self, normal, slip, slides, force },
             // What is subtracted, and the curvature, are negative.
-            _ => Linearised { touch: self, normal: normal.max(0.0), slip: slip.max(0.0), force: 0.0 },
+            _ => Linearised { touch: self, normal: normal.max(0.0), slip: slip.max(0.0), slides, force: 0.0 },
         }
     }
 
@@ -297,6 +350,10 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
                 point[..D].copy_from_slice(&at.back(std::array::from_fn(slipped)));
             }
             Place::Loop { along, stretch, .. } => point[0] = along - u[0] / stretch,
+            Place::Cloth(ClothPlace { point: now, back, .. }) => {
+                let slipped = |axis: usize| u.iter().zip(back).fold(now[axis], |at, (u, back)| at - u * back[axis]);
+                point = std::array::from_fn(slipped);
+            }
         }
         Anchor { contact: self.name, point, penetration }
     }
@@ -313,7 +370,17 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
                 let u = along - anchor.point[0];
                 [stretch * (u - around * (u / around).round()); T]
             }
+            Place::Cloth(ClothPlace { point, to, .. }) => {
+                let gone: [f64; 3] = std::array::from_fn(|axis| point[axis] - anchor.point[axis]);
+                std::array::from_fn(|way| dot(gone, to[way]))
+            }
         }
+    }
+
+    /// Gives it an initial penetration \[m\] and no slip.
+    pub(super) fn begin(&mut self, penetration: f64) {
+        self.gap += penetration;
+        self.memory = Some(([0.0; T], penetration));
     }
 
     /// Takes over the memory of an anchor.
@@ -342,6 +409,8 @@ pub struct Linearised<'a, const D: usize = 2, const T: usize = 1, const N: usize
     touch: &'a Touch<D, T, N>,
     normal: f64,
     slip: f64,
+    /// Direction of the slip without stiffness.
+    slides: Option<[f64; T]>,
     /// Force along the normal, which turns with it.
     force: f64,
 }
@@ -357,6 +426,12 @@ impl<const D: usize, const T: usize, const N: usize> Linearised<'_, D, T, N> {
         let outer = |a: [f64; D], b: [f64; D]| SMatrix::<f64, D, D>::from_fn(|row, column| a[row] * b[column]);
         let block = outer(*normal, *normal) * (self.normal * w[i] * w[j]);
         let block = (0..T).fold(block, |block, way| block + outer(slips[i][way], slips[j][way]) * self.slip);
+        let block = self.slides.map_or(block, |direction| {
+            let along = |of: [[f64; D]; T]| -> [f64; D] {
+                std::array::from_fn(|axis| (0..T).fold(0.0, |sum, way| sum + direction[way] * of[way][axis]))
+            };
+            block - outer(along(slips[i]), along(slips[j])) * self.slip
+        });
         let mut along = [0.0; D];
         (along[0], along[1]) = (-normal[1], normal[0]);
         match self.touch.curvature {
@@ -489,7 +564,7 @@ impl<const D: usize, const T: usize, const N: usize> dyn ContactTerm<D, T, N> + 
     pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) -> f64 {
         let mut supplied = 0.0;
         self.each(motion, &mut |touch| {
-            if touch.area > 0.0 {
+            if touch.keeps_anchor {
                 let (anchor, energy) = touch.dragged(h);
                 anchors.push(anchor);
                 supplied += energy;
@@ -501,7 +576,7 @@ impl<const D: usize, const T: usize, const N: usize> dyn ContactTerm<D, T, N> + 
     /// Adds the vertices of contacts in which surfaces have crossed: inside an obstacle or another body.
     pub fn add_inside(&self, motion: Motion<'_>, vertices: &mut Vec<u32>) {
         self.each(motion, &mut |touch| {
-            if touch.area > 0.0 && touch.is_inside() {
+            if touch.keeps_anchor && touch.is_inside() {
                 vertices.push(touch.vertices[touch.range().start]);
             }
         });
@@ -510,7 +585,7 @@ impl<const D: usize, const T: usize, const N: usize> dyn ContactTerm<D, T, N> + 
     /// Adds the memory of all contacts of a state that was not stepped to.
     pub fn add_penetrations(&self, motion: Motion<'_>, anchors: &mut Vec<Anchor>) {
         self.each_at_start(motion, &mut |touch| {
-            if touch.area > 0.0 {
+            if touch.keeps_anchor {
                 anchors.push(touch.begun());
             }
         });

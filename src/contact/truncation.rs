@@ -178,7 +178,7 @@ pub(super) trait MeetingPairs<const D: usize, const N: usize> {
                 |pair: &&Pair| self.surfaces().is_within(start, **pair, farthest + FLOOR * self.thickness(**pair));
             pairs.extend(candidates.pairs().iter().filter(may_meet));
         } else {
-            self.surfaces().find(search, start, farthest, pairs);
+            self.surfaces().find_swept(search, [start, x], (farthest, self.near()), pairs);
             pairs.retain(|pair| {
                 let [one, other] = self.parts(*pair);
                 let reach = 2.0 * displaced[one as usize];

@@ -62,10 +62,7 @@ impl<A: Air> FacePressure<A> {
 /// # Errors
 /// A sentence, if there are none.
 pub(super) fn faces(elements: &Elements) -> Result<Vec<[u32; 3]>, String> {
-    let in_space = elements.springs.iter().zip(&elements.faces).filter(|(springs, _)| springs.dimension() == 3);
-    let sheets = in_space.map(|(_, faces)| faces.as_slice());
-    let membranes = elements.membranes.iter().map(|membrane| membrane.corners());
-    let faces: Vec<_> = sheets.chain(membranes).flatten().copied().collect();
+    let faces: Vec<_> = elements.cloth_faces().collect();
     if faces.is_empty() {
         return Err("it acts on the triangles of membranes and sheets in space, and the level has none".to_owned());
     }

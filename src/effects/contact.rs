@@ -2,21 +2,21 @@
 
 use super::{DuplicatePolicy, Effect, EffectParameters, Motion};
 use crate::{
-    contact::{AnyContact, ContactProperties, Skin, SurfaceContact, SurfaceTerm},
+    contact::{AnyContact, ClothContact, ContactProperties, Skin, SurfaceContact, SurfaceTerm},
     elements::Elements,
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
 use serde::{Deserialize, Serialize};
 
-/// Contact of bodies with each other, with themselves, and with walls and the domain boundary, by a smooth potential of a thin skin,
-/// with the same forces for every integrator; see [`crate::contact`]. Without it bodies touch walls and the domain boundary alone, by
+/// Contact of bodies, or of cloth in space, with each other, with themselves, and with walls and the domain boundary, by a smooth potential of a thin skin,
+/// with the same forces for every integrator; see [`crate::contact`]. Without it they touch walls and the domain boundary alone, by
 /// a skin with the same default values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
     /// Modulus of the skin relative to Young's modulus.
     pub modulus: SkinModulus,
-    /// Thickness of the skin relative to the mean length of the boundary edges.
+    /// Thickness of the skin relative to the mean length of the boundary edges, or of the edges of cloth.
     pub thickness: SkinThickness,
     /// Fastest impact that the skin stops [m/s].
     pub speed: ImpactSpeed,
@@ -45,7 +45,7 @@ impl EffectParameters for Contact {
     }
 
     fn about(&self) -> &'static str {
-        "Bodies touch walls, each other and themselves. They have a thin elastic skin, which pushes back with the pressure −dφ/dg (1 − c dg/dt) at a gap g, for every integrator alike; friction is an elastic spring that slides at μ p."
+        "Bodies and cloth touch walls, each other and themselves. They have a thin elastic skin, which pushes back with the pressure −dφ/dg (1 − c dg/dt) at a gap g, for every integrator alike; friction is an elastic spring that slides at μ p."
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
@@ -70,7 +70,12 @@ impl EffectParameters for Contact {
 
 /// Contact of the surfaces of bodies or of cloth, if there are any.
 fn surfaces(elements: &Elements) -> Option<Box<dyn SurfaceTerm>> {
-    let contact = SurfaceContact::new(&elements.contact, &elements.surface, &elements.rest);
+    let Elements { contact: model, surface, rest, .. } = elements;
+    if elements.dimension() == 3 {
+        let contact = ClothContact::new(model, surface, elements.cloth_faces(), rest);
+        return (!contact.is_empty()).then(|| Box::new(contact) as Box<dyn SurfaceTerm>);
+    }
+    let contact = SurfaceContact::new(model, surface, rest);
     (!contact.is_empty()).then(|| Box::new(contact) as Box<dyn SurfaceTerm>)
 }
 

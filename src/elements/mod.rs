@@ -123,6 +123,13 @@ impl Elements {
         if in_space || !self.membranes.is_empty() { 3 } else { 2 }
     }
 
+    /// Triangles of the membranes and of the nets in space, by the numbers of their corners in the scene.
+    pub fn cloth_faces(&self) -> impl Iterator<Item = [u32; 3]> {
+        let nets = self.springs.iter().zip(&self.faces).filter(|(springs, _)| springs.dimension() == 3);
+        let sheets = nets.map(|(_, faces)| faces.as_slice());
+        sheets.chain(self.membranes.iter().map(|membrane| membrane.corners())).flatten().copied()
+    }
+
     /// Numbers of the bodies and nets of a name, for the effect that names them; bodies come first.
     ///
     /// # Errors

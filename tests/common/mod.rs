@@ -72,7 +72,7 @@ pub const SLOPE: [f64; 2] = [0.447_213_595_499_958, 0.894_427_190_999_916];
 
 /// A level that ships, of fewer triangles, so that it runs quickly.
 pub fn coarse(text: &str, file: &str) -> Level {
-    const FEWER: [(&str, &str); 16] = [
+    const FEWER: [(&str, &str); 18] = [
         ("resolution: 2000", "resolution: 150"),
         ("resolution: 1000", "resolution: 250"),
         ("resolution: 700", "resolution: 100"),
@@ -89,6 +89,8 @@ pub fn coarse(text: &str, file: &str) -> Level {
         ("resolution: 600", "resolution: 150"),
         ("columns: 21, rows: 14", "columns: 7, rows: 5"),
         ("columns: 31, rows: 31", "columns: 9, rows: 9"),
+        ("columns: 12, rows: 12", "columns: 5, rows: 5"),
+        ("columns: 16, rows: 16", "columns: 6, rows: 6"),
     ];
     let text = FEWER.iter().fold(text.to_owned(), |text, (many, few)| text.replace(many, few));
     files::parse(&text, file).unwrap()

@@ -6,7 +6,7 @@ use super::{
     cloth_mesh::ClothPair,
     cloth_query::{ClothQuery, ClothStencil, between_edges},
     friction::{anchor_of, anchors_of},
-    surface_term::Between,
+    surface_term::{Between, with_candidates},
     touch::coordinates,
     truncation::MeetingPairs,
 };
@@ -221,16 +221,6 @@ impl ClothContact {
         let anchors = around.filter_map(|surface| anchor_of(motion.anchors, ContactName { surface, ..name }));
         anchors.map(|anchor| anchor.penetration).fold(0.0, f64::max)
     }
-
-    /// Calls `act` with the candidates at the positions of a motion.
-    fn with_candidates(&self, motion: Motion<'_>, act: impl FnOnce(&Candidates)) {
-        if let Some(candidates) = motion.candidates {
-            return act(candidates);
-        }
-        let mut candidates = Candidates::default();
-        self.update(&mut candidates, motion.x, motion.anchors);
-        act(&candidates);
-    }
 }
 
 impl SurfaceTerm for ClothContact {
@@ -257,7 +247,7 @@ impl SurfaceTerm for ClothContact {
     }
 
     fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
-        self.with_candidates(motion, |candidates| {
+        with_candidates(self, motion, |candidates| {
             self.each_of_all(motion, candidates, &mut |pair, touch| {
                 if touch.pressure() > 0.0 {
                     act(self.parts_of(pair).map(|part| self.mesh.surface().owner(part)));
@@ -287,7 +277,7 @@ impl SurfaceTerm for ClothContact {
 
 impl ContactTerm<3, 2, 4> for ClothContact {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&ClothTouch)) {
-        self.with_candidates(motion, |candidates| {
+        with_candidates(self, motion, |candidates| {
             self.each_of_all(motion, candidates, &mut |_, touch| act(touch));
         });
     }
@@ -312,7 +302,7 @@ impl ContactTerm<3, 2, 4> for ClothContact {
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
         let mut none = true;
-        self.with_candidates(motion, |candidates| none = candidates.is_empty());
+        with_candidates(self, motion, |candidates| none = candidates.is_empty());
         none.then_some(NO_OBSTACLE_NEAR)
     }
 

@@ -8,7 +8,7 @@ use super::{
     edge_query::{DEPTH, EdgeQuery, Seen},
     friction::{anchor_of, anchors_of, penetration_of},
     stencil::Stencil,
-    surface_term::Between,
+    surface_term::{Between, with_candidates},
     touch::{length, vector},
     truncation::MeetingPairs,
 };
@@ -216,16 +216,6 @@ impl SurfaceContact {
         }
         found
     }
-
-    /// Calls `act` with the candidates at the positions of a motion.
-    fn with_candidates(&self, motion: Motion<'_>, act: impl FnOnce(&Candidates)) {
-        if let Some(candidates) = motion.candidates {
-            return act(candidates);
-        }
-        let mut candidates = Candidates::default();
-        self.update(&mut candidates, motion.x, motion.anchors);
-        act(&candidates);
-    }
 }
 
 impl SurfaceTerm for SurfaceContact {
@@ -259,7 +249,7 @@ impl SurfaceTerm for SurfaceContact {
     }
 
     fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
-        self.with_candidates(motion, |candidates| {
+        with_candidates(self, motion, |candidates| {
             self.each_of_all(motion, candidates, &mut |pair, touch| {
                 if touch.pressure() > 0.0 {
                     act(self.parts(pair).map(|part| self.surface.owner(part)));
@@ -289,7 +279,7 @@ impl SurfaceTerm for SurfaceContact {
 
 impl ContactTerm for SurfaceContact {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
-        self.with_candidates(motion, |candidates| {
+        with_candidates(self, motion, |candidates| {
             self.each_of_all(motion, candidates, &mut |_, touch| act(touch));
         });
     }
@@ -317,7 +307,7 @@ impl ContactTerm for SurfaceContact {
 
     fn idle(&self, motion: Motion<'_>) -> Option<&'static str> {
         let mut none = true;
-        self.with_candidates(motion, |candidates| none = candidates.is_empty());
+        with_candidates(self, motion, |candidates| none = candidates.is_empty());
         none.then_some(NO_OBSTACLE_NEAR)
     }
 

@@ -44,6 +44,16 @@ pub trait SurfaceTerm: Send + Sync {
     ) -> usize;
 }
 
+/// Calls `act` with the candidates at the positions of a motion: its own, or new ones.
+pub(super) fn with_candidates(term: &dyn SurfaceTerm, motion: Motion<'_>, act: impl FnOnce(&Candidates)) {
+    if let Some(candidates) = motion.candidates {
+        return act(candidates);
+    }
+    let mut candidates = Candidates::default();
+    term.update(&mut candidates, motion.x, motion.anchors);
+    act(&candidates);
+}
+
 /// What holds between two parts.
 pub(super) struct Between {
     pub potential: Potential,

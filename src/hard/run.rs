@@ -281,11 +281,10 @@ impl Fence {
                 _ => {}
             }
         }
-        let bodies = scene.bodies.iter().map(|body| body.mesh.points());
-        let shapes = bodies.chain(scene.membranes.iter().map(|membrane| membrane.mesh.points()));
-        let sides = shapes.flat_map(|points| {
-            [0, 1].map(|axis| extent(points.as_flattened(), axis)).map(|(least, greatest)| greatest - least)
-        });
+        let bodies = scene.bodies.iter().map(|body| &scene.rest[2 * body.vertices.start..2 * body.vertices.end]);
+        let shapes = bodies.chain(scene.membranes.iter().map(|membrane| membrane.mesh.points().as_flattened()));
+        let sides =
+            shapes.flat_map(|flat| [0, 1].map(|axis| extent(flat, axis)).map(|(least, greatest)| greatest - least));
         let mut size = sides.fold(0.0, f64::max);
         if size == 0.0 {
             let along = |axis: usize| scene.rest.iter().skip(axis).step_by(scene.dimension).copied();

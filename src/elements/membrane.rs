@@ -26,7 +26,7 @@ use super::{
     BodyMaterial, ElasticElements,
     blocks::{EnergyLaw, StressLaw},
     frame::{Columns, Frame, dot, minus, moved, plus, product, times},
-    tangent::{Isotropic, corner_blocks},
+    tangent::{Isotropic, add_corner_blocks, corner_blocks},
     triangle::Rest,
 };
 use crate::{
@@ -34,7 +34,7 @@ use crate::{
     materials::Parts,
     meshes::Mesh,
     simd::{LANES, Lanes, Mat2, Real, Wide},
-    solvers::{Block as MatrixBlock, BlockMatrix, SparseMatrix, Weights},
+    solvers::{Block as MatrixBlock, BlockMatrix, BlockRows, SparseMatrix, Weights},
 };
 use nalgebra::{Matrix2, Matrix3x2, Matrix4};
 use pulp::{Arch, Simd, WithSimd};
@@ -273,7 +273,9 @@ impl Membranes {
     ) {
         let negative = weights.tangent.negative_factor();
         let (shape, x, weight) = (&*self.shape, x.as_chunks().0, weights.position);
-        self.shape.set.dispatch(Assemble { law, shape, x, weight, negative, matrix });
+        matrix.add_by_rows(3 * shape.corners.len(), shape.vertices.clone(), |rows| {
+            shape.set.dispatch(Assemble { law, shape, x, weight, negative, rows });
+        });
     }
 
     /// Adds the forces of a viscous stress in the plane of each triangle.
@@ -287,26 +289,22 @@ impl Membranes {
         &self,
         x: &[f64],
         matrix: &mut BlockMatrix<3>,
-        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64>,
+        tangent: impl Fn(&Matrix2<f64>) -> Matrix4<f64> + Sync,
     ) {
-        let x = x.as_chunks().0;
-        for (number, corners) in self.shape.corners.iter().enumerate() {
-            let (inverse, area) = (self.inverse(number), self.shape.blocks[number / LANES].volume[number % LANES]);
-            let Frame { q: [q1, q2], g } = Frame::of(product(edges(x, *corners), inverse));
-            let rest = Rest { inverse: Matrix2::from_column_slice(&inverse), area };
-            let q = Matrix3x2::from_columns(&[q1.into(), q2.into()]);
-            let [one, two, across] =
-                rest.corner_blocks(&tangent(&g.into()), 1.0).map(|block| q * block * q.transpose());
-            let turned = across.transpose();
-            let (to_one, to_two) = (-one - turned, -across - two);
-            // The rows of the first corner are minus the sum of the other two, by translation invariance.
-            for (corner, block) in corners.iter().zip([-to_one - to_two, one, two]) {
-                matrix.diagonal(*corner as usize, &block);
+        let (x, shape) = (x.as_chunks().0, &*self.shape);
+        matrix.add_by_rows(3 * shape.corners.len(), shape.vertices.clone(), |mut rows| {
+            for (number, corners) in shape.corners.iter().enumerate() {
+                if !rows.have_any(corners) {
+                    continue;
+                }
+                let (inverse, area) = (self.inverse(number), shape.blocks[number / LANES].volume[number % LANES]);
+                let Frame { q: [q1, q2], g } = Frame::of(product(edges(x, *corners), inverse));
+                let rest = Rest { inverse: Matrix2::from_column_slice(&inverse), area };
+                let q = Matrix3x2::from_columns(&[q1.into(), q2.into()]);
+                let blocks = rest.corner_blocks(&tangent(&g.into()), 1.0).map(|block| q * block * q.transpose());
+                add_corner_blocks(&mut rows, number, *corners, blocks);
             }
-            for block in [to_one, to_two, across] {
-                matrix.off_diagonal(&block);
-            }
-        }
+        });
     }
 
     /// Adds the forces of a stress on the corners, `[f1 f2] = -V P D0⁻ᵀ`.
@@ -437,7 +435,7 @@ impl<L: EnergyLaw> WithSimd for Energy<'_, L> {
     }
 }
 
-/// Adds the blocks of all triangles.
+/// Adds the blocks of the triangles that have vertices in some rows.
 ///
 /// With the blocks K of the plane in the frame of the triangle ([`corner_blocks`]) and the gradient g of the shape function of each corner, the block
 /// of two corners is `Q K Qᵀ + V (gᵀ S g') n nᵀ`.
@@ -448,7 +446,7 @@ struct Assemble<'a, L> {
     weight: f64,
     /// Factor of negative eigenvalues.
     negative: Option<f64>,
-    matrix: &'a mut BlockMatrix<3>,
+    rows: BlockRows<'a, 3>,
 }
 
 impl<L: Isotropic + StressLaw> WithSimd for Assemble<'_, L> {
@@ -456,10 +454,13 @@ impl<L: Isotropic + StressLaw> WithSimd for Assemble<'_, L> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { law, shape, x, weight, negative, matrix } = self;
+        let Self { law, shape, x, weight, negative, mut rows } = self;
         let mut now = [Edges::default(); RUN_BLOCKS];
         let mut out = [[[[Lanes::default(); 3]; 3]; 6]; RUN_BLOCKS];
-        for (triangles, blocks) in runs(shape) {
+        for (run, (triangles, blocks)) in runs(shape).enumerate() {
+            if !rows.have_any(triangles.as_flattened()) {
+                continue;
+            }
             collect(triangles, x, &mut now);
             for ((now, block), out) in now.iter().zip(blocks).zip(&mut out) {
                 for part in 0..Wide::<S>::PARTS {
@@ -478,10 +479,11 @@ impl<L: Isotropic + StressLaw> WithSimd for Assemble<'_, L> {
             for (number, corners) in triangles.iter().enumerate() {
                 let (block, lane) = (&out[number / LANES], number % LANES);
                 let of = |pair: usize| MatrixBlock::<3>::from_fn(|row, column| block[pair][row][column][lane]);
-                for (pair, corner) in corners.iter().enumerate() {
-                    matrix.diagonal(*corner as usize, &of(pair));
+                let pairs = 3 * (run * RUN_BLOCKS * LANES + number);
+                for (beside, corner) in corners.iter().enumerate() {
+                    rows.diagonal(*corner, &of(beside));
+                    rows.off_diagonal(pairs + beside, &of(3 + beside));
                 }
-                (3..6).for_each(|pair| matrix.off_diagonal(&of(pair)));
             }
         }
     }

@@ -112,10 +112,23 @@ impl<const D: usize> Springs<D> {
 
     /// Adds `factor (-d force/dv)` of the dampers, one couple for each spring.
     pub(crate) fn add_damping_stiffness(&self, x: &[f64], beta: f64, factor: f64, matrix: &mut BlockMatrix<D>) {
-        for link in &self.links {
+        self.add_blocks(matrix, |link| {
             let along = direction::<D>(x, link).map_or_else(SVector::zeros, |(along, _)| along);
-            add_block(matrix, link, &(along * along.transpose()).map(|entry| factor * beta * link.stiffness * entry));
-        }
+            (along * along.transpose()).map(|entry| factor * beta * link.stiffness * entry)
+        });
+    }
+
+    /// Adds the stiffness between the two ends of each spring.
+    fn add_blocks(&self, matrix: &mut BlockMatrix<D>, block: impl Fn(&Link) -> MatrixBlock<D> + Sync) {
+        matrix.add_by_rows(self.links.len(), self.vertices.clone(), |mut rows| {
+            for (number, link) in self.links.iter().enumerate() {
+                if rows.have_any(&link.ends) {
+                    let block = block(link);
+                    link.ends.iter().for_each(|end| rows.diagonal(*end, &block));
+                    rows.off_diagonal(number, &-block);
+                }
+            }
+        });
     }
 }
 
@@ -261,15 +274,6 @@ impl Packed {
     fn scratch(&self) -> usize {
         self.copy() + scratch_size(2 * self.gather.buffer())
     }
-}
-
-/// Adds the stiffness between the two ends of the next spring of the list.
-#[inline]
-fn add_block<const D: usize>(matrix: &mut BlockMatrix<D>, link: &Link, block: &MatrixBlock<D>) {
-    for end in link.ends {
-        matrix.diagonal(end as usize, block);
-    }
-    matrix.off_diagonal(&-block);
 }
 
 /// From the first end to the second.
@@ -448,8 +452,6 @@ impl<const D: usize> Effect for Springs<D> {
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<D>() else { return };
-        for link in &self.links {
-            add_block(matrix, link, &(stiffness(motion.x, link, weights.tangent) * weights.position));
-        }
+        self.add_blocks(matrix, |link| stiffness(motion.x, link, weights.tangent) * weights.position);
     }
 }

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     materials::{Material, Moduli, Parts},
     simd::{LANES, Lanes, Mat2, Order, Quads, Real, Wide},
-    solvers::{BlockMatrix, Weights},
+    solvers::{Block as MatrixBlock, BlockMatrix, BlockRows, Weights},
 };
 use nalgebra::{Matrix2, Matrix4};
 use pulp::{Simd, WithSimd};
@@ -77,7 +77,10 @@ impl Triangles {
     ) {
         let negative = weights.tangent.negative_factor();
         let (x, weight) = (x.as_chunks().0, weights.position);
-        self.set().dispatch(Assemble { density, of: self, x, weight, negative, matrix });
+        let set = self.set();
+        matrix.add_by_rows(3 * self.corners().len(), self.vertices().clone(), |rows| {
+            set.dispatch(Assemble { density, of: self, x, weight, negative, rows });
+        });
     }
 
     /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
@@ -88,21 +91,34 @@ impl Triangles {
         x: &[f64],
         weight: f64,
         matrix: &mut BlockMatrix<2>,
-        tangent: impl Fn(usize, &Matrix2<f64>) -> Matrix4<f64>,
+        tangent: impl Fn(usize, &Matrix2<f64>) -> Matrix4<f64> + Sync,
     ) {
-        for (number, (&triangle, (f, _))) in self.corners().iter().zip(self.gradients(x)).enumerate() {
-            let [one, two, across] = self.rest(number).corner_blocks(&tangent(number, &f), weight);
-            let turned = across.transpose();
-            let (to_one, to_two) = (-one - turned, -across - two);
-            // The rows of the first corner are minus the sum of the other two, by translation invariance.
-            let [a, b, c] = triangle.map(|corner| corner as usize);
-            matrix.diagonal(a, &(-to_one - to_two));
-            matrix.diagonal(b, &one);
-            matrix.diagonal(c, &two);
-            matrix.off_diagonal(&to_one);
-            matrix.off_diagonal(&to_two);
-            matrix.off_diagonal(&across);
-        }
+        matrix.add_by_rows(3 * self.corners().len(), self.vertices().clone(), |mut rows| {
+            for (number, corners) in self.corners().iter().enumerate() {
+                if rows.have_any(corners) {
+                    let tangent = tangent(number, &self.gradient_of(x, number));
+                    add_corner_blocks(&mut rows, number, *corners, self.rest(number).corner_blocks(&tangent, weight));
+                }
+            }
+        });
+    }
+}
+
+/// Adds the blocks of a triangle from those of its second corner with itself, of the third with itself, and of the second with the third.
+/// The rows of the first corner are minus the sum of the other two, by translation invariance.
+#[inline]
+pub(super) fn add_corner_blocks<const D: usize>(
+    rows: &mut BlockRows<'_, D>,
+    number: usize,
+    corners: [u32; 3],
+    [one, two, across]: [MatrixBlock<D>; 3],
+) {
+    let (to_one, to_two) = (-one - across.transpose(), -across - two);
+    for (corner, block) in corners.into_iter().zip([-to_one - to_two, one, two]) {
+        rows.diagonal(corner, &block);
+    }
+    for (pair, block) in (3 * number..).zip([to_one, to_two, across]) {
+        rows.off_diagonal(pair, &block);
     }
 }
 
@@ -125,7 +141,7 @@ impl Rest {
     }
 }
 
-/// Adds the blocks of all triangles, eight at a time.
+/// Adds the blocks of the triangles that have vertices in some rows, eight at a time.
 struct Assemble<'a, L> {
     density: L,
     of: &'a Triangles,
@@ -133,7 +149,7 @@ struct Assemble<'a, L> {
     weight: f64,
     /// Factor of negative eigenvalues.
     negative: Option<f64>,
-    matrix: &'a mut BlockMatrix<2>,
+    rows: BlockRows<'a, 2>,
 }
 
 impl<L: Isotropic> WithSimd for Assemble<'_, L> {
@@ -141,12 +157,15 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) {
-        let Self { density, of, x, weight, negative, matrix } = self;
+        let Self { density, of, x, weight, negative, mut rows } = self;
         let order = Order::new(of.set());
         let (mut now, mut rest) = ([Quads::default(); RUN_BLOCKS], [Quads::default(); RUN_BLOCKS]);
         let mut scales = [Lanes::default(); RUN_BLOCKS];
         let mut out = [[Quads::default(); 6]; RUN_BLOCKS];
         for (run, triangles) in of.corners().chunks(RUN_BLOCKS * LANES).enumerate() {
+            if !rows.have_any(triangles.as_flattened()) {
+                continue;
+            }
             for (number, &triangle) in triangles.iter().enumerate() {
                 let Rest { inverse, area } = of.rest(run * RUN_BLOCKS * LANES + number);
                 let (block, lane) = (number / LANES, number % LANES);
@@ -170,7 +189,8 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
             }
             for (number, &triangle) in triangles.iter().enumerate() {
                 let (block, quad) = (&out[number / LANES], order.quad[number % LANES]);
-                matrix.triangle(triangle, &[0, 1, 2, 3, 4, 5].map(|entry| block[entry][quad]));
+                let blocks = [0, 1, 2, 3, 4, 5].map(|entry| block[entry][quad]);
+                rows.triangle(run * RUN_BLOCKS * LANES + number, triangle, &blocks);
             }
         }
     }

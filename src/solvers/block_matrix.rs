@@ -79,17 +79,17 @@ pub type Block<const D: usize> = SMatrix<f64, D, D>;
 ///
 /// The sparsity pattern is fixed at construction, by a list of vertex pairs; repeated pairs share a block. Assembly
 /// follows the same list in the same order: the n-th [`Self::off_diagonal`] after [`Self::clear`] adds to the block of
-/// the n-th pair, without a search. Each block is stored once, with the lower of its two vertices as the column.
+/// the n-th pair, without a search. Many elements at once are added [by rows](Self::add_by_rows), on several threads. Each block is stored once, with the lower of its two vertices as the column.
 #[derive(Clone, Debug, Default)]
 pub struct BlockMatrix<const D: usize> {
-    diagonal: Vec<Block<D>>,
+    pub(super) diagonal: Vec<Block<D>>,
     /// One for each different pair, in the order of `pattern`.
-    blocks: Vec<Block<D>>,
+    pub(super) blocks: Vec<Block<D>>,
     /// The different pairs, (row, column) with row > column, sorted by row.
-    pattern: Vec<[u32; 2]>,
+    pub(super) pattern: Vec<[u32; 2]>,
     /// For each pair of the list the number of its block, doubled; odd where the pair has the lower vertex first.
-    slots: Vec<u32>,
-    cursor: usize,
+    pub(super) slots: Vec<u32>,
+    pub(super) cursor: usize,
 }
 
 impl<const D: usize> BlockMatrix<D> {
@@ -209,25 +209,6 @@ impl<const D: usize> BlockMatrix<D> {
 }
 
 impl BlockMatrix<2> {
-    /// Adds the six blocks of a triangle, each column by column: those of its corners with themselves, and those of the
-    /// next three pairs of the list, (first, second), (first, third) and (second, third). Extra pairs are ignored.
-    #[inline(always)]
-    pub fn triangle(&mut self, corners: [u32; 3], blocks: &[[f64; 4]; 6]) {
-        let (own, pattern) = blocks.split_at(3);
-        for (corner, block) in corners.into_iter().zip(own) {
-            let into: &mut [[f64; 2]; 2] = self.diagonal[corner as usize].as_mut();
-            into.as_flattened_mut().iter_mut().zip(block).for_each(|(into, entry)| *into += entry);
-        }
-        if let Some(slots) = self.slots.get(self.cursor..self.cursor + 3) {
-            for (slot, [m11, m21, m12, m22]) in slots.iter().zip(pattern) {
-                let (m21, m12) = if slot & 1 == 0 { (m21, m12) } else { (m12, m21) };
-                let into: &mut [[f64; 2]; 2] = self.blocks[(slot >> 1) as usize].as_mut();
-                into.as_flattened_mut().iter_mut().zip([m11, m21, m12, m22]).for_each(|(into, entry)| *into += entry);
-            }
-        }
-        self.cursor += 3;
-    }
-
     /// Transforms the matrix to local axes, given by the first axis of each vertex, flat: `Q_aᵀ B_ab Q_b`.
     pub fn turn(&mut self, axes: &[f64]) {
         let turned = |vertex: usize| axes[2 * vertex..2 * vertex + 2] != [1.0, 0.0];

@@ -19,6 +19,7 @@
 //! ```
 
 mod block_matrix;
+mod block_rows;
 mod cholesky;
 mod conjugate;
 mod dense;
@@ -29,5 +30,6 @@ mod supernodes;
 mod two_level;
 
 pub use block_matrix::{Block, BlockMatrix, SparseMatrix, Tangent, Weights};
+pub use block_rows::BlockRows;
 pub use cholesky::Factor;
 pub use newton::{Equations, LinearSolver, Newton, NewtonCounts};

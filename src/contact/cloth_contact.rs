@@ -1,13 +1,15 @@
 //! Contact of cloth in space with itself and with other cloth.
 
 use super::{
-    Anchor, AnyContact, Candidates, ClothMesh, ClothSurface, ContactModel, ContactName, ContactParameters, ContactTerm,
-    Grid, Means, Members, Pair, Skin, SurfaceTerm, SurfaceVertex, SurfaceVertices, Surfaces as _, Touch, Truncation,
+    Anchor, AnyContact, Candidates, ClothMesh, ClothSurface, ClothTriangle, ContactModel, ContactName,
+    ContactParameters, ContactTerm, Grid, Means, Members, Pair, Skin, SurfaceTerm, SurfaceVertex, SurfaceVertices,
+    Surfaces as _, Touch, Truncation,
+    candidates::minus,
     cloth_mesh::ClothPair,
     cloth_query::{ClothQuery, ClothStencil, between_edges},
     friction::{anchor_of, anchors_of},
     surface_term::{Between, with_candidates},
-    touch::coordinates,
+    touch::{coordinates, dot},
     truncation::MeetingPairs,
 };
 use crate::{
@@ -134,11 +136,21 @@ impl ClothContact {
         const SLACK: f64 = 1.0 + 1e-9;
         let motion = Motion { anchors: anchors_of(motion.anchors, self.number), ..motion };
         let is_near = |pair: Pair| self.mesh.is_within(motion.x, pair, SLACK * self.thickness(pair));
-        candidates.each(is_near, |pair| self.each_of(motion, pair, &mut |touch| act(pair, touch)));
+        let penetrates = penetrates(motion);
+        candidates.each(is_near, |pair| self.each_of((motion, penetrates), pair, &mut |touch| act(pair, touch)));
     }
 
-    /// Calls `act` for everything that touches in a pair.
-    fn each_of(&self, motion: Motion<'_>, pair: Pair, act: &mut dyn FnMut(&ClothTouch)) {
+    /// Whether a vertex may touch all triangles that have a corner in common with one that it touches: of other cloth, or far from it at rest.
+    fn touches_all_around(&self, triangle: u32, vertex: &SurfaceVertex) -> bool {
+        let ClothTriangle { corners: [corner, ..], part, .. } = self.mesh.triangles()[triangle as usize];
+        let [one, other] = [corner, vertex.vertex].map(|vertex| coordinates::<3>(&self.rest, vertex));
+        let between = minus(one, other);
+        let far = self.reach + 2.0 * self.mesh.longest_edge();
+        part != vertex.part || dot(between, between) > far * far
+    }
+
+    /// Calls `act` for everything that touches in a pair. `penetrates` says whether [some contacts do](penetrates).
+    fn each_of(&self, (motion, penetrates): (Motion<'_>, bool), pair: Pair, act: &mut dyn FnMut(&ClothTouch)) {
         if !self.can_touch(pair) {
             return;
         }
@@ -153,11 +165,12 @@ impl ClothContact {
                     point: coordinates(motion.x, vertex.vertex),
                     thickness: self.thickness(pair),
                     can_touch: |triangle: u32| self.can_touch([triangle, place]),
+                    touches_all: self.touches_all_around(triangle, &vertex),
                 };
                 let area = self.shares[vertex.part as usize] * vertex.area;
                 let name = ContactName { effect: self.number, surface: triangle, vertex: vertex.vertex };
                 let own = anchor_of(motion.anchors, name);
-                let begun = if own.is_none() { self.penetration_beside(motion, name) } else { 0.0 };
+                let begun = if own.is_none() && penetrates { self.penetration_beside(motion, name) } else { 0.0 };
                 let vertices = [vertex.vertex, corners[0], corners[1], corners[2]];
                 let mut is_first = true;
                 query.each(triangle, &mut |stencil| {
@@ -214,9 +227,6 @@ impl ClothContact {
 
     /// Greatest initial penetration of a vertex at the triangles around one that it is new at \[m\].
     fn penetration_beside(&self, motion: Motion<'_>, name: ContactName) -> f64 {
-        if motion.anchors.iter().all(|anchor| anchor.penetration == 0.0) {
-            return 0.0;
-        }
         let around = self.mesh.connected(name.surface);
         let anchors = around.filter_map(|surface| anchor_of(motion.anchors, ContactName { surface, ..name }));
         anchors.map(|anchor| anchor.penetration).fold(0.0, f64::max)
@@ -319,10 +329,11 @@ impl ContactTerm<3, 2, 4> for ClothContact {
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<3>() else { return };
         let motion = Motion { anchors: anchors_of(motion.anchors, self.number), ..motion };
+        let penetrates = penetrates(motion);
         for pair in motion.pattern {
             let mut blocks = [nalgebra::Matrix3::zeros(); 6];
             if self.mesh.is_within(motion.x, *pair, self.thickness(*pair)) {
-                self.each_of(motion, *pair, &mut |touch| {
+                self.each_of((motion, penetrates), *pair, &mut |touch| {
                     let linearised = touch.linearised(weights);
                     for (i, vertex) in touch.vertices.iter().enumerate() {
                         matrix.diagonal(*vertex as usize, &linearised.block(i, i));
@@ -337,6 +348,11 @@ impl ContactTerm<3, 2, 4> for ClothContact {
             }
         }
     }
+}
+
+/// Whether there are contacts with an initial penetration.
+fn penetrates(motion: Motion<'_>) -> bool {
+    motion.anchors.iter().any(|anchor| anchor.penetration != 0.0)
 }
 
 /// Pairs of the four vertices.

@@ -43,6 +43,12 @@ pub struct ClothMesh {
     around: Vec<u32>,
     /// Where those of each vertex begin, and their number.
     around_from: Vec<u32>,
+    /// Length of the longest edge at rest \[m\].
+    longest_edge: f64,
+    /// Number of triangles at each edge.
+    beside_counts: Vec<f64>,
+    /// Number of triangles and of edges at each vertex of the scene.
+    around_counts: Vec<[f64; 2]>,
 }
 
 /// Two surfaces that may be near each other.
@@ -56,7 +62,7 @@ pub(super) enum ClothPair {
 
 impl ClothMesh {
     /// The mesh of triangles with these corners, by their numbers in the scene; `rest` are the positions at rest \[m\]. Of triangles with
-    /// the same corners one counts, and of those with a corner twice none.
+    /// the same corners one counts. Those with a corner twice, and those with a corner that has no skin, do not count.
     pub fn new(surface: &Arc<SurfaceVertices>, corners: impl Iterator<Item = [u32; 3]>, rest: &[f64]) -> Self {
         let part = |corner: u32| surface.place_of(corner).map(|place| surface.at(place).part);
         let mut known = BTreeSet::new();
@@ -96,7 +102,25 @@ impl ClothMesh {
         let vertices = (rest.len() / 3) as u32;
         let around_from = (0..=vertices).map(|vertex| star.partition_point(|[own, _]| *own < vertex) as u32).collect();
         let around = star.into_iter().map(|[_, number]| number).collect();
-        Self { surface: Arc::clone(surface), triangles, edges, around, around_from }
+        let longest_edge = edges.iter().map(|edge| edge.length).fold(0.0, f64::max);
+        let (mut beside_counts, mut around_counts) = (vec![0.0; edges.len()], vec![[0.0; 2]; vertices as usize]);
+        for triangle in &triangles {
+            triangle.sides.iter().for_each(|side| beside_counts[*side as usize] += 1.0);
+            triangle.corners.iter().for_each(|corner| around_counts[*corner as usize][0] += 1.0);
+        }
+        for end in edges.iter().flat_map(|edge| edge.ends) {
+            around_counts[end as usize][1] += 1.0;
+        }
+        Self {
+            surface: Arc::clone(surface),
+            triangles,
+            edges,
+            around,
+            around_from,
+            longest_edge,
+            beside_counts,
+            around_counts,
+        }
     }
 
     /// The triangles.
@@ -126,7 +150,22 @@ impl ClothMesh {
         self.around(vertex).filter(move |triangle| self.triangles[*triangle as usize].sides.contains(&edge))
     }
 
-    /// Whether a part has triangles. The particles of others touch without the springs between them.
+    /// Length of the longest edge at rest \[m\].
+    pub(super) const fn longest_edge(&self) -> f64 {
+        self.longest_edge
+    }
+
+    /// Number of triangles with this side.
+    pub(super) fn count_beside(&self, edge: u32) -> f64 {
+        self.beside_counts[edge as usize]
+    }
+
+    /// Number of triangles and of edges at a vertex.
+    pub(super) fn counts_around(&self, vertex: u32) -> [f64; 2] {
+        self.around_counts[vertex as usize]
+    }
+
+    /// Whether a part has triangles. The particles of a net without triangles touch as points.
     pub fn has_triangles(&self, part: u32) -> bool {
         let first = self.surface.vertices_of(part as usize).map(|place| self.surface.at(place as u32).vertex);
         first.into_iter().any(|vertex| self.around(vertex).next().is_some())
@@ -143,13 +182,14 @@ impl ClothMesh {
         self.triangles[triangle as usize].corners.into_iter().flat_map(|corner| self.around(corner))
     }
 
-    /// Names of the surface and of the vertex of two edges: the second edge by its lower end, and by its place among the edges
+    /// Surface and vertex of the [`ContactName`](super::ContactName) of two edges: the second edge by its lower end, and by its place among the edges
     /// that begin there.
     pub(super) fn name_of_edges(&self, edge: u32, other: u32) -> [u32; 2] {
         let [end, _] = self.edges[other as usize].ends;
         let at = |end: u32| self.edges.partition_point(|edge| edge.ends[0] < end) as u32;
         let [first, next] = [at(end), at(end + 1)];
-        [self.triangles.len() as u32 + edge * (next - first) + (other - first), end]
+        let pair = edge.wrapping_mul(next - first).wrapping_add(other - first);
+        [pair.wrapping_add(self.triangles.len() as u32), end]
     }
 
     /// Positions of the corners of a triangle \[m\].
@@ -221,8 +261,7 @@ impl Surfaces<3> for ClothMesh {
         pairs.retain(|pair| self.is_within(x, *pair, distance));
     }
 
-    /// Those whose boxes around both places, relative to the mean displacement, are within the distance. Where so many may meet
-    /// that cloth has exploded, none are found: the guard is there for that.
+    /// Those whose boxes around both places, relative to the mean displacement, are within the distance.
     fn find_swept(&self, grid: &mut Grid, [start, x]: [&[f64]; 2], (_, distance): (f64, f64), pairs: &mut Vec<Pair>) {
         let moved = |vertex: u32| minus(coordinates::<3>(x, vertex), coordinates(start, vertex));
         let sum = self.surface.iter().map(|vertex| moved(vertex.vertex));
@@ -237,14 +276,14 @@ impl Surfaces<3> for ClothMesh {
 }
 
 impl ClothMesh {
-    /// Most pairs for each triangle whose boxes may be near each other.
+    /// Most pairs for each triangle, edge and vertex whose boxes may be near each other.
     const MOST: usize = 2000;
 
-    /// Writes all pairs whose boxes are within a distance \[m\] and that have no vertex in common, in their order; none if they are too
-    /// many. `around` gives the box of a vertex.
+    /// Writes all pairs whose boxes are within a distance \[m\] and that have no vertex in common, in their order. If they are too many, as
+    /// where cloth has exploded, there are none, and contact does not act. `around` gives the box of a vertex.
     fn find_boxes(&self, grid: &mut Grid, around: &dyn Fn(u32) -> Box, distance: f64, pairs: &mut Vec<Pair>) {
         pairs.clear();
-        let most = Self::MOST * self.triangles.len();
+        let most = Self::MOST * (self.triangles.len() + self.edges.len() + self.surface.len());
         let of_triangle = |triangle: u32| united(self.triangles[triangle as usize].corners.map(around));
         let of_edge = |edge: u32| united(self.edges[edge as usize].ends.map(around));
         grid.fill(self.triangles.len(), distance, of_triangle);
@@ -338,7 +377,9 @@ impl Grid {
     }
 
     fn place(&self, coordinate: f64) -> i64 {
-        libm::floor(coordinate / self.cell) as i64
+        /// Cells farther away count as one.
+        const FARTHEST: f64 = (1_u64 << 60) as f64;
+        libm::floor(coordinate / self.cell).clamp(-FARTHEST, FARTHEST) as i64
     }
 
     /// Calls `act` for the surfaces whose boxes may meet a box.
@@ -355,7 +396,7 @@ impl Grid {
         }
         for column in least[0]..=greatest[0] {
             for row in least[1]..=greatest[1] {
-                // The keys of a row of cells follow each other, but for the one where they begin again.
+                // The keys of a row of cells follow each other, except where their last bits begin again.
                 let mut layer = least[2];
                 while layer <= greatest[2] {
                     let last = greatest[2].min(layer | LAYER);

@@ -16,9 +16,8 @@ pub(super) type ClothStencil = Stencil<3, 2, 4>;
 ///
 /// With m the number of triangles at an edge or a vertex, and n the number of edges at a vertex, the sum of a function of the distances from all triangles,
 /// less m - 1 times that from each edge, and plus 1 + m - n times that from each vertex, is the function of the distance from the
-/// surface, by the principle of inclusion and exclusion, where the parts of the surface that are nearer than any given distance are one piece without holes. So it is
-/// over flat and over convex surfaces; in a valley both sides count, and of a tube that is narrower than the skin the far side is
-/// subtracted. As each term is a function of the distance from something convex, the sum is continuously differentiable everywhere (Li et al., *Convergent
+/// surface, by the principle of inclusion and exclusion, if the part of the surface within any given distance of the vertex is one piece without holes. This holds over flat
+/// and convex surfaces. In a concave fold both sides count. Inside a tube narrower than the skin the far side is subtracted. As each term is a function of the distance from something convex, the sum is continuously differentiable wherever no distance is zero (Li et al., *Convergent
 /// Incremental Potential Contact*, 2023).
 ///
 /// The terms of an edge or a vertex are shared by its triangles in equal parts. All terms of a triangle have one memory: the place in its plane that the
@@ -29,30 +28,45 @@ pub(super) struct ClothQuery<'a, A: Fn(u32) -> bool> {
     pub rest: &'a [f64],
     /// Positions \[m\].
     pub x: &'a [f64],
-    /// That of the vertex \[m\].
+    /// Position of the vertex \[m\].
     pub point: Point,
     /// Thickness of the skin \[m\].
     pub thickness: f64,
-    /// Triangles that it may touch.
+    /// Whether the vertex may touch a triangle.
     pub can_touch: A,
+    /// Whether it may touch all triangles that share a corner with the one that is asked for.
+    pub touches_all: bool,
+}
+
+/// A triangle of a query.
+struct Triangle {
+    corners: [Point; 3],
+    normal: Point,
+    /// Gradients of its barycentric coordinates [1/m].
+    gradients: [Point; 3],
+    /// Corners at rest \[m\], and gradients there [1/m].
+    at_rest: [Point; 3],
+    rest_gradients: [Point; 3],
 }
 
 impl<A: Fn(u32) -> bool> ClothQuery<'_, A> {
     /// Calls `act` with the geometry of the terms of a triangle: first that of the triangle itself, with a share of one.
     pub fn each(&self, triangle: u32, act: &mut dyn FnMut(ClothStencil)) {
         let own = &self.mesh.triangles()[triangle as usize];
-        let corners = self.mesh.corners(self.x, triangle);
+        let [corners, at_rest] = [self.x, self.rest].map(|x| self.mesh.corners(x, triangle));
+        let ((normal, gradients), (_, rest_gradients)) = (gradients(corners), gradients(at_rest));
+        let triangle = Triangle { corners, normal, gradients, at_rest, rest_gradients };
         let (feature, shares) = nearest_of_triangle(self.point, corners);
-        act(self.stencil(triangle, feature == Feature::Face, shares, 1.0));
+        act(self.stencil(&triangle, feature == Feature::Face, shares, 1.0));
         for (side, edge) in own.sides.into_iter().enumerate() {
             let next = (side + 1) % 3;
             let t = nearest_of_segment(self.point, [corners[side], corners[next]]);
             if self.is_near(along([corners[side], corners[next]], t)) {
-                let count = self.beside(edge).map(|_| 1.0).sum::<f64>();
+                let count = self.count_beside(edge);
                 let mut shares = [0.0; 3];
                 (shares[side], shares[next]) = (1.0 - t, t);
                 if count > 1.0 {
-                    act(self.stencil(triangle, false, shares, 1.0 / count - 1.0));
+                    act(self.stencil(&triangle, false, shares, 1.0 / count - 1.0));
                 }
             }
         }
@@ -63,7 +77,7 @@ impl<A: Fn(u32) -> bool> ClothQuery<'_, A> {
                 shares[corner] = 1.0;
                 let share = (1.0 + triangles - edges) / triangles;
                 if share != 0.0 {
-                    act(self.stencil(triangle, false, shares, share));
+                    act(self.stencil(&triangle, false, shares, share));
                 }
             }
         }
@@ -79,8 +93,15 @@ impl<A: Fn(u32) -> bool> ClothQuery<'_, A> {
         self.mesh.beside(edge).filter(|triangle| (self.can_touch)(*triangle))
     }
 
+    fn count_beside(&self, edge: u32) -> f64 {
+        if self.touches_all { self.mesh.count_beside(edge) } else { self.beside(edge).map(|_| 1.0).sum() }
+    }
+
     /// Number of triangles at a vertex that it may touch, and of their edges there.
     fn counts_around(&self, vertex: u32) -> [f64; 2] {
+        if self.touches_all {
+            return self.mesh.counts_around(vertex);
+        }
         let mut counts = [0.0; 2];
         for triangle in self.mesh.around(vertex).filter(|triangle| (self.can_touch)(*triangle)) {
             let sides = self.mesh.triangles()[triangle as usize].sides;
@@ -97,10 +118,8 @@ impl<A: Fn(u32) -> bool> ClothQuery<'_, A> {
     /// The rate of the slip is that of the vertex at p relative to the point c, along the surface, and relative to the rotation of the triangle: `t . (dp - dc -
     /// w x (p - c))`. With the surface gradient `H = sum(dx_i grad l_i')` and the normal m of the triangle, `w x m = -H' m`, and across m it is
     /// the skew part of H. On the face this is the derivative of the displacement of c over the triangle.
-    fn stencil(&self, triangle: u32, is_face: bool, shares: [f64; 3], share: f64) -> ClothStencil {
-        let corners = self.mesh.corners(self.x, triangle);
-        let at_rest = self.mesh.corners(self.rest, triangle);
-        let ((own_normal, gradients), (_, rest_gradients)) = (gradients(corners), self::gradients(at_rest));
+    fn stencil(&self, triangle: &Triangle, is_face: bool, shares: [f64; 3], share: f64) -> ClothStencil {
+        let Triangle { corners, normal: own_normal, gradients, at_rest, rest_gradients } = *triangle;
         let from_first = minus(self.point, corners[0]);
         let (normal, distance) = if is_face {
             // Exact at any distance.
@@ -155,12 +174,13 @@ fn gradients([a, b, c]: [Point; 3]) -> (Point, [Point; 3]) {
     (direction(doubled).0, [minus(c, b), minus(a, c), minus(b, a)].map(gradient))
 }
 
-/// Part of an edge from each end within which its contact with another edge vanishes.
+/// Fraction of an edge at each end over which the share of its contact with another edge rises from zero to one.
 const END: f64 = 0.25;
-/// Square of the sine between two edges below which their contact vanishes, where they have their lengths at rest: there the nearest
-/// points change fast.
+/// Square of the sine of the angle up to which the share of two edges rises from zero to one, at their lengths at rest. Between nearly parallel edges the
+/// nearest points change fast.
 const PARALLEL: f64 = 0.1;
-/// Share of their mean area that counts for two edges: with vertices alone the energy is that of the distance of two sheets already.
+/// Weight of a pair of edges, relative to their mean area. It is less than one, because the terms of vertices alone give the energy of two parallel
+/// sheets.
 const CROSSED: f64 = 0.25;
 
 /// Contact of two edges that cross each other, whose product of lengths at rest is `lengths` \[m²\].
@@ -168,7 +188,7 @@ const CROSSED: f64 = 0.25;
 /// With u and w the edges, their nearest points at s and t, q the vector between these, `a = u . u`, `b = u . w`, `e = w . w` and `C = a e - b²`,
 /// the conditions q . u = 0 and q . w = 0 give `C ds = b R2 - e R1` and `C dt = a R2 - b R1` with `R1 = u . r + q . du`,
 /// `R2 = w . r + q . dw` and r the relative displacement of the two points of the edges. The share of the area is a
-/// product of three ramps: of s, of t, and of `C/lengths²`.
+/// product of three ramps: of s, of t, and of `C/(0.1 lengths²)`.
 pub(super) fn between_edges(
     [x0, x1]: [Point; 2],
     [x2, x3]: [Point; 2],

@@ -124,12 +124,17 @@ impl<const D: usize, const T: usize, const N: usize> dyn ContactTerm<D, T, N> + 
     /// Adds the memory of all contacts after a step of length h \[s\]. Returns the energy that the
     /// decrease of initial penetration supplies \[J\].
     pub fn drag_anchors(&self, motion: Motion<'_>, h: f64, anchors: &mut Vec<Anchor>) -> f64 {
-        let mut supplied = 0.0;
+        let (mut supplied, mut last) = (0.0, None);
         self.each(motion, &mut |touch| {
             if touch.keeps_anchor {
-                let (anchor, energy) = touch.dragged(h);
+                let (anchor, decrease) = touch.dragged(h);
                 anchors.push(anchor);
-                supplied += energy;
+                last = Some((touch.name, decrease));
+            }
+            // Terms with the name of the one before have its memory.
+            match last {
+                Some((name, decrease)) if decrease > 0.0 && name == touch.name => supplied += touch.supplied(decrease),
+                _ => {}
             }
         });
         supplied

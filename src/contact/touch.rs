@@ -1,22 +1,21 @@
 //! A contact at one moment, as a weighted stencil of vertices, and what follows from it alike for every kind of contact.
 
 use super::{
-    Anchor, ContactName, Pair, Potential,
+    Anchor, ContactName, Potential,
     friction::{limited, size},
 };
 use crate::{
-    effects::Motion,
     obstacles::Rigid,
-    solvers::{SparseMatrix, Tangent, Weights},
+    solvers::{Tangent, Weights},
 };
 use nalgebra::SMatrix;
 
 /// Something that touches at one moment: up to N vertices with D coordinates and weights w, so that the gap is
-/// `g = n . sum(w x) - c` with the unit normal n.
+/// `g = n . sum(w x) - g0` with the unit normal n and a constant g0.
 ///
 /// Its energy per area is that of the [`Potential`] phi at g, and the force on a vertex `A p (1 - c dg/dt) w n - phi dA/dx` less the
-/// friction `A T s`. Here s is the derivative of the slip by the position of the vertex, the place of the contact along a surface, which has
-/// T directions: one in the plane, two in space. So forces between bodies leave linear and angular momentum as they are, because
+/// friction `A q s`, with the traction q and the dissipation coefficient c. The slip is how far the place of the contact has moved along the surface since its anchor; it
+/// has one component in the plane and two in space. s is its derivative by the position of the vertex. So forces between bodies leave linear and angular momentum as they are, because
 /// neither the gap nor the slip changes where all vertices move rigidly.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
@@ -32,7 +31,7 @@ pub struct Touch<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
     pub normal: [f64; D],
     /// s of each vertex, by directions.
     pub slips: [[[f64; D]; T]; N],
-    /// Area at a thickness of the sheet of 1 m \[m²\]; negative where the contact is subtracted because its neighbours count
+    /// Area \[m²\], in the plane at a thickness of the sheet of 1 m; negative where the contact is subtracted because its neighbours count
     /// it twice.
     pub area: f64,
     /// Derivatives of the area by the positions of the vertices \[m\], where it depends on them.
@@ -41,9 +40,9 @@ pub struct Touch<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
     pub parameters: ContactParameters,
     /// g \[m\].
     pub gap: f64,
-    /// Distance of the point from the line or from the point that it touches \[m\].
+    /// Distance of the nearest points of both \[m\].
     pub distance: f64,
-    /// dg/dt [m/s].
+    /// dg/dt [m/s]: negative where the surfaces approach each other.
     pub approach: f64,
     /// Rate of the slip [m/s].
     pub sliding: [f64; T],
@@ -83,7 +82,7 @@ pub enum Members {
     Vertex,
     /// The ends of an edge that touches a corner of an obstacle.
     Edge,
-    /// All of them: a vertex and the ends of an edge.
+    /// All of them: a vertex and the ends of an edge, a vertex and the corners of a triangle, or the ends of two edges.
     Both,
 }
 
@@ -101,7 +100,7 @@ pub enum Curvature {
 /// Where along a surface a contact is.
 #[derive(Clone, Copy, Debug)]
 pub enum Place<const D: usize = 2> {
-    /// A vertex at a position \[m\] on an obstacle, which is placed like this.
+    /// On an obstacle: how that is placed, and the position of the vertex \[m\].
     Obstacle(Rigid<D>, [f64; D]),
     /// At a length along a loop of a boundary at rest, of this length around \[m\]; and length now over length at rest.
     Loop {
@@ -121,14 +120,14 @@ pub enum Place<const D: usize = 2> {
 pub struct ClothPlace {
     /// Position at rest \[m\], or any coordinates of the contact on its surfaces.
     pub point: [f64; 3],
-    /// Slip of each direction by these coordinates.
+    /// Derivative of each component of the slip by these coordinates.
     pub to: [[f64; 3]; 2],
-    /// These coordinates by the slip of each direction.
+    /// Derivative of these coordinates by each component of the slip.
     pub back: [[f64; 3]; 2],
 }
 
 impl ClothPlace {
-    /// Makes `back` the inverse of `to` along the surface, where the surface is not too steep to the directions of the slip.
+    /// Makes `back` the inverse of `to` along the surface, unless the determinant is less than a tenth.
     pub(super) fn invert(&mut self) {
         /// Least determinant, which is one where the surface is level.
         const LEAST: f64 = 0.1;
@@ -203,12 +202,12 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         self.memory.map_or([0.0; T], |(u, _)| u)
     }
 
-    /// T \[Pa\].
+    /// Traction of friction, q \[Pa\].
     fn traction(&self) -> [f64; T] {
         limited(self.sticking(), self.limit())
     }
 
-    /// T of a contact that sticks \[Pa\].
+    /// q of a contact that sticks \[Pa\].
     fn sticking(&self) -> [f64; T] {
         let rate = self.parameters.dissipation * self.pressure();
         let (elastic, slip) = (self.parameters.potential.tangential_stiffness(), self.slip());
@@ -271,7 +270,8 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         }
     }
 
-    /// Stiffness and damping of friction [N/m, N s/m], and the direction in which it slides and has none. Across that its size stays while it turns. The change
+    /// Stiffness and damping of friction [N/m, N s/m], and the direction in which it slides and has none. Across that direction the
+    /// friction turns at a constant size. The change
     /// of the greatest friction with the pressure is omitted: it is not symmetric.
     fn slip_stiffness(&self) -> ([f64; 2], Option<[f64; T]>) {
         let (wanted, limit) = (self.sticking(), self.limit());
@@ -294,7 +294,8 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         normal.max(slip)
     }
 
-    /// Weighted stiffness and damping, ready to be taken apart into blocks.
+    /// Weighted stiffness and damping, ready to be taken apart into blocks. Also the exact tangent omits the change of the limit of friction, the curvature of
+    /// contacts in space, and the second derivative of the area of two edges.
     pub fn linearised(&self, weights: Weights) -> Linearised<'_, D, T, N> {
         let weighted = |[stiffness, damping]: [f64; 2]| weights.position * stiffness + weights.velocity * damping;
         let (slip, slides) = self.slip_stiffness();
@@ -302,13 +303,13 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         let force = weights.position * self.area * self.pressure() * self.damped();
         match weights.tangent {
             Tangent::Exact => Linearised { touch: self, normal, slip, slides, force },
-            // What is subtracted, and the curvature, are negative.
+            // Terms of negative area and the curvature may be indefinite.
             _ => Linearised { touch: self, normal: normal.max(0.0), slip: slip.max(0.0), slides, force: 0.0 },
         }
     }
 
     /// Memory of the contact after a step of length h \[s\]: the anchor is dragged, and the initial penetration decreases, as long
-    /// as the surfaces are nearer than a part of the thickness of the skin. Returns also the energy that this supplies \[J\].
+    /// as the surfaces are nearer than a part of the thickness of the skin. Returns also that decrease \[m\].
     ///
     /// Steps never lead to a new contact at a negative gap. One that is found there is of surfaces that began inside each other, where
     /// another edge has become the nearest: it begins without a force.
@@ -321,13 +322,13 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         let before = self.memory.map_or(0.0, |(_, penetration)| penetration);
         let missing = LEFT * self.parameters.potential.thickness - (self.gap - before);
         let decrease = (h * self.parameters.depenetration_speed).min(missing).min(before).max(0.0);
-        let supplied = if decrease > 0.0 {
-            self.area
-                * (self.parameters.potential.energy(self.gap - decrease) - self.parameters.potential.energy(self.gap))
-        } else {
-            0.0
-        };
-        (self.anchor(self.parameters.potential.dragged(self.slip(), self.limit()), before - decrease), supplied)
+        (self.anchor(self.parameters.potential.dragged(self.slip(), self.limit()), before - decrease), decrease)
+    }
+
+    /// Energy that a decrease of its initial penetration \[m\] supplies \[J\].
+    pub(super) fn supplied(&self, decrease: f64) -> f64 {
+        let potential = self.parameters.potential;
+        self.area * (potential.energy(self.gap - decrease) - potential.energy(self.gap))
     }
 
     /// Whether it has no memory at a negative gap.
@@ -337,7 +338,8 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
 
     /// Memory of the contact in a state that no step led to: without memory it begins without a force.
     pub fn begun(&self) -> Anchor {
-        let missing = self.parameters.potential.thickness - self.gap;
+        let penetration = self.memory.map_or(0.0, |(_, penetration)| penetration);
+        let missing = self.parameters.potential.thickness - (self.gap - penetration);
         self.kept.filter(|kept| kept.contact == self.name).unwrap_or_else(|| self.anchor([0.0; T], missing))
     }
 

@@ -19,12 +19,12 @@ use serde::{Deserialize, Serialize};
 /// Dynamics*, Journal of Visual Communication and Image Representation 18, 2007). Velocities change by the displacement over
 /// the length of the step.
 ///
-/// Before that, once in a step, particles of nets that are nearer to each other than the separation are pushed apart to it in the same way, which keeps a cloth
-/// from passing through itself as long as no particle moves farther than that in a step, and holes between particles are smaller.
+/// Before that, once in a step, particles of nets that are nearer to each other than the separation are pushed apart to it by the same formula. This keeps a cloth from
+/// passing through itself as long as no particle moves farther than half of the separation in a step, and the particles are nearer to each other than that.
 ///
 /// It keeps linear momentum, and needs no short step however stiff the cloth is. It is no force: what it reaches depends on the number
-/// of passes, on the order of the springs and on the length of the step, and there is nothing that it converges to. It does
-/// not know the stiffness of the springs, which act as well unless it is zero.
+/// of passes, on the order of the springs and on the length of the step, and the result does not converge as the step is refined. It does
+/// not use the stiffness of the springs. The springs pull as well unless that is zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Projection {
@@ -194,7 +194,7 @@ impl LengthProjection {
         }
         sorted.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         for (place, [from, one]) in sorted.iter().enumerate() {
-            // Particles move while others are corrected, by less than half of the separation.
+            // Particles move while others are corrected. Those that come near by that are parted in the next step.
             let near = sorted[place + 1..].iter().take_while(|[to, _]| to - from < 2.0 * self.separation);
             for [_, other] in near {
                 let ends = [*one as u32, *other as u32];
@@ -209,7 +209,7 @@ impl LengthProjection {
     }
 }
 
-/// Moves the two ends along their distance by a factor of that, shared by their weights.
+/// Moves both ends along the line between them, together by a factor of their distance, in proportion to their inverse masses.
 fn correct<const D: usize>(inverse_mass: &[f64], x: &mut [f64], ends: [u32; 2], factor: impl Fn(f64) -> f64) {
     let [a, b] = ends.map(|end| D * end as usize);
     let between: [f64; D] = std::array::from_fn(|axis| x[b + axis] - x[a + axis]);

@@ -12,11 +12,13 @@
 //! ```
 
 mod chain;
+mod lattice;
 mod links;
 mod net;
 mod sheet;
 
 pub use chain::Chain;
+pub use lattice::Lattice;
 pub use links::Links;
 pub use net::{Link, Net, NetError, Role};
 pub use sheet::{Sheet, SpringOrder};
@@ -28,6 +30,7 @@ registry! {
     pub enum NetKind: dyn NetSource {
         Chain(Chain),
         Sheet(Sheet),
+        Lattice(Lattice),
         Links(Links),
     }
 }

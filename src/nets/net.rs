@@ -6,6 +6,8 @@ use crate::meshes::{NEAR, Numbering, size};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Net {
     points: Vec<[f64; 2]>,
+    /// Distance of each particle from the plane of the net \[m\]; empty if all are in it.
+    heights: Vec<f64>,
     links: Vec<Link>,
     /// Triangles that fill its cells, for drawing; empty if it has none.
     faces: Vec<[u32; 3]>,
@@ -118,7 +120,7 @@ impl Net {
         }
         match held.iter().position(|held| !held) {
             Some(particle) => Err(NetError::Unused { particle, count: held.iter().filter(|held| !**held).count() }),
-            None => Ok(Self { points, links, faces: Vec::new(), numbering: Numbering::default() }),
+            None => Ok(Self { points, heights: Vec::new(), links, faces: Vec::new(), numbering: Numbering::default() }),
         }
     }
 
@@ -128,13 +130,31 @@ impl Net {
         let link = |link: Link| Link { ends: link.ends.map(|end| numbering.vertex(end)), ..link };
         let links = numbering.elements_of(&self.links).into_iter().map(link).collect();
         let faces = self.faces.iter().map(|face| face.map(|corner| numbering.vertex(corner))).collect();
-        Self { points: numbering.vertices_of(&self.points), links, faces, numbering }
+        let heights = if self.is_flat() { Vec::new() } else { numbering.vertices_of(&self.heights) };
+        Self { points: numbering.vertices_of(&self.points), heights, links, faces, numbering }
     }
 
     /// The net with triangles between its particles, by which it is drawn in space. They carry no force.
     #[must_use]
     pub(super) fn with_faces(self, faces: Vec<[u32; 3]>) -> Self {
         Self { faces, ..self }
+    }
+
+    /// The net with particles at these distances in front of its plane \[m\], which must be finite.
+    #[must_use]
+    pub(super) fn with_heights(self, heights: Vec<f64>) -> Self {
+        Self { heights, ..self }
+    }
+
+    /// Whether all particles are in its plane. Others are in space alone.
+    pub fn is_flat(&self) -> bool {
+        self.heights.is_empty()
+    }
+
+    /// Start position of each particle, with its distance from the plane of the net \[m\].
+    pub fn points_in_space(&self) -> impl Iterator<Item = [f64; 3]> {
+        let heights = self.heights.iter().copied().chain(std::iter::repeat(0.0));
+        self.points.iter().zip(heights).map(|([x, y], height)| [*x, *y, height])
     }
 
     /// Triangles between its particles, by which it is drawn in space; empty if it is drawn by its springs.
@@ -154,6 +174,10 @@ impl Net {
 
     /// Messages about a usable net, for the user.
     pub fn messages(&self) -> Vec<String> {
+        // Where not all particles are in one plane, their distances in it say nothing.
+        if !self.is_flat() {
+            return Vec::new();
+        }
         let near = NEAR * size(&self.points);
         let flat = self.points.as_flattened();
         // A spring without a rest length pulls two particles together, wherever they are.

@@ -33,10 +33,16 @@ impl Scene {
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();
         let pins = pinned(&level.pins, points, net.numbering())?;
+        if level.space.is_none() && !net.is_flat() {
+            return Err(format!(
+                "{:?} is a block of particles in space: say where, with `space: ()`",
+                level.net.name()
+            ));
+        }
         let (vx, vy) = (level.velocity.0.get(), level.velocity.1.get());
         let velocity = [vx, vy];
         if let Some(place) = level.space {
-            let rest: Vec<_> = net.points().iter().flat_map(|point| place.placed(*point)).collect();
+            let rest: Vec<_> = net.points_in_space().flat_map(|point| place.placed_from_plane(point)).collect();
             let ([x, y, z], (dx, dy, dz)) = (place.turned(velocity), place.velocity);
             self.start.v.extend(vertices.clone().flat_map(|_| [x + dx.get(), y + dy.get(), z + dz.get()]));
             self.start.x.extend(&rest);

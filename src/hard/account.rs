@@ -4,7 +4,7 @@ use crate::{guard::negligible, report::Energies, scene::Scene};
 
 /// Energy account of a run.
 ///
-/// With the mechanical energy M, the potential P and the work W done from outside (mouse, moved pins, moving obstacles,
+/// With the mechanical energy M (with that of contact), the potential P and the work W done from outside (mouse, moved pins, moving obstacles,
 /// reversed gravity), `A = M + P - W` never increases: gravity and springs convert energy, damping and contact dissipate
 /// it. Energy from nowhere is the rise of A above its least value so far, so that energy which was dissipated cannot hide
 /// it. It is stated as a share of the energy put in, the greatest M that start and work allow: `M0 + P0 + W - P`.
@@ -44,7 +44,7 @@ impl Account {
 
     /// Records the present energies.
     pub fn record(&mut self, energies: Energies) {
-        self.put_in = self.put_in.max(self.start + self.work - energies.external());
+        self.put_in = self.put_in.max(self.start + self.work - energies.potential);
         let balance = energies.total() - self.work;
         let gain = (balance - self.least) / self.put_in;
         // NaN counts as an infinite gain.

@@ -30,7 +30,7 @@ pub enum Experiment {
 
 /// Whether a failure is one of the last state.
 const fn ends(failure: Failure) -> bool {
-    matches!(failure, Failure::Inverted | Failure::Wound | Failure::Strain | Failure::Motion)
+    matches!(failure, Failure::Tangled | Failure::Inverted | Failure::Wound | Failure::Strain | Failure::Motion)
 }
 
 impl std::fmt::Display for Experiment {

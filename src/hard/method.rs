@@ -33,11 +33,13 @@ pub enum Method {
     ImplicitMidpoint,
     /// Second backward differentiation formula.
     Bdf2,
+    /// Energy-momentum method.
+    EnergyMomentum,
 }
 
 impl Method {
-    /// All methods, in the order of the integrators; the energy-momentum method is not among them.
-    pub const ALL: [Self; 11] = [
+    /// All methods, in the order of the integrators.
+    pub const ALL: [Self; 12] = [
         Self::SymplecticEuler,
         Self::ForwardEuler,
         Self::VelocityVerlet,
@@ -49,6 +51,7 @@ impl Method {
         Self::ImplicitEuler,
         Self::ImplicitMidpoint,
         Self::Bdf2,
+        Self::EnergyMomentum,
     ];
 
     /// Share of the longest stable step that an explicit scheme takes.

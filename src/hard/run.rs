@@ -37,9 +37,29 @@ pub struct Run {
     account: Account,
     fence: Fence,
     outside: f64,
-    /// Crossings of surfaces at the start, which may stay, and the greatest number since.
-    crossings: [usize; 2],
+    crossings: Crossings,
     comparison: Option<(Arc<Reference>, Comparison)>,
+}
+
+/// Places where surfaces have crossed.
+struct Crossings {
+    /// Whether there were none at some time.
+    free: bool,
+    /// Greatest number since then, or the present one.
+    count: usize,
+}
+
+impl Crossings {
+    fn new(count: Option<usize>) -> Self {
+        let count = count.unwrap_or(0);
+        Self { free: count == 0, count }
+    }
+
+    fn record(&mut self, count: Option<usize>) {
+        let count = count.unwrap_or(0);
+        self.count = if self.free { self.count.max(count) } else { count };
+        self.free |= count == 0;
+    }
 }
 
 /// Iterations for the longest stable step in every frame.
@@ -67,7 +87,7 @@ impl Run {
         };
         Ok(Self {
             account: Account::new(simulation.scene(), simulation.energies()),
-            crossings: [simulation.count_crossings().unwrap_or(0), 0],
+            crossings: Crossings::new(simulation.count_crossings()),
             simulation,
             method,
             expects: case.expects,
@@ -114,7 +134,7 @@ impl Run {
     }
 
     /// Same run at another share of the longest stable step than [`Method::SHARE`], and without the guard.
-    /// Steps are up to twice as short as this share. From 2 on, an explicit scheme must fail.
+    /// Steps are up to four times as short as this share. From 4 on, an explicit scheme must fail.
     #[must_use]
     pub fn unguarded_at(mut self, share: f64) -> Self {
         let scene = Scene { guard: false, ..self.simulation.scene().clone() };
@@ -156,8 +176,7 @@ impl Run {
         self.account.supply(self.simulation.work_of_obstacles() - work);
         self.account.record(self.simulation.energies());
         self.outside = self.outside.max(self.fence.beyond(self.simulation.state().time, &self.simulation.state().x));
-        let crossings = self.simulation.count_crossings().unwrap_or(0);
-        self.crossings[1] = self.crossings[1].max(crossings);
+        self.crossings.record(self.simulation.count_crossings());
         if let Some((reference, comparison)) = &mut self.comparison {
             comparison.record(&self.simulation, reference);
         }
@@ -188,7 +207,8 @@ impl Run {
         let numbers = Numbers {
             gain: self.account.gain(),
             outside: self.outside,
-            crossings: self.crossings[1].saturating_sub(self.crossings[0]),
+            crossings: if self.crossings.free { self.crossings.count } else { 0 },
+            tangled: if self.crossings.free { 0 } else { self.crossings.count },
             strain: home.then(|| greatest_strain(scene, &state.x)),
             speed: home.then(|| (2.0 * energies.kinetic / mu_area).sqrt()),
             elastic: energies.elastic,
@@ -206,7 +226,7 @@ impl Run {
     }
 
     /// Shortens the step if the scene has become stiffer, and lengthens it if it is much softer.
-    /// Between two frames the guard does the same.
+    /// Within a frame the guard divides unstable steps.
     fn adapt_step(&mut self) {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
         let Some(limit) = self.probe.refine(scene, state, self.simulation.grab(), ROUNDS) else { return };

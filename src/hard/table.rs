@@ -69,6 +69,7 @@ impl Failure {
             Self::Energy => "energy from nowhere".to_owned(),
             Self::Outside => "through a wall".to_owned(),
             Self::Crossed => "surfaces crossed".to_owned(),
+            Self::Tangled => "surfaces did not come apart".to_owned(),
             Self::Inverted => format!("{} inverted", Count(numbers.inverted, "triangle", "triangles")),
             Self::Wound => format!("folded at {}", Count(numbers.wound, "vertex", "vertices")),
             Self::Strain => "not in its rest shape".to_owned(),

@@ -22,8 +22,10 @@ pub struct Numbers {
     /// Greatest distance beyond a wall, as a share of the size of the bodies.
     pub outside: f64,
     /// Greatest number of crossings of surfaces at the end of a frame, where contact has a potential; see
-    /// [`count_crossings`](crate::contact::count_crossings).
+    /// [`count_crossings`](crate::contact::count_crossings). Where surfaces begin crossed, it counts since they came apart.
     pub crossings: usize,
+    /// Number of crossings at the end, if surfaces began crossed and never came apart.
+    pub tangled: usize,
     /// Greatest |s - 1| of the principal stretches at the end, if bodies should return to their rest shape.
     pub strain: Option<f64>,
     /// Speed at the end (root mean square over the mass), relative to that of shear waves, if bodies should come to rest.
@@ -57,8 +59,10 @@ pub enum Failure {
     Energy,
     /// Something went through a wall.
     Outside,
-    /// Surfaces of bodies crossed each other.
+    /// Surfaces crossed each other.
     Crossed,
+    /// Surfaces that began crossed did not come apart.
+    Tangled,
     /// Triangles are inverted at the end.
     Inverted,
     /// No triangle is inverted at the end, but triangles of a vertex lie over each other. No force separates them.
@@ -83,7 +87,7 @@ pub struct Verdict {
 impl Verdict {
     /// Verdict on measured numbers with an energy tolerance.
     pub fn of(numbers: Numbers, fault: Option<String>, tolerance: f64) -> Self {
-        let Numbers { gain, outside, crossings, strain, speed, inverted, wound, .. } = numbers;
+        let Numbers { gain, outside, crossings, tangled, strain, speed, inverted, wound, .. } = numbers;
         // NaN exceeds every limit.
         let within = |value: f64, limit: f64| value <= limit;
         let failure = if fault.is_some() {
@@ -94,6 +98,8 @@ impl Verdict {
             Some(Failure::Outside)
         } else if crossings > 0 {
             Some(Failure::Crossed)
+        } else if tangled > 0 {
+            Some(Failure::Tangled)
         } else if inverted > 0 {
             Some(Failure::Inverted)
         } else if wound > 0 {
@@ -120,12 +126,14 @@ impl Verdict {
 
     /// Number that decides about stability, with its name and unit.
     pub fn decided_by(&self) -> String {
-        let Numbers { gain, outside, crossings, strain, speed, inverted, wound, time, opens, .. } = self.numbers;
+        let Numbers { gain, outside, crossings, tangled, strain, speed, inverted, wound, time, opens, .. } =
+            self.numbers;
         let opened = if opens { ", opened by Untangle" } else { "" };
         match (self.failure, strain, speed) {
             (Some(Failure::Stopped), ..) => format!("stopped at {time:.2} s"),
             (Some(Failure::Outside), ..) => format!("{} through a wall", Share(outside)),
             (Some(Failure::Crossed), ..) => format!("{} of surfaces", Count(crossings, "crossing", "crossings")),
+            (Some(Failure::Tangled), ..) => format!("{} of surfaces left", Count(tangled, "crossing", "crossings")),
             (Some(Failure::Inverted), ..) => format!("{} inverted{opened}", Count(inverted, "triangle", "triangles")),
             (Some(Failure::Wound), ..) => format!("folded at {}{opened}", Count(wound, "vertex", "vertices")),
             (Some(Failure::Strain) | None, Some(strain), _) => format!("strain {}", Share(strain)),

@@ -1,0 +1,197 @@
+//! Facts about obstacles in space: membranes and nets on spheres, planes, boxes and cylinders.
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failing test should panic")]
+
+use crate::common::{level, named, reopened, simulation};
+use gingerbread::{
+    integrators::IntegratorKind,
+    level::{Level, Substeps},
+    meshes::NoFiles,
+    scene::Scene,
+    simulation::Simulation,
+};
+
+const OBSTACLES: [&str; 4] = [
+    "Sphere(centre: (0.21, -0.31, 0.17), radius: 0.3, eps: 0.01)",
+    "HalfSpace(point: (0, -0.01, 0), normal: (0, 1, 0), eps: 0.01)",
+    "Block(centre: (0.2, -0.11, 0.2), width: 0.3, height: 0.2, depth: 0.25, eps: 0.01)",
+    "Cylinder(centre: (0.2, -0.03, 0.2), radius: 0.2, height: 0.04, eps: 0.01)",
+];
+
+/// Damping and friction.
+const DAMPED: &str = "(effect: Rayleigh(mass: 0.5, stiffness: 0.001)), (effect: Friction(coefficient: 0.5)),";
+
+/// A flat membrane of 0.4 m over an obstacle.
+fn over(obstacle: &str, kind: IntegratorKind, effects: &str) -> Level {
+    let level = level(&format!(
+        "(name: \"\", membranes: [(name: \"cloth\", mesh: Rectangle(width: 0.4, height: 0.4, columns: 6, rows: 6, diagonals: Alternating, corner: (0, 0)),
+        material: (model: NeoHookean, young: 20000, poisson: 0.3, plane: Stress), thickness: 0.01, mass: Density(100), space: (turn: (90, 0, 0), offset: (0, 0.03, 0)))],
+        effects: [(effect: Gravity(down: 2)), (effect: Walls(obstacles: [{obstacle}])), {effects}])"
+    ));
+    Level { integrator: kind, ..level }
+}
+
+fn stepped(level: &Level, step: f64) -> Simulation {
+    let mut simulation = simulation(level);
+    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    simulation.replace_scene(scene);
+    simulation
+}
+
+/// The force of contact is the slope of its energy, and the stiffness that of the force.
+#[test]
+fn forces_on_obstacles_are_slopes_of_an_energy() {
+    for obstacle in OBSTACLES {
+        let mut simulation = stepped(&over(obstacle, named("VelocityVerlet"), ""), 1e-3);
+        while simulation.energies().contact == 0.0 && simulation.state().time < 1.0 {
+            simulation.advance(4, &mut || true);
+        }
+        simulation.advance(if obstacle.starts_with("HalfSpace") { 8 } else { 25 }, &mut || true);
+        let (scene, state) = (simulation.scene(), simulation.state().clone());
+        let contact = scene.effects.iter().find_map(|effect| effect.contact()).unwrap();
+        let still = vec![0.0; state.v.len()];
+        let moved = |number: usize, by: f64| {
+            let mut x = state.x.clone();
+            x[number] += by;
+            x
+        };
+        let at = |x: &[f64], act: &mut dyn FnMut(gingerbread::effects::Motion<'_>)| {
+            act(gingerbread::effects::Motion { x, v: &still, anchors: &[], ..scene.motion(&state, None) });
+        };
+        let energy = |x: &[f64]| {
+            let mut energy = 0.0;
+            at(x, &mut |motion| energy = contact.energy(motion));
+            energy
+        };
+        let force = |x: &[f64]| {
+            let mut force = vec![0.0; x.len()];
+            at(x, &mut |motion| contact.force(motion, &mut force));
+            force
+        };
+        let (now, mut touched) = (force(&state.x), 0);
+        for (number, now) in now.iter().enumerate() {
+            let slope = (energy(&moved(number, 1e-7)) - energy(&moved(number, -1e-7))) / 2e-7;
+            touched += usize::from(slope != 0.0);
+            assert!((now + slope).abs() < 1e-5 * (1.0 + slope.abs()), "{obstacle}: {now} {slope}");
+        }
+        assert!(touched > 3, "{obstacle}: {touched}");
+    }
+}
+
+/// Every scheme lets a membrane fall on every obstacle: no vertex ends inside, and the energy does not grow.
+#[test]
+fn every_integrator_falls_on_every_obstacle() {
+    for kind in IntegratorKind::all() {
+        for obstacle in OBSTACLES {
+            let step = if kind.name() == "ForwardEuler" { 1e-4 } else { 1e-3 };
+            let mut simulation = stepped(&over(obstacle, kind.clone(), DAMPED), step);
+            let start = simulation.energies().total();
+            let mut touches = false;
+            for _ in 0..50 {
+                simulation.advance((0.01 / step).round() as u64, &mut || true);
+                touches |= !simulation.state().anchors.is_empty();
+            }
+            let name = kind.name();
+            assert!(simulation.fault().is_none(), "{name} {obstacle}: {:?}", simulation.fault());
+            assert_eq!(simulation.count_inside(), 0, "{name} {obstacle}");
+            assert!(touches, "{name} {obstacle}");
+            let gain = simulation.energies().total() - start;
+            assert!(gain < 1e-3, "{name} {obstacle}: {gain} J");
+        }
+    }
+}
+
+/// Coulomb's law on a slope that no axis is along: `a = g (sin - mu cos)` beyond the angle of friction, and rest below it.
+#[test]
+fn friction_on_a_slope_in_space_is_that_of_coulomb() {
+    // tan 0.5, and turned by 30 degrees about the vertical.
+    let slide = |mu: f64, kind: IntegratorKind| {
+        let level = level(&format!(
+            "(name: \"\", membranes: [(name: \"sheet\", mesh: Rectangle(width: 0.2, height: 0.2, columns: 2, rows: 2, diagonals: Alternating, corner: (-0.1, -0.1)),
+            material: (model: StVenantKirchhoff, young: 20000, poisson: 0.3, plane: Stress), thickness: 0.01, mass: Density(100), space: (turn: (-90, 30, 26.565051177077990)))],
+            effects: [(effect: Gravity(down: 9.81)), (effect: Restitution(coefficient: 0.1)), (effect: Friction(coefficient: {mu})), (effect: Rayleigh(mass: 0, stiffness: 0.001)),
+            (effect: Walls(obstacles: [HalfSpace(point: (0, -0.0347, 0), normal: (-0.5, 1, 0), eps: 0.01)]))])"
+        ));
+        let mut simulation = simulation(&Level { integrator: kind, ..level });
+        let scene = Scene { step: 5e-4, sleep: false, ..simulation.scene().clone() };
+        simulation.replace_scene(scene);
+        let middle = |simulation: &Simulation| {
+            let x = &simulation.state().x;
+            let count = (x.len() / 3) as f64;
+            [0, 1, 2].map(|axis| x.iter().skip(axis).step_by(3).sum::<f64>() / count)
+        };
+        simulation.advance(2000, &mut || true);
+        let (from, speed) = (middle(&simulation), simulation.state().v.clone());
+        simulation.advance(1000, &mut || true);
+        assert!(simulation.fault().is_none(), "{:?}", simulation.fault());
+        let to = middle(&simulation);
+        let count = (speed.len() / 3) as f64;
+        let mean = |axis: usize| speed.iter().skip(axis).step_by(3).sum::<f64>() / count;
+        let (c, s) = (2.0 / 5.0_f64.sqrt(), 1.0 / 5.0_f64.sqrt());
+        let along = |vector: [f64; 3]| -(c * vector[0] + s * vector[1]);
+        (along([0, 1, 2].map(|axis| to[axis] - from[axis])), along([0, 1, 2].map(mean)))
+    };
+    for scheme in ["VelocityVerlet", "ImplicitMidpoint"] {
+        let (gone, speed) = slide(0.3, named(scheme));
+        let a = 9.81 * (0.5 - 0.3) * 2.0 / 5.0_f64.sqrt();
+        let expected = speed * 0.5 + 0.125 * a;
+        assert!((gone - expected).abs() < 0.01 * expected, "{scheme}: {gone} m, {expected} m by Coulomb's law");
+        let (gone, _) = slide(0.6, named(scheme));
+        assert!(gone.abs() < 1e-4, "{scheme}: {gone} m");
+    }
+}
+
+/// Saved in contact, with anchors of friction, and continued: every bit is the same.
+#[test]
+fn what_lies_on_an_obstacle_is_saved() {
+    for kind in IntegratorKind::all() {
+        for obstacle in [OBSTACLES[0], MOVING] {
+            let mut level = over(obstacle, kind.clone(), DAMPED);
+            level.substeps = Substeps::new(if kind.name() == "ForwardEuler" { 167 } else { 17 }).unwrap();
+            let mut simulation = simulation(&level);
+            let frame = simulation.scene().steps_per_frame();
+            while simulation.state().anchors.len() < 3 && simulation.state().time < 1.0 {
+                simulation.advance(frame, &mut || true);
+            }
+            assert!(simulation.state().anchors.iter().any(|anchor| anchor.point[2] != 0.0), "{}", kind.name());
+            let mut again = reopened(&simulation, &level);
+            for run in [&mut simulation, &mut again] {
+                run.advance(3 * frame, &mut || true);
+            }
+            assert_eq!(again.state(), simulation.state(), "{} {obstacle}", kind.name());
+        }
+    }
+}
+
+const MOVING: &str = "Moving(obstacle: Sphere(centre: (0.2, -0.31, 0.2), radius: 0.3, eps: 0.01), motions: [Swing(way: (0.02, 0.01, 0.02), period: 0.5), Turn(about: (0.2, -0.31, 0.2), axis: (1, 1, 0), spin: 3)])";
+
+/// Obstacles of another dimension than the scene, and shapes without a direction, are refused in words.
+#[test]
+fn obstacles_fit_the_scene() {
+    let refused = |text: &str| {
+        let level = level(text);
+        Scene::build(&level, level.mode, &NoFiles, None).err().unwrap().to_string()
+    };
+    let plane = |obstacle: &str| {
+        let body = "(name: \"body\", mesh: Rectangle(width: 1, height: 1, columns: 1, rows: 1, diagonals: Alternating, corner: (0, 0)), material: (model: NeoHookean, young: 1000, poisson: 0.3, plane: Stress), mass: Density(1))";
+        refused(&format!("(name: \"\", bodies: [{body}], effects: [(effect: Walls(obstacles: [{obstacle}]))])"))
+    };
+    let error = plane(OBSTACLES[0]);
+    assert!(error.contains("Walls acts on vertices with 3 coordinates, but those of the scene have 2"), "{error}");
+    let error =
+        plane("Moving(obstacle: Ball(centre: (0, 0), radius: 1, eps: 0), motions: [Swing(way: (1, 0, 1), period: 1)])");
+    assert!(error.contains("its motion Swing is in space, but the scene is in the plane"), "{error}");
+    let space = |obstacles: &str| {
+        let level = over(obstacles, named("RungeKutta4"), "");
+        Scene::build(&level, level.mode, &NoFiles, None).err().unwrap().to_string()
+    };
+    let error = space("Ball(centre: (0, 0), radius: 1, eps: 0)");
+    assert!(error.contains("2 coordinates"), "{error}");
+    let error = space(&format!("{}, Ball(centre: (0, 0), radius: 1, eps: 0)", OBSTACLES[0]));
+    assert!(error.contains("obstacle 1 (Ball): it is in the plane, but other obstacles are in space"), "{error}");
+    let error = space("HalfSpace(point: (0, 0, 0), normal: (0, 0, 0), eps: 0)");
+    assert!(error.contains("obstacle 0 (HalfSpace): a plane's normal must have a direction"), "{error}");
+    let error = space(
+        "Moving(obstacle: Sphere(centre: (0, 0, 0), radius: 1, eps: 0), motions: [Turn(about: (0, 0), axis: (0, 0, 0), spin: 1)])",
+    );
+    assert!(error.contains("the axis of a turn must have a direction"), "{error}");
+}

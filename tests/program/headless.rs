@@ -1,0 +1,289 @@
+//! The program as it is run in a terminal or a script.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+use crate::program::{Folder, gingerbread, said};
+use std::{fs, process::Command};
+
+/// The names in the report are stable.
+#[test]
+fn run_writes_an_exact_state_and_a_report() {
+    let folder = Folder::new("run");
+    let (state, report) = (folder.file("state.csv"), folder.file("report.json"));
+    let output = gingerbread(&["run", "jelly_disk", "--steps", "50", "--state", &state, "--report", &report]);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    let csv = fs::read_to_string(state).unwrap();
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some("vertex,x,y,vx,vy"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    for (number, row) in rows.iter().enumerate() {
+        assert!(row.len() == 5 && row[0] == number.to_string());
+        for cell in &row[1..] {
+            assert_eq!(format!("{:.16e}", cell.parse::<f64>().unwrap()), *cell);
+        }
+    }
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    assert_eq!(rows.len() as u64, report["vertices"].as_u64().unwrap());
+    assert_eq!(report["steps"], 50);
+    assert_eq!(report["force_evaluations"], 50);
+    assert_eq!(report["inverted"], 0);
+    for number in ["min_j", "wall_seconds", "ns_per_triangle_step"] {
+        assert!(report[number].as_f64().unwrap() > 0.0, "{number}");
+    }
+    let energy = |name: &str| report["energy"][name].as_f64().unwrap();
+    let sum = energy("kinetic") + energy("elastic") + energy("potential");
+    assert!((energy("total") - sum).abs() < 1e-12);
+    let effects = report["effects"].as_array().unwrap();
+    let elasticity = effects.iter().find(|effect| effect["name"] == "Elasticity").unwrap();
+    assert_eq!(elasticity["calls"], 50);
+    assert_eq!(elasticity["elements"].as_u64().unwrap(), 50 * report["triangles"].as_u64().unwrap());
+    assert!(elasticity["seconds"].as_f64().unwrap() > 0.0);
+    assert_eq!((&elasticity["switch"], elasticity["reason"].is_null()), (&"Auto".into(), true));
+    let shares: f64 = effects.iter().map(|effect| effect["share"].as_f64().unwrap()).sum();
+    assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+    let of = |name: &str| effects.iter().find(|effect| effect["name"] == name).unwrap();
+    let hand = of("Mouse spring");
+    assert_eq!(
+        (&hand["calls"], &hand["skipped"], &hand["reason"]),
+        (&0.into(), &50.into(), &"nothing is dragged".into())
+    );
+    assert!(hand["saved_ms_per_frame"].is_f64() && of("Elasticity")["ms_per_frame"].as_f64().unwrap() > 0.0);
+    // What is switched off is listed, and cost nothing.
+    let off = of("Damping");
+    assert_eq!((&off["switch"], &off["calls"], off["saved_ms_per_frame"].is_null()), (&"Off".into(), &0.into(), true));
+}
+
+/// The effects are timed in a run of their own.
+/// Clocks in the effects would send every step another, slower way.
+#[test]
+fn a_report_times_a_run_without_effect_clocks() {
+    let folder = Folder::new("clocks");
+    let (level, report) = (folder.file("sheet.ron"), folder.file("report.json"));
+    let text = "(name: \"sheet\", substeps: 1000, bodies: [(name: \"sheet\", mass: Density(1), stretch: (1.2, 1), mesh: Rectangle(width: 1,
+        height: 1, columns: 71, rows: 71, diagonals: Grid), material: (model: Corotated, young: 1000, poisson: 0.3))])";
+    fs::write(&level, text).unwrap();
+    let run = |more: &[&str]| {
+        let output = gingerbread(&[&["run", &level, "--steps", "300", "--threads", "2"][..], more].concat());
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        said(&output.stdout).rsplit(' ').next().unwrap().trim().to_owned()
+    };
+    assert_eq!(run(&["--report", &report]), run(&[]), "the same bits come of both");
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+    let seconds = |name: &str| report[name].as_f64().unwrap();
+    let each = seconds("wall_seconds") * 1e9 / (300.0 * 10_082.0);
+    assert!((seconds("ns_per_triangle_step") / each - 1.0).abs() < 1e-9);
+    let elasticity = &report["effects"][0];
+    assert_eq!((&elasticity["name"], &elasticity["calls"]), (&"Elasticity".into(), &300.into()));
+    assert!(elasticity["seconds"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn a_report_lists_the_steps_of_each_multirate_body() {
+    let folder = Folder::new("paces");
+    let report = folder.file("report.json");
+    let read = |level: &str| -> serde_json::Value {
+        let output = gingerbread(&["run", level, "--steps", "20", "--report", &report]);
+        assert!(output.status.success(), "{}", said(&output.stderr));
+        serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap()
+    };
+    let own = read("pea_and_cake");
+    let [cake, pea] = [&own["paces"][0], &own["paces"][1]];
+    assert_eq!((&cake["name"], &pea["name"]), (&"cake".into(), &"pea".into()));
+    let [parts, step] = [&pea["steps"], &pea["step_seconds"]].map(|number| number.as_f64().unwrap());
+    let cakes = cake["steps"].as_f64().unwrap();
+    assert!(parts > 4.0 * cakes && (parts * step - own["step_seconds"].as_f64().unwrap()).abs() < 1e-12);
+    assert!(step <= 0.5 * pea["critical_step_seconds"].as_f64().unwrap());
+    assert_eq!(own["force_evaluations"].as_f64().unwrap(), 20.0 * (cakes + parts));
+    assert_eq!(read("three_models")["paces"], serde_json::json!([]));
+}
+
+#[test]
+fn a_report_without_triangles_has_null_for_their_numbers() {
+    let folder = Folder::new("net");
+    let report = folder.file("report.json");
+    let output = gingerbread(&["run", "chain", "--steps", "50", "--report", &report]);
+    assert!(output.status.success() && !said(&output.stdout).contains("least J"), "{}", said(&output.stderr));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    assert!(report["min_j"].is_null() && report["ns_per_triangle_step"].is_null());
+    assert_eq!((&report["triangles"], &report["vertices"]), (&0.into(), &4.into()));
+    assert!(said(&gingerbread(&["check", "chain"]).stdout).contains("3 springs, 4 vertices, 1 pinned"));
+}
+
+#[test]
+fn a_run_that_is_saved_and_continued_equals_one_that_was_not() {
+    let folder = Folder::new("continue");
+    let (saved, ends) = (folder.file("half.ron"), [folder.file("one.csv"), folder.file("two.csv")]);
+    assert!(gingerbread(&["run", "jelly_disk", "--steps", "80", "--save", &saved]).status.success());
+    assert!(gingerbread(&["run", &saved, "--steps", "70", "--state", &ends[0]]).status.success());
+    assert!(gingerbread(&["run", "jelly_disk", "--steps", "150", "--state", &ends[1]]).status.success());
+    assert_eq!(fs::read(&ends[0]).unwrap(), fs::read(&ends[1]).unwrap());
+}
+
+#[test]
+fn check_says_what_a_level_is_and_what_is_wrong_with_a_bad_one() {
+    let folder = Folder::new("check");
+    let bad = folder.file("bad.ron");
+    fs::write(&bad, "(\n  name: \"bad\",\n  bodis: [],\n)").unwrap();
+    let output = gingerbread(&["check", "gingerbread", &bad, "stretch_test"]);
+    assert_eq!(output.status.code(), Some(2));
+    let (good, wrong) = (said(&output.stdout), said(&output.stderr));
+    assert!(
+        good.contains("2010 triangles") && good.contains("stretch_test"),
+        "a bad file does not stop the rest: {good}"
+    );
+    assert!(wrong.contains("bad.ron:3:") && wrong.contains("bodis") && wrong.lines().count() == 1, "{wrong}");
+}
+
+#[test]
+fn check_and_report_tell_what_begins_inside_a_wall() {
+    let folder = Folder::new("inside");
+    let (file, report) = (folder.file("inside.ron"), folder.file("report.json"));
+    let jelly = gingerbread::levels::built_in("jelly_disk").unwrap();
+    fs::write(&file, jelly.replace("centre: (0.28, 0.8)", "centre: (5, 5)")).unwrap();
+    let told = said(&gingerbread(&["check", &file]).stdout);
+    assert!(
+        told.contains(
+            "vertices begin inside walls, other bodies or outside the domain: they are pushed out slowly, if there is a way"
+        ),
+        "{told}"
+    );
+    assert!(!said(&gingerbread(&["check", "jelly_disk"]).stdout).contains("inside"));
+    let output = gingerbread(&["run", &file, "--seconds", "0.1", "--report", &report]);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+    assert!(report["pushed_out_steps"].as_u64().unwrap() > 0);
+    assert_eq!(report["guarded_steps"], 0);
+}
+
+#[test]
+fn wrong_arguments_and_missing_files_exit_with_2() {
+    for (arguments, expected) in [
+        (vec!["run", "no_such_level"], "no_such_level"),
+        (vec!["check", "no_such_level.ron"], "no_such_level.ron"),
+        (vec!["run", "gingerbread", "--seconds", "-1"], "at least 0 and at most 1e9 seconds"),
+        (vec!["run", "gingerbread", "--seconds", "soon"], "number of seconds"),
+        (vec!["run", "gingerbread", "--model", "jelly"], "NeoHookean"),
+    ] {
+        let output = gingerbread(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(said(&output.stderr).contains(expected), "{arguments:?}: {}", said(&output.stderr));
+    }
+}
+
+#[test]
+fn a_run_that_blows_up_says_why_and_ends_with_1() {
+    let folder = Folder::new("fault");
+    let (level, report) = (folder.file("stiff.ron"), folder.file("report.json"));
+    let text = "(name: \"stiff\", substeps: 1, bodies: [(name: \"sheet\", mesh: Rectangle(width: 1, height: 1, columns: 9, rows: 9),
+        mass: Total(1), stretch: (1.2, 1), material: (model: NeoHookean, young: 1e6, poisson: 0.3))])";
+    fs::write(&level, text).unwrap();
+    let output = gingerbread(&["run", &level, "--report", &report]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output.stderr).contains("stability limit"), "{}", said(&output.stderr));
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
+    assert!(report["fault"].as_str().unwrap().contains("stability limit"));
+}
+
+/// Where there is no display the window cannot open; that must be said in one line, with the way out.
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_display_the_window_says_so_and_names_run() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gingerbread"));
+    let output =
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output().unwrap();
+    let message = said(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.lines().count() == 1 && message.contains("gingerbread run"), "{message}");
+}
+
+#[test]
+fn what_would_come_to_nothing_is_refused_with_the_way_out() {
+    let scheme = "Symplectic Euler";
+    let refused: [(&[&str], &str); 9] = [
+        (&["study", "circle", "--integrators", "Heun,SymplecticEuler", "--seconds", "0.1"], scheme),
+        (&["study", "pendulum", "--drift", "--integrators", "SymplecticEuler", "--seconds", "0.1"], scheme),
+        (&["study", "cantilever", "--meshes", "0"], "2..=1000000"),
+        (&["study", "cantilever", "--threads", "0"], "[1, 1024]"),
+        (&["hard", "stretch_2", "--seeds", "3"], "leave --seeds out"),
+        (&["hard", "stretch_2", "--threads", "many"], "[1, 1024]"),
+        (&["run", "circle", "--model", "NeoHookean"], "no body"),
+        (&["run", "circle", "--untangle"], "no body"),
+        (&["run", "cantilever", "--threads", "0"], "[1, 1024]"),
+    ];
+    for (arguments, reason) in refused {
+        let output = gingerbread(arguments);
+        let why = said(&output.stderr);
+        assert!(output.status.code() == Some(2) && why.contains(reason), "{arguments:?}: {why}");
+    }
+}
+
+#[test]
+fn a_run_of_no_steps_has_no_cost_of_a_step() {
+    let output = gingerbread(&["run", "cantilever", "--steps", "0"]);
+    let line = said(&output.stdout);
+    assert!(output.status.success() && line.contains("0 steps") && !line.contains("ns per"), "{line}");
+}
+
+/// Its table says which cases are held.
+#[test]
+fn hard_exits_with_1_on_an_unexplained_failure() {
+    let folder = Folder::new("hard");
+    let (csv, unexplained) = (folder.file("table.csv"), folder.file("unexplained.ron"));
+    let output = gingerbread(&["hard", "stretch_2", "--integrator", "ImplicitEuler", "--csv", &csv]);
+    let table = said(&output.stdout);
+    assert!(output.status.success(), "{}", said(&output.stderr));
+    assert!(
+        table.contains("StVenantKirchhoff ImplicitEuler") && table.contains("not stable, as expected: "),
+        "{table}"
+    );
+    assert!(table.contains("stretch_2 undamped") && table.contains(" off in "), "{table}");
+    let lines = fs::read_to_string(csv).unwrap();
+    assert!(lines.starts_with("case,undamped,model,method,held,stable,off,"), "{lines}");
+    let stable =
+        lines.lines().any(|line| line.starts_with("stretch_2,no,Corotated,ImplicitEuler,") && line.contains(",yes,"));
+    assert!(stable, "{lines}");
+
+    let text = fs::read_to_string("levels/hard/mirror.ron").unwrap();
+    let at = text.find("    cannot:").unwrap();
+    fs::write(&unexplained, format!("{})\n", &text[..at])).unwrap();
+    let one = ["--model", "StVenantKirchhoff", "--integrator", "bdf2", "--twins", "none", "--no-reference"];
+    let output = gingerbread(&[&["hard", unexplained.as_str()][..], &one].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        said(&output.stdout).contains("NOT STABLE (130 triangles inverted, opened by Untangle)"),
+        "{}",
+        said(&output.stdout)
+    );
+    assert_eq!(gingerbread(&[&["hard", "mirror"][..], &one].concat()).status.code(), Some(0), "it is listed there");
+    // An experiment shows the cause.
+    let output = gingerbread(&[&["hard", "mirror", "--experiments"][..], &one].concat());
+    assert!(said(&output.stdout).contains("[not with the compression effect]"), "{}", said(&output.stdout));
+    let output = gingerbread(&["hard", "no_such_case"]);
+    assert!(output.status.code() == Some(2) && said(&output.stderr).contains("no_such_case"));
+}
+
+#[test]
+fn hard_counts_how_many_of_many_irregular_starts_come_home() {
+    let request = ["hard", "line", "stretch_2", "--seeds", "3", "--triangles", "100", "--integrator", "Bdf2"];
+    let output = gingerbread(&[&request[..], &["--model", "FixedCorotated"]].concat());
+    let table = said(&output.stdout);
+    let rows: Vec<_> = table.lines().skip(1).collect();
+    assert!(output.status.success(), "no file promises anything about other seeds");
+    assert!(rows.len() == 2 && rows.iter().all(|row| row.starts_with("line") && row.contains(" of 3")), "{table}");
+    assert!(!rows[0].contains("undamped") && rows[1].contains("line, undamped"), "{table}");
+}
+
+#[test]
+fn hard_may_go_on_for_longer_than_a_case_asks_for() {
+    let time = |more: &[&str]| {
+        let one = ["hard", "corner", "--model", "Corotated", "--integrator", "ImplicitEuler", "--no-reference"];
+        gingerbread(&[&one[..], more].concat())
+    };
+    assert!(time(&["--times", "2"]).status.success());
+    let text = fs::read_to_string("levels/hard/corner.ron").unwrap().replace("Seconds(4)", "Seconds(1e11)");
+    let folder = Folder::new("times");
+    let file = folder.file("endless.ron");
+    fs::write(&file, text).unwrap();
+    let output = gingerbread(&["hard", &file, "--times", "100"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output.stderr).contains("endless.ron: it would go on for longer"), "{}", said(&output.stderr));
+}

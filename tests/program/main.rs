@@ -1,0 +1,9 @@
+//! Promises of the program in a terminal.
+
+mod claims;
+mod command_line;
+mod headless;
+mod inputs;
+#[path = "../common/program.rs"]
+mod program;
+mod signals;

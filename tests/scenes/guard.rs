@@ -1,0 +1,290 @@
+//! The guard against unstable steps, and turning time back.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+use crate::common::{level, models, running, sheet, simulation};
+use gingerbread::{
+    command::Command,
+    files,
+    guard::{Guard, Verdict},
+    integrators::IntegratorKind,
+    level::{Level, Toggle},
+    levels::BUILT_IN,
+    report::Energies,
+    rewind::Rewind,
+    simulation::Simulation,
+    stability::critical_step,
+};
+
+/// A stretched sheet let go, with a step that is so many times the stability limit at the start.
+fn released(model: &str, share: f64, more: &str) -> Simulation {
+    let mut run = simulation(&sheet(model, "stretch: (1.2, 1)", more));
+    let mut scene = run.scene().clone();
+    scene.step = share * critical_step(&scene, run.state(), None).unwrap();
+    run.replace_scene(scene);
+    run
+}
+
+/// The energy stays bounded; without the guard it explodes.
+#[test]
+fn the_guard_divides_steps_above_the_stability_limit() {
+    for model in models() {
+        for share in [1.05, 2.0, 7.0, 25.0] {
+            let mut guarded = released(model, share, "");
+            let before = guarded.energies().total();
+            assert_eq!(guarded.advance(300, &mut || true), 300, "{model} {share}: {:?}", guarded.fault());
+            let (counts, after) = (guarded.counts(), guarded.energies().total());
+            assert!(counts.guarded > 0 && counts.retaken < counts.guarded, "{model} {share}: {counts:?}");
+            assert!(after < 2.5 * before, "{model} {share}: {after} of {before}");
+            let mut bare = released(model, share, "guard: Off");
+            bare.advance(300, &mut || true);
+            let after = bare.energies().total();
+            assert!(bare.fault().is_some() || after > 100.0 * before, "{model} {share}: {after} of {before}");
+            assert_eq!(bare.counts().guarded, 0);
+        }
+    }
+}
+
+/// Even 64 parts are not short enough; the fault says why.
+#[test]
+fn a_step_beyond_rescue_pauses_on_the_last_good_state() {
+    let mut run = released("Corotated", 2000.0, "");
+    let before = run.energies().total();
+    run.advance(100, &mut || true);
+    let fault = run.fault().unwrap().to_string();
+    assert!(fault.contains("stability limit"), "{fault}");
+    assert!(run.energies().total() < 2.5 * before && run.state().is_finite());
+    assert!(run.counts().retaken <= 6, "{:?}", run.counts());
+}
+
+/// Damping by stiffness lowers the stability limit to a millionth of the step, inside a ball that moves and may supply energy.
+#[test]
+fn a_step_far_above_the_damping_limit_gains_no_energy() {
+    let text = gingerbread::levels::built_in("rolling_pin").unwrap();
+    let wild =
+        text.replace("stiffness: 0.0005", "stiffness: 0.49999").replace("centre: (0.5, 0.195)", "centre: (0.5, 0)");
+    assert_eq!(wild.matches("0.49999").count() + wild.matches("(0.5, 0)").count(), 2);
+    let mut run = simulation(&level(&wild));
+    let before = run.energies().total();
+    let taken = run.advance(5, &mut || true);
+    assert!(taken < 5 && run.fault().unwrap().to_string().contains("stability limit"), "{:?}", run.fault());
+    assert!(
+        run.energies().total() < 2.0 * before && run.inversion().0 > 0.5,
+        "{} of {before} J",
+        run.energies().total()
+    );
+    assert!(run.counts().retaken < 20, "{:?}", run.counts());
+}
+
+#[test]
+fn a_net_is_guarded_too() {
+    let text = "(name: \"\", substeps: 1, nets: [(name: \"wire\", net: Chain(from: (0, 0), to: (1, 0), springs: 2, stiffness: 1e6, rest: 0.4), mass: 1)])";
+    let mut run = simulation(&level(text));
+    let before = run.energies().total();
+    assert_eq!(run.advance(600, &mut || true), 600);
+    assert!(run.counts().guarded > 0 && run.energies().total() < 2.5 * before);
+}
+
+/// Slow growth is shown, as it is a property of a scheme, up to a bound on the sum of it. Longer steps of schemes that
+/// are stable at no step end with a fault.
+#[test]
+fn energy_from_nowhere_is_bounded_over_a_run() {
+    for (integrator, substeps, steps) in [("ForwardEuler", 20, 20_000_u64), ("Heun", 2, 60_000)] {
+        let text = format!(
+            "(name: \"\", substeps: {substeps}, integrator: {integrator}(), nets: [(name: \"s\", net: Chain(from: (0.2, 0.5),
+                to: (0.8, 0.5), springs: 1, stiffness: 100, rest: 0.5), mass: 1)]"
+        );
+        let run = |more: &str| {
+            let mut run = simulation(&level(&format!("{text}{more})")));
+            let before = run.energies().total();
+            run.advance(steps, &mut || true);
+            (run.energies().total() / before, run)
+        };
+        let (bare, _) = run(", guard: Off");
+        assert!(bare > 4.0, "{integrator} gains: {bare}");
+        let (guarded, run) = run("");
+        assert!(guarded > 1.5 && guarded < 1.001 + Guard::EXCESS, "{integrator}: {guarded}");
+        assert!(run.counts().guarded > 0 || run.fault().is_some(), "{integrator}");
+    }
+}
+
+/// The bound is above the least energy, not above that at the start. What is saved holds it.
+#[test]
+fn dissipated_energy_does_not_hide_energy_from_nowhere() {
+    let scene = released("Corotated", 0.1, "").scene().clone();
+    let moving = |kinetic| Energies { kinetic, ..Energies::default() };
+    let mut guard = Guard::default();
+    guard.begin(moving(10.0));
+    assert!(guard.keeps_bound(&scene, moving(4.0)));
+    let mut reopened = Guard::from(&guard.saved(0).unwrap());
+    assert_eq!(reopened, guard);
+    for guard in [&mut guard, &mut reopened] {
+        assert!(guard.keeps_bound(&scene, moving(18.9)) && !guard.keeps_bound(&scene, moving(19.1)));
+        assert!(!guard.keeps_bound(&scene, moving(f64::NAN)));
+        // Work of a wall is no energy from nowhere.
+        guard.supply(2.0);
+        assert!(guard.keeps_bound(&scene, moving(21.1)));
+    }
+}
+
+/// A step 9 times the stability limit, which 16 shorter ones would hold: a frame would have 960,000 of them.
+#[test]
+fn a_frame_is_divided_into_no_more_steps_than_a_level_may_have() {
+    let run = |substeps: u32, mass: f64| {
+        let text = format!(
+            "(name: \"\", substeps: {substeps}, nets: [(name: \"s\", net: Chain(from: (0.2, 0.5), to: (0.8, 0.5), springs: 1,
+                stiffness: 1e11, rest: 0.5), mass: {mass:e})])"
+        );
+        let mut run = simulation(&level(&text));
+        run.advance(1000, &mut || true);
+        run
+    };
+    // Steps 100 times as long for 10,000 times the mass.
+    let (long, short) = (run(600, 1.0), run(60_000, 1e-4));
+    assert!(long.fault().is_none() && long.guard_substeps() >= 16, "{:?}", long.fault());
+    assert!(short.fault().is_some() && short.counts().retaken == 0, "{:?}", short.counts());
+    assert_eq!([1.0, 30_000.0, 100_000.0].map(|count| Guard::most_level(1.0 / (60.0 * count))), [6, 1, 0]);
+}
+
+/// Energy of motion gives an explicit explosion away. Equations may be answered by a shape that stores more and hardly moves.
+#[test]
+fn after_every_implicit_step_it_looks_at_what_is_stored_too() {
+    let sweeps = |integrator: &str, guard: &str| {
+        let mut run = released("Corotated", 0.1, &format!("integrator: {integrator}(), guard: {guard}"));
+        run.advance(1, &mut || true);
+        let before = run.energy_evaluations();
+        run.advance(50, &mut || true);
+        run.energy_evaluations() - before
+    };
+    for integrator in ["ImplicitEuler", "Bdf2", "ImplicitMidpoint", "EnergyMomentum"] {
+        assert_eq!((sweeps(integrator, "On"), sweeps(integrator, "Off")), (50, 0), "{integrator}");
+    }
+    assert!(sweeps("SymplecticEuler", "On") < 25);
+}
+
+#[test]
+fn no_shipped_level_needs_it() {
+    for (file, text) in BUILT_IN {
+        let mut run = simulation(&files::parse(text, file).unwrap());
+        let steps = (0.5 / run.scene().step).round() as u64;
+        run.advance(steps, &mut || true);
+        assert_eq!((run.counts().guarded, run.counts().retaken), (0, 0), "{file}");
+    }
+}
+
+#[test]
+fn it_changes_no_bit_however_steps_are_bunched() {
+    let run = |bunch: u64| {
+        let mut run = released("NeoHookean", 3.0, "");
+        while run.state().steps < 400 {
+            run.advance(bunch.min(400 - run.state().steps), &mut || true);
+        }
+        (run.state().clone(), run.counts())
+    };
+    assert_eq!(run(1), run(400));
+    assert_eq!(run(7), run(400));
+}
+
+/// What the mouse puts in is no energy from nowhere.
+#[test]
+fn a_hard_pull_is_not_mistaken_for_an_explosion() {
+    // What grows at every step, however short, is not stable with or without a mouse.
+    let stable = |kind: &IntegratorKind| kind.kind().stability_limit() != Some(0.0);
+    for integrator in IntegratorKind::all().into_iter().filter(stable) {
+        let effects = "effects: [(effect: MouseSpring(stiffness: 50))]";
+        let level = Level { integrator, ..sheet("Corotated", "", effects) };
+        let mut run = simulation(&level);
+        for frame in 0..60 {
+            let target = [if frame % 2 == 0 { 3.0 } else { -2.0 }, 0.5, 0.0];
+            run.set_grab(Some(gingerbread::effects::Grab { vertex: 3, target }));
+            assert_eq!(run.advance(100, &mut || true), 100, "{}: {:?}", level.integrator.name(), run.fault());
+        }
+        assert_eq!(run.counts().guarded, 0, "{}", level.integrator.name());
+    }
+}
+
+#[test]
+fn time_can_be_turned_back_to_the_bits_it_had() {
+    let mut sandbox = running(sheet("NeoHookean", "stretch: (1.2, 1)", ""));
+    let mut seen = vec![sandbox.simulation().state().clone()];
+    for _ in 0..30 {
+        sandbox.advance(100, &mut || true);
+        seen.push(sandbox.simulation().state().clone());
+    }
+    sandbox.apply(Command::Rewind(10.0 * Rewind::FRAME)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), seen[20]);
+    assert!(!sandbox.is_live(), "it pauses there");
+    sandbox.apply(Command::Rewind(4.0 * Rewind::FRAME)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), seen[16]);
+    sandbox.apply(Command::Rewind(1e9)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), seen[0], "no farther than there is");
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    sandbox.advance(1600, &mut || true);
+    assert_eq!(*sandbox.simulation().state(), seen[16], "and from there it goes as before");
+}
+
+#[test]
+fn a_fault_can_be_turned_back_from_and_mended() {
+    let mut level = sheet("Corotated", "stretch: (1.2, 1)", "");
+    level.guard = Toggle::Off;
+    let mut sandbox = running(level);
+    sandbox.advance(1000, &mut || true);
+    sandbox.apply(Command::SetSubsteps(gingerbread::level::Substeps::new(2).unwrap())).unwrap();
+    sandbox.advance(1_000_000, &mut || true);
+    assert!(sandbox.simulation().fault().is_some());
+    sandbox.apply(Command::Rewind(1.0)).unwrap();
+    assert!(sandbox.simulation().fault().is_none() && sandbox.simulation().inversion().1 == 0);
+    sandbox.apply(Command::SetGuard(Toggle::On)).unwrap();
+    sandbox.apply(Command::SetRunning(true)).unwrap();
+    assert_eq!(sandbox.advance(100, &mut || true), 100);
+}
+
+#[test]
+fn what_is_kept_ends_with_a_restart_and_stays_small() {
+    let mut sandbox = running(sheet("Corotated", "", ""));
+    assert!(sandbox.apply(Command::Rewind(1.0)).unwrap_err().to_string().contains("nothing to go back to"));
+    for _ in 0..20 {
+        sandbox.advance(6000, &mut || true);
+    }
+    assert!((sandbox.rewind_length() - Rewind::SECONDS).abs() < 0.1, "{}", sandbox.rewind_length());
+    sandbox.apply(Command::Reset).unwrap();
+    assert!(sandbox.apply(Command::Rewind(1.0)).unwrap_err().to_string().contains("nothing to go back to"));
+    sandbox.advance(100, &mut || true);
+    assert!(sandbox.rewind_length() < 0.1);
+}
+
+#[test]
+fn single_steps_can_be_turned_back() {
+    let mut sandbox = running(sheet("Corotated", "stretch: (1.2, 1)", ""));
+    for _ in 0..3 {
+        sandbox.apply(Command::StepOnce).unwrap();
+    }
+    assert_eq!(sandbox.simulation().state().steps, 3);
+    sandbox.apply(Command::Rewind(1.0)).unwrap();
+    assert_eq!(*sandbox.simulation().state(), sandbox.simulation().scene().start);
+}
+
+#[test]
+fn time_is_never_turned_forth() {
+    let mut sandbox = running(sheet("Corotated", "stretch: (1.2, 1)", ""));
+    sandbox.advance(6000, &mut || true);
+    let (mut rewind, late) = (Rewind::default(), sandbox.simulation());
+    rewind.keep(late);
+    let time = late.state().time;
+    assert_eq!(rewind.back(0.5 * time, 0.1), None);
+    assert_eq!(rewind.back(time, 0.1).as_ref(), Some(&late.restart()));
+}
+
+/// What an obstacle seems to give a body that explodes is no work: elements cannot store a million times what they do at a stretch of one.
+#[test]
+fn supplied_energy_does_not_excuse_an_explosion() {
+    let run = simulation(&sheet("Corotated", "", ""));
+    let before = Energies { elastic: 1.0, ..Energies::default() };
+    let judged = |elastic: f64| {
+        let mut guard = Guard::default();
+        guard.begin(before);
+        guard.supply(1e300);
+        guard.judge(run.scene(), Some(before), Energies { elastic, ..before })
+    };
+    assert_eq!(judged(1e3), Verdict::Fine);
+    assert_eq!(judged(1e15), Verdict::Unstable);
+}

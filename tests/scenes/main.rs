@@ -1,0 +1,21 @@
+//! Promises about scenes: effects, sleep, the guard, pins, nets, space and commands.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod effects;
+mod guard;
+mod heat;
+mod islands;
+mod moving_pins;
+mod nets;
+mod originals;
+mod own_kinds;
+mod projection;
+mod sandbox;
+mod sleep;
+mod snapshot;
+mod space;
+mod space_levels;
+mod starts;
+mod stretch_test;
+mod wind;

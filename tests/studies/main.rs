@@ -1,0 +1,10 @@
+//! Promises about studies and the error of a running scene.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod difference;
+mod drift_and_meshes;
+#[path = "../common/program.rs"]
+mod program;
+mod study;
+mod twin;

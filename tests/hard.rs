@@ -21,7 +21,13 @@ use gingerbread::{
     scene::Scene,
     study::threads,
 };
-use std::{fs, path::Path, sync::Arc, thread, time::Duration};
+use std::{
+    fs,
+    path::Path,
+    sync::{Arc, Mutex},
+    thread,
+    time::Duration,
+};
 
 fn case(name: &str) -> Case {
     Case::read(Path::new(name)).unwrap()
@@ -86,16 +92,17 @@ fn worse_better_and_moved_results_are_told_apart() {
 /// Which runs of the product of cases, models and methods are computed.
 #[derive(Clone, Copy, PartialEq)]
 enum Runs {
-    /// One model for each case and for each undamped twin, with every third method or, in turn, all of them. Every case, every
-    /// pair of a model and a method, and most pairs of a case and a model occur.
+    /// One model for each case and for each undamped twin, with every sixth method, or one of two. Every case and
+    /// every pair of a model and a method occur.
     Some,
     /// All of them.
     All,
 }
 
 impl Runs {
-    fn holds(self, case: usize, model: usize, method: usize) -> bool {
-        self == Self::All || model == case % Model::ALL.len() && (case + method).is_multiple_of(3)
+    fn holds(self, case: usize, model: usize, (method, methods): (usize, usize)) -> bool {
+        let (models, period) = (Model::ALL.len(), methods.min(6));
+        self == Self::All || model == case % models && (case / models + case + method).is_multiple_of(period)
     }
 }
 
@@ -111,7 +118,7 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], runs: Runs, record: &st
         for (model_number, &model) in Model::ALL.iter().enumerate() {
             for (method_number, &method) in methods.iter().enumerate() {
                 let trial = Trial { name: name.to_owned(), case: Arc::clone(&case), model, method };
-                if renews || runs.holds(case_number, model_number, method_number) {
+                if renews || runs.holds(case_number, model_number, (method_number, methods.len())) {
                     chosen.push(trial.clone());
                 }
                 all.push(trial);
@@ -157,20 +164,35 @@ fn compare(cases: Vec<(&str, Case)>, methods: &[Method], runs: Runs, record: &st
     }
     // Fine meshes share the experiments of the coarse ones.
     let open: Vec<_> = sweep.entries().filter(|(trial, _)| compares && stated(trial).is_some()).collect();
-    let mut shown: Vec<_> =
-        open.into_iter().filter_map(|(trial, entry)| Some((trial, failure(entry)?, true))).collect();
-    let share = shown.len().div_ceil(threads()).max(1);
+    let shown = open.into_iter().filter_map(|(trial, entry)| Some((trial, failure(entry)?)));
+    let mut groups: Vec<Vec<(&Trial, Failure)>> = Vec::new();
+    for (trial, failure) in shown {
+        match groups
+            .last_mut()
+            .filter(|group| Arc::ptr_eq(&group[0].0.case, &trial.case) && group[0].0.model == trial.model)
+        {
+            Some(group) => group.push((trial, failure)),
+            None => groups.push(vec![(trial, failure)]),
+        }
+    }
+    let queue = Mutex::new(groups.into_iter());
+    let wrong = Mutex::new(Vec::new());
+    let next = || queue.lock().unwrap().next();
     thread::scope(|scope| {
-        for part in shown.chunks_mut(share) {
-            scope.spawn(move || {
-                for (trial, failure, shows) in part {
-                    let experiment = stated(trial).unwrap();
-                    *shows = experiment.shows(&trial.case, trial.model, trial.method, *failure).unwrap();
+        for _ in 0..threads() {
+            scope.spawn(|| {
+                while let Some(group) = next() {
+                    let mut motion = None;
+                    for (trial, failure) in group {
+                        if !stated(trial).unwrap().shows_with(trial, failure, &mut motion).unwrap() {
+                            wrong.lock().unwrap().push(trial);
+                        }
+                    }
                 }
             });
         }
     });
-    let wrong: Vec<_> = shown.iter().filter(|(.., shows)| !shows).map(|(trial, ..)| trial).collect();
+    let wrong = wrong.into_inner().unwrap();
     assert!(wrong.is_empty(), "not shown by the experiment that the file states: {wrong:#?}");
 }
 

@@ -98,16 +98,28 @@ impl Experiment {
     pub(crate) fn cause(trial: &Trial, failure: Failure, motion: &mut Option<Verdict>) -> Option<Self> {
         let Trial { case, model, method, .. } = trial;
         let known = case.cannot(*model, *method).and_then(|cannot| cannot.shown_by);
-        let mut shows = |experiment: &Self| {
-            if *experiment != Self::Motion {
-                return experiment.shows(case, *model, *method, failure) == Ok(true);
-            }
-            if ends(failure) && motion.is_none() {
-                *motion = Self::Motion.verdict(case, *model, *method).ok().flatten();
-            }
-            ends(failure) && motion.as_ref().and_then(|motion| motion.failure).is_some_and(ends)
-        };
+        let mut shows = |experiment: &Self| experiment.shows_with(trial, failure, motion) == Ok(true);
         known.filter(&mut shows).or_else(|| Self::all(*method).into_iter().find(shows))
+    }
+
+    /// Whether the experiment shows the cause of a failure, as [`Self::shows`]. `motion` keeps the verdict of [`Self::Motion`], which all
+    /// methods share.
+    ///
+    /// # Errors
+    /// If a scene cannot be built.
+    pub fn shows_with(
+        self,
+        Trial { case, model, method, .. }: &Trial,
+        failure: Failure,
+        motion: &mut Option<Verdict>,
+    ) -> Result<bool, SceneError> {
+        if self != Self::Motion || !ends(failure) {
+            return self.shows(case, *model, *method, failure);
+        }
+        if motion.is_none() {
+            *motion = Self::Motion.verdict(case, *model, *method)?;
+        }
+        Ok(motion.as_ref().and_then(|motion| motion.failure).is_some_and(ends))
     }
 
     /// Whether the experiment shows the cause of a failure: it is stable. A failure before the end is shown as well by a run

@@ -327,7 +327,7 @@ fn a_killed_save_leaves_the_old_or_the_new_file_whole() {
     let levels = long_ones();
     for saves in 2..8 {
         let mut child = Process::new(std::env::current_exe().unwrap())
-            .args(["--exact", "child_that_saves", "--nocapture"])
+            .args(["--exact", "faults::child_that_saves", "--nocapture"])
             .env(INTO, &path)
             .stdout(Stdio::piped())
             .spawn()

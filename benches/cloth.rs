@@ -83,9 +83,27 @@ fn implicit(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// The first implicit steps of 5,000 triangles that fall on an edge and fold, with contact of the cloth with itself and without.
+fn contact(criterion: &mut Criterion) {
+    let text = levels::built_in("cloth_folding").unwrap();
+    let text = text.replace("columns: 12, rows: 12", "columns: 50, rows: 50").replace("substeps: 16", "substeps: 4");
+    let text = text.replace("VelocityVerlet()", "LinearlyImplicitEuler()");
+    let mut group = criterion.benchmark_group("implicit step of 5,000 triangles");
+    group.sample_size(10).measurement_time(Duration::from_secs(10));
+    for (name, text) in [
+        ("with contact", text.clone()),
+        ("without", text.replace("(effect: Contact(modulus: 1, thickness: 0.2)),", "")),
+    ] {
+        let mut simulation = built(&text);
+        simulation.advance(10, &mut || true);
+        group.bench_function(name, |bencher| bencher.iter_custom(|laps| steps(&mut simulation, laps)));
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = cloth;
     config = Criterion::default().sample_size(20).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
-    targets = springs, triangles, implicit
+    targets = springs, triangles, implicit, contact
 }
 criterion_main!(cloth);

@@ -35,6 +35,8 @@ pub struct Grid {
     pub(super) cells: Vec<(u64, u32)>,
     /// Surfaces that are too long for the grid.
     pub(super) long: Vec<u32>,
+    /// Boxes around all surfaces in space, by their numbers: least and greatest corner \[m\].
+    pub(super) boxes: Vec<[[f64; 3]; 2]>,
     /// Length of a cell in space \[m\].
     pub(super) cell: f64,
 }

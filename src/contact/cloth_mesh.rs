@@ -291,18 +291,18 @@ impl ClothMesh {
             let own = around(vertex.vertex);
             grid.each(grown(own, distance), |triangle| {
                 let is_apart = !self.triangles[triangle as usize].corners.contains(&vertex.vertex);
-                if is_apart && pairs.len() <= most && are_near(own, of_triangle(triangle), distance) {
+                if is_apart && pairs.len() <= most && are_near(own, grid.boxes[triangle as usize], distance) {
                     pairs.push([triangle, place as u32]);
                 }
             });
         }
         grid.fill(self.edges.len(), distance, of_edge);
         for edge in 0..self.edges.len() as u32 {
-            let (own, [a, b]) = (of_edge(edge), self.edges[edge as usize].ends);
+            let (own, [a, b]) = (grid.boxes[edge as usize], self.edges[edge as usize].ends);
             grid.each(grown(own, distance), |lower| {
                 let ends = self.edges[lower as usize].ends;
                 let is_apart = lower < edge && !ends.contains(&a) && !ends.contains(&b);
-                if is_apart && pairs.len() <= most && are_near(own, of_edge(lower), distance) {
+                if is_apart && pairs.len() <= most && are_near(own, grid.boxes[lower as usize], distance) {
                     pairs.push([self.triangles.len() as u32 + lower, edge]);
                 }
             });
@@ -359,13 +359,14 @@ impl Grid {
     fn fill(&mut self, count: usize, distance: f64, bounds: impl Fn(u32) -> Box) {
         self.cells.clear();
         self.long.clear();
-        let sides = (0..count as u32).map(|number| longest_side(bounds(number)));
+        self.boxes.clear();
+        self.boxes.extend((0..count as u32).map(bounds));
+        let sides = self.boxes.iter().map(|own| longest_side(*own));
         self.cell = distance + 2.0 * sides.sum::<f64>() / count.max(1) as f64;
         if !(self.cell > 0.0 && self.cell.is_finite()) {
             return;
         }
-        for number in 0..count as u32 {
-            let [least, greatest] = bounds(number);
+        for (number, &[least, greatest]) in (0..).zip(&self.boxes) {
             if longest_side([least, greatest]) > self.cell {
                 self.long.push(number);
             } else {

@@ -1,8 +1,8 @@
-//! Inversion recovery: finds a shape without inverted triangles and folds.
+//! Inversion recovery: finds a shape without inverted triangles, folds and creases.
 //!
 //! Inverted triangles have restoring forces, and most tangled bodies recover by themselves. A body may also end in a
-//! local minimum of its energy without inverted triangles: a vertex whose triangles go round it twice, which no small
-//! motion can undo. [`untangled`] replaces such a shape.
+//! local minimum of its energy without inverted triangles: a vertex whose triangles go round it twice, or a crease that
+//! nearly incompressible triangles lock. No small motion can undo it. [`untangled`] replaces such a shape.
 //!
 //! ```
 //! use gingerbread::{files, levels, meshes::NoFiles, scene::Scene, inversion_recovery::Tangle};
@@ -17,6 +17,8 @@
 //! ```
 
 use crate::{
+    effects::Effect,
+    elements::ElasticElements,
     materials::nearest_rotation,
     scene::{Body, Scene},
     solvers::{BlockMatrix, Factor},
@@ -32,7 +34,16 @@ pub struct Tangle {
     /// Number of folded vertices: interior ones with a winding number other than one, and boundary ones at which triangles lie
     /// over each other.
     pub wound: usize,
+    /// Number of bodies in a metastable equilibrium: without inverted triangles and folds, and with elastic forces that balance
+    /// in another shape than the one at rest.
+    pub metastable: usize,
 }
+
+/// Least elastic energy of a metastable body, as a share of `mu` times its area at rest.
+const METASTABLE_ENERGY: f64 = 1e-6;
+
+/// Greatest work of the elastic forces of a metastable body over its displacements, as a share of its elastic energy.
+const METASTABLE_WORK: f64 = 0.01;
 
 impl Tangle {
     /// Counts the inverted triangles and folds of a body at flat positions of the whole scene \[m\].
@@ -40,7 +51,7 @@ impl Tangle {
     /// The winding number of a vertex is the number of crossings of a fixed ray from it by the edges of its triangles:
     /// plus one for each counter-clockwise crossing, minus one for each clockwise one. The triangles of a boundary vertex
     /// fill an angle. If none is inverted and the sum of their angles is above 2 pi, they lie over each other.
-    pub fn of(body: &Body, x: &[f64]) -> Self {
+    pub fn of(scene: &Scene, body: &Body, x: &[f64]) -> Self {
         // Boundary vertices have no winding number.
         const BOUNDARY: i32 = i32::MIN / 2;
         let mut rounds = vec![0; body.vertices.len()];
@@ -69,19 +80,44 @@ impl Tangle {
         let overlaps = |angle: &&f64| **angle > std::f64::consts::TAU * (1.0 + 1e-9);
         let wound = rounds.iter().filter(|rounds| **rounds != 1 && **rounds > BOUNDARY / 2).count()
             + angles.iter().filter(overlaps).count();
-        Self { inverted, wound }
+        let metastable = usize::from(inverted + wound == 0 && is_metastable(scene, body, x));
+        Self { inverted, wound, metastable }
     }
 
     /// The sum over all bodies.
     pub fn of_all(scene: &Scene, x: &[f64]) -> Self {
-        let bodies = scene.bodies.iter().map(|body| Self::of(body, x));
-        bodies.fold(Self::default(), |a, b| Self { inverted: a.inverted + b.inverted, wound: a.wound + b.wound })
+        let bodies = scene.bodies.iter().map(|body| Self::of(scene, body, x));
+        bodies.fold(Self::default(), |a, b| Self {
+            inverted: a.inverted + b.inverted,
+            wound: a.wound + b.wound,
+            metastable: a.metastable + b.metastable,
+        })
     }
 
-    /// Whether there are inverted triangles or folds.
+    /// Whether there are inverted triangles, folds or metastable bodies.
     pub fn is_some(self) -> bool {
         self != Self::default()
     }
+}
+
+/// Whether the elastic forces `f` of a body balance in a shape with elastic energy `U`: the sum of `|f_i| |u_i|` is under
+/// [`METASTABLE_WORK`] of `U`, with displacements `u` from the rest shape in its best rigid placement.
+///
+/// Near the rest shape `U` is half the work `-f . u` (Clapeyron's theorem), so the sum is at least `2 U`; so it is where
+/// loads, pins or contact hold a body.
+fn is_metastable(scene: &Scene, body: &Body, x: &[f64]) -> bool {
+    let energy = body.elements.elastic_energy(x);
+    if energy.is_nan() || energy <= METASTABLE_ENERGY * body.elements.energy_scales()[0] {
+        return false;
+    }
+    let mut force = vec![0.0; x.len()];
+    body.elements.elastic_force(x, &mut vec![0.0; body.elements.scratch()], &mut force);
+    let fit = Fit::new(scene, x, body.vertices.clone().map(|vertex| (vertex, 1.0)));
+    let works = body.vertices.clone().map(|vertex| {
+        let displacement = at(x, vertex) - fit.place(at(&scene.rest, vertex));
+        at(&force, vertex).norm() * displacement.norm()
+    });
+    works.sum::<f64>() <= METASTABLE_WORK * energy
 }
 
 /// The state with every tangled body replaced by a shape without folds; the others stay. `None` if none is tangled.
@@ -92,7 +128,7 @@ impl Tangle {
 /// are crossed, even that shape has folds.
 pub fn untangled(scene: &Scene, state: &State) -> Option<State> {
     let mut found = None;
-    for body in scene.bodies.iter().filter(|body| Tangle::of(body, &state.x).is_some()) {
+    for body in scene.bodies.iter().filter(|body| Tangle::of(scene, body, &state.x).is_some()) {
         // What was remembered belongs to the old shape.
         let forgotten = || State { memory: Vec::new(), slow_checks: Vec::new(), anchors: Vec::new(), ..state.clone() };
         let state = found.get_or_insert_with(forgotten);

@@ -75,8 +75,8 @@ pub struct Snapshot {
     pub min_j: f64,
     /// Number of triangles that are inside out (det F <= 0).
     pub inverted: usize,
-    /// Number of vertices whose triangles do not go round them exactly once: folds.
-    pub wound: usize,
+    /// Inverted triangles, folds and metastable bodies.
+    pub tangle: Tangle,
     /// Crossings of the surfaces of bodies, by an exact test, and the time that it took; `None` if contact has no potential.
     pub crossings: Option<(usize, Duration)>,
     /// Simulated time \[s\].
@@ -393,7 +393,7 @@ impl Sandbox {
             let membranes = snapshot.membranes.iter().map(|membrane| membrane.energy);
             simulation.set_elastic_energies(bodies.chain(nets).chain(membranes));
         }
-        snapshot.wound = Tangle::of_all(scene, x).wound;
+        snapshot.tangle = Tangle::of_all(scene, x);
         let start = Instant::now();
         let is_small = scene.cloth.count() <= MOST_TESTED;
         let all = || simulation.count_crossings().or_else(|| simulation.count_cloth_crossings());

@@ -200,7 +200,7 @@ impl Run {
     /// Verdict on the present state.
     pub fn verdict(&self) -> Verdict {
         let (scene, state) = (self.simulation.scene(), self.simulation.state());
-        let Tangle { inverted, wound } = Tangle::of_all(scene, &state.x);
+        let Tangle { inverted, wound, .. } = Tangle::of_all(scene, &state.x);
         let home = self.expects == Expects::Home;
         let energies = self.simulation.energies();
         let mu_area: f64 = scene.parts.iter().map(|part| part.energy_scales()[0]).sum();

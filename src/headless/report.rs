@@ -31,6 +31,8 @@ pub struct RunReport {
     pub inverted: usize,
     /// Number of vertices at the end whose triangles do not go round them exactly once: folds.
     pub wound: usize,
+    /// Number of bodies whose elastic forces balance at the end in another shape than at rest, without folds.
+    pub metastable: usize,
     /// Number of triangles.
     pub triangles: usize,
     /// Number of vertices.
@@ -107,6 +109,7 @@ impl RunReport {
         let (scene, state, counts) = (simulation.scene(), simulation.state(), simulation.counts());
         let (min_j, inverted) = simulation.inversion();
         let (triangles, steps) = (scene.triangles.len(), counts.steps);
+        let tangle = Tangle::of_all(scene, &state.x);
         Self {
             level: level.name.clone(),
             warnings: Vec::new(),
@@ -115,7 +118,8 @@ impl RunReport {
             energy: simulation.energies().into(),
             min_j: (triangles > 0).then_some(min_j),
             inverted,
-            wound: Tangle::of_all(scene, &state.x).wound,
+            wound: tangle.wound,
+            metastable: tangle.metastable,
             crossings: simulation.count_crossings().or_else(|| simulation.count_cloth_crossings()),
             triangles,
             vertices: scene.vertices(),

@@ -75,7 +75,11 @@ fn the_compression_guard_turns_a_mirrored_sheet_back() {
         deform(&mut simulation, Matrix2::new(-0.99, 0.02, 0.01, 1.01));
         assert_eq!(simulation.advance(600, &mut || true), 600);
         let tangle = Tangle::of_all(simulation.scene(), &simulation.state().x);
-        assert_eq!(tangle, Tangle { inverted, wound: if inverted > 0 { 9 } else { 0 } }, "strength {strength}");
+        assert_eq!(
+            tangle,
+            Tangle { inverted, wound: if inverted > 0 { 9 } else { 0 }, metastable: 0 },
+            "strength {strength}"
+        );
     }
 }
 

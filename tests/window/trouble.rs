@@ -171,7 +171,7 @@ fn a_mirrored_body_is_told_and_untangled() {
             click(&mut window, "Untangle");
         }
         let now = window.state().snapshot();
-        assert_eq!((now.inverted, now.wound), (0, 0));
+        assert_eq!((now.inverted, now.tangle.wound), (0, 0));
         assert!(window.query_by_label("Untangle").is_none(), "what is mended is not warned of");
     }
 }

@@ -190,8 +190,8 @@ fn inside_out(now: &Snapshot, facts: &Facts) -> Option<Warning> {
 
 /// Warning about folds: no triangle is inverted, but vertices are folded over.
 fn folded(now: &Snapshot) -> Option<Warning> {
-    let text = match now.wound {
-        0 => return None,
+    let text = match now.tangle.wound {
+        0 => return metastable(now),
         1 => "Folded at 1 vertex: elastic forces do not unfold it".to_owned(),
         many => format!("Folded at {many} vertices: elastic forces do not unfold it"),
     };
@@ -200,6 +200,20 @@ fn folded(now: &Snapshot) -> Option<Warning> {
                    at rest like this is in a local minimum of its elastic energy and stays there."
             .to_owned();
     Some(Warning { kind: "folded", text, details, advice: Some(Advice::just(Cause::Forces, Remedy::Untangle)) })
+}
+
+/// Warning about bodies at rest in another shape than their rest shape.
+fn metastable(now: &Snapshot) -> Option<Warning> {
+    let text = match now.tangle.metastable {
+        0 => return None,
+        1 => "1 body rests in a deformed shape: elastic forces balance in it".to_owned(),
+        many => format!("{many} bodies rest in deformed shapes: elastic forces balance in them"),
+    };
+    let details = format!(
+        "{text}. Nothing else holds them there: it is a local minimum of the elastic energy. Nearly incompressible triangles have \
+         such minima. A pull gets a body out of it, or Untangle."
+    );
+    Some(Warning { kind: "metastable", text, details, advice: Some(Advice::just(Cause::Forces, Remedy::Untangle)) })
 }
 
 /// Warning about surfaces that cross each other.

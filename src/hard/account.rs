@@ -46,7 +46,9 @@ impl Account {
     pub fn record(&mut self, energies: Energies) {
         self.put_in = self.put_in.max(self.start + self.work - energies.potential);
         let balance = energies.total() - self.work;
-        let gain = (balance - self.least) / self.put_in;
+        let rise = balance - self.least;
+        // Where nothing rises, there may be no energy put in.
+        let gain = if rise <= 0.0 { 0.0 } else { rise / self.put_in };
         // NaN counts as an infinite gain.
         self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
         self.least = self.least.min(balance);

@@ -26,6 +26,8 @@ pub enum Experiment {
     By(Method),
     /// With damping: the case itself instead of its undamped twin.
     Damped,
+    /// The motion with damping ends like that: what it comes to rest in, a vibration passes through.
+    DampedMotion,
 }
 
 /// Whether a failure is one of the last state.
@@ -43,6 +45,7 @@ impl std::fmt::Display for Experiment {
             Self::Model(model) => write!(out, "not with the model {}", model.name()),
             Self::By(method) => write!(out, "not with {}", method.name()),
             Self::Damped => write!(out, "not with damping"),
+            Self::DampedMotion => write!(out, "in the reference with damping too"),
         }
     }
 }
@@ -55,7 +58,8 @@ impl Experiment {
         let schemes = [Method::SymplecticEuler, Method::ImplicitEuler, Method::Bdf2].map(Self::By);
         let models = [Model::StableNeoHookean, Model::FixedCorotated, Model::Corotated, Model::NeoHookean];
         let [first, then] = if method.is_never_stable() { [schemes, steps] } else { [steps, schemes] };
-        [&[Self::Compression][..], &first, &then, &models.map(Self::Model), &[Self::Damped]].concat()
+        [&[Self::Compression][..], &first, &then, &models.map(Self::Model), &[Self::Damped, Self::DampedMotion]]
+            .concat()
     }
 
     /// The run of the experiment for a run of a case; `None` if it is that run itself.
@@ -79,6 +83,9 @@ impl Experiment {
             Self::Model(other) if other != model => Run::new(case, other, method)?,
             Self::By(other) if other != method => Run::new(case, model, other)?,
             Self::Damped if case.is_undamped_twin() => Run::new(case.damped(), model, method)?,
+            Self::DampedMotion if case.is_undamped_twin() => {
+                Run::new(case.damped(), model, Method::VelocityVerlet)?.finer(Reference::FINER)
+            }
             _ => return Ok(None),
         };
         Ok(Some(run))
@@ -128,11 +135,12 @@ impl Experiment {
     /// # Errors
     /// If a scene cannot be built.
     pub fn shows(self, case: &Case, model: Model, method: Method, failure: Failure) -> Result<bool, SceneError> {
-        if self == Self::Motion && !ends(failure) {
+        let is_motion = matches!(self, Self::Motion | Self::DampedMotion);
+        if is_motion && !ends(failure) {
             return Ok(false);
         }
         let Some(verdict) = self.verdict(case, model, method)? else { return Ok(false) };
         let fails_at_end = verdict.failure.is_some_and(ends);
-        Ok(if self == Self::Motion { fails_at_end } else { verdict.is_stable() || fails_at_end && !ends(failure) })
+        Ok(if is_motion { fails_at_end } else { verdict.is_stable() || fails_at_end && !ends(failure) })
     }
 }

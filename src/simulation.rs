@@ -18,6 +18,7 @@ mod displacement_bound;
 mod energies;
 mod keep_apart;
 mod multirate;
+mod overlaps;
 mod restart;
 mod script;
 mod sleep;
@@ -36,6 +37,7 @@ use crate::{
 use contacts::{contacts, surface_contact};
 use energies::Elastic;
 use multirate::Multirate;
+use overlaps::Overlaps;
 use restart::Checkpoint;
 pub use restart::Restart;
 use script::Script;
@@ -61,6 +63,7 @@ pub struct Simulation {
     script: Option<Script>,
     guard: Guard,
     fault: Option<Fault>,
+    overlaps: Overlaps,
     /// Counts changes of the scene, the state, the pull, and steps.
     revision: u64,
     /// Whether the last step left equations unsolved of which the rest is energy from nowhere.
@@ -98,6 +101,7 @@ impl Simulation {
             script: None,
             guard: Guard::default(),
             fault: None,
+            overlaps: Overlaps::default(),
             revision: 0,
             is_unsolved: false,
             first: state_steps,
@@ -129,6 +133,7 @@ impl Simulation {
         self.scratch.fit(&self.scene);
         (self.islands, self.multirate) = (Islands::new(&self.scene), Multirate::new(&self.scene));
         self.wake_all(paced);
+        self.begin_overlaps();
         self.find_initial_penetrations();
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
@@ -330,6 +335,11 @@ impl Simulation {
 
     /// Finds the initial penetrations of a state that no step led to. One that steps led to has the memory of its contacts.
     fn begin_contacts(&mut self) {
+        if self.state.steps == 0 {
+            self.begin_overlaps();
+        } else {
+            self.resume_overlaps();
+        }
         if self.state.steps == 0 || self.state.anchors.is_empty() {
             self.find_initial_penetrations();
         }
@@ -368,6 +378,7 @@ impl Simulation {
         let unsolved = self.scratch.counts.unconverged;
         let at = |part: u32| if part == parts { end } else { start + f64::from(part) * h };
         for part in 0..parts {
+            self.separate(h);
             self.integrate(h, [at(part), at(part + 1)]);
         }
         let conserves = self.scene.integrator.kind().mean_forces() == MeanForces::All;

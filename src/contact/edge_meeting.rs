@@ -51,7 +51,7 @@ impl MeetingPairs<2, 3> for SurfaceContact {
     }
 
     fn are_apart(&self, [one, other]: [u32; 2]) -> bool {
-        self.between(one, other).is_apart
+        !self.between(one, other).touch()
     }
 
     fn thickness(&self, pair: Pair) -> f64 {

@@ -1,8 +1,8 @@
 //! Contact of the boundaries of bodies with each other and with themselves, and of the particles of nets with bodies.
 
 use super::{
-    Anchor, AnyContact, Candidates, ContactModel, ContactName, ContactParameters, ContactTerm, Means, Members, Pair,
-    Skin, SurfaceEdge, SurfaceTerm, SurfaceVertex, SurfaceVertices, Touch, Truncation,
+    Anchor, AnyContact, Candidates, ContactModel, ContactName, ContactParameters, ContactTerm, Means, Members, Overlap,
+    Pair, Skin, SurfaceEdge, SurfaceTerm, SurfaceVertex, SurfaceVertices, Touch, Truncation,
     candidates::{Grid, Surfaces as _},
     count_crossings,
     edge_query::{DEPTH, EdgeQuery, Seen},
@@ -24,6 +24,7 @@ use std::sync::Arc;
 /// Along a boundary the gap is the distance from it: where two edges are equally near, the sum over edges less the term of their
 /// corner makes the energy continuously differentiable (Li et al., *Convergent Incremental Potential Contact*, 2023). Between
 /// two bodies the vertices of both touch the edges of the other; each half counts.
+#[derive(Clone)]
 pub struct SurfaceContact {
     /// Number of the effect in the scene.
     number: u32,
@@ -89,7 +90,7 @@ impl SurfaceContact {
     }
 
     /// Distance of a pair \[m\].
-    fn distance(&self, x: &[f64], pair: Pair) -> f64 {
+    pub(super) fn distance(&self, x: &[f64], pair: Pair) -> f64 {
         let (edge, vertex) = self.members(pair);
         let point = vector(x, vertex.vertex);
         let seen = Seen::new(x, edge, point);
@@ -103,14 +104,14 @@ impl SurfaceContact {
     /// Whether an edge and a vertex can touch.
     fn can_touch(&self, pair: Pair) -> bool {
         let (edge, vertex) = self.members(pair);
-        let is_apart = self.between(edge.part, vertex.part).is_apart;
+        let touch = self.between(edge.part, vertex.part).touch();
         if edge.part != vertex.part {
-            return !is_apart;
+            return touch;
         }
         let is_end = edge.ends.contains(&vertex.vertex);
         let from = pair[0] as usize;
         let excluded = &self.excluded[self.excluded_from[from]..self.excluded_from[from + 1]];
-        !is_end && !is_apart && !excluded.contains(&pair)
+        !is_end && touch && !excluded.contains(&pair)
     }
 
     /// Whether the vertex of a pair is inside the part of the edge.
@@ -204,7 +205,7 @@ impl SurfaceContact {
         let all = 0..self.surface.edges().len() as u32;
         let mut found = Vec::new();
         for (place, vertex) in self.surface.iter().enumerate() {
-            let touches = |part: &u32| *part != vertex.part && !self.between(*part, vertex.part).is_apart;
+            let touches = |part: &u32| *part != vertex.part && self.between(*part, vertex.part).touch();
             for part in (0..self.surface.parts() as u32).filter(touches) {
                 let own = |edge: &u32| self.surface.edges()[*edge as usize].part == part;
                 let Some(first) = all.clone().find(own) else { continue };
@@ -229,6 +230,30 @@ impl SurfaceTerm for SurfaceContact {
 
     fn count_crossings(&self, x: &[f64]) -> usize {
         count_crossings(&self.surface, x, |one, other| !self.between(one, other).is_apart)
+    }
+
+    fn overlaps(&self, x: &[f64]) -> Vec<Overlap> {
+        self.overlapping(x)
+    }
+
+    fn setting_aside(&self, bodies: &[[usize; 2]]) -> Option<Box<dyn SurfaceTerm>> {
+        let parts = self.surface.parts();
+        let is_set_aside = |at: usize| {
+            let [one, other] = [at / parts, at % parts].map(|part| self.surface.owner(part as u32));
+            bodies.contains(&[one, other]) || bodies.contains(&[other, one])
+        };
+        let changes = |(at, between): (usize, &Between)| between.is_set_aside != is_set_aside(at);
+        self.between.iter().enumerate().any(changes).then(|| {
+            let mut contact = self.clone();
+            contact.between.iter_mut().enumerate().for_each(|(at, between)| between.is_set_aside = is_set_aside(at));
+            Box::new(contact) as Box<dyn SurfaceTerm>
+        })
+    }
+
+    fn owners(&self, contact: ContactName) -> Option<[usize; 2]> {
+        let edge = self.surface.edges().get(contact.surface as usize)?;
+        let vertex = self.surface.at(self.surface.place_of(contact.vertex)?);
+        Some([edge.part, vertex.part].map(|part| self.surface.owner(part)))
     }
 
     /// Vertices with an initial penetration touch their edges and the neighbours of these at any depth.

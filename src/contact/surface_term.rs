@@ -1,7 +1,8 @@
 //! Contact of surfaces with each other, by the calls that know neither the dimension nor what touches what.
 
 use super::{
-    Anchor, AnyContact, Candidates, ContactModel, Means, Pair, Potential, Surface, SurfaceVertices, Truncation,
+    Anchor, AnyContact, Candidates, ContactModel, ContactName, Means, Overlap, Pair, Potential, Surface,
+    SurfaceVertices, Truncation,
 };
 use crate::effects::Motion;
 
@@ -16,6 +17,22 @@ pub trait SurfaceTerm: Send + Sync {
     /// Number of places at positions x \[m\] where surfaces have crossed, by an exact test that is independent of how contact is
     /// computed: zero is a proof.
     fn count_crossings(&self, x: &[f64]) -> usize;
+
+    /// The bodies that should touch and overlap at positions x \[m\], or are nearer to each other than the thickness of their skin.
+    fn overlaps(&self, _x: &[f64]) -> Vec<Overlap> {
+        Vec::new()
+    }
+
+    /// The same contact, in which these pairs of bodies, by their numbers, do not touch, and all others as the level says; `None` if
+    /// it is so already.
+    fn setting_aside(&self, _bodies: &[[usize; 2]]) -> Option<Box<dyn SurfaceTerm>> {
+        None
+    }
+
+    /// Numbers of the two bodies or nets of a contact.
+    fn owners(&self, _contact: ContactName) -> Option<[usize; 2]> {
+        None
+    }
 
     /// Makes the candidates contain all pairs that may touch at positions x \[m\] with this memory of contacts: those that are near
     /// each other, and those with an initial penetration.
@@ -55,15 +72,23 @@ pub(super) fn with_candidates(term: &dyn SurfaceTerm, motion: Motion<'_>, act: i
 }
 
 /// What holds between two parts.
+#[derive(Clone)]
 pub(super) struct Between {
     pub potential: Potential,
     /// mu.
     pub friction: f64,
-    /// Whether they do not touch.
+    /// Whether they do not touch by the level.
     pub is_apart: bool,
+    /// Whether they overlap and do not touch until they are out of each other.
+    pub is_set_aside: bool,
 }
 
 impl Between {
+    /// Whether they touch.
+    pub const fn touch(&self) -> bool {
+        !self.is_apart && !self.is_set_aside
+    }
+
     /// What holds between each two parts, by `first * parts + second`.
     pub fn all(model: &ContactModel, surface: &SurfaceVertices) -> Vec<Self> {
         let parts = surface.parts();
@@ -74,6 +99,7 @@ impl Between {
                 potential: surface.potential_between(model.skin, pair),
                 friction: model.friction.between(Surface::Owner(one), Surface::Owner(other)),
                 is_apart: model.apart.contains(&[one, other]) || model.apart.contains(&[other, one]),
+                is_set_aside: false,
             }
         };
         (0..parts * parts).map(between).collect()

@@ -61,6 +61,12 @@ impl<const D: usize> Bounds<D> {
         let Self([least, greatest]) = self;
         Self([least.map(|along| along - by), greatest.map(|along| along + by)])
     }
+
+    /// Whether it has a point in common with another box.
+    pub fn meets(self, Self([other_least, other_greatest]): Self) -> bool {
+        let Self([least, greatest]) = self;
+        (0..D).all(|axis| least[axis] <= other_greatest[axis] && other_least[axis] <= greatest[axis])
+    }
 }
 
 impl Bounds {

@@ -7,6 +7,7 @@ use crate::{
     quantity::{Dissipation, ImpactSpeed, Quantity, SkinModulus, SkinThickness},
 };
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Contact of bodies, or of cloth in space, with each other, with themselves, and with walls and the domain boundary, by a smooth potential of a thin skin,
 /// with the same forces for every integrator; see [`crate::contact`]. Without it they touch walls and the domain boundary alone, by
@@ -123,6 +124,11 @@ impl Effect for ContactEffect {
 
     fn surface_contact(&self) -> Option<&dyn SurfaceTerm> {
         self.surface.as_deref()
+    }
+
+    fn setting_aside(&self, bodies: &[[usize; 2]]) -> Option<Arc<dyn Effect>> {
+        let surface = Some(self.surface.as_ref()?.setting_aside(bodies)?);
+        Some(Arc::new(Self { skin: self.skin, apart: self.apart.clone(), dimension: self.dimension, surface }))
     }
 
     fn set_properties(&self, properties: &mut ContactProperties) {

@@ -396,6 +396,12 @@ pub trait Effect: Send + Sync {
         None
     }
 
+    /// The same effect, in whose contact of surfaces these pairs of bodies, by their numbers, do not touch, and all others as the
+    /// level says; `None` if it is so already.
+    fn setting_aside(&self, _bodies: &[[usize; 2]]) -> Option<std::sync::Arc<dyn Effect>> {
+        None
+    }
+
     /// Contact with obstacles, if it has that, by a potential or by a filter.
     fn obstacle_contact(&self) -> Option<&dyn ObstacleTerm> {
         None

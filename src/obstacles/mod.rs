@@ -41,7 +41,7 @@ pub use moving::Moving;
 pub use plane::{HalfPlane, Plane, free_region};
 pub use polygon::Polygon;
 pub use rigid::{Rigid, SweptMotion};
-pub use segments::{segments_meet, side_of};
+pub use segments::{segments_cross, segments_meet, side_of};
 pub use sphere::Sphere;
 pub use triangulation::Triangulation;
 

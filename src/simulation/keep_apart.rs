@@ -22,9 +22,7 @@ impl System<'_> {
         if !self.scratch.plan.has_potential {
             return self.filter(start, x, v);
         }
-        let path = Path { time: self.time, start, end: x, anchors: Some(&self.contacts.anchors) };
-        let meets_obstacle = self.near_obstacles().any(|contact| contact.first_meeting(&path, false).is_some());
-        if !meets_obstacle && !self.contacts.meets(self.scene, start, x) {
+        if !self.meets_obstacle(start, x) && !self.contacts.meets(self.scene, start, x) {
             return false;
         }
         self.scratch.kinetic = None;
@@ -46,6 +44,12 @@ impl System<'_> {
             contacts.dissipate(scene, gained, inverse_mass(scene, scratch), v);
         }
         true
+    }
+
+    /// Whether something meets an obstacle on a straight way from `start` to x \[m\].
+    pub(super) fn meets_obstacle(&self, start: &[f64], x: &[f64]) -> bool {
+        let path = Path { time: self.time, start, end: x, anchors: Some(&self.contacts.anchors) };
+        self.near_obstacles().any(|contact| contact.first_meeting(&path, false).is_some())
     }
 
     /// Stops a step at obstacles; returns whether a moving one moved a vertex.

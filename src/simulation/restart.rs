@@ -222,6 +222,7 @@ impl Simulation {
         self.guard.restore_supplied(&self.checkpoint.guard);
         self.scratch.workspace.forget();
         self.scratch.displacement_bound = -1.0;
+        self.return_to_overlaps();
         while self.state.steps < step {
             self.step();
         }

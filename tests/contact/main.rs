@@ -8,6 +8,7 @@ mod contact_potential;
 mod impacts;
 mod moving;
 mod obstacles;
+mod overlaps;
 mod position_filter;
 mod space_obstacles;
 mod starts_inside;

@@ -185,14 +185,15 @@ fn walls_switched_on_over_a_limb_are_told_and_flatten_nothing() {
     assert_eq!(seen(&sandbox).inside, 0, "nothing is inside any more");
 }
 
-/// Deep vertices come nearer to other edges than those that they began at. These new contacts begin without a force.
+/// It is in the block by less than its skin, which lets it out. Vertices come nearer to other edges than those that they began at; these
+/// new contacts begin without a force.
 #[test]
-fn a_disk_halfway_inside_a_block_gains_no_energy() {
+fn a_disk_slightly_inside_a_block_gains_no_energy() {
     let level = level(
         "(name: \"\", substeps: 200, guard: Off, bodies: [
             (name: \"block\", mesh: Rectangle(width: 0.4, height: 0.4, columns: 5, rows: 5, diagonals: Alternating, corner: (0.3, 0.3)),
                 material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100)),
-            (name: \"disk\", mesh: Disk(centre: (0.7, 0.53), radius: 0.1, rings: 3),
+            (name: \"disk\", mesh: Disk(centre: (0.79, 0.53), radius: 0.1, rings: 3),
                 material: (model: Corotated, young: 2000, poisson: 0.3, plane: Strain), mass: Density(100))],
         effects: [(effect: Rayleigh(mass: 2)), (effect: Contact())])",
     );

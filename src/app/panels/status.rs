@@ -224,8 +224,8 @@ fn crossed(now: &Snapshot) -> Option<Warning> {
         Some((many, _)) => format!("Surfaces cross each other in {many} places"),
     };
     let details = format!(
-        "{text}. They began like this. What is inside another body is let out at a tenth of the wave speed, where there is a way; what \
-         is outside stays outside."
+        "{text}. They began like this. Bodies inside each other are moved apart at a tenth of the wave speed, unless both are \
+         held; what is apart stays apart."
     );
     Some(Warning { kind: "crossing", text, details, advice: None })
 }

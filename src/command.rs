@@ -15,6 +15,7 @@
 
 use crate::{
     effects::EffectKind,
+    impulse::Impulse,
     integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, Pin, RunMode, SubstepMode, Substeps, Toggle},
     materials::{MaterialParameters, Model},
@@ -75,6 +76,8 @@ pub enum Command {
     Pull([f64; 3]),
     /// Ends the pull.
     Release,
+    /// Changes the velocities near a point at once.
+    Impulse(Impulse),
 
     /// Replaces the whole document and starts it, in edit mode. Undo restores the old one.
     Open(Box<Level>),
@@ -162,6 +165,7 @@ impl Command {
             | Self::Grab(..)
             | Self::Pull(_)
             | Self::Release
+            | Self::Impulse(_)
             | Self::Open(_)
             | Self::SetMaterial(..)
             | Self::SetMass(..)

@@ -40,6 +40,7 @@
 //! | [`scene`] | a level built for stepping |
 //! | [`stability`] | the longest stable step |
 //! | [`inversion_recovery`] | shapes without inverted triangles and folds |
+//! | [`impulse`] | sudden changes of velocities: a push or a burst |
 //! | [`report`], [`guard`], [`fault`] | step statistics, the energy check of steps, and faults |
 //! | [`simulation`] | stepping of a scene and its state |
 //! | [`rewind`] | the states of the last seconds |
@@ -88,6 +89,7 @@ pub mod toys;
 pub mod level;
 pub mod scene;
 
+pub mod impulse;
 pub mod inversion_recovery;
 pub mod stability;
 

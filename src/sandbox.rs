@@ -18,6 +18,7 @@ use crate::{
     command::{Command, Mode},
     document::{Document, Gesture, History},
     effects::Grab,
+    impulse::Impulse,
     inversion_recovery::untangled,
     level::{Level, RunMode},
     materials::BadMaterial,
@@ -201,6 +202,7 @@ impl Sandbox {
                 }
             }
             Command::Release => self.simulation.set_grab(None),
+            Command::Impulse(impulse) => self.give(&impulse)?,
             Command::Undo => self.travel(false)?,
             Command::Redo => self.travel(true)?,
             Command::EndGesture => self.history.end_gesture(),
@@ -339,6 +341,18 @@ impl Sandbox {
             return Err(Refused::NotHere("there is no such vertex or point to pull"));
         }
         self.simulation.set_grab(Some(Grab { vertex, target }));
+        Ok(())
+    }
+
+    fn give(&mut self, impulse: &Impulse) -> Result<(), Refused> {
+        if self.mode == Mode::Edit {
+            return Err(Refused::NotHere("nothing can be pushed in edit mode; press M or T to let time run"));
+        }
+        if self.simulation.scene().toy.is_some() || !impulse.is_valid() {
+            return Err(Refused::NotHere("there is nothing here that can be pushed"));
+        }
+        self.rewind.keep(&self.simulation);
+        self.simulation.give(impulse);
         Ok(())
     }
 

@@ -29,6 +29,7 @@ use crate::{
     effects::Grab,
     fault::Fault,
     guard::{Guard, Verdict},
+    impulse::Impulse,
     integrators::{Class, MeanForces, Scheme, StepCounts},
     report::{Counts, EffectCost, Energies},
     scene::Scene,
@@ -155,6 +156,20 @@ impl Simulation {
         self.seek();
         self.apply_sleep();
         self.begin_contacts();
+    }
+
+    /// Changes velocities at once. Bodies and nets that sleep wake up.
+    pub fn give(&mut self, impulse: &Impulse) {
+        let before = self.watched();
+        impulse.give(&self.scene, &mut self.state);
+        // The memory of the integrator belongs to the old velocities.
+        self.state.memory.clear();
+        self.stale = true;
+        self.revision += 1;
+        self.wake_all(false);
+        if let Some(before) = before {
+            self.guard.changed(before, self.energies());
+        }
     }
 
     /// Sets or ends the pull of the mouse.

@@ -25,6 +25,7 @@ const ROOMS: &[&[&str]] = &[
     &["scene"],
     &["stability"],
     &["inversion_recovery"],
+    &["impulse"],
     &["report"],
     &["guard"],
     &["fault"],

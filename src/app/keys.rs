@@ -109,6 +109,8 @@ pub static TABLE: &[Binding] = &[
     binding("Click", "pin or free the vertex nearest to the cursor", When::Edit, &[], |_| KeyAction::Mouse),
     binding("R", "remove all pins", When::Edit, &[key(Key::R)], |_| KeyAction::Do(Command::ClearPins)),
     binding("Drag", "pull a vertex", When::Moving, &[], |_| KeyAction::Mouse),
+    binding("Arrows", "push what is near the pointer", When::Moving, &[], |_| KeyAction::Mouse),
+    binding("X", "burst: blow apart what is near the pointer", When::Moving, &[], |_| KeyAction::Mouse),
     binding("R", "start over: positions and velocities", When::Moving, &[key(Key::R)], |_| {
         KeyAction::Do(Command::Reset)
     }),

@@ -5,6 +5,7 @@ mod common;
 mod effects;
 mod guard;
 mod heat;
+mod impulse;
 mod islands;
 mod moving_pins;
 mod nets;

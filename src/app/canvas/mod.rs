@@ -22,13 +22,14 @@ use super::{
 use crate::{
     command::{Command, Mode},
     effects::Shape,
+    impulse::Impulse,
     level::{EffectLevel, Switch, When},
     obstacles::Triangulation,
     snapshot::{Field, Pull, Snapshot},
 };
 use eframe::egui::{
-    self, Align2, Area, CursorIcon, Order, Painter, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo,
-    vec2,
+    self, Align2, Area, CursorIcon, FocusDirection, Key, Order, Painter, PointerButton, Pos2, Rect, Response, Role,
+    Sense, Ui, Vec2, WidgetInfo, vec2,
 };
 use pointer_state::{PointerState, Sight};
 use std::time::Duration;
@@ -114,6 +115,7 @@ impl Canvas {
         let before = self.pointer_state;
         let sight = sight(&frame, &self.surfaces);
         self.pointer_state.follow(&response, snapshot, sight, self.bodies.points(), commands);
+        commands.extend(self.impulse(&response, &frame).map(Command::Impulse));
         if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
             self.told_until = now + TOLD;
         }
@@ -181,6 +183,42 @@ impl Canvas {
             .inner
         });
         shown.inner
+    }
+
+    /// The impulse that a key gives what is near the pointer.
+    fn impulse(&self, response: &Response, frame: &Frame<'_>) -> Option<Impulse> {
+        const PUSHES: [(Key, Vec2); 4] = [
+            (Key::ArrowLeft, vec2(-1.0, 0.0)),
+            (Key::ArrowRight, vec2(1.0, 0.0)),
+            (Key::ArrowUp, vec2(0.0, -1.0)),
+            (Key::ArrowDown, vec2(0.0, 1.0)),
+        ];
+        let (ctx, snapshot) = (&response.ctx, frame.snapshot);
+        let at = response.hover_pos().filter(|_| snapshot.mode != Mode::Edit && self.pointer_state.is_free())?;
+        let pressed = |key: Key| ctx.input(|input| input.modifiers.is_none() && input.key_pressed(key));
+        let push = PUSHES.into_iter().find(|(key, _)| pressed(*key)).map(|(_, way)| way);
+        if ctx.text_edit_focused() || push.is_none() && !pressed(Key::X) {
+            return None;
+        }
+        let sight = sight(frame, &self.surfaces);
+        let vertex = sight.nearest(self.bodies.points(), at)?;
+        let size = snapshot.dimension;
+        let place = snapshot.positions.get(size * vertex..size * (vertex + 1))?;
+        let centre = std::array::from_fn(|axis| place.get(axis).copied().unwrap_or(0.0));
+        let extents = (0..size).map(|axis| {
+            let along = snapshot.start.iter().skip(axis).step_by(size);
+            let [low, high] =
+                along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+            high - low
+        });
+        let diagonal = extents.map(|extent| extent * extent).sum::<f64>().sqrt();
+        let Some(way) = push else { return Some(Impulse::burst(centre, diagonal)) };
+        // The focus has already reacted to the arrow key.
+        ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+        let [from, to] = [at, at + way].map(|at| sight.target(at, vertex));
+        let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+        let length = along.iter().map(|part| part * part).sum::<f64>().sqrt();
+        Some(Impulse::push(centre, along.map(|part| part / length), diagonal))
     }
 
     /// Shows a hint after a drag in edit mode, where nothing moves.

@@ -1,5 +1,5 @@
 //! Tests of pointer input on the stage, frame by frame.
-#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
 
 use super::{Canvas, Options, camera};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::{Harness, kittest::Queryable as _};
 
 /// A stage with its snapshot, options and commands.
@@ -102,6 +102,48 @@ fn a_drag_within_one_frame_grabs_where_it_began() {
     play(&mut harness, [Event::PointerMoved(from)]);
     let asked = at_once(&mut harness, [button(from, true), Event::PointerMoved(to)]);
     assert_eq!(asked, [Command::Grab(7, world(&harness, to))]);
+}
+
+fn typed(key: Key) -> [Event; 2] {
+    [true, false].map(|pressed| Event::Key {
+        key,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    })
+}
+
+#[test]
+fn keys_push_and_burst_what_is_under_the_pointer() {
+    let mut harness = bench(Mode::Simulate);
+    let at = beside(&harness, 40);
+    play(&mut harness, [Event::PointerMoved(at)]);
+    let impulse = |harness: &mut Harness<'_, Bench>, key| match play(harness, typed(key))[..] {
+        [Command::Impulse(impulse)] => impulse,
+        ref other => panic!("{other:?}"),
+    };
+    let place = |harness: &Harness<'_, Bench>, axis: usize| harness.state().snapshot.positions[80 + axis];
+    let burst = impulse(&mut harness, Key::X);
+    assert_eq!(burst.centre, [place(&harness, 0), place(&harness, 1), 0.0]);
+    assert!(burst.burst > 0.0 && burst.push == [0.0; 3]);
+    for (key, way) in [
+        (Key::ArrowLeft, [-1.0, 0.0]),
+        (Key::ArrowRight, [1.0, 0.0]),
+        (Key::ArrowUp, [0.0, 1.0]),
+        (Key::ArrowDown, [0.0, -1.0]),
+    ] {
+        let push = impulse(&mut harness, key);
+        let speed = push.push[0].hypot(push.push[1]);
+        assert!(push.burst == 0.0 && speed > 0.0, "{push:?}");
+        assert!((0..2).all(|axis| (push.push[axis] / speed - way[axis]).abs() < 1e-4), "{key:?} {push:?}");
+    }
+    // Neither away from the body nor in edit mode.
+    play(&mut harness, [Event::PointerMoved(pos2(3.0, 3.0))]);
+    assert_eq!(play(&mut harness, typed(Key::X)), []);
+    play(&mut harness, [Event::PointerMoved(at)]);
+    harness.state_mut().snapshot.mode = Mode::Edit;
+    assert_eq!(play(&mut harness, typed(Key::X)), []);
 }
 
 #[test]

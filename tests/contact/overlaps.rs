@@ -48,6 +48,7 @@ fn bodies_inside_each_other_come_apart_as_they_are() {
                 let [one, other] = [0, 1].map(|body| middle(run, body));
                 [0, 1].map(|axis| (masses[0] * one[axis] + masses[1] * other[axis]) / (masses[0] + masses[1]))
             };
+            assert!(run.count_crossings().unwrap() > 0, "one is inside the other");
             let before = centre(&run);
             run.advance(16 * 180, &mut || true);
             let what = format!("{} {body}", kind.name());

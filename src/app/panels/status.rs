@@ -58,8 +58,9 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let places = [When::Edit, When::Moving, When::Test];
     let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.applies(now));
     let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "?"].contains(&binding.label));
-    // A toy has no vertices to pin or pull, and no damping.
-    let special = special.filter(|binding| now.toy.is_none() || !["Click", "Drag"].contains(&binding.label));
+    // A toy has no vertices to pin, pull or push, and no damping.
+    let of_vertices = |binding: &Binding| ["Click", "Drag", "Arrows", "X"].contains(&binding.label);
+    let special = special.filter(|binding| now.toy.is_none() || !of_vertices(binding));
     let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
     for binding in special.chain(general) {
         let words = brief(binding, now);
@@ -86,6 +87,8 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
         ("R", When::Edit) => "remove pins",
         ("R", _) => "start over",
         ("Drag", _) => "pull",
+        ("Arrows", _) => "push",
+        ("X", _) => "burst",
         ("Backspace", _) => "go back in time",
         ("Up", _) => "stretched",
         ("Down", _) => "compressed",

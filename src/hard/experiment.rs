@@ -26,7 +26,7 @@ pub enum Experiment {
     By(Method),
     /// With damping: the case itself instead of its undamped twin.
     Damped,
-    /// The motion with damping ends like that: what it comes to rest in, a vibration passes through.
+    /// The damped motion ends like that: its reference has inverted or folded triangles, strain or speed at its end too.
     DampedMotion,
 }
 

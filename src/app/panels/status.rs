@@ -227,8 +227,8 @@ fn crossed(now: &Snapshot) -> Option<Warning> {
         Some((many, _)) => format!("Surfaces cross each other in {many} places"),
     };
     let details = format!(
-        "{text}. They began like this. Bodies inside each other are moved apart at a tenth of the wave speed, unless both are \
-         held; what is apart stays apart."
+        "{text}. Without the effect Contact cloth passes through itself. With it, they began like this: bodies inside each \
+         other are moved apart at a tenth of the wave speed, unless both are held; what is apart stays apart."
     );
     Some(Warning { kind: "crossing", text, details, advice: None })
 }

@@ -210,7 +210,7 @@ pub(super) trait MeetingPairs<const D: usize, const N: usize> {
         [x, v]: [&mut [f64]; 2],
     ) -> usize {
         self.find_pairs(scratch, candidates, start, x);
-        let Truncation { pairs, meeting, moved, kept, connected, sums, .. } = scratch;
+        let Truncation { pairs, meeting, moved, connected, sums, .. } = &mut *scratch;
         self.find_meeting(pairs, start, x, meeting);
         let count = meeting.len();
         if count == 0 {
@@ -242,29 +242,40 @@ pub(super) trait MeetingPairs<const D: usize, const N: usize> {
                 }
             }
         }
-        kept.clear();
-        kept.resize(x.len() / D, 1.0);
+        self.cut((scratch, candidates), start, [x, v]);
+        count
+    }
+
+    /// Cuts the displacements of pairs that meet until none do. A cut may bring together what moved alike before, so that pairs are
+    /// found anew until there are none.
+    fn cut(&self, (scratch, candidates): (&mut Truncation, &mut Candidates), start: &[f64], [x, v]: [&mut [f64]; 2]) {
         for round in 0.. {
-            touch(meeting);
+            let Truncation { pairs, meeting, moved, kept, .. } = &mut *scratch;
+            kept.clear();
+            kept.resize(x.len() / D, 1.0);
+            moved.extend(meeting.iter().flat_map(|pair| self.vertices(*pair)));
             for pair in &*meeting {
                 self.divide(start, x, *pair, kept, round >= CUTS);
             }
             let mut has_moved = false;
-            for (vertex, kept) in kept.iter_mut().enumerate().filter(|(_, kept)| **kept < 1.0) {
+            for (vertex, kept) in kept.iter().enumerate().filter(|(_, kept)| **kept < 1.0) {
                 for number in D * vertex..D * vertex + D {
                     has_moved |= x[number] != start[number];
-                    x[number] = start[number] + *kept * (x[number] - start[number]);
-                    v[number] *= *kept;
+                    x[number] = start[number] + kept * (x[number] - start[number]);
+                    v[number] *= kept;
                 }
-                *kept = 1.0;
             }
             self.find_meeting(pairs, start, x, meeting);
+            if meeting.is_empty() {
+                self.find_pairs(scratch, candidates, start, x);
+                let Truncation { pairs, meeting, .. } = &mut *scratch;
+                self.find_meeting(pairs, start, x, meeting);
+            }
             // What meets with every vertex at its start was beyond repair before the step. Numbers that are not finite never return there.
-            if meeting.is_empty() || round > CUTS && (!has_moved || round > CUTS + pairs.len()) {
+            if scratch.meeting.is_empty() || round > CUTS && (!has_moved || round > CUTS + x.len() / D) {
                 break;
             }
         }
-        count
     }
 
     /// Writes those of some pairs that meet.

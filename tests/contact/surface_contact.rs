@@ -3,7 +3,7 @@
 
 use crate::common::{Random, SLOPE, level, reopened, simulation, started};
 use gingerbread::{
-    contact::{Anchor, AnyContact, Candidates, ContactTerm, SurfaceTerm},
+    contact::{Anchor, AnyContact, Candidates, ContactTerm, Means, SurfaceTerm, Truncation},
     effects::Motion,
     level::Level,
     meshes::NoFiles,
@@ -276,6 +276,31 @@ fn surfaces_never_cross() {
             }
         }
     }
+}
+
+/// A fork moves as a whole, farther than its prongs are apart, past a post that stops one of them: the other prong does not cross that one,
+/// although nothing of the fork came nearer to itself before the post cut its displacement.
+#[test]
+fn cuts_of_a_body_do_not_let_it_cross_itself() {
+    let text = "(name: \"\", bodies: [
+        (name: \"fork\", mesh: Outline(points: [(0.3, 0.5), (0.2, 0.5), (0.2, 0), (0.1, 0), (0.1, 0.5), (0, 0.5), (0, -0.1), (0.3, -0.1)], resolution: 200),
+            material: (model: Corotated, young: 1000, poisson: 0.3, plane: Stress), mass: Density(100)),
+        (name: \"post\", mesh: Rectangle(corner: (0.32, 0.3), width: 0.1, height: 0.1, columns: 2, rows: 2),
+            material: (model: Corotated, young: 1000, poisson: 0.3, plane: Stress), mass: Density(100))],
+        effects: [(effect: Contact())])";
+    let level = level(text);
+    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+    let contact = surface_contact(&scene);
+    let start = &scene.rest;
+    let (mut x, mut v) = (start.clone(), vec![0.0; start.len()]);
+    for vertex in scene.bodies[0].vertices.clone() {
+        (x[2 * vertex], v[2 * vertex]) = (start[2 * vertex] + 0.5, 30.0);
+    }
+    let (mut truncation, mut candidates) = (Truncation::default(), Candidates::default());
+    let scratch = (&mut truncation, &mut candidates);
+    assert!(contact.truncate(scratch, Means::Cuts, (start, &scene.inverse_mass), [&mut x, &mut v]) > 0);
+    assert_eq!(contact.count_crossings(&x), 0);
+    assert!(!contact.meets(&mut truncation, &mut candidates, start, &x));
 }
 
 /// The certificate finds a crossing of two edges, a vertex that touches an edge, and a particle of a net in a body; shared corners

@@ -203,11 +203,7 @@ pub fn text_at(path: &Path, level: &Level) -> Result<String, FileError> {
 
 /// Mesh files that a level names.
 pub fn mesh_paths(level: &Level) -> Vec<PathBuf> {
-    let mut paths = Vec::new();
-    for body in &level.bodies {
-        paths.extend(body.mesh.clone().kind_mut().path_mut().map(|path| path.clone()));
-    }
-    paths
+    level.clone().mesh_paths_mut().into_iter().map(|path| path.clone()).collect()
 }
 
 /// Writes a text file; see [`write_bytes`].
@@ -259,10 +255,8 @@ fn found(path: PathBuf) -> PathBuf {
 }
 
 fn each_mesh_path(level: &mut Level, change: impl Fn(&Path) -> PathBuf) {
-    for body in &mut level.bodies {
-        if let Some(path) = body.mesh.kind_mut().path_mut() {
-            *path = change(path);
-        }
+    for path in level.mesh_paths_mut() {
+        *path = change(path);
     }
 }
 

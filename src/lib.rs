@@ -26,6 +26,7 @@
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
 //! | `table` | tables as CSV; feature `csv` |
 //! | `random` | pseudo-random numbers with a fixed seed |
+//! | [`formula`] | formulas typed as text, with exact derivatives |
 //! | [`simd`] | SIMD vectors: formulas for one number or for several at once, with the same bits on every processor |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | triangle meshes: the gingerbread man, rectangles, disks, outlines, files |
@@ -60,6 +61,7 @@
 pub mod text;
 
 pub mod quantity;
+
 pub mod registry;
 
 #[cfg(feature = "csv")]
@@ -67,6 +69,8 @@ pub mod table;
 pub mod terminal;
 
 mod random;
+
+pub mod formula;
 
 pub mod simd;
 

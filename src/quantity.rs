@@ -311,6 +311,10 @@ quantities! {
     DropImpulse: "drop impulse" ["N s"] in Included(0.0), Included(1e9); slider 1e-6 to 0.01, logarithmic;
     /// T: how long a drop pushes.
     DropDuration: "drop duration" ["s"] in Excluded(0.0), Included(1e3); slider 0.01 to 0.2, logarithmic;
+    /// Rate at which a violated constraint returns, like a critically damped oscillator.
+    RecoveryRate: "recovery rate" ["1/s"] in Included(0.0), Included(1e6); slider 0.0 to 60.0, linear;
+    /// s: multiplies a force.
+    ForceFactor: "force factor" [""] in Included(-1e9), Included(1e9); slider 0.0 to 2.0, linear;
     /// s: bending rigidity as a multiple of that of a plate of the material.
     BendingFactor: "bending factor" [""] in Included(0.0), Included(1e9); slider 0.0 to 2.0, linear;
     /// Equal cells along a side of a rectangle.

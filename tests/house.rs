@@ -11,6 +11,7 @@ const ROOMS: &[&[&str]] = &[
     &["terminal"],
     &["table"],
     &["random"],
+    &["formula"],
     &["simd"],
     &["materials"],
     &["meshes"],

@@ -47,9 +47,15 @@ impl Default for Gallery {
 }
 
 impl Gallery {
-    /// Levels in the order of the picker: the first level of the program, then the others by name.
-    pub fn entries(&self) -> &[Entry] {
-        &self.entries
+    /// Levels whose name or description has all the words of a search, in the order of the picker: the first level of the program, then the
+    /// others by name; with their numbers there.
+    pub fn found<'a>(&'a self, search: &str) -> impl Iterator<Item = (usize, &'a Entry)> {
+        let words: Vec<_> = search.split_whitespace().map(str::to_lowercase).collect();
+        let has_all = move |(_, entry): &(usize, &Entry)| {
+            let text = format!("{} {}", entry.name, entry.about).to_lowercase();
+            words.iter().all(|word| text.contains(word))
+        };
+        self.entries.iter().enumerate().filter(has_all)
     }
 
     /// Hard cases with their names, in the order of their gallery.

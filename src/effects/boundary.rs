@@ -4,7 +4,7 @@ use super::{Effect, EffectParameters, ObstacleEffect, Shape};
 use crate::{
     contact::PlacedObstacle,
     elements::Elements,
-    obstacles::HalfPlane,
+    obstacles::{HalfPlane, Surfaces},
     quantity::{Coordinate, Point, Quantity},
 };
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ impl EffectParameters for Boundary {
         Vec::new()
     }
 
-    fn shapes(&self, _: f64) -> Vec<Shape> {
+    fn shapes(&self, _: f64, _: &Surfaces) -> Vec<Shape> {
         vec![Shape::Edges(self.least.get(), self.greatest.get())]
     }
 

@@ -16,6 +16,7 @@
 mod absolute_damping;
 mod air;
 mod bending;
+mod body_force;
 mod boundary;
 mod bounds;
 mod compression;
@@ -31,13 +32,16 @@ mod projection;
 mod rain;
 mod rayleigh;
 mod restitution;
+mod rods;
 mod velocity_filter;
 mod vortex;
 mod walls;
 mod wind;
+mod wire;
 
 pub use absolute_damping::AbsoluteDamping;
 pub use bending::Bending;
+pub use body_force::{BodyForce, PointFormula};
 pub use boundary::Boundary;
 pub use bounds::Bounds;
 pub use compression::Compression;
@@ -54,19 +58,22 @@ pub use rain::Rain;
 pub use rayleigh::Rayleigh;
 pub(crate) use rayleigh::Viscous;
 pub use restitution::Restitution;
+pub use rods::Rods;
 pub use velocity_filter::VelocityFilter;
 pub use vortex::Vortex;
 pub use walls::Walls;
 pub use wind::{MODES, Wind};
+pub use wire::{Wire, WireShape};
 
 use crate::{
     contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceTerm},
     elements::{Elements, EulerUpdate, UniformForce},
-    obstacles::Triangulation,
+    obstacles::{Surfaces, Triangulation},
     quantity::Quantity,
     registry::registry,
-    solvers::{SparseMatrix, Weights},
+    solvers::{ConstraintRows, SparseMatrix, Weights},
 };
+use std::path::{Path, PathBuf};
 
 registry! {
     /// Kinds of effects.
@@ -74,6 +81,7 @@ registry! {
         Gravity(Gravity),
         Rayleigh(Rayleigh),
         Drag(Drag),
+        BodyForce(BodyForce),
         MouseSpring(MouseSpring),
         Boundary(Boundary),
         Walls(Walls),
@@ -89,6 +97,8 @@ registry! {
         Rain(Rain),
         Bending(Bending),
         MovingPins(MovingPins),
+        Rods(Rods),
+        Wire(Wire),
         AbsoluteDamping(AbsoluteDamping),
     }
 }
@@ -124,6 +134,11 @@ pub trait EffectParameters {
         vec![Group { title: None, solid: None, numbers: self.parameters() }]
     }
 
+    /// The formulas a panel may change, with their names.
+    fn formulas(&mut self) -> Vec<(&'static str, &mut PointFormula)> {
+        Vec::new()
+    }
+
     /// Whether it is damping; the key D switches damping.
     fn is_damping(&self) -> bool {
         false
@@ -145,7 +160,17 @@ pub trait EffectParameters {
     }
 
     /// Shapes to draw at a time \[s\].
-    fn shapes(&self, _time: f64) -> Vec<Shape> {
+    fn shapes(&self, _time: f64, _surfaces: &Surfaces) -> Vec<Shape> {
+        Vec::new()
+    }
+
+    /// The files of surfaces of triangles that it names.
+    fn surface_paths(&self) -> Vec<&Path> {
+        Vec::new()
+    }
+
+    /// The same, to be changed.
+    fn surface_paths_mut(&mut self) -> Vec<&mut PathBuf> {
         Vec::new()
     }
 
@@ -188,6 +213,13 @@ pub enum Shape {
     Edges([f64; 2], [f64; 2]),
     /// The surface of an obstacle in space.
     Surface(Triangulation),
+    /// A thin line through points in the plane or in space \[m\], the third coordinate of which is zero in the plane.
+    Wire {
+        /// The points.
+        points: Vec<[f64; 3]>,
+        /// Whether it goes on from the last to the first.
+        closed: bool,
+    },
 }
 
 /// Positions, velocities and masses at one moment, flat.
@@ -272,6 +304,12 @@ pub struct Grab {
     pub vertex: usize,
     /// Where it is pulled to \[m\]; in the plane the third coordinate is not used.
     pub target: [f64; 3],
+}
+
+/// Exact constraints on positions.
+pub trait ConstraintTerm {
+    /// Adds their rows at one moment.
+    fn add_rows(&self, motion: Motion<'_>, rows: &mut ConstraintRows);
 }
 
 /// An effect, built for stepping. Methods that do not apply keep their empty default.
@@ -409,6 +447,11 @@ pub trait Effect: Send + Sync {
 
     /// Projection of positions at the end of a step, if it is that.
     fn projection(&self) -> Option<&LengthProjection> {
+        None
+    }
+
+    /// Exact constraints on positions, if it is that. Their reactions come after all forces.
+    fn constraints(&self) -> Option<&dyn ConstraintTerm> {
         None
     }
 

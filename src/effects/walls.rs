@@ -4,10 +4,11 @@ use super::{Effect, EffectParameters, Group, ObstacleEffect, Shape};
 use crate::{
     contact::PlacedObstacle,
     elements::Elements,
-    obstacles::{Ball, ObstacleKind, Rigid, free_region, placed},
+    obstacles::{Ball, ObstacleKind, Rigid, Surfaces, free_region, placed},
     quantity::Quantity,
 };
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// Obstacles that vertices bump into: planes that make a room, and solids inside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,12 +55,14 @@ impl EffectParameters for Walls {
         groups.filter(|group| !group.numbers.is_empty()).collect()
     }
 
-    fn shapes(&self, time: f64) -> Vec<Shape> {
+    fn shapes(&self, time: f64, surfaces: &Surfaces) -> Vec<Shape> {
         let (mut planes, mut shapes) = (Vec::new(), Vec::new());
         let (in_space, in_plane): (Vec<_>, Vec<_>) =
             self.obstacles.iter().map(ObstacleKind::kind).partition(|kind| kind.dimension() == 3);
         shapes.extend(
-            in_space.iter().map(|kind| Shape::Surface(kind.triangulation().moved(&placed(&kind.motions(), time)))),
+            in_space
+                .iter()
+                .map(|kind| Shape::Surface(kind.triangulation(surfaces).moved(&placed(&kind.motions(), time)))),
         );
         for kind in in_plane {
             let at = placed(&kind.motions(), time);
@@ -79,6 +82,14 @@ impl EffectParameters for Walls {
         shapes
     }
 
+    fn surface_paths(&self) -> Vec<&Path> {
+        self.obstacles.iter().filter_map(|kind| kind.kind().path()).collect()
+    }
+
+    fn surface_paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        self.obstacles.iter_mut().filter_map(|kind| kind.kind_mut().path_mut()).collect()
+    }
+
     fn ineffective(&self) -> Option<&'static str> {
         self.obstacles.is_empty().then_some("there are no obstacles in it")
     }
@@ -93,7 +104,7 @@ impl EffectParameters for Walls {
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
         if self.obstacles.iter().any(|kind| kind.kind().dimension() == 3) {
             let build = |(number, kind): (usize, &ObstacleKind)| {
-                let built = kind.kind().build_in_space();
+                let built = kind.kind().build_in_space(&elements.surfaces);
                 let obstacle = built.map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;
                 Ok::<_, String>(PlacedObstacle { obstacle, motions: kind.kind().motions() })
             };

@@ -49,6 +49,7 @@ use crate::{
     contact::{ContactModel, SurfaceVertices},
     effects::Effect,
     meshes::{Numbering, Pin, pinned},
+    obstacles::Surfaces,
 };
 use std::{ops::Range, sync::Arc};
 
@@ -92,6 +93,8 @@ pub struct Elements {
     pub surface: Arc<SurfaceVertices>,
     /// How they touch.
     pub contact: ContactModel,
+    /// Surfaces of obstacles that files hold.
+    pub surfaces: Surfaces,
 }
 
 /// Flat shape of a body, net or membrane at rest.

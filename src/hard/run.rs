@@ -293,7 +293,7 @@ impl Fence {
                         let motions = kind.motions();
                         if let Ok(obstacle) = kind.build() {
                             obstacles.push(PlacedObstacle { obstacle, motions });
-                        } else if let Ok(obstacle) = kind.build_in_space() {
+                        } else if let Ok(obstacle) = kind.build_in_space(&scene.elements.surfaces) {
                             in_space.push(PlacedObstacle { obstacle, motions });
                         }
                     }

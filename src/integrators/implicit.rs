@@ -137,6 +137,16 @@ impl Equations for Stage<'_, '_> {
         self.system.has_derivative()
     }
 
+    fn is_constrained(&self) -> bool {
+        self.system.is_constrained()
+    }
+
+    fn correct_step(&mut self, z: &[f64], step: &mut [f64], invert: &mut dyn FnMut(&mut [f64])) {
+        self.evaluate(z);
+        let Affine { ax, av, .. } = self.affine;
+        self.system.correct_step(self.time, [self.x, self.v], [av, ax], (z, step), invert);
+    }
+
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         self.system.sparsity_pattern(add);
     }

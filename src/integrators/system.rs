@@ -77,6 +77,23 @@ pub trait Dynamics {
         true
     }
 
+    /// Whether exact constraints act beside those on single vertices; see [`Self::correct_step`].
+    fn is_constrained(&self) -> bool {
+        false
+    }
+
+    /// Corrects a step of Newton's method from accelerations z, at these positions and velocities and a time since the start of the step \[s\], for
+    /// the constraints; see [`ConstraintRows::correct`](crate::solvers::ConstraintRows::correct).
+    fn correct_step(
+        &mut self,
+        _time: f64,
+        _motion: [&[f64]; 2],
+        _weights: [f64; 2],
+        (_z, _step): (&[f64], &mut [f64]),
+        _invert: &mut dyn FnMut(&mut [f64]),
+    ) {
+    }
+
     /// Largest multiple of the displacement `d` \[m\] from the positions `x` \[m\] that stays within the barriers of all
     /// energies.
     fn longest_step(&mut self, _x: &[f64], _d: &[f64]) -> f64 {

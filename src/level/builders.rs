@@ -5,7 +5,18 @@ use crate::{
     effects::EffectKind, materials::MaterialParameters, meshes::MeshKind, nets::NetKind, quantity::ParticleMass,
 };
 
+use std::path::PathBuf;
+
 impl Level {
+    /// The files of meshes and surfaces that it names.
+    pub fn mesh_paths_mut(&mut self) -> Vec<&mut PathBuf> {
+        let bodies = self.bodies.iter_mut().map(|body| &mut body.mesh);
+        let meshes = bodies.chain(self.membranes.iter_mut().map(|membrane| &mut membrane.mesh));
+        let meshes = meshes.filter_map(|mesh| mesh.kind_mut().path_mut());
+        let surfaces = self.effects.iter_mut().flat_map(|listed| listed.effect.kind_mut().surface_paths_mut());
+        meshes.chain(surfaces).collect()
+    }
+
     /// A level without bodies and effects, with the defaults of a level file.
     ///
     /// ```

@@ -26,6 +26,7 @@ mod pin;
 mod points;
 mod polygon;
 mod rectangle;
+mod surface;
 mod topology;
 mod triangulate;
 
@@ -45,6 +46,7 @@ pub(crate) use pin::{nearest, on_edge, pinned};
 pub use points::Points;
 pub(crate) use polygon::merged;
 pub use rectangle::{Diagonals, Rectangle};
+pub use surface::SurfaceMesh;
 pub use topology::Fan;
 
 use crate::{quantity::Quantity, registry::registry};

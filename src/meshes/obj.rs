@@ -24,13 +24,7 @@ impl Default for Obj {
 
 impl MeshSource for Obj {
     fn build(&self, files: &dyn Files) -> Result<Mesh, MeshError> {
-        let path = || self.path.display().to_string();
-        let text = files.read(&self.path).map_err(|reason| MeshError::File { path: path(), reason })?;
-        let mut reader = Reader::default();
-        for (number, line) in joined(&text::normalised(&text)) {
-            reader.line(number, &line).map_err(|reason| MeshError::Line { path: path(), line: number, reason })?;
-        }
-        reader.finish(&self.path)
+        Reader::read(&self.path, files)?.finish(&self.path)
     }
 
     fn path_mut(&mut self) -> Option<&mut PathBuf> {
@@ -60,8 +54,8 @@ fn uncommented(line: &str) -> &str {
 
 /// Content read so far. Line numbers count from 1.
 #[derive(Default)]
-struct Reader {
-    points: Vec<[f64; 3]>,
+pub(super) struct Reader {
+    pub points: Vec<[f64; 3]>,
     point_lines: Vec<usize>,
     faces: Vec<Face>,
 }
@@ -74,6 +68,24 @@ struct Face {
 }
 
 impl Reader {
+    /// Reads a file.
+    pub fn read(path: &Path, files: &dyn Files) -> Result<Self, MeshError> {
+        let name = || path.display().to_string();
+        let text = files.read(path).map_err(|reason| MeshError::File { path: name(), reason })?;
+        let mut reader = Self::default();
+        for (number, line) in joined(&text::normalised(&text)) {
+            reader.line(number, &line).map_err(|reason| MeshError::Line { path: name(), line: number, reason })?;
+        }
+        Ok(reader)
+    }
+
+    /// The faces with their lines, as vertices from 0.
+    pub fn faces(&self, path: &Path) -> Result<Vec<(usize, Vec<u32>)>, MeshError> {
+        let fail = |line: usize, reason: String| MeshError::Line { path: path.display().to_string(), line, reason };
+        let face = |face: &Face| Ok((face.line, self.corners(face).map_err(|why| fail(face.line, why))?));
+        self.faces.iter().map(face).collect()
+    }
+
     /// Reads one line. An error is its reason.
     fn line(&mut self, number: usize, line: &str) -> Result<(), String> {
         let mut words = line.split_whitespace();
@@ -149,9 +161,7 @@ impl Reader {
     fn finish(self, path: &Path) -> Result<Mesh, MeshError> {
         let name = || path.display().to_string();
         let fail = |line: usize, reason: String| MeshError::Line { path: name(), line, reason };
-        let faces =
-            self.faces.iter().map(|face| Ok((face.line, self.corners(face).map_err(|why| fail(face.line, why))?)));
-        let faces = faces.collect::<Result<Vec<_>, MeshError>>()?;
+        let faces = self.faces(path)?;
         let flat = flat(&self.points, faces.iter().map(|(_, corners)| &corners[..]));
         let flat = flat.map_err(|(vertex, reason)| fail(self.point_lines[vertex], reason))?;
         let (mut triangles, mut triangle_lines) = (Vec::new(), Vec::new());

@@ -1,6 +1,6 @@
 //! Obstacle in space: a box.
 
-use super::{Obstacle, ObstacleParameters, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
 use crate::quantity::{Coordinate, Depth, Height, Quantity, Reach, SpacePoint, Width};
 use parry3d::{
     math::{Pose, Vector},
@@ -50,7 +50,7 @@ impl ObstacleParameters for Block {
         3
     }
 
-    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+    fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         let (shape, pose) = self.shape();
         Ok(Box::new(Solid::in_space(shape, pose, self.eps.get())))
     }
@@ -59,7 +59,7 @@ impl ObstacleParameters for Block {
         vec![&mut self.width, &mut self.height, &mut self.depth, &mut self.eps]
     }
 
-    fn triangulation(&self) -> Triangulation {
+    fn triangulation(&self, _: &Surfaces) -> Triangulation {
         let (shape, pose) = self.shape();
         let longest = self.width.get().max(self.height.get()).max(self.depth.get());
         Triangulation::new(shape.to_trimesh(), pose).refined(0.1 * longest)

@@ -1,6 +1,6 @@
 //! Obstacle in space: a cylinder.
 
-use super::{Obstacle, ObstacleParameters, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
 use crate::quantity::{Coordinate, Height, Quantity, Radius, Reach, SpacePoint};
 use parry3d::{
     math::{Pose, Vector},
@@ -47,7 +47,7 @@ impl ObstacleParameters for Cylinder {
         3
     }
 
-    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+    fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         let (shape, pose) = self.shape();
         Ok(Box::new(Solid::in_space(shape, pose, self.eps.get())))
     }
@@ -56,7 +56,7 @@ impl ObstacleParameters for Cylinder {
         vec![&mut self.radius, &mut self.height, &mut self.eps]
     }
 
-    fn triangulation(&self) -> Triangulation {
+    fn triangulation(&self, _: &Surfaces) -> Triangulation {
         let (shape, pose) = self.shape();
         Triangulation::new(shape.to_trimesh(48), pose).refined(0.2 * self.radius.get().max(self.height.get()))
     }

@@ -1,6 +1,6 @@
 //! Obstacle in space: a half-space, such as the floor.
 
-use super::{Contact, Obstacle, ObstacleParameters, Triangulation};
+use super::{Contact, Obstacle, ObstacleParameters, Surfaces, Triangulation};
 use crate::quantity::{Coordinate, Quantity, Reach, SpacePoint};
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +37,7 @@ impl ObstacleParameters for HalfSpace {
         3
     }
 
-    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+    fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         let Some(normal) = self.unit_normal() else {
             return Err(format!("a plane's normal must have a direction, got {:?}", self.normal.get()));
         };
@@ -49,7 +49,7 @@ impl ObstacleParameters for HalfSpace {
     }
 
     /// A square about its point, in cells, so that cloth in front of it is sorted before it.
-    fn triangulation(&self) -> Triangulation {
+    fn triangulation(&self, _: &Surfaces) -> Triangulation {
         /// Half of the width \[m\], and cells along it.
         const HALF: f64 = 2.0;
         const CELLS: u32 = 24;

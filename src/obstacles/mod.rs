@@ -28,6 +28,7 @@ mod rigid;
 mod segments;
 mod solid;
 mod sphere;
+mod surface;
 mod triangulation;
 
 pub use ball::Ball;
@@ -43,9 +44,19 @@ pub use polygon::Polygon;
 pub use rigid::{Rigid, SweptMotion};
 pub use segments::{segments_cross, segments_meet, side_of};
 pub use sphere::Sphere;
+pub use surface::Surface;
 pub use triangulation::Triangulation;
 
-use crate::{quantity::Quantity, registry::registry};
+use crate::{
+    meshes::{Files, SurfaceMesh},
+    quantity::Quantity,
+    registry::registry,
+};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 registry! {
     /// Kinds of obstacles.
@@ -58,6 +69,7 @@ registry! {
         HalfSpace(HalfSpace),
         Block(Block),
         Cylinder(Cylinder),
+        Surface(Surface),
         Moving(Moving),
     }
 }
@@ -91,7 +103,7 @@ pub trait ObstacleParameters {
     ///
     /// # Errors
     /// A sentence, if the parameters do not define a shape, or one of the plane.
-    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+    fn build_in_space(&self, _surfaces: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         Err("it is in the plane, but other obstacles are in space".to_owned())
     }
 
@@ -110,8 +122,18 @@ pub trait ObstacleParameters {
     }
 
     /// The surface of an obstacle in space, to be drawn.
-    fn triangulation(&self) -> Triangulation {
+    fn triangulation(&self, _surfaces: &Surfaces) -> Triangulation {
         Triangulation::default()
+    }
+
+    /// The file of its surface, if it has one.
+    fn path(&self) -> Option<&Path> {
+        None
+    }
+
+    /// The same, to be changed.
+    fn path_mut(&mut self) -> Option<&mut PathBuf> {
+        None
     }
 
     /// Its motions, applied one after another; empty for an obstacle at rest.
@@ -122,6 +144,30 @@ pub trait ObstacleParameters {
     /// The plane, if the obstacle is one. Several planes bound a free region.
     fn plane(&self) -> Option<&Plane> {
         None
+    }
+}
+
+/// Surfaces of triangles that obstacles of a level name, by their files.
+#[derive(Clone, Debug, Default)]
+pub struct Surfaces(BTreeMap<PathBuf, Result<Arc<SurfaceMesh>, String>>);
+
+impl Surfaces {
+    /// Reads some files, apart from those that are known.
+    pub fn read<'a>(paths: impl IntoIterator<Item = &'a Path>, files: &dyn Files, known: Option<&Self>) -> Self {
+        let read = |path: &Path| {
+            let before = known.and_then(|known| known.0.get(path)).filter(|read| read.is_ok()).cloned();
+            before.unwrap_or_else(|| SurfaceMesh::read(path, files).map(Arc::new).map_err(|error| error.to_string()))
+        };
+        Self(paths.into_iter().map(|path| (path.to_path_buf(), read(path))).collect())
+    }
+
+    /// The surface of a file.
+    ///
+    /// # Errors
+    /// A sentence, if it could not be read.
+    pub fn get(&self, path: &Path) -> Result<&Arc<SurfaceMesh>, String> {
+        let read = self.0.get(path).ok_or_else(|| format!("{} has not been read", path.display()))?;
+        read.as_ref().map_err(Clone::clone)
     }
 }
 

@@ -1,8 +1,9 @@
 //! Obstacle with a prescribed motion.
 
-use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane, Triangulation, check};
+use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane, Surfaces, Triangulation, check};
 use crate::quantity::{Point, Quantity};
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// An obstacle that moves as it is told, whatever bumps into it. What it touches is stopped relative to it, and it supplies
 /// what energy that takes.
@@ -32,13 +33,21 @@ impl ObstacleParameters for Moving {
         self.obstacle.kind().build()
     }
 
-    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+    fn build_in_space(&self, surfaces: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         check(&self.motions, 3)?;
-        self.obstacle.kind().build_in_space()
+        self.obstacle.kind().build_in_space(surfaces)
     }
 
-    fn triangulation(&self) -> Triangulation {
-        self.obstacle.kind().triangulation()
+    fn triangulation(&self, surfaces: &Surfaces) -> Triangulation {
+        self.obstacle.kind().triangulation(surfaces)
+    }
+
+    fn path(&self) -> Option<&Path> {
+        self.obstacle.kind().path()
+    }
+
+    fn path_mut(&mut self) -> Option<&mut PathBuf> {
+        self.obstacle.kind_mut().path_mut()
     }
 
     fn notes(&self) -> Option<String> {

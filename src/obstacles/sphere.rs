@@ -1,6 +1,6 @@
 //! Obstacle in space: a sphere.
 
-use super::{Obstacle, ObstacleParameters, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
 use crate::quantity::{Coordinate, Quantity, Radius, Reach, SpacePoint};
 use parry3d::{
     math::{Pose, Vector},
@@ -39,7 +39,7 @@ impl ObstacleParameters for Sphere {
         3
     }
 
-    fn build_in_space(&self) -> Result<Box<dyn Obstacle<3>>, String> {
+    fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         Ok(Box::new(Solid::in_space(Ball::new(self.radius.get()), self.pose(), self.eps.get())))
     }
 
@@ -47,7 +47,7 @@ impl ObstacleParameters for Sphere {
         vec![&mut self.radius, &mut self.eps]
     }
 
-    fn triangulation(&self) -> Triangulation {
+    fn triangulation(&self, _: &Surfaces) -> Triangulation {
         Triangulation::new(Ball::new(self.radius.get()).to_trimesh(48, 24), self.pose())
     }
 }

@@ -6,12 +6,22 @@ use crate::{
     effects::{DuplicatePolicy, Effect},
     elements::{ElasticElements, Elements, FlatShape, NetSprings},
     level::{EffectLevel, Level, RunMode, Switch, When},
+    meshes::Files,
+    obstacles::Surfaces,
 };
 use std::sync::Arc;
 
 impl Scene {
     /// Builds the effects of a level: elasticity first, then what is switched on for a mode, in the order of the list.
-    pub(super) fn add_effects(&mut self, level: &Level, mode: RunMode) -> Result<(), SceneError> {
+    pub(super) fn add_effects(
+        &mut self,
+        level: &Level,
+        mode: RunMode,
+        files: &dyn Files,
+        previous: Option<&Self>,
+    ) -> Result<(), SceneError> {
+        let paths = level.effects.iter().flat_map(|listed| listed.effect.kind().surface_paths());
+        let known = previous.map(|scene| &scene.elements.surfaces);
         let mut elements = Elements {
             triangles: self.bodies.iter().map(|body| Arc::clone(&body.elements)).collect(),
             springs: self.nets.iter().map(|net| net.springs.clone()).collect(),
@@ -24,6 +34,7 @@ impl Scene {
             start: Arc::new(self.start.x.clone()),
             surface: Arc::new(self.surface_vertices()),
             contact: ContactModel::default(),
+            surfaces: Surfaces::read(paths, files, known),
         };
         let bodies = elements.triangles.iter().map(|body| Arc::clone(body) as Arc<dyn ElasticElements>);
         let nets = elements.springs.iter().map(NetSprings::elements);

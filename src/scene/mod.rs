@@ -252,7 +252,7 @@ impl Scene {
         scene.finish_masses();
         scene.triangles = Arc::new(scene.bodies.iter().flat_map(|body| body.elements.corners()).copied().collect());
         scene.add_cloth();
-        scene.add_effects(level, mode)?;
+        scene.add_effects(level, mode, files, previous)?;
         scene.finish_masses();
         scene.build_sub_scenes(level, mode, files, previous)?;
         Ok(scene)

@@ -56,7 +56,8 @@ impl Scene {
             return Ok(());
         }
         let (rest, start) = (Arc::new(self.rest.clone()), Arc::new(self.start.x.clone()));
-        let all = Elements { rest, start, ..Elements::default() };
+        let surfaces = self.elements.surfaces.clone();
+        let all = Elements { rest, start, surfaces, ..Elements::default() };
         let bodies = level.bodies.iter().zip(&self.bodies).map(|(listed, body)| {
             let elements = Elements { triangles: vec![Arc::clone(&body.elements)], ..all.clone() };
             (Level { bodies: vec![listed.clone()], ..Level::default() }, body.vertices.clone(), elements)

@@ -8,7 +8,7 @@ use crate::{
     integrators::{Class, Dynamics, MeanForces, Ode, Workspace, symplectic_euler_update},
     report::{Counts, EffectCost},
     scene::Scene,
-    solvers::{SparseMatrix, Weights},
+    solvers::{ConstraintRows, SparseMatrix, Weights},
     state::State,
     toys::Toy,
 };
@@ -32,6 +32,8 @@ pub(super) struct Plan {
     pub obstacles: Vec<usize>,
     /// Projections of positions.
     pub projections: Vec<usize>,
+    /// Exact constraints, whose reactions come after all forces.
+    pub constraints: Vec<usize>,
     /// Whether any vertices have prescribed positions.
     pub holds: bool,
     /// Effects that only set properties of contacts.
@@ -66,6 +68,8 @@ impl Plan {
             }
             if effect.projection().is_some() {
                 plan.projections.push(number);
+            } else if effect.constraints().is_some() {
+                plan.constraints.push(number);
             } else if effect.held_vertices().is_some() {
                 plan.holds = true;
             } else if number < scene.element_count() {
@@ -117,6 +121,8 @@ pub(super) struct Scratch {
     pub forces: Vec<f64>,
     /// Positions and velocities with those of held vertices.
     pub placed: Vec<f64>,
+    /// Rows of the constraints.
+    pub rows: ConstraintRows,
 }
 
 impl Scratch {
@@ -168,7 +174,8 @@ impl Scratch {
     /// The uniform force, if no other force acts beside the elements, all elements have an Euler update, and effects are not
     /// measured.
     pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
-        if !self.plan.elements.iter().all(|number| scene.effects[*number].has_euler_update()) {
+        let are_plain = self.plan.elements.iter().all(|number| scene.effects[*number].has_euler_update());
+        if !are_plain || !self.plan.constraints.is_empty() {
             return None;
         }
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
@@ -345,6 +352,26 @@ impl System<'_> {
             let (size, elements) = (effect.scratch(), Some(effect.elements(motion)));
             self.scratch.call_effect(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
+        if !self.scratch.plan.constraints.is_empty() {
+            let mut rows = self.rows(time, x, v);
+            rows.add_reactions(self.inverse_mass(), force);
+            self.scratch.rows = rows;
+        }
+    }
+
+    /// Takes the rows of all constraints at a time since the start of the step \[s\].
+    fn rows(&mut self, time: f64, x: &[f64], v: &[f64]) -> ConstraintRows {
+        let mut rows = std::mem::take(&mut self.scratch.rows);
+        rows.clear();
+        for turn in 0..self.scratch.plan.constraints.len() {
+            let number = self.scratch.plan.constraints[turn];
+            let effect = &self.scene.effects[number];
+            let Some(term) = effect.constraints() else { continue };
+            let motion = motion(self.scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
+            let elements = effect.elements(motion);
+            self.scratch.call_effect(number, Some(elements), |_| term.add_rows(motion, &mut rows));
+        }
+        rows
     }
 
     /// Finds the forces of contact at the start of a step, for [`Self::add_contact_forces`].
@@ -443,6 +470,11 @@ impl Dynamics for System<'_> {
 
     /// If only elements and uniform forces act, the vertices are updated during force assembly.
     fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
+        if self.is_constrained() {
+            // Reactions answer to the forces of contact too.
+            self.forces(true, 0.0, x, v, force);
+            return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
+        }
         self.find_contact_forces(x, v);
         let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(0.0, x, v)) else {
             self.forces(false, 0.0, x, v, force);
@@ -513,6 +545,25 @@ impl Dynamics for System<'_> {
             for effect in awake(system.scene, &system.scratch.plan) {
                 effect.add_stiffness(motion, weights, matrix);
             }
+        });
+    }
+
+    fn is_constrained(&self) -> bool {
+        !self.scratch.plan.constraints.is_empty()
+    }
+
+    fn correct_step(
+        &mut self,
+        time: f64,
+        [x, v]: [&[f64]; 2],
+        weights: [f64; 2],
+        (z, step): (&[f64], &mut [f64]),
+        invert: &mut dyn FnMut(&mut [f64]),
+    ) {
+        self.with_held(time, x, v, |system, x, v| {
+            let mut rows = system.rows(time, x, v);
+            rows.correct(weights, system.inverse_mass(), z, step, invert);
+            system.scratch.rows = rows;
         });
     }
 

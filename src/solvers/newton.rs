@@ -22,6 +22,15 @@ pub trait Equations {
         true
     }
 
+    /// Whether steps are corrected: see [`Self::correct_step`].
+    fn is_constrained(&self) -> bool {
+        false
+    }
+
+    /// Corrects a step from z for constraints that the derivative does not know. `invert` replaces a vector by the inverse of the matrix
+    /// times it.
+    fn correct_step(&mut self, _z: &[f64], _step: &mut [f64], _invert: &mut dyn FnMut(&mut [f64])) {}
+
     /// Sparsity pattern of the derivative: its vertex pairs, in the order in which it adds them.
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32));
 
@@ -271,7 +280,7 @@ impl Newton {
                 equations.derivative(z, tangent, system.cleared());
             }
             let weight = equations.inverse_weight();
-            if !regularisation.shifts() {
+            if !regularisation.shifts() && !equations.is_constrained() {
                 let error = Self::INNER * equations.tolerance(z);
                 let solve_tolerance = if regularisation == Regularisation::EXACT {
                     solve_tolerance
@@ -295,6 +304,9 @@ impl Newton {
             if system.factorise(weight, regularisation.shift()) {
                 self.step.iter_mut().zip(&self.g).for_each(|(step, g)| *step = -g);
                 system.solve(&mut self.step);
+                if equations.is_constrained() {
+                    equations.correct_step(z, &mut self.step, &mut |vector| system.solve(vector));
+                }
                 return self.step.iter().all(|step| step.is_finite()).then_some(regularisation);
             }
             counts.indefinite += 1;

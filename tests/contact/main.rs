@@ -13,4 +13,5 @@ mod position_filter;
 mod space_obstacles;
 mod starts_inside;
 mod surface_contact;
+mod surface_obstacles;
 mod surface_rules;

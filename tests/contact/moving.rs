@@ -9,7 +9,7 @@ use gingerbread::{
     integrators::{Class, IntegratorKind},
     level::Level,
     meshes::NoFiles,
-    obstacles::{MotionKind, placed},
+    obstacles::{MotionKind, Surfaces, placed},
     sandbox::Sandbox,
     simulation::Simulation,
 };
@@ -100,7 +100,9 @@ fn a_belt_accelerates_with_mu_g_up_to_its_own_speed() {
 
 /// What is drawn of a wall at a time.
 fn outline(wall: &EffectKind, time: f64) -> Vec<[f64; 2]> {
-    let Some(Shape::Solid(outline)) = wall.kind().shapes(time).into_iter().next() else { unreachable!("{wall:?}") };
+    let Some(Shape::Solid(outline)) = wall.kind().shapes(time, &Surfaces::default()).into_iter().next() else {
+        unreachable!("{wall:?}")
+    };
     assert!(outline.len() > 2);
     outline
 }

@@ -40,6 +40,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct EffectLevel", "level.rs", "Effect in a level"),
     ("struct SurfaceFriction", "effects/friction.rs", "Friction of a surface"),
     ("enum ProjectedPins", "effects/projection.rs", "Pins and projection"),
+    ("enum WireShape", "effects/wire.rs", "Wires"),
     ("enum SpringOrder", "nets/sheet.rs", "Order of springs"),
     ("enum Switch", "level.rs", "Switch of an effect"),
     ("enum When", "level.rs", "Modes of an effect"),
@@ -82,7 +83,7 @@ const SPECS: &[(&str, &Spec)] = specs![
     DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
     SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings Passes Separation StructuralCorrection ShearCorrection FlexionCorrection WindSpeed FaceResistance
-    OwnMotion GustShare GustPeriod TurbulenceShare EddySize Circulation CoreRadius Updraft DropRate DropImpulse DropDuration BendingFactor
+    OwnMotion GustShare GustPeriod TurbulenceShare EddySize Circulation CoreRadius Updraft DropRate DropImpulse DropDuration RecoveryRate ForceFactor BendingFactor
 ];
 
 /// Longest example that is shown [characters].
@@ -228,6 +229,7 @@ fn value(kind: &str) -> String {
     }
     match kind {
         "String" => "text in double quotes".to_owned(),
+        "PointFormula" => "formula in double quotes, of `x`, `y`, `z`, `vx`, `vy`, `vz` and `t`".to_owned(),
         "PathBuf" => "path in double quotes".to_owned(),
         "Point" => "point `(x, y)` in m".to_owned(),
         "SpacePoint" => "point `(x, y, z)` in m".to_owned(),
@@ -378,6 +380,7 @@ pub fn page() -> String {
     }
     section(&mut page, "SurfaceFriction");
     section(&mut page, "ProjectedPins");
+    section(&mut page, "WireShape");
     page.push_str("\n## Obstacles\n");
     for listed in ObstacleKind::all() {
         kind(&mut page, "obstacles", listed.name(), None, &written(&listed));

@@ -8,7 +8,7 @@ use gingerbread::{
     level::{EffectLevel, Level, RunMode, Switch, When},
     levels::BUILT_IN,
     meshes::NoFiles,
-    obstacles::{Ball, Cuboid, MotionKind, Moving, ObstacleKind, Plane},
+    obstacles::{Ball, Cuboid, MotionKind, Moving, ObstacleKind, Plane, Surfaces},
     quantity::Quantity,
     report::EffectCost,
     scene::Scene,
@@ -124,7 +124,7 @@ fn wall_parameters_are_named_by_their_obstacle() {
         of_groups.iter().map(|(title, solid, _)| (title.as_deref().unwrap(), solid.unwrap())).collect();
     assert_eq!(titles, [("Ball 1", 0), ("Ball 2", 1), ("Cuboid, moving", 2)]);
     assert_eq!(of_groups.into_iter().flat_map(|(_, _, names)| names).collect::<Vec<_>>(), names(walls.parameters()));
-    let solids = walls.shapes(0.0).into_iter().filter(|shape| matches!(shape, Shape::Solid(_)));
+    let solids = walls.shapes(0.0, &Surfaces::default()).into_iter().filter(|shape| matches!(shape, Shape::Solid(_)));
     assert_eq!(solids.count(), 3);
 }
 
@@ -136,8 +136,9 @@ const CLOTH: &str = "(name: \"\", substeps: 20, sleep: Off,
 
 #[test]
 fn an_idle_effect_is_not_called_and_says_why() {
-    // Pins that move always act.
-    for kind in EffectKind::all().into_iter().filter(|kind| kind.name() != "MovingPins") {
+    // Pins that move and constraints always act.
+    let always = ["MovingPins", "Rods", "Wire"];
+    for kind in EffectKind::all().into_iter().filter(|kind| !always.contains(&kind.name())) {
         let cloth = ["Projection", "Wind", "Vortex", "Rain", "Bending", "AbsoluteDamping"];
         let mut level = if cloth.contains(&kind.name()) {
             level(CLOTH)

@@ -1,7 +1,9 @@
 //! Promises about scenes: effects, sleep, the guard, pins, nets, space and commands.
 
+mod body_force;
 #[path = "../common/mod.rs"]
 mod common;
+mod constraints;
 mod effects;
 mod guard;
 mod heat;

@@ -183,7 +183,7 @@ fn every_effect_can_be_added_acts_at_once_and_is_taken_back() {
         assert_eq!(seen(&sandbox).level.effects.len(), count);
     }
     // What acts on nets and on cloth alone; the window's menu leaves them out.
-    assert_eq!(refused, ["Projection", "Wind", "Vortex", "Rain", "Bending", "AbsoluteDamping"]);
+    assert_eq!(refused, ["Projection", "Wind", "Vortex", "Rain", "Bending", "Rods", "AbsoluteDamping"]);
     assert!(opened("circle").apply(Command::AddEffect(gingerbread::effects::EffectKind::all().remove(0))).is_err());
 }
 

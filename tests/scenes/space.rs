@@ -220,7 +220,18 @@ fn effects_of_the_plane_are_refused_in_space() {
         }
     }
     assert_eq!(refused, ["Boundary", "Walls", "Contact"]);
-    let known = ["Compression", "Projection", "Wind", "Vortex", "Rain", "Bending", "MovingPins", "AbsoluteDamping"];
+    let known = [
+        "Compression",
+        "Projection",
+        "Wind",
+        "Vortex",
+        "Rain",
+        "Bending",
+        "MovingPins",
+        "Rods",
+        "Wire",
+        "AbsoluteDamping",
+    ];
     assert_eq!(nothing, known);
     let start = moving(&scene);
     let mut simulation = Simulation::new(scene, start);

@@ -161,8 +161,7 @@ fn a_level_opens_in_both_and_undo_brings_both_back() {
     let mut window = compared("gingerbread");
     type_number(&mut window, "Substeps", "40");
     let before = seen(&window).map(|seen| seen.level.clone());
-    click(&mut window, "Level");
-    click(&mut window, "Hammock");
+    choose(&mut window, "Hammock");
     click(&mut window, "Discard");
     let [a, b] = seen(&window);
     assert!(a.level == b.level && a.level.name == "Hammock" && a.mode == Mode::Edit);

@@ -52,6 +52,14 @@ pub fn click(window: &mut Window, label: &str) {
     window.run_steps(3);
 }
 
+/// Chooses a level in the picker, by its name.
+pub fn choose(window: &mut Window, name: &str) {
+    click(window, "Level");
+    window.event(Event::Text(name.to_owned()));
+    window.run_steps(2);
+    click(window, name);
+}
+
 pub fn stage(window: &Window) -> Rect {
     window.get_by_label("Stage").rect()
 }

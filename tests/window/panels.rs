@@ -78,8 +78,7 @@ fn undo_and_redo_cover_pins_sliders_model_and_level() {
     let slid = window.state().snapshot().level.clone();
     press(&mut window, Key::N);
     let modelled = window.state().snapshot().level.clone();
-    click(&mut window, "Level");
-    click(&mut window, "Hammock");
+    choose(&mut window, "Hammock");
     click(&mut window, "Discard");
     let opened = window.state().snapshot().level.clone();
     let all = [first, pinned, slid, modelled, opened];
@@ -165,6 +164,24 @@ fn sliders_of_walls_highlight_their_obstacle() {
     assert!(at_ball[0] > ball && at_ball[1] == wedge, "{at_ball:?} in place of {ball} and {wedge}");
     assert!(at_wedge[0] == ball && at_wedge[1] > wedge, "{at_wedge:?} in place of {ball} and {wedge}");
     assert_eq!(point_at("Effects"), [ball, wedge]);
+}
+
+/// The picker finds levels by words of their names and descriptions; Enter opens the first.
+#[test]
+fn a_level_is_found_by_its_words() {
+    let mut window = open("gingerbread");
+    click(&mut window, "Level");
+    window.event(Event::Text("rods CHAOTIC".to_owned()));
+    window.run_steps(2);
+    assert!(window.query_by_label("Double pendulum").is_some() && window.query_by_label("Hammock").is_none());
+    press(&mut window, Key::Enter);
+    window.run_steps(2);
+    assert_eq!(window.state().snapshot().level.name, "Double pendulum");
+    assert!(window.query_by_label("Search levels").is_none(), "the picker has closed");
+    click(&mut window, "Level");
+    window.event(Event::Text("no such words".to_owned()));
+    window.run_steps(2);
+    assert!(window.query_by_label_contains("No level has").is_some());
 }
 
 #[test]
@@ -287,10 +304,7 @@ fn a_large_mesh_can_be_given_up() {
     let ways: [Way; 3] = [
         |window| click(window, "Cancel meshing"),
         |window| slide(window, "Number of triangles", 500.0),
-        |window| {
-            click(window, "Level");
-            click(window, "Hammock");
-        },
+        |window| choose(window, "Hammock"),
     ];
     for (number, give_up) in ways.into_iter().enumerate() {
         let mut window = open("gingerbread");
@@ -366,6 +380,34 @@ fn cloth_is_coloured_by_its_stress() {
     click(&mut window, "Gingerbread");
     window.run_steps(3);
     assert!(window.state().snapshot().values.is_empty());
+}
+
+/// The formula acts as soon as it is one. Text that is none stays in its field with the reason, and changes nothing.
+#[test]
+fn a_force_is_typed_as_a_formula() {
+    let mut window = open("whirlpool");
+    let formula = |window: &Window| match &window.state().snapshot().level.effects[0].effect {
+        EffectKind::BodyForce(force) => force.x.text().to_owned(),
+        other => unreachable!("{other:?}"),
+    };
+    let before = formula(&window);
+    {
+        let mut fields = window.get_all_by_role(Role::MultilineTextInput);
+        fields.find(|field| field.value().as_deref() == Some(before.as_str())).unwrap().click();
+    }
+    window.run();
+    press_with(&mut window, Modifiers::COMMAND, Key::A);
+    window.event(Event::Text("3*sin(t".to_owned()));
+    window.run();
+    assert_eq!(formula(&window), before);
+    assert!(window.query_by_label_contains("column 8: expected `)`, found the end").is_some());
+    window.event(Event::Text(")".to_owned()));
+    window.run();
+    assert_eq!(formula(&window), "3*sin(t)");
+    assert!(window.query_by_label_contains("column").is_none());
+    press(&mut window, Key::Enter);
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(formula(&window), before);
 }
 
 /// W adds a wind that suits the cloth, and switches it; in the plane it does nothing.

@@ -99,10 +99,7 @@ fn each_way_to_open_asks_over_unsaved_changes() {
     let file = own_file(&std::env::temp_dir(), "dropped");
     std::fs::write(&file.0, gingerbread::files::write(&level("hammock")).unwrap()).unwrap();
     let ways: [Way<'_>; 4] = [
-        ("picker", &|window| {
-            click(window, "Level");
-            click(window, "Hammock");
-        }),
+        ("picker", &|window| choose(window, "Hammock")),
         ("dialog", &|window| {
             click(window, "Level");
             click(window, "Open…");
@@ -169,23 +166,20 @@ fn the_question_is_answered_by_keys_and_other_keys_wait() {
 fn saving_first_goes_on_with_what_was_wished() {
     let file = own_file(&std::env::temp_dir(), "first");
     let mut window = changed();
-    click(&mut window, "Level");
-    click(&mut window, "Hammock");
+    choose(&mut window, "Hammock");
     click(&mut window, "Save");
     type_path(&mut window, &std::env::temp_dir().join("gingerbread-no-such-folder/level.ron"), "Save");
     assert_eq!(model(&window), Model::NeoHookean, "what cannot be saved is not lost");
     assert!(window.state().notice().is_some_and(|notice| notice.contains("no-such-folder")));
     press(&mut window, Key::Escape);
 
-    click(&mut window, "Level");
-    click(&mut window, "Hammock");
+    choose(&mut window, "Hammock");
     click(&mut window, "Save");
     click(&mut window, "Cancel");
     window.run_steps(3);
     assert_eq!(model(&window), Model::NeoHookean, "no file, no other level");
 
-    click(&mut window, "Level");
-    click(&mut window, "Hammock");
+    choose(&mut window, "Hammock");
     click(&mut window, "Save");
     type_path(&mut window, &file.0, "Save");
     assert_eq!(window.state().snapshot().level.name, level("hammock").name);

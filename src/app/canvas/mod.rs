@@ -283,6 +283,10 @@ impl Canvas {
         self.middle.clear(pixels_per_point);
         if let Some(camera) = &frame.space {
             let seen = (self.bodies.points(), camera);
+            for (points, closed) in self.scenery.wires() {
+                let points: Vec<_> = points.iter().map(|point| camera.seen(*point).0).collect();
+                self.middle.line(&points, closed, WIRE, view.theme.annotation.gamma_multiply(0.6));
+            }
             let what = (options, &self.scale, self.scenery.surfaces());
             self.surfaces.draw(&mut self.middle, view, snapshot, what, seen);
             painter.add(self.middle.finish());
@@ -377,6 +381,9 @@ impl Canvas {
 /// Duration of a cross-fade \[s\].
 const FADE: f32 = 0.2;
 
+/// Width of a wire \[points\].
+const WIRE: f32 = 2.0;
+
 /// Presence in edit mode of effects that act only in collide mode.
 const PALE: f32 = 0.72;
 
@@ -404,7 +411,7 @@ impl Scenery {
             self.changed = true;
         }
         for (effect, (shapes, presence)) in snapshot.level.effects.iter().zip(&mut self.effects) {
-            let now = effect.effect.kind().shapes(snapshot.time);
+            let now = effect.effect.kind().shapes(snapshot.time, &snapshot.elements.surfaces);
             let wanted = if now.is_empty() { 0.0 } else { wanted(effect, snapshot.mode) };
             let step = if known { dt / FADE } else { 1.0 };
             let next = *presence + (wanted - *presence).clamp(-step, step);
@@ -424,6 +431,15 @@ impl Scenery {
         let there = self.effects.iter().filter(|(_, presence)| *presence > 0.5);
         there.flat_map(|(shapes, _)| shapes).filter_map(|shape| match shape {
             Shape::Surface(surface) => Some(surface),
+            _ => None,
+        })
+    }
+
+    /// The wires in space that are there, and whether they are closed.
+    pub fn wires(&self) -> impl Iterator<Item = (&[[f64; 3]], bool)> {
+        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.5);
+        there.flat_map(|(shapes, _)| shapes).filter_map(|shape| match shape {
+            Shape::Wire { points, closed } => Some((points.as_slice(), *closed)),
             _ => None,
         })
     }
@@ -457,12 +473,19 @@ impl Scenery {
             Shape::Room(_) => 1,
             Shape::Solid(_) => 2,
             Shape::Surface(_) => 3,
+            Shape::Wire { .. } => 4,
         });
         for (number, (shape, presence)) in shapes.into_iter().enumerate() {
             match shape {
                 Shape::Edges(least, greatest) => house::edges(&mut self.buffer, view, [*least, *greatest], presence),
                 Shape::Room(room) => house::house(&mut self.buffer, view, canvas, room, presence),
                 Shape::Solid(outline) => house::gumdrop(&mut self.buffer, view, outline, number, presence),
+                Shape::Wire { points, closed } => {
+                    let points: Vec<_> =
+                        points.iter().map(|[x, y, _]| view.camera.screen_from_world([*x, *y])).collect();
+                    let color = view.theme.annotation.gamma_multiply(0.6 * presence);
+                    self.buffer.line(&points, *closed, WIRE, color);
+                }
                 // Those in space are sorted together with the membranes.
                 Shape::Surface(_) => {}
             }

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     app::canvas::Options,
+    effects::EffectKind,
     nets::{Link, Role},
     snapshot::{NetSnapshot, Snapshot, ToySnapshot},
 };
@@ -47,6 +48,7 @@ pub fn nets(
                 continue;
             }
         }
+        let is_rigid = has_rods(snapshot, net);
         let coiled = net.springs.links().len() <= FEW;
         // Flexion springs lie over the structural ones, which they would only thicken.
         for role in [Role::Flexion, Role::Shear, Role::Structural] {
@@ -55,6 +57,7 @@ pub fn nets(
                 let [Some(&from), Some(&to)] = link.ends.map(|end| points.get(end as usize)) else { continue };
                 let color = color(view, link, net.springs.length(link, &snapshot.positions));
                 match role {
+                    Role::Structural if is_rigid => rod(buffer, view, from, to),
                     Role::Structural if coiled => coil(buffer, view, [from, to], link, color),
                     Role::Structural => string(buffer, [from, to], view.size(0.0042, 1.6, 9.0), color),
                     Role::Shear => string(buffer, [from, to], view.size(0.0022, 1.0, 5.0), color.gamma_multiply(0.4)),
@@ -63,6 +66,23 @@ pub fn nets(
             }
         }
         candies(buffer, view, net, points);
+    }
+}
+
+/// Whether the structural springs of a net are rigid rods.
+fn has_rods(snapshot: &Snapshot, net: &NetSnapshot) -> bool {
+    snapshot.level.effects.iter().filter(|listed| listed.switch.is_on()).any(|listed| match &listed.effect {
+        EffectKind::Rods(rods) => rods.of.as_ref().is_none_or(|name| *name == net.name),
+        _ => false,
+    })
+}
+
+/// Draws the particles of a net in space that has few springs and no faces.
+pub(super) fn particles_in_space(buffer: &mut ShapeBuffer, view: View, net: &NetSnapshot, points: &[Pos2]) {
+    if net.faces.is_empty() && net.springs.links().len() <= FEW {
+        for (number, &at) in points.get(net.vertices.clone()).unwrap_or_default().iter().enumerate() {
+            candy(buffer, at, 5.0, view.theme.candy[number % 2]);
+        }
     }
 }
 

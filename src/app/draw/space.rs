@@ -330,6 +330,9 @@ impl Surfaces {
             let color = if options.wireframe { view.theme.crust } else { view.theme.icing };
             buffer.threads(points, &edges, reach, color.gamma_multiply(0.7));
         }
+        for net in &snapshot.nets {
+            super::net::particles_in_space(buffer, view, net, points);
+        }
     }
 }
 

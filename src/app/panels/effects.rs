@@ -15,7 +15,8 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     }
     heading(ui, "Effects");
     for (index, effect) in now.level.effects.iter().enumerate() {
-        ui.push_id(("effect", index), |ui| one(ui, index, effect, view, commands));
+        let dimension = now.elements.dimension();
+        ui.push_id(("effect", index), |ui| one(ui, (index, effect), dimension, view, commands));
     }
     add(ui, now, commands);
 }
@@ -53,7 +54,13 @@ fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Comm
     }
 }
 
-fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, commands: &mut Vec<Command>) {
+fn one(
+    ui: &mut Ui,
+    (index, effect): (usize, &EffectLevel),
+    dimension: usize,
+    view: &mut View,
+    commands: &mut Vec<Command>,
+) {
     let mut on = effect.switch.is_on();
     let title = effect.effect.kind().title();
     ui.horizontal(|ui| {
@@ -71,13 +78,16 @@ fn one(ui: &mut Ui, index: usize, effect: &EffectLevel, view: &mut View, command
         }
     });
     let mut changed = effect.clone();
-    let mut groups = changed.effect.kind_mut().groups();
-    groups.retain(|group| !group.numbers.is_empty());
-    if !on || groups.is_empty() {
+    if !on || changed.effect.kind_mut().groups().iter().all(|group| group.numbers.is_empty()) {
         return;
     }
     let mut sum = widgets::SliderResponse::default();
     ui.indent("parameters", |ui| {
+        for (name, formula) in changed.effect.kind_mut().formulas().into_iter().take(dimension) {
+            sum.add(widgets::formula(ui, name, formula));
+        }
+        let mut groups = changed.effect.kind_mut().groups();
+        groups.retain(|group| !group.numbers.is_empty());
         for (number, Group { title, solid, numbers }) in groups.into_iter().enumerate() {
             let group = ui.push_id(number, |ui| {
                 if let Some(title) = title {

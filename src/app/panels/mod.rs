@@ -49,6 +49,8 @@ pub struct View {
     pub body: usize,
     /// Whether the left and the right panel are hidden in a wide window.
     pub hidden: [bool; 2],
+    /// Words that the level picker searches for.
+    pub search: String,
     /// Panel that covers the stage in a narrow window.
     pub drawer: Option<Side>,
     /// Height of the toolbar in the last frame [points].

@@ -10,8 +10,8 @@ use crate::{
     snapshot::Snapshot,
 };
 use eframe::egui::{
-    self, Align, Atom, Button, Frame, IdSalt, Layout, Margin, Panel, Popup, PopupCloseBehavior, Rect, ScrollArea,
-    Shape, Stroke, Ui, Vec2, vec2,
+    self, Align, Atom, Button, Frame, IdSalt, Key, Layout, Margin, Panel, Popup, PopupCloseBehavior, Rect, ScrollArea,
+    Shape, Stroke, TextEdit, Ui, Vec2, vec2,
 };
 
 /// Width of the four buttons on the right [points].
@@ -74,17 +74,35 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
     let about = if context.now.level.about.is_empty() { "Choose a level" } else { &context.now.level.about };
     let response = response.inner.on_hover_text(about).accessible_name("Level");
-    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClick).show(|ui| {
+    if response.clicked() {
+        view.search.clear();
+    }
+    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ui.set_width(240.0);
-        let room = ui.ctx().content_rect().height() - 170.0;
+        let field = TextEdit::singleline(&mut view.search).hint_text("Search").desired_width(f32::INFINITY);
+        let field = ui.add(field).accessible_name("Search levels");
+        if response.clicked() {
+            field.request_focus();
+        }
+        let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let room = ui.ctx().content_rect().height() - 210.0;
         let list = ScrollArea::vertical().max_height(room).min_scrolled_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
-                for (index, entry) in context.gallery.entries().iter().enumerate() {
+                let mut found = context.gallery.found(&view.search).peekable();
+                if found.peek().is_none() {
+                    ui.weak("No level has these words.");
+                }
+                let mut chosen = if is_entered { found.peek().map(|(index, _)| *index) } else { None };
+                for (index, entry) in found {
                     let button = Button::selectable(entry.name == *name, entry.name.as_str());
                     if ui.add(button).on_hover_text(&entry.about).clicked() {
-                        view.file = Some(FileRequest::BuiltIn(index));
+                        chosen = Some(index);
                     }
+                }
+                if let Some(index) = chosen {
+                    view.file = Some(FileRequest::BuiltIn(index));
+                    ui.close();
                 }
             });
         });
@@ -94,12 +112,15 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         if ui.button("Hard cases…").on_hover_text(about).clicked() {
             view.hard.open = true;
             view.drawer = None;
+            ui.close();
         }
         if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
             view.file = Some(FileRequest::Open);
+            ui.close();
         }
         if ui.button("Save…").on_hover_text("Save the level with everything as it is now.").clicked() {
             view.file = Some(FileRequest::Save);
+            ui.close();
         }
     });
 }

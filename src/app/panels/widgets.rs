@@ -1,9 +1,9 @@
 //! Controls of the panels: a slider with a number field for one quantity, segmented buttons, and buttons with icons.
 
-use crate::{app::numbers, quantity::Quantity};
+use crate::{app::numbers, effects::PointFormula, quantity::Quantity};
 use eframe::egui::{
-    self, Color32, CornerRadius, DragValue, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape, Slider,
-    SliderClamping, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
+    self, Color32, CornerRadius, DragValue, Mesh, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Slider,
+    SliderClamping, Stroke, StrokeKind, TextEdit, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use std::{
     cell::RefCell,
@@ -57,6 +57,46 @@ pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
     };
     let value = quantity.get();
     number(ui, &options, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
+}
+
+/// Draws a field for a formula. Text that is none stays in the field, with the reason below it, and the old formula keeps acting.
+pub fn formula(ui: &mut Ui, name: &str, formula: &mut PointFormula) -> SliderResponse {
+    let mut outcome = SliderResponse::default();
+    let help = "A formula of x, y, z [m], vx, vy, vz [m/s] and t [s], such as -2*x^2 + sin(3*t). Functions: sin, cos, tan, \
+                asin, acos, atan, atan2, sinh, cosh, tanh, exp, log, log10, sqrt, abs, sign, floor, min, max, hypot.";
+    let id = ui.scope_id().with(("formula", name));
+    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| formula.text().to_owned());
+    let mut refused = None;
+    ui.horizontal(|ui| {
+        let label = ui.monospace(name).on_hover_text(help);
+        // A long formula takes several lines.
+        let field = TextEdit::multiline(&mut text).desired_rows(1).return_key(None);
+        let field = field.font(TextStyle::Monospace).desired_width(f32::INFINITY);
+        let response = ui.add(field).labelled_by(label.id);
+        match PointFormula::new(&text) {
+            Ok(typed) => {
+                outcome.changed = response.changed() && typed != *formula;
+                if outcome.changed {
+                    *formula = typed;
+                }
+            }
+            Err(error) => refused = Some(error.to_string()),
+        }
+        outcome.ended = response.lost_focus();
+        let is_open = response.has_focus() || refused.is_some();
+        ui.data_mut(|data| {
+            if is_open {
+                data.insert_temp(id, text);
+            } else {
+                data.remove::<String>(id);
+            }
+        });
+        response.on_hover_text(help);
+    });
+    if let Some(refused) = refused {
+        ui.colored_label(ui.visuals().warn_fg_color, RichText::new(refused).small());
+    }
+    outcome
 }
 
 /// Draws a slider for a number; `set` may refuse a value.

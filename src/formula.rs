@@ -148,7 +148,8 @@ impl Formula {
         self.compute(|variable| variables[variable])
     }
 
-    /// Value and derivatives by all variables. A function without a derivative at some place has that of one of its sides there.
+    /// Value and derivatives by all variables. Where a function has a corner, its derivative is that of one side, or zero; where its slope is infinite, so is the
+    /// derivative.
     pub fn derivatives<const N: usize>(&self, variables: &[f64; N]) -> (f64, [f64; N]) {
         let Dual { value, slope } = self.compute(|variable| {
             let mut slope = [0.0; N];
@@ -278,7 +279,10 @@ impl Parser<'_> {
     fn deeper(&mut self, read: fn(&mut Self) -> Result<(), FormulaError>) -> Result<(), FormulaError> {
         self.depth += 1;
         if self.depth >= DEEPEST {
-            return Err(self.error(self.at, format!("more than {DEEPEST} brackets or signs within each other")));
+            return Err(self.error(
+                self.at,
+                format!("{DEEPEST} or more brackets, signs and waiting operations within each other"),
+            ));
         }
         read(self)?;
         self.depth -= 1;
@@ -405,9 +409,10 @@ struct Dual<const N: usize> {
     slope: [f64; N],
 }
 
-/// Product in which a zero stays zero: what does not depend on a variable has no derivative, even beside an infinite one.
+/// Product in which a zero stays zero: what does not depend on a variable has no derivative, even beside an infinite one, and a factor of zero leaves nothing
+/// of that.
 fn times(factor: f64, slope: f64) -> f64 {
-    if slope == 0.0 { 0.0 } else { factor * slope }
+    if slope == 0.0 || factor == 0.0 { 0.0 } else { factor * slope }
 }
 
 impl<const N: usize> Number for Dual<N> {
@@ -477,7 +482,10 @@ impl Operation {
             Self::Divide => one.combine(other, a / b, || [1.0 / b, -a / (b * b)]),
             Self::Power => {
                 let power = libm::pow(a, b);
-                one.combine(other, power, || [b * libm::pow(a, b - 1.0), power * libm::log(a)])
+                one.combine(other, power, || {
+                    let by_base = if b == 0.0 { 0.0 } else { b * libm::pow(a, b - 1.0) };
+                    [by_base, power * libm::log(a)]
+                })
             }
             Self::Min if b < a => one.combine(other, b, || [0.0, 1.0]),
             Self::Max if b > a => one.combine(other, b, || [0.0, 1.0]),
@@ -488,7 +496,8 @@ impl Operation {
             }
             Self::Hypot => {
                 let length = libm::hypot(a, b);
-                one.combine(other, length, || [a / length, b / length])
+                // The cone has no slope at its tip.
+                one.combine(other, length, || if length == 0.0 { [0.0, 0.0] } else { [a / length, b / length] })
             }
         }
     }
@@ -575,6 +584,14 @@ mod tests {
         // What does not depend on a variable has no derivative by it, wherever the others are.
         let (_, slopes) = Formula::parse("sqrt(x) + y", &["x", "y"]).unwrap().derivatives(&[0.0, 1.0]);
         assert_eq!(slopes, [f64::INFINITY, 1.0]);
+        for (text, known) in [
+            ("hypot(x, y)", [0.0; 2]),
+            ("x^0 + y", [0.0, 1.0]),
+            ("x*sqrt(abs(x))", [0.0; 2]),
+            ("max(0, sqrt(x - 1))", [0.0; 2]),
+        ] {
+            assert_eq!(Formula::parse(text, &["x", "y"]).unwrap().derivatives(&[0.0; 2]).1, known, "{text}");
+        }
     }
 
     #[test]
@@ -595,7 +612,7 @@ mod tests {
             ("x ** 2", 4, "found `*`"),
             ("sin x", 1, "there is no `sin`"),
             ("ä+", 1, "there is no `ä`"),
-            (&deep, 33, "more than 32"),
+            (&deep, 33, "32 or more brackets"),
             (&long, 1, "at most 1000 characters"),
         ] {
             let error = Formula::parse(text, &["x", "y"]).unwrap_err();

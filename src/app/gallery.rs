@@ -52,7 +52,7 @@ impl Gallery {
     pub fn found<'a>(&'a self, search: &str) -> impl Iterator<Item = (usize, &'a Entry)> {
         let words: Vec<_> = search.split_whitespace().map(str::to_lowercase).collect();
         let has_all = move |(_, entry): &(usize, &Entry)| {
-            let text = format!("{} {}", entry.name, entry.about).to_lowercase();
+            let text = format!("{} {} {}", entry.file, entry.name, entry.about).to_lowercase();
             words.iter().all(|word| text.contains(word))
         };
         self.entries.iter().enumerate().filter(has_all)

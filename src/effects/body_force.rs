@@ -12,8 +12,9 @@ use std::ops::Range;
 
 /// A force on every vertex in proportion to its mass: `f = m s b(x, v, t)`, with b typed as one formula for each axis.
 ///
-/// The formulas know the position x, y, z \[m\], the velocity vx, vy, vz [m/s] and the time t \[s\]. Implicit schemes use the exact
-/// derivatives, without their antisymmetric part, which only slows Newton's method down.
+/// The formulas know the position x, y, z \[m\], the velocity vx, vy, vz [m/s] and the time t \[s\]. Implicit schemes use the symmetric part of the exact
+/// derivatives. The antisymmetric part, as of a force across the velocity, `x: "w*vy", y: "-w*vx"`, is left out: Newton's method then converges while the
+/// step is shorter than 1/w, and the guard divides longer ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyForce {
@@ -175,8 +176,11 @@ impl Field {
         for vertex in self.vertices(motion) {
             let [by_x, by_v] = self.derivatives(motion, D * vertex);
             let mass = motion.mass[D * vertex];
-            let entry =
-                |row: usize, column: usize| weights.position * by_x[row][column] + weights.velocity * by_v[row][column];
+            // A derivative that is not asked for may be infinite.
+            let times = |weight: f64, slope: f64| if weight == 0.0 { 0.0 } else { weight * slope };
+            let entry = |row: usize, column: usize| {
+                times(weights.position, by_x[row][column]) + times(weights.velocity, by_v[row][column])
+            };
             let block = Block::<D>::from_fn(|row, column| -0.5 * mass * (entry(row, column) + entry(column, row)));
             add(vertex, &changed(block, weights.tangent));
         }
@@ -234,7 +238,12 @@ impl Effect for Field {
     }
 
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
-        for vertex in self.vertices(&motion) {
+        // A formula may be undefined where a vertex is pinned, as at a centre of attraction.
+        let is_free = |vertex: &usize| {
+            let at = motion.dimension * vertex;
+            motion.inverse_mass[at..at + motion.dimension].iter().any(|inverse| *inverse != 0.0)
+        };
+        for vertex in self.vertices(&motion).filter(is_free) {
             let at = motion.dimension * vertex;
             let variables = Self::variables(&motion, at);
             for (force, formula) in force[at..at + motion.dimension].iter_mut().zip(&self.formulas) {

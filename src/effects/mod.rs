@@ -306,6 +306,9 @@ pub struct Grab {
     pub target: [f64; 3],
 }
 
+/// Most conditions of one effect: all are solved together by a dense factorisation.
+pub(crate) const MOST_CONDITIONS: usize = 500;
+
 /// Exact constraints on positions.
 pub trait ConstraintTerm {
     /// Adds their rows at one moment.

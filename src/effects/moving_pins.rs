@@ -6,6 +6,7 @@ use crate::{
     meshes::Pin,
     obstacles::{MotionKind, Rigid, check, placed},
     quantity::Quantity,
+    solvers::ConstraintRows,
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -86,6 +87,28 @@ impl HeldVertices {
         match self.dimension {
             2 => self.place_in::<2>(time, x, v),
             _ => self.place_in::<3>(time, x, v),
+        }
+    }
+
+    /// Tells constraints their accelerations at a time \[s\], by central differences of their velocities.
+    pub fn accelerate(&self, time: f64, rows: &mut ConstraintRows) {
+        match self.dimension {
+            2 => self.accelerate_in::<2>(time, rows),
+            _ => self.accelerate_in::<3>(time, rows),
+        }
+    }
+
+    fn accelerate_in<const D: usize>(&self, time: f64, rows: &mut ConstraintRows) {
+        /// Far shorter than any period \[s\], and far longer than round-off of velocities.
+        const APART: f64 = 1e-4;
+        let [before, after] = [-APART, APART].map(|by| placed::<D>(&self.motions, time + by));
+        for vertex in &self.vertices {
+            let first = D * *vertex as usize;
+            let start = std::array::from_fn(|axis| self.start[first + axis]);
+            let [v, next] = [&before, &after].map(|at| at.velocity_at(at.point(start)));
+            for axis in 0..D {
+                rows.accelerate(first + axis, (next[axis] - v[axis]) / (2.0 * APART));
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Effect: rigid rods in place of springs.
 
-use super::{ConstraintTerm, Effect, EffectParameters, Motion};
+use super::{ConstraintTerm, Effect, EffectParameters, MOST_CONDITIONS, Motion};
 use crate::{
     elements::Elements,
     nets::{Link, Role},
@@ -9,10 +9,10 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The structural springs of nets keep their rest lengths exactly, by constraint forces (see [`ConstraintRows`]): `|x_a - x_b| = r`.
-/// A chain of rods is a pendulum with as many links.
+/// The structural springs of nets keep their rest lengths, as exactly as the scheme is, by constraint forces (see [`ConstraintRows`]):
+/// `|x_a - x_b| = r`. A chain of rods is a pendulum with as many links.
 ///
-/// The stiffness of the springs does not matter. A rod that is longer or shorter than r, as after a step whose length is not short,
+/// The springs exert no force while the rods hold; their stiffness still counts for the stability limit, so that zero is best. A rod that is longer or shorter than r, as after a step whose length is not short,
 /// returns to it like a critically damped oscillator of the recovery rate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,7 +20,7 @@ pub struct Rods {
     /// Name of the net; all, if it is not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
-    /// Rate at which lengths return [1/s].
+    /// Rate at which lengths return [1/s]. Explicit schemes need steps shorter than 0.8 of its inverse.
     #[serde(default = "ten_a_second")]
     pub recovery: RecoveryRate,
 }
@@ -56,7 +56,10 @@ impl EffectParameters for Rods {
         let links = nets.flat_map(|(_, springs)| springs.links().iter().copied());
         let links: Vec<_> = links.filter(|link| link.role == Role::Structural && link.rest > 0.0).collect();
         if links.is_empty() {
-            return Err("it acts on structural springs of nets, and the level has none of any length".to_owned());
+            return Err("it acts on structural springs of nets, and what it names has none of any length".to_owned());
+        }
+        if links.len() > MOST_CONDITIONS {
+            return Err(format!("expected at most {MOST_CONDITIONS} rods, got {}; springs cost less", links.len()));
         }
         Ok(Box::new(Lengths { links, rate: self.recovery.get() }))
     }
@@ -84,7 +87,7 @@ impl Effect for Lengths {
 }
 
 impl ConstraintTerm for Lengths {
-    /// With the unit vector u from b to a and the relative velocity w, `J v = u·w` and `J'v = (w² - (u·w)²)/|x_a - x_b|`. Ends in one place have no
+    /// With the unit vector u from b to a and the relative velocity w, `J v = u·w` and `J̇v = (w² - (u·w)²)/|x_a - x_b|`. Ends in one place have no
     /// direction; they get no constraint.
     fn add_rows(&self, motion: Motion<'_>, rows: &mut ConstraintRows) {
         let size = motion.dimension;

@@ -1,6 +1,6 @@
 //! Effect: beads on a wire.
 
-use super::{ConstraintTerm, Effect, EffectParameters, Motion, Shape, air::unit, rods::ten_a_second};
+use super::{ConstraintTerm, Effect, EffectParameters, MOST_CONDITIONS, Motion, Shape, air::unit, rods::ten_a_second};
 use crate::{
     elements::{
         Elements,
@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Vertices slide without friction on a wire, a circle or a straight line, which constraint forces keep them on (see [`ConstraintRows`]).
-/// What does not start on its wire goes there like a critically damped oscillator of the recovery rate.
+/// What does not start on its wire goes there like a critically damped oscillator of the recovery rate, unless it is exactly on the axis of a
+/// circle, from which there is no way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wire {
@@ -139,7 +140,16 @@ impl EffectParameters for Wire {
             return Err("the direction of its wire must not be zero".to_owned());
         }
         let (place, direction) = (place.get(), unit(direction));
-        // In the plane what is kept along z is nothing.
+        if dimension == 2 && matches!(self.wire, WireShape::Circle { .. }) && direction != along_z().get() {
+            return Err("a circle in the plane has the axis z".to_owned());
+        }
+        if (dimension - 1) * beads.len() > MOST_CONDITIONS {
+            return Err(format!(
+                "expected at most {MOST_CONDITIONS} conditions, got {}",
+                (dimension - 1) * beads.len()
+            ));
+        }
+        // In the plane the second condition, along z, is left out.
         let kept = match self.wire {
             WireShape::Circle { radius, .. } => {
                 vec![

@@ -2,12 +2,13 @@
 
 use super::{
     Membranes,
-    frame::{Vector, cross, dot, minus},
+    frame::{Vector, cross, dot, minus, plus, times},
 };
 use crate::{
     materials::Lame,
-    simd::{Jet, Real},
+    simd::{Jet, LANES, Lanes, Real, Wide},
 };
+use pulp::{Arch, Simd, WithSimd};
 use std::collections::BTreeMap;
 
 /// No hinge: an edge of the boundary.
@@ -34,9 +35,17 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct Hinges {
     /// Ends a and b of each inner edge, the third corner of the triangle on its left, and that of the one on its right.
-    hinges: Vec<[u32; 4]>,
+    edges: Vec<[u32; 4]>,
     triangles: Vec<Plate>,
+    set: Arch,
 }
+
+/// The points of eight hinges, one in each lane, or vectors at them.
+type Block = [[Lanes; 3]; 4];
+
+/// Number of blocks gathered at a time: enough for scalar stores to complete before they are read as SIMD vectors.
+const RUN_BLOCKS: usize = 4;
+const RUN: usize = RUN_BLOCKS * LANES;
 
 /// Bending of one triangle.
 #[derive(Clone, Copy, Debug)]
@@ -127,19 +136,19 @@ impl Hinges {
             plate.release();
             plate.find_vertices(&hinges);
         }
-        Self { hinges, triangles }
+        Self { edges: hinges, triangles, set: Arch::new() }
     }
 
     /// Number of hinges.
     pub const fn count(&self) -> usize {
-        self.hinges.len()
+        self.edges.len()
     }
 
     /// Stored energy at these positions \[J\].
     pub fn energy(&self, x: &[f64]) -> f64 {
         let of = |plate: &Plate| {
             let angles =
-                plate.hinges.map(|hinge| self.hinges.get(hinge as usize).map_or(0.0, |hinge| angle(points(x, hinge))));
+                plate.hinges.map(|hinge| self.edges.get(hinge as usize).map_or(0.0, |hinge| angle(points(x, hinge))));
             let moments = plate.stiffness.map(|row| dot(row, angles));
             0.5 * dot(moments, angles)
         };
@@ -148,36 +157,30 @@ impl Hinges {
 
     /// Adds the force \[N\]; `scratch` has two numbers for each hinge.
     pub fn add_force(&self, x: &[f64], scratch: &mut [f64], force: &mut [f64]) {
-        let (angles, moments) = scratch.split_at_mut(self.hinges.len());
-        for (angle_at, hinge) in angles.iter_mut().zip(&self.hinges) {
-            *angle_at = angle(points(x, hinge));
-        }
+        let (angles, moments) = scratch.split_at_mut(self.edges.len());
+        self.set.dispatch(Angles { hinges: &self.edges, x, out: angles });
         self.find_moments(angles, moments);
-        for (hinge, moment) in self.hinges.iter().zip(&*moments) {
-            add(hinge, gradient(points(x, hinge)), -moment, force);
-        }
+        self.set.dispatch(Forces { hinges: &self.edges, x, moments, force });
     }
 
     /// Adds the change of the force by a displacement d \[m\], with the opposite sign, exactly.
     pub fn add_stiffness_times(&self, x: &[f64], d: &[f64], scratch: &mut [f64], product: &mut [f64]) {
-        let (angles, moments) = scratch.split_at_mut(self.hinges.len());
-        for (angle_at, hinge) in angles.iter_mut().zip(&self.hinges) {
-            *angle_at = angle(points(x, hinge));
-        }
+        let (angles, moments) = scratch.split_at_mut(self.edges.len());
+        self.set.dispatch(Angles { hinges: &self.edges, x, out: angles });
         self.find_moments(angles, moments);
-        for (hinge, moment) in self.hinges.iter().zip(&*moments) {
+        for (hinge, moment) in self.edges.iter().zip(&*moments) {
             let (at, along) = (points(x, hinge), points(d, hinge));
             let moved = std::array::from_fn(|corner| {
                 std::array::from_fn(|axis| Jet { first: [along[corner][axis], 0.0], ..Jet::constant(at[corner][axis]) })
             });
             add(hinge, gradient(moved).map(|corner| corner.map(|along: Jet<f64>| along.first[0])), *moment, product);
         }
-        for (change, hinge) in angles.iter_mut().zip(&self.hinges) {
+        for (change, hinge) in angles.iter_mut().zip(&self.edges) {
             let (slope, along) = (gradient(points(x, hinge)), points(d, hinge));
             *change = (0..4).map(|corner| dot(slope[corner], along[corner])).sum();
         }
         self.find_moments(angles, moments);
-        for (hinge, moment) in self.hinges.iter().zip(&*moments) {
+        for (hinge, moment) in self.edges.iter().zip(&*moments) {
             add(hinge, gradient(points(x, hinge)), *moment, product);
         }
     }
@@ -209,7 +212,7 @@ impl Hinges {
     /// semidefinite: of a vertex with itself, and of pairs.
     pub fn each_block(&self, x: &[f64], mut act: impl FnMut([u32; 2], [Vector<f64>; 3])) {
         for plate in &self.triangles {
-            let (stiffness, vertices, slopes) = (plate.stiffness, plate.vertices, plate.slopes(&self.hinges, x));
+            let (stiffness, vertices, slopes) = (plate.stiffness, plate.vertices, plate.slopes(&self.edges, x));
             for (b, vertex_b) in vertices.iter().enumerate().filter(|(_, b)| **b != NONE) {
                 let moments: [Vector<f64>; 3] = std::array::from_fn(|i| {
                     std::array::from_fn(|axis| (0..3).map(|j| stiffness[i][j] * slopes[j][b][axis]).sum())
@@ -238,32 +241,139 @@ fn stiffness(edges: [Vector<f64>; 3], rigidity: f64, poisson: f64) -> [[f64; 3];
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
-/// Angle between two triangles, from the ends of their edge and their third corners; zero if flat, and between -pi and pi.
-fn angle([a, b, left, right]: [Vector<f64>; 4]) -> f64 {
+/// Writes the angles of hinges.
+struct Angles<'a> {
+    hinges: &'a [[u32; 4]],
+    x: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Angles<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) {
+        let mut now = [Block::default(); RUN_BLOCKS];
+        for (hinges, angles) in self.hinges.chunks(RUN).zip(self.out.chunks_mut(RUN)) {
+            collect(hinges, self.x, &mut now);
+            for block in &mut now {
+                for part in 0..Wide::<S>::PARTS {
+                    let [sine, cosine] = sine_and_cosine(load(set, block, part));
+                    sine.store(&mut block[0][0], part);
+                    cosine.store(&mut block[0][1], part);
+                }
+            }
+            for (number, angle) in angles.iter_mut().enumerate() {
+                let [sine, cosine, _] = &now[number / LANES][0];
+                *angle = libm::atan2(sine[number % LANES], cosine[number % LANES]);
+            }
+        }
+    }
+}
+
+/// Adds the forces of moments about hinges \[J\].
+struct Forces<'a> {
+    hinges: &'a [[u32; 4]],
+    x: &'a [f64],
+    moments: &'a [f64],
+    force: &'a mut [f64],
+}
+
+impl WithSimd for Forces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) {
+        let (mut now, mut turning) = ([Block::default(); RUN_BLOCKS], [Lanes::default(); RUN_BLOCKS]);
+        for (hinges, moments) in self.hinges.chunks(RUN).zip(self.moments.chunks(RUN)) {
+            collect(hinges, self.x, &mut now);
+            turning.as_flattened_mut()[..moments.len()].copy_from_slice(moments);
+            for (block, moment) in now.iter_mut().zip(&turning) {
+                for part in 0..Wide::<S>::PARTS {
+                    let factor = -Wide::load(set, moment, part);
+                    let slopes = gradient(load(set, block, part));
+                    for (to, slope) in block.as_flattened_mut().iter_mut().zip(slopes.as_flattened()) {
+                        (factor * *slope).store(to, part);
+                    }
+                }
+            }
+            for (number, hinge) in hinges.iter().enumerate() {
+                let (block, lane) = (&now[number / LANES], number % LANES);
+                for (corner, along) in hinge.iter().zip(block) {
+                    let own = &mut self.force[3 * *corner as usize..][..3];
+                    own.iter_mut().zip(along).for_each(|(own, along)| *own += along[lane]);
+                }
+            }
+        }
+    }
+}
+
+/// Points of some hinges, block by block.
+#[inline(always)]
+fn collect(hinges: &[[u32; 4]], x: &[f64], blocks: &mut [Block; RUN_BLOCKS]) {
+    for (number, hinge) in hinges.iter().enumerate() {
+        let (block, lane) = (&mut blocks[number / LANES], number % LANES);
+        for (to, from) in block.as_flattened_mut().iter_mut().zip(points(x, hinge).as_flattened()) {
+            to[lane] = *from;
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(set: S, [a, b, c, d]: &Block, part: usize) -> [Vector<Wide<S>>; 4] {
+    [load_vector(set, a, part), load_vector(set, b, part), load_vector(set, c, part), load_vector(set, d, part)]
+}
+
+#[inline(always)]
+fn load_vector<S: Simd>(set: S, [x, y, z]: &[Lanes; 3], part: usize) -> Vector<Wide<S>> {
+    [Wide::load(set, x, part), Wide::load(set, y, part), Wide::load(set, z, part)]
+}
+
+/// Multiples of the sine and the cosine of [`angle`]. Those of an edge without length are those of zero.
+#[inline(always)]
+fn sine_and_cosine<R: Real>([a, b, left, right]: [Vector<R>; 4]) -> [R; 2] {
     let edge = minus(b, a);
     let (first, second) = (cross(edge, minus(left, a)), cross(minus(right, a), edge));
     let length = dot(edge, edge).sqrt();
-    if length == 0.0 { 0.0 } else { libm::atan2(dot(cross(first, second), edge) / length, dot(first, second)) }
+    let (zero, one) = (length.of(0.0), length.of(1.0));
+    let sine = dot(cross(first, second), edge) / length;
+    [zero.if_less(length, sine, zero), zero.if_less(length, dot(first, second), one)]
+}
+
+/// Angle between two triangles, from the ends of their edge and their third corners; zero if flat, and between -pi and pi.
+fn angle(points: [Vector<f64>; 4]) -> f64 {
+    let [sine, cosine] = sine_and_cosine(points);
+    libm::atan2(sine, cosine)
 }
 
 /// Gradient of [`angle`] by the four points: moved along its normal, a third corner at the height h above the edge turns its triangle
 /// by 1/h; the ends of the edge balance that (R. Bridson, S. Marino and R. Fedkiw, *Simulation of clothing with folds and wrinkles*,
 /// Symposium on Computer Animation 2003). Triangles without area have none.
+#[inline(always)]
 fn gradient<R: Real>([a, b, left, right]: [Vector<R>; 4]) -> [Vector<R>; 4] {
     let (edge, to_left, to_right) = (minus(b, a), minus(left, a), minus(right, a));
     let square = dot(edge, edge);
-    let (zero, length) = (square.of(0.0), square.sqrt());
-    let across = |normal: Vector<R>| {
-        let size = dot(normal, normal);
-        let scale = zero.if_less(size, length / size, zero);
-        normal.map(|along| -(along * scale))
-    };
-    let (by_left, by_right) = (across(cross(edge, to_left)), across(cross(to_right, edge)));
-    let share = |to: Vector<R>| zero.if_less(square, dot(to, edge) / square, zero);
-    let (s, t) = (share(to_left), share(to_right));
-    let by_b = std::array::from_fn(|axis| -(s * by_left[axis] + t * by_right[axis]));
-    let by_a = std::array::from_fn(|axis| -(by_left[axis] + by_right[axis] + by_b[axis]));
+    let length = square.sqrt();
+    let (by_left, by_right) = (across(cross(edge, to_left), length), across(cross(to_right, edge), length));
+    let (s, t) = (share(dot(to_left, edge), square), share(dot(to_right, edge), square));
+    let minus_one = square.of(-1.0);
+    let by_b = times(plus(times(by_left, s), times(by_right, t)), minus_one);
+    let by_a = times(plus(plus(by_left, by_right), by_b), minus_one);
     [by_a, by_b, by_left, by_right]
+}
+
+/// Minus a normal of any length, with that of an edge over its own; zero if it has none.
+#[inline(always)]
+fn across<R: Real>(normal: Vector<R>, length: R) -> Vector<R> {
+    let (zero, size) = (length.of(0.0), dot(normal, normal));
+    times(normal, -zero.if_less(size, length / size, zero))
+}
+
+/// Share of an edge, from a product with it and the square of its length; zero if it has none.
+#[inline(always)]
+fn share<R: Real>(along: R, square: R) -> R {
+    let zero = square.of(0.0);
+    zero.if_less(square, along / square, zero)
 }
 
 /// Adds multiples of vectors to the numbers of four vertices.
@@ -274,6 +384,7 @@ fn add(hinge: &[u32; 4], vectors: [Vector<f64>; 4], factor: f64, to: &mut [f64])
     }
 }
 
+#[inline(always)]
 fn points(x: &[f64], hinge: &[u32; 4]) -> [Vector<f64>; 4] {
     let all = x.as_chunks().0;
     hinge.map(|corner| all[corner as usize])

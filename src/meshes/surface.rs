@@ -13,7 +13,8 @@ pub struct SurfaceMesh {
 }
 
 impl SurfaceMesh {
-    /// Reads a Wavefront OBJ file. Faces with more than three corners are cut into triangles. A surface that is inside out is turned.
+    /// Reads a Wavefront OBJ file. Faces with more than three corners are cut into triangles. A surface that is inside out is turned, as a whole: all its parts must have the
+    /// same sense.
     ///
     /// # Errors
     /// [`MeshError`] with the line, if the file cannot be read, or the surface is not closed.
@@ -65,10 +66,27 @@ impl SurfaceMesh {
             }
         }
         let mut mesh = Self { points: reader.points, triangles };
+        let [least, greatest] = mesh.bounds();
+        let around: f64 = (0..3).map(|axis| greatest[axis] - least[axis]).product();
+        if mesh.volume().abs() <= 1e-9 * around {
+            let reason = "expected a surface around a volume, but it lies on itself".to_owned();
+            return Err(MeshError::File { path: path.display().to_string(), reason });
+        }
         if mesh.volume() < 0.0 {
             mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
         Ok(mesh)
+    }
+
+    /// Least and greatest coordinates \[m\].
+    fn bounds(&self) -> [[f64; 3]; 2] {
+        let start = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        self.points.iter().fold(start, |[least, greatest], point| {
+            [
+                std::array::from_fn(|axis| least[axis].min(point[axis])),
+                std::array::from_fn(|axis| greatest[axis].max(point[axis])),
+            ]
+        })
     }
 
     /// Volume inside \[m³\]; negative if the surface is inside out.

@@ -23,6 +23,7 @@ use crate::{
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, nearest, on_edge, pinned},
     quantity::{Factor, Position},
+    solvers::ConstraintRows,
     state::State,
     toys::ToyKind,
 };
@@ -357,6 +358,12 @@ impl Scene {
     pub fn place_held(&self, time: f64, x: &mut [f64], v: &mut [f64]) {
         let held = self.effects.iter().filter_map(|effect| effect.held_vertices());
         held.for_each(|held| held.place(time, x, v));
+    }
+
+    /// Tells constraints the accelerations of those vertices at a time \[s\].
+    pub fn accelerate_held(&self, time: f64, rows: &mut ConstraintRows) {
+        let held = self.effects.iter().filter_map(|effect| effect.held_vertices());
+        held.for_each(|held| held.accelerate(time, rows));
     }
 
     /// Whether an effect acts on several bodies, nets or membranes together.

@@ -3,8 +3,8 @@
 //! Without a contact potential bodies and nets do not interact, so that each may divide a step of the scene, of length h, into n equal substeps; at
 //! the end of the step all have the same time. n = h / ([`SAFETY_FACTOR`] z/2 `h_critical`), rounded up, and
 //! 1 if the step is short enough; z is the stability limit of the scheme, 2 for symplectic Euler. A sub-scene with its own part of the state ([`SubScene`]) is stepped, so that its motion has the same bits,
-//! and the same cost, as alone with n times as many steps. Substeps are equal parts of h; what depends on time, which
-//! is only moving obstacles, is exact to round-off.
+//! and the same cost, as alone with n times as many steps. Substeps are equal parts of h; what depends on time,
+//! such as moving obstacles, is exact to round-off.
 //!
 //! `h_critical` is the critical step of symplectic Euler at rest. It depends on the scene alone and is computed when the scene is built or
 //! changed, never while time runs. So a checkpoint, a rewind or a saved level continues with the same steps and bits.

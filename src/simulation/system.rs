@@ -360,7 +360,7 @@ impl System<'_> {
     }
 
     /// Takes the rows of all constraints at a time since the start of the step \[s\].
-    fn rows(&mut self, time: f64, x: &[f64], v: &[f64]) -> ConstraintRows {
+    pub(super) fn rows(&mut self, time: f64, x: &[f64], v: &[f64]) -> ConstraintRows {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
         for turn in 0..self.scratch.plan.constraints.len() {
@@ -370,6 +370,9 @@ impl System<'_> {
             let motion = motion(self.scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
             let elements = effect.elements(motion);
             self.scratch.call_effect(number, Some(elements), |_| term.add_rows(motion, &mut rows));
+        }
+        if self.scratch.plan.holds {
+            self.scene.accelerate_held(self.time[0] + time, &mut rows);
         }
         rows
     }

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     effects::{Effect, Motion},
-    integrators::{Class, MeanForces},
+    integrators::{Class, Dynamics, MeanForces},
     scene::Scene,
 };
 
@@ -14,7 +14,8 @@ impl System<'_> {
     /// Whether powers act or are measured.
     pub(super) fn has_powers(&self) -> bool {
         let supplies = || self.scene.effects.iter().any(|effect| effect.supplies() || effect.held_vertices().is_some());
-        self.scratch.measured || contacts(self.scene).any(|contact| contact.moves()) || supplies()
+        let constrained = !self.scratch.plan.constraints.is_empty();
+        self.scratch.measured || constrained || contacts(self.scene).any(|contact| contact.moves()) || supplies()
     }
 
     /// Finds the powers at the time since the start of the step, the positions and velocities, and with the lag and spans of a motion.
@@ -36,6 +37,16 @@ impl System<'_> {
                 powers.push(power);
                 stored.push(energy);
             }
+        }
+        if !self.scratch.plan.constraints.is_empty() {
+            forces.clear();
+            forces.resize(at.x.len(), 0.0);
+            for effect in &self.scene.effects {
+                effect.force(motion, &mut effects[..effect.scratch()], &mut forces);
+            }
+            let mut rows = self.rows(at.time, at.x, at.v);
+            powers[0] += rows.power(self.inverse_mass(), &forces, at.v);
+            self.scratch.rows = rows;
         }
         (self.scratch.powers[0], self.scratch.stored[0]) = (powers, stored);
         (self.scratch.forces, self.scratch.effects) = (forces, effects);

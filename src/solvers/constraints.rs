@@ -13,9 +13,9 @@
 
 /// Constraints at one moment, as rows of J.
 ///
-/// With W = M⁻¹ the accelerations of a system keep `C" + d C' + s C = 0` if the forces get the reactions `Jᵀλ` with
+/// With W = M⁻¹ and a dot for derivatives by time, the accelerations of a system keep `C̈ + d Ċ + s C = 0` if the forces get the reactions `Jᵀλ` with
 ///
-/// `(J W Jᵀ) λ = -(J W f + J'v + d J v + s C)`
+/// `(J W Jᵀ) λ = -(J W f + J̇v + d J v + s C)`
 ///
 /// (D. Baraff, *Linear-time dynamics using Lagrange multipliers*, SIGGRAPH 1996; A. Witkin, *Physically Based Modeling: Constrained Dynamics*, SIGGRAPH
 /// course notes 1997). The terms with d and s bring back what the discretisation lets drift (J. Baumgarte, *Stabilization of constraints and integrals of motion in
@@ -26,7 +26,7 @@ pub struct ConstraintRows {
     entries: Vec<(usize, f64)>,
     /// Where each row ends.
     ends: Vec<usize>,
-    /// `J'v + d J v + s C` of each row, and d and s.
+    /// `J̇v + d J v + s C` of each row, and d and s.
     biases: Vec<(f64, [f64; 2])>,
     /// J W Jᵀ or J H⁻¹ Jᵀ, row by row, then its factor.
     matrix: Vec<f64>,
@@ -44,7 +44,7 @@ impl ConstraintRows {
         self.biases.clear();
     }
 
-    /// Adds a constraint: the entries of its row of J, by the numbers that they belong to, `J'v + d J v + s C`, and `[d, s]` \[1/s, 1/s²\].
+    /// Adds a constraint: the entries of its row of J, by the numbers that they belong to, `J̇v + d J v + s C`, and `[d, s]` \[1/s, 1/s²\].
     pub fn push(&mut self, entries: impl IntoIterator<Item = (usize, f64)>, bias: f64, recovery: [f64; 2]) {
         self.entries.extend(entries);
         self.ends.push(self.entries.len());
@@ -61,8 +61,37 @@ impl ConstraintRows {
         self.ends.is_empty()
     }
 
+    /// Takes into account that a number moves with this acceleration [m/s²], whatever acts on it.
+    pub fn accelerate(&mut self, number: usize, acceleration: f64) {
+        let Self { entries, ends, biases, .. } = self;
+        for (one, (bias, _)) in biases.iter_mut().enumerate() {
+            let own = row(entries, ends, one).iter().filter(|(other, _)| *other == number);
+            *bias += own.map(|(_, entry)| entry * acceleration).sum::<f64>();
+        }
+    }
+
     /// Adds the reactions to the forces \[N\], with 1/mass of each number [1/kg].
     pub fn add_reactions(&mut self, inverse_mass: &[f64], force: &mut [f64]) {
+        self.find_multipliers(inverse_mass, force);
+        for (one, multiplier) in self.multipliers.iter().enumerate() {
+            for (number, entry) in row(&self.entries, &self.ends, one) {
+                force[*number] += entry * multiplier;
+            }
+        }
+    }
+
+    /// Power of the reactions to these forces on what may move \[W\]: zero while the constraints hold, apart from what pins that move supply.
+    pub fn power(&mut self, inverse_mass: &[f64], force: &[f64], v: &[f64]) -> f64 {
+        self.find_multipliers(inverse_mass, force);
+        let of = |(one, multiplier): (usize, &f64)| {
+            let free = row(&self.entries, &self.ends, one).iter().filter(|(number, _)| inverse_mass[*number] != 0.0);
+            multiplier * free.map(|(number, entry)| entry * v[*number]).sum::<f64>()
+        };
+        self.multipliers.iter().enumerate().map(of).sum()
+    }
+
+    /// Finds the multipliers for some forces.
+    fn find_multipliers(&mut self, inverse_mass: &[f64], force: &[f64]) {
         let count = self.len();
         let Self { entries, ends, biases, matrix, multipliers, .. } = self;
         let row = |number: usize| row(entries, ends, number);
@@ -82,21 +111,15 @@ impl ConstraintRows {
             multipliers.push(-along - biases[one].0);
         }
         solve(matrix, multipliers);
-        for (one, multiplier) in multipliers.iter().enumerate() {
-            for (number, entry) in row(one) {
-                force[*number] += entry * multiplier;
-            }
-        }
     }
 
     /// Corrects a step `-H⁻¹ g` of Newton's method for `M z = f + Jᵀλ`, whose matrix H knows nothing of the reactions, so that the
     /// accelerations z + step keep the constraints to first order: `step -= H⁻¹ Jᵀ μ` with
     ///
-    /// `J step = -(J z + J'v + d J v + s C)/(1 + d av + s ax)`.
+    /// `J step = -(J z + J̇v + d J v + s C)/(1 + d av + s ax)`.
     ///
-    /// That is the step with the derivative of the reactions, apart from that of J: those of the constraints themselves are the product of
-    /// the derivative of f with a projection. `weights` are av and ax, the derivatives of v and x by z, and `solve` replaces a vector by
-    /// H⁻¹ times that.
+    /// Only the derivatives of J and of `J̇v` are left out, which are small in short steps. `weights` are av and ax, the derivatives of v and x by
+    /// z, and `invert` replaces a vector by H⁻¹ times that.
     pub fn correct(
         &mut self,
         [by_velocity, by_position]: [f64; 2],

@@ -316,10 +316,13 @@ impl Drift {
         let energy = invariant == Invariant::Energy;
         // What damping takes of the energy is counted. Stiffness-proportional damping acts between vertices: it takes no momentum.
         let damped = !energy && damping > 0.0;
-        let heavy = scene.effects.iter().any(|effect| effect.name() == "Gravity");
+        let has = |name: &str| scene.effects.iter().any(|effect| effect.name() == name);
+        let heavy = has("Gravity");
         let reasons = [
             (damped, "damping"),
             (!energy && heavy, "gravity"),
+            (!energy && has("BodyForce"), "a typed force"),
+            (!energy && has("Beads on a wire"), "a wire"),
             (!energy && !scene.pins.is_empty(), "pins"),
             (!energy && !scene.rollers.is_empty(), "rollers"),
         ];

@@ -212,6 +212,10 @@ fn is_strip(body: &Body, rest: &[f64], held: impl Fn(u32) -> bool) -> bool {
 /// Each round solves `f(x) = w m (x - x_before)` from the result of the previous round. w falls from a stiff value,
 /// which is a long implicit step, to zero. Large deflections are thus reached without a jump to another equilibrium.
 pub(super) fn rest(scene: &Scene) -> Option<(Vec<f64>, NewtonCounts)> {
+    // Reactions of exact constraints are no derivatives of an energy.
+    if scene.effects.iter().any(|effect| effect.constraints().is_some()) {
+        return None;
+    }
     let mut x = scene.start.x.clone();
     let scale = largest_eigenvalue(scene, &scene.start, None)?;
     let mut newton = Newton::default();

@@ -109,6 +109,7 @@ fn wrong_surfaces_are_refused_with_their_line() {
         (BOX.replace("f 4 1 5 8", "f 4 1 5 9"), "vertex 9 is not there; expected 1 to 8"),
         (BOX.replace("f 4 1 5 8", "f 4 1"), "at least 3 corners"),
         (BOX.replace("v 0.15 0.1 0.125", "v 0.15 nan 0.125"), "expected `v x y z` with finite numbers"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n".to_owned(), "it lies on itself"),
         (String::new(), "the file has no face"),
     ] {
         let error = read(&text).unwrap_err().to_string();

@@ -64,6 +64,31 @@ fn formulas_act_in_space() {
     known.iter().zip(x).for_each(|(known, x)| assert!((known - x).abs() < 1e-8, "{x} for {known}"));
 }
 
+/// A centre of attraction that is pinned has a formula without a value there; what is pinned needs none. A drag that is not smooth at rest lets
+/// go.
+#[test]
+fn formulas_may_be_undefined_where_nothing_moves() {
+    let centre = "x: \"-x/hypot(x, y)^3\", y: \"-y/hypot(x, y)^3\"";
+    let drag = "x: \"-vx*hypot(vx, vy)\", y: \"-9.8 - vy*hypot(vx, vy)\"";
+    for kind in IntegratorKind::all() {
+        let orbit = level(&format!(
+            "(name: \"\", substeps: 17, nets: [(name: \"net\", mass: 0.1, pins: [Vertex(1)], velocity: (0, 1),
+                net: Links(points: [(1, 0), (0, 0)], springs: [(0, 1, 0, 1)]))], effects: [(effect: BodyForce({centre}))])"
+        ));
+        let mut run = with(&kind, orbit);
+        run.advance(1020, &mut || true);
+        let (x, t) = (&run.state().x, run.state().time);
+        let gap = f64::hypot(x[0] - f64::cos(t), x[1] - f64::sin(t));
+        assert!(run.fault().is_none() && gap < 0.02, "{}: {gap} m, {:?}", kind.name(), run.fault());
+        let mut run = with(&kind, particle("", "(0, 0)", drag));
+        run.advance(1020, &mut || true);
+        // It falls as tanh, to 0.99998 of the speed at which drag and weight are equal.
+        let (v, t) = (run.state().v[1], run.state().time);
+        let known = -9.8_f64.sqrt() * f64::tanh(9.8_f64.sqrt() * t);
+        assert!((v - known).abs() < 1e-3, "{}: {v} for {known} m/s", kind.name());
+    }
+}
+
 /// The blocks of implicit steps are the symmetric part of the derivative, and its positive part where that is asked for.
 #[test]
 fn stiffness_is_the_symmetric_part_of_the_derivative() {

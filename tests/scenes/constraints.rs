@@ -107,6 +107,48 @@ fn a_double_pendulum_keeps_energy_and_lengths() {
     }
 }
 
+/// A pendulum whose pin swings keeps its length, and the work of the pin through the rod is in the balance.
+#[test]
+fn rods_follow_pins_that_move() {
+    let pins = "(effect: MovingPins(pins: [Vertex(0)], motions: [Swing(way: (0, 0.1), period: 0.8)]))";
+    for (scheme, most) in [
+        ("RungeKutta4()", 1e-6),
+        ("DormandPrince(relative: 1e-9, absolute: 1e-9)", 1e-6),
+        ("ImplicitMidpoint()", 1e-3),
+        ("VelocityVerlet()", 1e-3),
+    ] {
+        let effects = format!("{GRAVITY}, (effect: Rods()), {pins}");
+        let mut run = started(&chain(1, "", &effects), scheme, 1e-3);
+        let start = run.energies().total();
+        let (mut worst, mut missing, mut given) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for _ in 0..200 {
+            run.advance(10, &mut || true);
+            let x = &run.state().x;
+            worst = worst.max((f64::hypot(x[2] - x[0], x[3] - x[1]) - 0.5).abs());
+            let work = run.work_of_obstacles();
+            missing = missing.max((run.energies().total() - start - work).abs());
+            given = given.max(work.abs());
+        }
+        assert!(run.fault().is_none() && worst < most, "{scheme}: {worst} m");
+        assert!(given > 0.1 && missing < 0.01 * given, "{scheme}: {missing} J of {given} J");
+    }
+}
+
+/// The recovery of a bead that starts off its wire is supplied energy: the guard lets it go there.
+#[test]
+fn a_bead_goes_to_its_wire_under_the_guard() {
+    for kind in IntegratorKind::all() {
+        let text = "(name: \"\", substeps: 20, nets: [(name: \"net\", mass: 0.1, pins: [Vertex(1)],
+                net: Links(points: [(0.6, 0.5), (0, 9)], springs: [(0, 1, 0, 1)]))],
+            effects: [(effect: Wire(beads: [Vertex(0)], wire: Circle(centre: (0.5, 0.5), radius: 0.3)))])";
+        let mut run = simulation(&Level { integrator: kind.clone(), ..level(text) });
+        run.advance(2400, &mut || true);
+        assert!(run.fault().is_none(), "{}: {:?}", kind.name(), run.fault());
+        let x = &run.state().x;
+        assert!((f64::hypot(x[0] - 0.5, x[1] - 0.5) - 0.3).abs() < 1e-3, "{}: {x:?}", kind.name());
+    }
+}
+
 /// A bead on a sloping wire falls with the share of gravity along it.
 #[test]
 fn a_bead_slides_down_a_straight_wire() {
@@ -196,11 +238,21 @@ fn wrong_wires_are_refused_in_words() {
             "Wire(of: \"nut\", beads: [Vertex(0)], wire: Circle(centre: (0, 0), radius: 1))",
             "no body or net is called \"nut\"",
         ),
+        (
+            "Wire(beads: [Vertex(0)], wire: Circle(centre: (0, 0), radius: 1, axis: (1, 0, 0)))",
+            "a circle in the plane has the axis z",
+        ),
         ("Rods(of: \"nut\")", "no body or net is called \"nut\""),
     ] {
         let error = refused(effect);
         assert!(error.contains(words), "{effect}: {error}");
     }
+    let sheet = chain(1, "", "(effect: Rods(of: \"sheet\"))");
+    let net = "(name: \"sheet\", mass: 1, net: Sheet(width: 1, height: 1, columns: 20, rows: 20, structural: 1, shear: 0, flexion: 0, corner: (0, 0)))";
+    let nets = level(&format!("(name: \"\", nets: [{net}])")).nets;
+    let large = Level { nets, ..sheet };
+    let built = gingerbread::scene::Scene::build(&large, large.mode, &gingerbread::meshes::NoFiles, None);
+    assert!(built.err().unwrap().to_string().contains("expected at most 500 rods, got 840"));
     let net = simulation(&chain(1, "", "(effect: Rods())"));
     assert!(net.scene().effects.iter().any(|effect| effect.constraints().is_some()));
     let _ = (Rods::default(), Wire::default());

@@ -65,7 +65,10 @@ pub fn formula(ui: &mut Ui, name: &str, formula: &mut PointFormula) -> SliderRes
     let help = "A formula of x, y, z [m], vx, vy, vz [m/s] and t [s], such as -2*x^2 + sin(3*t). Functions: sin, cos, tan, \
                 asin, acos, atan, atan2, sinh, cosh, tanh, exp, log, log10, sqrt, abs, sign, floor, min, max, hypot.";
     let id = ui.scope_id().with(("formula", name));
-    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| formula.text().to_owned());
+    // What was typed, and the formula that it was typed over: another one replaces it.
+    let before = formula.text().to_owned();
+    let typed = ui.data(|data| data.get_temp::<[String; 2]>(id)).filter(|[over, _]| *over == before);
+    let mut text = typed.map_or_else(|| before.clone(), |[_, typed]| typed);
     let mut refused = None;
     ui.horizontal(|ui| {
         let label = ui.monospace(name).on_hover_text(help);
@@ -86,9 +89,9 @@ pub fn formula(ui: &mut Ui, name: &str, formula: &mut PointFormula) -> SliderRes
         let is_open = response.has_focus() || refused.is_some();
         ui.data_mut(|data| {
             if is_open {
-                data.insert_temp(id, text);
+                data.insert_temp(id, [formula.text().to_owned(), text]);
             } else {
-                data.remove::<String>(id);
+                data.remove::<[String; 2]>(id);
             }
         });
         response.on_hover_text(help);

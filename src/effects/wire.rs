@@ -34,6 +34,7 @@ pub struct Wire {
 
 /// Shape of a wire.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum WireShape {
     /// Circle. In space it lies in the plane across its axis, of any length but zero, which is z if it is not said.
     Circle {

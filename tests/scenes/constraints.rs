@@ -149,6 +149,13 @@ fn a_bead_goes_to_its_wire_under_the_guard() {
     }
 }
 
+#[test]
+fn a_misspelt_field_of_a_wire_is_refused_with_its_place() {
+    let text = "(name: \"\",\n effects: [(effect: Wire(beads: [Vertex(0)], wire: Circle(center: (0, 0), radius: 1)))])";
+    let error = files::parse(text, "mine.ron").unwrap_err().to_string();
+    assert!(error.contains("mine.ron:2:") && error.contains("center"), "{error}");
+}
+
 /// A bead on a sloping wire falls with the share of gravity along it.
 #[test]
 fn a_bead_slides_down_a_straight_wire() {

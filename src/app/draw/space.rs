@@ -327,7 +327,7 @@ impl Surfaces {
             }
         }
         if !edges.is_empty() {
-            let color = if options.wireframe { view.theme.crust } else { view.theme.icing };
+            let color = if options.wireframe { view.theme.crust } else { view.theme.annotation };
             buffer.threads(points, &edges, reach, color.gamma_multiply(0.7));
         }
         for net in &snapshot.nets {

@@ -353,14 +353,14 @@ impl System<'_> {
             self.scratch.call_effect(number, elements, |scratch| effect.force(motion, &mut scratch[..size], force));
         }
         if !self.scratch.plan.constraints.is_empty() {
-            let mut rows = self.rows(time, x, v);
+            let mut rows = self.rows(true, time, x, v);
             rows.add_reactions(self.inverse_mass(), force);
             self.scratch.rows = rows;
         }
     }
 
-    /// Takes the rows of all constraints at a time since the start of the step \[s\].
-    pub(super) fn rows(&mut self, time: f64, x: &[f64], v: &[f64]) -> ConstraintRows {
+    /// Takes the rows of all constraints at a time since the start of the step \[s\]; those for forces are counted as calls.
+    pub(super) fn rows(&mut self, for_forces: bool, time: f64, x: &[f64], v: &[f64]) -> ConstraintRows {
         let mut rows = std::mem::take(&mut self.scratch.rows);
         rows.clear();
         for turn in 0..self.scratch.plan.constraints.len() {
@@ -368,8 +368,8 @@ impl System<'_> {
             let effect = &self.scene.effects[number];
             let Some(term) = effect.constraints() else { continue };
             let motion = motion(self.scene, &self.contacts, self.grab, self.time[0] + time, [x, v]);
-            let elements = effect.elements(motion);
-            self.scratch.call_effect(number, Some(elements), |_| term.add_rows(motion, &mut rows));
+            let elements = for_forces.then(|| effect.elements(motion));
+            self.scratch.call_effect(number, elements, |_| term.add_rows(motion, &mut rows));
         }
         if self.scratch.plan.holds {
             self.scene.accelerate_held(self.time[0] + time, &mut rows);
@@ -564,7 +564,7 @@ impl Dynamics for System<'_> {
         invert: &mut dyn FnMut(&mut [f64]),
     ) {
         self.with_held(time, x, v, |system, x, v| {
-            let mut rows = system.rows(time, x, v);
+            let mut rows = system.rows(false, time, x, v);
             rows.correct(weights, system.inverse_mass(), z, step, invert);
             system.scratch.rows = rows;
         });

@@ -44,7 +44,7 @@ impl System<'_> {
             for effect in &self.scene.effects {
                 effect.force(motion, &mut effects[..effect.scratch()], &mut forces);
             }
-            let mut rows = self.rows(at.time, at.x, at.v);
+            let mut rows = self.rows(false, at.time, at.x, at.v);
             powers[0] += rows.power(self.inverse_mass(), &forces, at.v);
             self.scratch.rows = rows;
         }

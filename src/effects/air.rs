@@ -1,6 +1,6 @@
 //! Forces of moving air on the faces of cloth.
 
-use super::{Effect, Motion, ZERO};
+use super::{Effect, Motion, ZERO, power_of_force};
 use crate::{
     elements::{
         Elements,
@@ -125,10 +125,7 @@ impl<A: Air> Effect for FacePressure<A> {
     }
 
     fn supplied_power(&self, motion: Motion<'_>, forces: &mut Vec<f64>) -> Option<f64> {
-        forces.clear();
-        forces.resize(motion.x.len(), 0.0);
-        self.force(motion, &mut [], forces);
-        Some(forces.iter().zip(motion.v).map(|(force, v)| force * v).sum())
+        Some(power_of_force(self, motion, forces))
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {

@@ -1,6 +1,6 @@
 //! Effect: a force typed as formulas.
 
-use super::{Effect, EffectParameters, Motion, ZERO};
+use super::{Effect, EffectParameters, Motion, ZERO, power_of_force};
 use crate::{
     elements::Elements,
     formula::{Formula, FormulaError},
@@ -257,10 +257,7 @@ impl Effect for Field {
     }
 
     fn supplied_power(&self, motion: Motion<'_>, forces: &mut Vec<f64>) -> Option<f64> {
-        forces.clear();
-        forces.resize(motion.x.len(), 0.0);
-        self.force(motion, &mut [], forces);
-        Some(forces.iter().zip(motion.v).map(|(force, v)| force * v).sum())
+        Some(power_of_force(self, motion, forces))
     }
 
     fn stiffness_times(&self, motion: Motion<'_>, d: &[f64], _: &mut [f64], product: &mut [f64]) {

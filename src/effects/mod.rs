@@ -306,6 +306,14 @@ pub struct Grab {
     pub target: [f64; 3],
 }
 
+/// Power of the force of an effect that needs no scratch \[W\].
+fn power_of_force(effect: &impl Effect, motion: Motion<'_>, forces: &mut Vec<f64>) -> f64 {
+    forces.clear();
+    forces.resize(motion.x.len(), 0.0);
+    effect.force(motion, &mut [], forces);
+    forces.iter().zip(motion.v).map(|(force, v)| force * v).sum()
+}
+
 /// Most conditions of one effect: all are solved together by a dense factorisation.
 pub(crate) const MOST_CONDITIONS: usize = 500;
 

@@ -49,14 +49,7 @@ impl EffectParameters for MovingPins {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        let shapes: Vec<_> = match &self.of {
-            Some(name) => elements.named(name)?.iter().filter_map(|number| elements.shapes.get(*number)).collect(),
-            None => elements.shapes.iter().collect(),
-        };
-        let mut vertices = Vec::new();
-        for shape in shapes {
-            vertices.extend(shape.pinned(&self.pins)?);
-        }
+        let vertices = elements.pinned(self.of.as_deref(), &self.pins)?;
         if vertices.is_empty() {
             return Err("its list of pins names no vertex".to_owned());
         }

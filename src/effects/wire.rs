@@ -115,14 +115,7 @@ impl EffectParameters for Wire {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        let shapes: Vec<_> = match &self.of {
-            Some(name) => elements.named(name)?.iter().filter_map(|number| elements.shapes.get(*number)).collect(),
-            None => elements.shapes.iter().collect(),
-        };
-        let mut beads = Vec::new();
-        for shape in shapes {
-            beads.extend(shape.pinned(&self.beads)?);
-        }
+        let beads = elements.pinned(self.of.as_deref(), &self.beads)?;
         if beads.is_empty() {
             return Err("its list of beads names no vertex".to_owned());
         }

@@ -133,6 +133,22 @@ impl Elements {
         sheets.chain(self.membranes.iter().map(|membrane| membrane.corners())).flatten().copied()
     }
 
+    /// Scene numbers of the vertices that some rules name, in the parts of a name or in all.
+    ///
+    /// # Errors
+    /// A sentence, if there is no such part or vertex.
+    pub fn pinned(&self, of: Option<&str>, pins: &[Pin]) -> Result<Vec<u32>, String> {
+        let shapes: Vec<_> = match of {
+            Some(name) => self.named(name)?.iter().filter_map(|number| self.shapes.get(*number)).collect(),
+            None => self.shapes.iter().collect(),
+        };
+        let mut vertices = Vec::new();
+        for shape in shapes {
+            vertices.extend(shape.pinned(pins)?);
+        }
+        Ok(vertices)
+    }
+
     /// Numbers of the bodies and nets of a name, for the effect that names them; bodies come first.
     ///
     /// # Errors

@@ -15,6 +15,7 @@
 
 use crate::{
     effects::EffectKind,
+    finish::Finish,
     impulse::Impulse,
     integrators::IntegratorKind,
     level::{EffectLevel, Level, MassLevel, Pin, RunMode, SubstepMode, Substeps, Toggle},
@@ -91,6 +92,8 @@ pub enum Command {
     SetMass(usize, MassLevel),
     /// Sets the material of a membrane (by number), its thickness and its mass.
     SetMembrane(usize, MaterialParameters, Thickness, MassLevel),
+    /// Sets how a net or membrane looks (by number: nets first, then membranes).
+    SetFinish(usize, Finish),
     /// Sets the springs of a net (by number) and the mass of its particles, which stay in place.
     SetNet(usize, NetKind, ParticleMass),
     /// Sets the parameters of the toy and restarts it.
@@ -171,6 +174,7 @@ impl Command {
             | Self::SetMass(..)
             | Self::SetMembrane(..)
             | Self::SetNet(..)
+            | Self::SetFinish(..)
             | Self::SetToy(_)
             | Self::SetEffect(..)
             | Self::AddEffect(_)

@@ -54,6 +54,8 @@ pub enum Gesture {
     Net(usize),
     /// Material, thickness and mass of a membrane.
     Membrane(usize),
+    /// How a net or membrane looks.
+    Finish(usize),
     /// The parameters of the toy.
     Toy,
     /// An effect of the list.

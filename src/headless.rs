@@ -217,7 +217,7 @@ fn missing<'a>(path: &Path, error: FileError, kind: &str, names: impl Iterator<I
 }
 
 /// Files that a level is read from.
-fn inputs(path: &Path, level: &Level) -> Vec<PathBuf> {
+pub(crate) fn inputs(path: &Path, level: &Level) -> Vec<PathBuf> {
     let mut inputs = files::mesh_paths(level);
     inputs.push(path.to_path_buf());
     inputs
@@ -344,7 +344,7 @@ fn thread_count(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| "expected a number of threads in [1, 1024]".to_owned())
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     if value.is_finite() && (0.0..=1e9).contains(&value) {
         Ok(value)

@@ -16,6 +16,7 @@ pub use steps::{SubstepMode, Substeps};
 use crate::{
     effects::EffectKind,
     elements::OwnMaterial,
+    finish::Finish,
     integrators::IntegratorKind,
     materials::MaterialParameters,
     meshes::{MeshKind, natural},
@@ -138,6 +139,9 @@ pub struct NetLevel {
     /// Where it is put in space. Without it the net is in the plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub space: Option<SpacePlace>,
+    /// How it looks in space, if it has faces.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub finish: Finish,
 }
 
 /// A thin sheet in space, such as a cloth: triangles of a material that may bend freely.
@@ -166,6 +170,9 @@ pub struct MembraneLevel {
     /// Vertices that do not move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<Pin>,
+    /// How it looks.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub finish: Finish,
 }
 
 /// A rigid transform of a flat shape into space: turned about the x axis, then about y, then about z, and moved.

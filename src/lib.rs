@@ -37,6 +37,7 @@
 //! | [`state`] | positions and velocities |
 //! | [`integrators`] | time integration, independent of physics |
 //! | [`toys`] | small systems with an exact solution: the circle, the pendulum |
+//! | [`finish`] | how cloth looks: colours, pattern, sheen |
 //! | [`level`] | the level format |
 //! | [`scene`] | a level built for stepping |
 //! | [`stability`] | the longest stable step |
@@ -52,6 +53,7 @@
 //! | [`hard`] | the gallery of hard cases and their verdicts |
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
 //! | `app` | the window; the only module that uses egui; feature `window` |
+//! | `render` | `gingerbread render`: pictures without a window; features `cli` and `window` |
 //!
 //! Without these features the crate is the simulation alone.
 
@@ -90,6 +92,7 @@ pub mod state;
 pub mod integrators;
 pub mod toys;
 
+pub mod finish;
 pub mod level;
 pub mod scene;
 
@@ -123,3 +126,6 @@ pub mod headless;
 
 #[cfg(feature = "window")]
 pub mod app;
+
+#[cfg(all(feature = "cli", feature = "window", not(target_arch = "wasm32")))]
+pub mod render;

@@ -2,7 +2,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::{Parser, Subcommand};
-use gingerbread::{app, headless, terminal};
+use gingerbread::{app, headless, render, terminal};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -30,6 +30,9 @@ enum Command {
     /// Runs the gallery of hard cases and tells which are held; ends with 1 if one is not that should be.
     #[command(after_help = headless::EXIT_CODES)]
     Hard(headless::Hard),
+    /// Draws a level while it runs into a picture (PNG) or a moving picture (GIF), without a window.
+    #[command(after_help = headless::EXIT_CODES)]
+    Render(render::Render),
     /// Reads level files and says what is wrong with them.
     Check {
         /// Level files, or names of built-in levels.
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         Some(Command::Run(run)) => headless::run(&run),
         Some(Command::Study(study)) => headless::study(&study),
         Some(Command::Hard(hard)) => headless::hard(&hard),
+        Some(Command::Render(request)) => render::render(&request),
         Some(Command::Check { files }) => return check(&files),
         None => return window(arguments.level.as_deref()),
     };

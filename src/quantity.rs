@@ -201,6 +201,8 @@ quantities! {
     Period: "period" ["s"] in Excluded(0.0), Included(1e9); slider 0.1 to 10.0, logarithmic;
     /// L: distance from the pivot to the mass.
     Length: "length" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
+    /// Size of a field of a pattern.
+    PatternSize: "pattern size" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, logarithmic;
     /// Extent along x, before any turn.
     Width: "width" ["m"] in Excluded(0.0), Included(1e9); slider 0.01 to 1.0, linear;
     /// Extent along y, before any turn.

@@ -22,6 +22,7 @@ const ROOMS: &[&[&str]] = &[
     &["state"],
     &["integrators"],
     &["toys"],
+    &["finish"],
     &["level"],
     &["scene"],
     &["stability"],
@@ -41,6 +42,7 @@ const ROOMS: &[&[&str]] = &[
     &["hard"],
     &["headless"],
     &["app"],
+    &["render"],
 ];
 
 /// Path below `src` and text of every source file.

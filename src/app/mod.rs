@@ -14,6 +14,8 @@ pub mod keys;
 mod meshing;
 mod numbers;
 mod panels;
+mod picture;
+mod raster;
 mod theme;
 
 use crate::{
@@ -27,6 +29,9 @@ use crate::{
     snapshot::Snapshot,
     study::{share_partitions, threads},
 };
+pub use canvas::Options;
+pub use picture::Stage;
+
 use canvas::Canvas;
 use clock::{Clock, Spent};
 use compare::{Comparison, Pane, PaneRequest, Split};

@@ -29,7 +29,7 @@ pub struct Ending {
 
 impl Ending {
     /// Result of a command that wrote its outputs, with the code of its work and the signal that stopped it.
-    pub(super) fn new(text: String, outputs: Outputs, code: u8, stopped: Option<Interrupt>) -> Self {
+    pub(crate) fn new(text: String, outputs: Outputs, code: u8, stopped: Option<Interrupt>) -> Self {
         let (aside, remarks) = (outputs.take_standard_output(), outputs.failures());
         let failed = if remarks.is_empty() { 0 } else { 2 };
         // The first nonzero code counts: of a signal, of the work, of an output that was not written.
@@ -104,11 +104,11 @@ impl Outputs {
         self.wanted.iter().find(|(name, ..)| *name == option).map(|(_, path, _)| path.as_path())
     }
 
-    /// Writes the text of an option, if it was given. A failure is recorded for the end.
-    pub fn write(&mut self, option: &str, text: impl FnOnce(&Path) -> Result<String, String>) {
+    /// Writes the text or the bytes of an option, if it was given. A failure is recorded for the end.
+    pub fn write<T: AsRef<[u8]>>(&mut self, option: &str, content: impl FnOnce(&Path) -> Result<T, String>) {
         let Some((option, path, destination)) = self.wanted.iter().find(|(name, ..)| *name == option) else { return };
-        let written = text(path).and_then(|text| {
-            destination.write(text.as_bytes()).map_err(|error| match error {
+        let written = content(path).and_then(|content| {
+            destination.write(content.as_ref()).map_err(|error| match error {
                 FileError::Access { why, .. } => why,
                 FileError::Text { .. } => error.to_string(),
             })

@@ -2,7 +2,8 @@
 
 use super::{BodyLevel, EffectLevel, Level, MassLevel, MembraneLevel, NetLevel, no_spin, no_velocity, unstretched};
 use crate::{
-    effects::EffectKind, materials::MaterialParameters, meshes::MeshKind, nets::NetKind, quantity::ParticleMass,
+    effects::EffectKind, finish::Finish, materials::MaterialParameters, meshes::MeshKind, nets::NetKind,
+    quantity::ParticleMass,
 };
 
 use std::path::PathBuf;
@@ -15,6 +16,12 @@ impl Level {
         let meshes = meshes.filter_map(|mesh| mesh.kind_mut().path_mut());
         let surfaces = self.effects.iter_mut().flat_map(|listed| listed.effect.kind_mut().surface_paths_mut());
         meshes.chain(surfaces).collect()
+    }
+
+    /// How a net or membrane looks (by number: nets first, then membranes); `None` if there is no such.
+    pub fn finish_mut(&mut self, number: usize) -> Option<&mut Finish> {
+        let nets = self.nets.iter_mut().map(|net| &mut net.finish);
+        nets.chain(self.membranes.iter_mut().map(|membrane| &mut membrane.finish)).nth(number)
     }
 
     /// A level without bodies and effects, with the defaults of a level file.
@@ -115,6 +122,7 @@ impl BodyLevel {
 impl NetLevel {
     /// A net at rest and free, each of whose particles has a mass.
     pub fn new(name: impl Into<String>, net: impl Into<NetKind>, mass: ParticleMass) -> Self {
-        Self { name: name.into(), net: net.into(), mass, velocity: no_velocity(), pins: Vec::new(), space: None }
+        let (velocity, pins, finish) = (no_velocity(), Vec::new(), Finish::default());
+        Self { name: name.into(), net: net.into(), mass, velocity, pins, space: None, finish }
     }
 }

@@ -1,7 +1,7 @@
 //! Scripted actions of a level.
 
 use super::Side;
-use crate::quantity::{Angle, Position, Time};
+use crate::quantity::{Angle, Position, Radius, Time, Velocity};
 use serde::{Deserialize, Serialize};
 
 /// A scripted action: something that is done to a scene while it runs.
@@ -46,6 +46,28 @@ pub enum Action {
     },
     /// Frees all vertices.
     Free,
+    /// Changes the velocities of all vertices within a radius R of a point at once, by `(1 - r²/R²)² (push + burst d/R)` at a distance
+    /// r and with the vector d from the point.
+    Impulse {
+        /// The point \[m\].
+        centre: Position,
+        /// The radius \[m\].
+        radius: Radius,
+        /// Velocity of the push along x, y and z [m/s]; in the plane the last one is not used.
+        #[serde(default = "no_push")]
+        push: (Velocity, Velocity, Velocity),
+        /// Velocity away from the point [m/s].
+        #[serde(default = "no_burst")]
+        burst: Velocity,
+    },
+}
+
+const fn no_burst() -> Velocity {
+    Velocity::literal(0.0)
+}
+
+const fn no_push() -> (Velocity, Velocity, Velocity) {
+    (no_burst(), no_burst(), no_burst())
 }
 
 impl ScriptedAction {

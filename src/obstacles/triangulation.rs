@@ -22,6 +22,12 @@ impl Triangulation {
         Self { points, triangles, endless_about: None }
     }
 
+    /// Unit normal of its first triangle, which is that of all of a plane; `None` if it has no area.
+    pub fn normal(&self) -> Option<[f64; 3]> {
+        let [a, b, c] = self.triangles.first()?.map(|corner| Vector::from(self.points[corner as usize]));
+        (b - a).cross(c - a).try_normalize().map(Into::into)
+    }
+
     /// The same surface in smaller triangles: each side of each is halved until none is longer than a length \[m\]. Small triangles can be sorted by
     /// depth among others.
     #[must_use]

@@ -6,12 +6,14 @@ use crate::{
     document::{Document, Gesture},
     level::{EffectLevel, Switch, When},
     materials::Model,
+    meshes::MeshKind,
 };
 
 impl Sandbox {
     /// Changes to the document that can be undone.
     pub(super) fn edit(&mut self, command: Command) -> Result<(), Refused> {
         const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
+        const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
         const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
         let mut document = self.document.clone();
         let mut then = Then::Keep;
@@ -32,12 +34,8 @@ impl Sandbox {
                 gesture = Some(Gesture::Material(body));
             }
             Command::SetMesh(body, mesh) => {
-                let (body, rest) = (document.source(body), self.rest_points(body));
-                if get(&mut document.level.bodies, body)?.mesh != mesh {
-                    document.set_mesh(body, mesh, &rest);
-                    then = Then::Restart;
-                }
-                gesture = Some(Gesture::Mesh(body));
+                then = self.set_mesh(&mut document, body, mesh)?;
+                gesture = Some(Gesture::Mesh(document.source(body)));
             }
             Command::SetMass(body, mass) => {
                 let body = document.source(body);
@@ -53,6 +51,10 @@ impl Sandbox {
                 let listed = get(&mut document.level.nets, number)?;
                 (listed.net, listed.mass) = (net, mass);
                 gesture = Some(Gesture::Net(number));
+            }
+            Command::SetFinish(number, finish) => {
+                *document.level.finish_mut(number).ok_or(NO_CLOTH)? = finish;
+                gesture = Some(Gesture::Finish(number));
             }
             Command::SetToy(toy) => {
                 document.level.toy.as_ref().ok_or(Refused::NotHere("this level has no toy problem"))?;
@@ -109,6 +111,16 @@ impl Sandbox {
             return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
         }
         self.change(document, then, gesture)
+    }
+
+    /// Sets the mesh of a shown body.
+    fn set_mesh(&self, document: &mut Document, shown: usize, mesh: MeshKind) -> Result<Then, Refused> {
+        let body = document.source(shown);
+        if get(&mut document.level.bodies, body)?.mesh == mesh {
+            return Ok(Then::Keep);
+        }
+        document.set_mesh(body, mesh, &self.rest_points(shown));
+        Ok(Then::Restart)
     }
 }
 

@@ -6,9 +6,10 @@
 use super::Simulation;
 use crate::{
     effects::{EffectKind, Grab},
+    impulse::Impulse,
     level::{Action, Level, RunMode, ScriptedAction, Side},
     meshes::NoFiles,
-    quantity::{Gravity, Position},
+    quantity::{Gravity, Position, Velocity},
     report::Energies,
     scene::{Scene, extent, nearest_vertex},
     state::State,
@@ -241,6 +242,11 @@ impl Simulation {
                 Action::Free => {
                     script.changes.freed = true;
                     self.change(listener, |own| own.rebuild(script));
+                }
+                Action::Impulse { centre, radius, push: (x, y, z), burst } => {
+                    let push = [x, y, z].map(Velocity::get);
+                    let impulse = Impulse { centre: centre.get(), radius: radius.get(), push, burst: burst.get() };
+                    self.change(listener, |own| own.give(&impulse));
                 }
                 Action::Pull { .. } | Action::Turn { .. } => {}
             }

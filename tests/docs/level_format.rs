@@ -37,6 +37,9 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct NetLevel", "level.rs", "Net"),
     ("struct MembraneLevel", "level.rs", "Membrane"),
     ("struct SpacePlace", "level.rs", "Place in space"),
+    ("struct Finish", "finish.rs", "Finish of cloth"),
+    ("enum Pattern", "finish.rs", "Pattern of cloth"),
+    ("enum Sheen", "finish.rs", "Sheen of cloth"),
     ("struct EffectLevel", "level.rs", "Effect in a level"),
     ("struct SurfaceFriction", "effects/friction.rs", "Friction of a surface"),
     ("enum ProjectedPins", "effects/projection.rs", "Pins and projection"),
@@ -79,7 +82,7 @@ macro_rules! specs {
 /// All quantities by the names of their types; [`unlisted_quantities`] finds those that are missing.
 #[rustfmt::skip]
 const SPECS: &[(&str, &Spec)] = specs![
-    Young Poisson Density Mass Coordinate Time Period Length Width Height Depth Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
+    PatternSize Young Poisson Density Mass Coordinate Time Period Length Width Height Depth Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
     DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
     SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings Passes Separation StructuralCorrection ShearCorrection FlexionCorrection WindSpeed FaceResistance
@@ -230,6 +233,7 @@ fn value(kind: &str) -> String {
     match kind {
         "String" => "text in double quotes".to_owned(),
         "PointFormula" => "formula in double quotes, of `x`, `y`, `z`, `vx`, `vy`, `vz` and `t`".to_owned(),
+        "Colour" => "colour in double quotes: `#` and two hexadecimal digits each of red, green and blue".to_owned(),
         "PathBuf" => "path in double quotes".to_owned(),
         "Point" => "point `(x, y)` in m".to_owned(),
         "SpacePoint" => "point `(x, y, z)` in m".to_owned(),
@@ -352,7 +356,7 @@ fn integrators(page: &mut String) {
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
-    let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace";
+    let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
     let actions = "EffectLevel Switch When StretchTest ScriptedAction Action";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);

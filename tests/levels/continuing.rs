@@ -124,6 +124,7 @@ fn scripted(integrator: IntegratorKind, guard: Toggle) -> Level {
         effects: [(effect: Gravity(down: 3)), (effect: Rayleigh(mass: 0.5)), (effect: MouseSpring(stiffness: 20))],
         actions: [
             (at: 0, action: Grab(0.2, 0.2)), (at: 0.02, action: Pull(to: (0.3, 0.5), over: 0.2)), (at: 0.05, every: 0.1, action: FlipGravity),
+            (at: 0.08, every: 0.15, action: Impulse(centre: (0.2, 0.2), radius: 0.2, push: (0.1, 0, 0), burst: 0.1)),
             (at: 0.1, action: Turn(side: Left, by: 40, over: 0.15)), (at: 0.3, action: Release), (at: 0.35, action: Grab(0.4, 0)),
             (at: 0.4, action: Free), (at: 0.42, action: Pull(to: (0.5, 0), over: 0.05)),
         ])";

@@ -6,4 +6,5 @@ mod headless;
 mod inputs;
 #[path = "../common/program.rs"]
 mod program;
+mod render;
 mod signals;

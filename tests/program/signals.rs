@@ -73,6 +73,23 @@ fn a_run_that_is_interrupted_writes_what_there_is() {
 }
 
 #[test]
+fn an_interrupted_film_is_whole_and_shorter() {
+    let folder = Folder::new("interrupted-film");
+    let path = folder.with("man.gif", "old");
+    let work = Work::begin(&["render", "gingerbread", "--seconds", "300", "--out", &path, "--size", "64x64"]);
+    work.send("-INT");
+    let (ended, printed, told) = work.end();
+    assert_eq!((ended, printed.contains("Partial: stopped by SIGINT")), (Some(130), true), "{printed}{told}");
+    let mut film = gif::DecodeOptions::new().read_info(fs::File::open(&path).unwrap()).unwrap();
+    let mut frames = 0;
+    while film.next_frame_info().unwrap().is_some() {
+        frames += 1;
+    }
+    assert!(printed.contains(&format!("\n{frames} frame")), "{frames} frames: {printed}");
+    assert_eq!(fs::read_dir(std::path::Path::new(&path).parent().unwrap()).unwrap().count(), 1, "no half file is left");
+}
+
+#[test]
 fn an_interrupted_study_or_gallery_writes_what_there_is() {
     let folder = Folder::new("interrupted-study");
     let csv = folder.file("table.csv");

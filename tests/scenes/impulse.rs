@@ -45,6 +45,24 @@ fn an_impulse_changes_velocities_by_its_formula() {
     assert!(reached > 20 && reached < after.v.len(), "{reached}");
 }
 
+/// The same change as by hand, at the beginning of the frame of its time.
+#[test]
+fn a_scripted_impulse_is_one_by_hand() {
+    let mut scripted = sheet("SymplecticEuler");
+    scripted.actions = ron::from_str(
+        "[(at: 0.05, action: Impulse(centre: (0.5, 0.4), radius: 0.6, push: (1, -2, 0), burst: 0.7)),
+          (at: 0.05, action: Impulse(centre: (0.5, 0.4), radius: 0.6))]",
+    )
+    .unwrap();
+    let (mut scripted, mut by_hand) = (simulation(&scripted), simulation(&sheet("SymplecticEuler")));
+    scripted.advance(200, &mut || true);
+    by_hand.advance(120, &mut || true);
+    by_hand.give(&Impulse { centre: [0.5, 0.4, 0.0], radius: 0.6, push: [1.0, -2.0, 0.0], burst: 0.7 });
+    by_hand.advance(80, &mut || true);
+    assert!(scripted.state().v.iter().any(|v| *v != 0.0), "it moves");
+    assert_eq!(scripted.state().x, by_hand.state().x);
+}
+
 /// The guard counts the energy as supplied from outside.
 #[test]
 fn every_scheme_goes_on_after_a_burst() {

@@ -5,6 +5,7 @@
 mod accuracy;
 mod advice;
 mod compare;
+mod finish;
 #[path = "../common/folder.rs"]
 mod folder;
 mod hard;

@@ -51,10 +51,14 @@ pub struct Options {
     pub field: Field,
     /// Whether the edges of triangles are drawn.
     pub wireframe: bool,
+    /// Whether surfaces in space are coloured by the directions of their normals.
+    pub normals: bool,
     /// Whether the vertices are drawn.
     pub vertices: bool,
     /// Solid whose sliders are under the pointer: number of its effect, and number of the solid in it.
     pub pointed: Option<[usize; 2]>,
+    /// Whether the stage is drawn without its buttons.
+    pub bare: bool,
     /// Accessible name of the stage, where there are two.
     pub name: &'static str,
 }
@@ -101,7 +105,7 @@ impl Canvas {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot, options.name);
         let canvas = response.rect;
-        let space = (snapshot.dimension == 3).then(|| self.space_camera(ui, &response, snapshot));
+        let space = (snapshot.dimension == 3).then(|| self.space_camera(ui, &response, (snapshot, options.bare)));
         let camera = space.map_or_else(|| camera(snapshot, canvas), |space| Camera::of_scale(canvas, space.length()));
         let view = View { camera, theme: Theme::of(ui.ctx()) };
         let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
@@ -128,7 +132,7 @@ impl Canvas {
 
     /// The camera of a scene in space, after the gestures of this frame: a drag of the right button turns, one of the middle button or with
     /// Shift moves, and the wheel or a pinch zooms.
-    fn space_camera(&mut self, ui: &Ui, response: &Response, snapshot: &Snapshot) -> SpaceCamera {
+    fn space_camera(&mut self, ui: &Ui, response: &Response, (snapshot, bare): (&Snapshot, bool)) -> SpaceCamera {
         let canvas = response.rect;
         let all = || Orbit::opening(&snapshot.start);
         let (_, orbit) = match &mut self.orbit {
@@ -155,7 +159,8 @@ impl Canvas {
             let whole = all().radius;
             orbit.radius = (orbit.radius / zoom).clamp(1e-3 * whole, 1e3 * whole);
         }
-        if let Some(angles) = Self::view_buttons(ui, response, [orbit.yaw, orbit.pitch]) {
+        let clicked = (!bare).then(|| Self::view_buttons(ui, response, [orbit.yaw, orbit.pitch])).flatten();
+        if let Some(angles) = clicked {
             *orbit = Orbit::around(&snapshot.positions, angles);
         }
         SpaceCamera::new(*orbit, canvas)
@@ -288,6 +293,7 @@ impl Canvas {
                 self.middle.line(&points, closed, WIRE, view.theme.annotation.gamma_multiply(0.6));
             }
             let what = (options, &self.scale, self.scenery.surfaces());
+            self.surfaces.follow(painter.ctx(), view, snapshot);
             self.surfaces.draw(&mut self.middle, view, snapshot, what, seen);
             painter.add(self.middle.finish());
             let mut painter = painter.clone();

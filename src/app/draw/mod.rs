@@ -1,6 +1,7 @@
 //! Drawing of the stage: one file for each kind of thing on it, and the camera, which maps between world and screen.
 
 pub mod body;
+mod cloth;
 pub mod house;
 pub mod legends;
 pub mod marks;

@@ -1,12 +1,15 @@
 //! Shape buffer: collects smooth shapes in one triangle mesh, which egui copies unchanged; and a limit of the filled area.
 
-use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, epaint::Vertex, vec2};
+use eframe::egui::{Color32, Mesh, Pos2, Rect, Shape, TextureId, Vec2, epaint::Vertex, vec2};
 use std::{f32::consts::TAU, sync::Arc};
 
 /// A layer of the drawing. Later shapes cover earlier ones; edges fade out over one pixel.
 pub struct ShapeBuffer {
     mesh: Mesh,
     shown: Arc<Mesh>,
+    /// Meshes of earlier textures in this frame, and those of the last result.
+    before: Vec<Arc<Mesh>>,
+    shown_before: Vec<Arc<Mesh>>,
     pixel: f32,
     /// Directions across a line; the buffer is reused.
     across: Vec<Vec2>,
@@ -14,7 +17,8 @@ pub struct ShapeBuffer {
 
 impl Default for ShapeBuffer {
     fn default() -> Self {
-        Self { mesh: Mesh::default(), shown: Arc::default(), pixel: 1.0, across: Vec::new() }
+        let (before, shown_before, across) = (Vec::new(), Vec::new(), Vec::new());
+        Self { mesh: Mesh::default(), shown: Arc::default(), before, shown_before, pixel: 1.0, across }
     }
 }
 
@@ -23,6 +27,8 @@ impl ShapeBuffer {
     pub fn clear(&mut self, pixels_per_point: f32) {
         self.mesh.indices.clear();
         self.mesh.vertices.clear();
+        self.mesh.texture_id = TextureId::default();
+        self.before.clear();
         self.pixel = 1.0 / pixels_per_point.max(0.1);
     }
 
@@ -32,12 +38,33 @@ impl ShapeBuffer {
             Some(shown) => std::mem::swap(shown, &mut self.mesh),
             None => self.shown = Arc::new(std::mem::take(&mut self.mesh)),
         }
+        std::mem::swap(&mut self.before, &mut self.shown_before);
         self.again()
+    }
+
+    /// Draws the following triangles with a texture; without one in the colours of their corners. Corners from before must not be used
+    /// again if it changes.
+    pub fn texture(&mut self, texture: Option<TextureId>) {
+        let texture_id = texture.unwrap_or_default();
+        if texture_id != self.mesh.texture_id {
+            let before = std::mem::replace(&mut self.mesh, Mesh::with_texture(texture_id));
+            self.before.push(Arc::new(before));
+        }
+    }
+
+    /// Adds a corner with a place in the texture.
+    pub fn textured_vertex(&mut self, pos: Pos2, uv: Pos2, color: Color32) -> u32 {
+        self.mesh.vertices.push(Vertex { pos, uv, color });
+        self.mesh.vertices.len() as u32 - 1
     }
 
     /// Returns the last result of `finish` again.
     pub fn again(&self) -> Shape {
-        Shape::Mesh(Arc::clone(&self.shown))
+        let last = Shape::Mesh(Arc::clone(&self.shown));
+        if self.shown_before.is_empty() {
+            return last;
+        }
+        Shape::Vec(self.shown_before.iter().cloned().map(Shape::Mesh).chain([last]).collect())
     }
 
     /// Width of a pixel [points].

@@ -1,12 +1,17 @@
 //! Draws scenes in space: the camera that turns about a point, shaded surfaces sorted by their depth, and springs.
 
-use super::{View, shape_buffer::ShapeBuffer};
+use super::{
+    View,
+    cloth::{Look, Looks, of_direction, shaded},
+    shape_buffer::ShapeBuffer,
+};
 use crate::{
     app::{canvas::Options, colour::Scale},
+    finish::Sheen,
     obstacles::Triangulation,
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2, vec2};
+use eframe::egui::{Align2, Color32, Context, FontId, Painter, Pos2, Rect, epaint::WHITE_UV, pos2, vec2};
 
 /// Half of the angle of view \[rad\].
 const HALF_VIEW: f64 = 0.3;
@@ -14,8 +19,8 @@ const HALF_VIEW: f64 = 0.3;
 /// Part of the stage that the scene fills when all of it is seen.
 const FILLED: f64 = 0.8;
 
-/// Number of the pair of colours of obstacles.
-const OBSTACLE: u8 = 2;
+/// In place of the number of a net or membrane.
+const OBSTACLE: u32 = u32::MAX;
 
 /// Least depth of a point before the eye, as a fraction of its distance from the centre.
 const NEAR: f64 = 0.02;
@@ -147,12 +152,24 @@ fn diagonal(points: &[f64]) -> f64 {
 /// Buffers for drawing surfaces.
 #[derive(Default)]
 pub struct Surfaces {
-    /// Depth of each vertex \[m\].
+    looks: Looks,
+    /// All corners: the vertices, then those of obstacles, then those of shadows.
+    corners: Vec<Pos2>,
+    /// Numbers of vertices and corners of obstacles that are drawn alike, in their order, and how.
+    alike: Vec<(usize, Look)>,
+    /// Depth of each vertex and of each corner of an obstacle \[m\].
     depths: Vec<f64>,
-    /// Sum of the normals of the triangles at each vertex, seen from the eye: right, up, back.
+    /// Sum of the normals of the triangles at each of them, seen from the eye: right, up, back.
     normals: Vec<[f32; 3]>,
     /// The triangles, the farthest first.
     order: Vec<Facet>,
+    /// Distance by which a triangle of cloth may lie behind what it bends around \[m\].
+    bend: f64,
+    /// Number of triangles of surfaces without end, which come before the others.
+    ground: usize,
+    /// Triangles of shadows on them, and the colour of these.
+    shadows: Vec<[u32; 3]>,
+    shade: Color32,
 }
 
 /// A triangle to be drawn.
@@ -161,8 +178,8 @@ struct Facet {
     /// Sum of the depths of its corners \[m\].
     depth: f32,
     corners: [u32; 3],
-    /// Number of the colours of its two sides.
-    pair: u8,
+    /// Number of its net or membrane, nets first; or [`OBSTACLE`].
+    part: u32,
     /// Place of its value among those of the snapshot; `u32::MAX` if it has none.
     value: u32,
 }
@@ -170,7 +187,21 @@ struct Facet {
 /// No value.
 const PLAIN: u32 = u32::MAX;
 
+/// Direction to the sun, whose shadows fall on floors.
+const SUN: [f64; 3] = [0.25, 1.0, 0.3];
+
+/// Distance by which a triangle of cloth may lie behind what it bends around, as a fraction of its circumference.
+const BEND: f64 = 0.15;
+
+/// Share of its light that a floor loses in a shadow.
+const SHADE: f32 = 0.3;
+
 impl Surfaces {
+    /// Follows what cloths look like.
+    pub fn follow(&mut self, context: &Context, view: View, snapshot: &Snapshot) {
+        self.looks.follow(context, view.theme, snapshot);
+    }
+
     /// Maps the vertices to the screen.
     pub fn place(&mut self, snapshot: &Snapshot, camera: &SpaceCamera, points: &mut Vec<Pos2>) {
         points.clear();
@@ -208,65 +239,215 @@ impl Surfaces {
         (options, scale, obstacles): (&Options, &Scale, impl Iterator<Item = &'a Triangulation> + Clone),
         (points, camera): (&[Pos2], &SpaceCamera),
     ) {
+        self.add_cloth(snapshot, options, (points, camera));
+        let factor = (0.3 * diagonal(&snapshot.start)).max(1.0);
+        self.add_obstacles(view, obstacles.clone(), camera, factor);
+        self.order.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth));
+        self.shadows.clear();
+        let (floors, others): (Vec<_>, Vec<_>) = obstacles.partition(|obstacle| obstacle.endless_about.is_some());
+        for floor in floors {
+            self.add_shadows(view, snapshot, (floor, &others), camera);
+        }
+        let is_coloured = self.order.iter().any(|facet| facet.value != PLAIN);
+        if options.normals {
+            self.draw_facets(buffer, false, |_, side, normal| {
+                let sign = if side == 0 { 1.0 } else { -1.0 };
+                let of = |axis: usize| {
+                    let [right, up, back] = normal.map(f64::from);
+                    right * camera.axes[0][axis] + up * camera.axes[1][axis] - back * camera.axes[2][axis]
+                };
+                of_direction([0, 1, 2].map(|axis| sign * of(axis) as f32))
+            });
+        } else if is_coloured || self.looks.has_patterns() {
+            self.draw_facets(buffer, !is_coloured, |facet, side, normal| {
+                match snapshot.values.get(facet.value as usize) {
+                    Some(value) => shaded(scale.at(scale.share(*value)), Sheen::Matte, normal),
+                    None => self.look(facet.part, view).lit(side, normal),
+                }
+            });
+        } else {
+            self.draw_smooth(buffer);
+        }
+        Self::lines(buffer, view, snapshot, options, points);
+    }
+
+    /// Look of a net, membrane or obstacle.
+    fn look(&self, part: u32, view: View) -> Look {
+        self.looks.get(part as usize).copied().unwrap_or(Look::matte(view.theme.wall))
+    }
+
+    /// Begins with the faces of nets and membranes.
+    fn add_cloth(&mut self, snapshot: &Snapshot, options: &Options, (points, camera): (&[Pos2], &SpaceCamera)) {
         self.order.clear();
         self.normals.clear();
         self.normals.resize(points.len(), [0.0; 3]);
+        self.corners.clear();
+        self.corners.extend_from_slice(points);
+        self.alike.clear();
+        self.bend = 0.0;
         let at = |vertex: u32| snapshot.position(vertex as usize);
-        let membranes = snapshot.membranes.iter().map(|membrane| membrane.elements.corners());
-        let nets = snapshot.nets.iter().map(|net| net.faces.as_slice());
         let (is_coloured, mut value) = (options.field != Field::None && options.field == snapshot.field, 0);
-        let membranes = membranes.map(|corners| (corners, is_coloured));
-        for (number, (corners, has_values)) in membranes.chain(nets.map(|corners| (corners, false))).enumerate() {
-            for corners in corners {
-                self.add(&at, camera, *corners, ((number % 2) as u8, if has_values { value } else { PLAIN }));
+        let nets = snapshot.nets.iter().map(|net| (net.faces.as_slice(), net.vertices.len(), false));
+        let membranes = snapshot.membranes.iter();
+        let membranes = membranes.map(|one| (one.elements.corners(), one.vertices.len(), is_coloured));
+        for (part, (faces, vertices, has_values)) in nets.chain(membranes).enumerate() {
+            if let Some([a, b, c]) = faces.first().map(|corners| corners.map(at)) {
+                let length = |a: Option<[f64; 3]>, b: Option<[f64; 3]>| {
+                    a.zip(b).map_or(0.0, |(a, b)| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt())
+                };
+                self.bend = self.bend.max(BEND * (length(a, b) + length(b, c) + length(c, a)));
+            }
+            for corners in faces {
+                self.add(&at, camera, *corners, (part as u32, if has_values { value } else { PLAIN }));
                 value += u32::from(has_values);
             }
+            if let Some(look) = self.looks.get(part) {
+                self.alike.push((vertices, *look));
+            }
         }
-        // The corners of obstacles come after the vertices of the scene.
-        let (mut all_points, mut first) = (points.to_vec(), points.len() as u32);
-        let factor = (0.3 * diagonal(&snapshot.start)).max(1.0);
+    }
+
+    /// Adds the triangles of obstacles.
+    fn add_obstacles<'a>(
+        &mut self,
+        view: View,
+        obstacles: impl Iterator<Item = &'a Triangulation>,
+        camera: &SpaceCamera,
+        factor: f64,
+    ) {
+        let before = self.corners.len();
+        self.ground = 0;
         for obstacle in obstacles {
+            let first = self.corners.len() as u32;
             for point in (0..obstacle.points.len()).filter_map(|corner| obstacle.drawn(corner, factor)) {
                 let (seen, depth) = camera.seen(point);
-                all_points.push(seen);
+                self.corners.push(seen);
                 self.depths.push(depth);
             }
-            self.normals.resize(all_points.len(), [0.0; 3]);
+            self.normals.resize(self.corners.len(), [0.0; 3]);
             let at = |corner: u32| obstacle.drawn((corner - first) as usize, factor);
+            let from = self.order.len();
             for corners in &obstacle.triangles {
                 self.add(&at, camera, corners.map(|corner| first + corner), (OBSTACLE, PLAIN));
             }
-            first = all_points.len() as u32;
+            if obstacle.endless_about.is_some() {
+                self.ground += self.order.len() - from;
+                self.order[from..].iter_mut().for_each(|facet| facet.depth = f32::MAX);
+            }
         }
-        self.order.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth));
-        let [one, other] = view.theme.candy;
-        let colors = [[one, view.theme.icing], [other, view.theme.icing], [view.theme.wall, view.theme.wall]];
+        self.alike.push((self.corners.len() - before, Look::matte(view.theme.wall)));
+    }
+
+    /// Adds the shadows of cloth and of other obstacles on a floor that the eye sees from above.
+    fn add_shadows(
+        &mut self,
+        view: View,
+        snapshot: &Snapshot,
+        (floor, others): (&Triangulation, &[&Triangulation]),
+        camera: &SpaceCamera,
+    ) {
+        /// Least height of a normal of a floor.
+        const LEVEL: f64 = 0.7;
+        let Some((origin, normal)) = floor.endless_about.zip(floor.normal()) else { return };
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let height = |point: [f64; 3]| dot(normal, [0, 1, 2].map(|i| point[i] - origin[i]));
+        if normal[1] < LEVEL || height(camera.eye) <= 0.0 {
+            return;
+        }
+        let (first, slope) = (self.corners.len() as u32, dot(normal, SUN));
+        let cast = |point: &[f64; 3]| {
+            let along = height(*point).max(0.0) / slope;
+            camera.seen([0, 1, 2].map(|i| point[i] - along * SUN[i])).0
+        };
+        self.corners.extend(snapshot.positions.as_chunks::<3>().0.iter().map(cast));
+        let of_nets = snapshot.nets.iter().flat_map(|net| net.faces.iter());
+        let of_membranes = snapshot.membranes.iter().flat_map(|membrane| membrane.elements.corners());
+        let above = |corners: &&[u32; 3]| {
+            corners.iter().any(|corner| snapshot.position(*corner as usize).is_some_and(|point| height(point) > 0.0))
+        };
+        let faces = of_nets.chain(of_membranes).filter(above);
+        self.shadows.extend(faces.map(|corners| corners.map(|corner| first + corner)));
+        for obstacle in others {
+            let first = self.corners.len() as u32;
+            self.corners.extend(obstacle.points.iter().map(cast));
+            self.shadows.extend(obstacle.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
+        }
+        let [right, up, forwards] = camera.axes.map(|axis| dot(axis, normal) as f32);
+        self.shade = shaded(view.theme.wall, Sheen::Matte, [right, up, -forwards]).lerp_to_gamma(Color32::BLACK, SHADE);
+    }
+
+    /// Draws triangles with shared corners: each corner twice, in the colours of the front and of the back.
+    fn draw_smooth(&self, buffer: &mut ShapeBuffer) {
         let first = buffer.len();
-        // Each vertex twice: in the colour of the front and in that of the back, for each of the two pairs of colours.
-        let pairs = self.order.iter().map(|facet| usize::from(facet.pair) + 1).max().unwrap_or(0);
-        for (point, normal) in all_points.iter().zip(&self.normals) {
-            for pair in colors.iter().take(pairs) {
-                for (color, side) in pair.iter().zip([1.0, -1.0]) {
-                    buffer.vertex(*point, shaded(*color, normal.map(|axis| side * axis)));
-                }
+        let looks = self.alike.iter().flat_map(|(count, look)| std::iter::repeat_n(look, *count));
+        for ((point, normal), look) in self.corners.iter().zip(&self.normals).zip(looks) {
+            for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                buffer.vertex(*point, look.lit(side, normal.map(|axis| sign * axis)));
             }
         }
-        let stride = 2 * pairs as u32;
-        for Facet { corners, pair, value, .. } in &self.order {
-            let [a, b, c] = corners.map(|corner| all_points[corner as usize]);
-            let is_back = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0.0;
-            if let Some(value) = snapshot.values.get(*value as usize) {
-                let (color, side) = (scale.at(scale.share(*value)), if is_back { -1.0 } else { 1.0 });
-                let lit = |corner: u32| shaded(color, self.normals[corner as usize].map(|axis| side * axis));
-                let [a, b, c] = corners.map(|corner| buffer.vertex(all_points[corner as usize], lit(corner)));
-                buffer.triangle(a, b, c);
-                continue;
-            }
-            let side = 2 * u32::from(*pair) + u32::from(is_back);
-            let [a, b, c] = corners.map(|corner| first + stride * corner + side);
+        let lit = self.normals.len() as u32;
+        for point in &self.corners[self.normals.len()..] {
+            buffer.vertex(*point, self.shade);
+        }
+        let shadow = |corner: u32| first + 2 * lit + (corner - lit);
+        let draw = |buffer: &mut ShapeBuffer, facet: &Facet| {
+            let side = self.side(facet.corners) as u32;
+            let [a, b, c] = facet.corners.map(|corner| first + 2 * corner + side);
+            buffer.triangle(a, b, c);
+        };
+        let (ground, others) = self.order.split_at(self.ground);
+        for facet in ground {
+            draw(buffer, facet);
+        }
+        for corners in &self.shadows {
+            let [a, b, c] = corners.map(shadow);
             buffer.triangle(a, b, c);
         }
-        Self::lines(buffer, view, snapshot, options, points);
+        for facet in others {
+            draw(buffer, facet);
+        }
+    }
+
+    /// Draws each triangle in its own colours, by its side, 0 for the front, and the normal towards the eye; or with the pattern of its
+    /// cloth.
+    fn draw_facets(
+        &self,
+        buffer: &mut ShapeBuffer,
+        has_patterns: bool,
+        color: impl Fn(&Facet, usize, [f32; 3]) -> Color32,
+    ) {
+        let draw = |buffer: &mut ShapeBuffer, facet: &Facet| {
+            let side = self.side(facet.corners);
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let look = self.looks.get(facet.part as usize).filter(|_| has_patterns);
+            let texture = look.and_then(|look| look.texture);
+            buffer.texture(texture);
+            let [a, b, c] = facet.corners.map(|corner| {
+                let lit = color(facet, side, self.normals[corner as usize].map(|axis| sign * axis));
+                let place = if texture.is_some() { self.looks.place(corner) } else { WHITE_UV };
+                buffer.textured_vertex(self.corners[corner as usize], place, lit)
+            });
+            buffer.triangle(a, b, c);
+        };
+        let (ground, others) = self.order.split_at(self.ground);
+        for facet in ground {
+            draw(buffer, facet);
+        }
+        buffer.texture(None);
+        for corners in &self.shadows {
+            let [a, b, c] = corners.map(|corner| buffer.vertex(self.corners[corner as usize], self.shade));
+            buffer.triangle(a, b, c);
+        }
+        for facet in others {
+            draw(buffer, facet);
+        }
+        buffer.texture(None);
+    }
+
+    /// The side of a triangle that the eye sees: 0 is its front, 1 its back.
+    fn side(&self, corners: [u32; 3]) -> usize {
+        let [a, b, c] = corners.map(|corner| self.corners[corner as usize]);
+        usize::from((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0.0)
     }
 
     /// Value of the nearest triangle at a point of the screen.
@@ -288,7 +469,7 @@ impl Surfaces {
         at: &dyn Fn(u32) -> Option<[f64; 3]>,
         camera: &SpaceCamera,
         corners: [u32; 3],
-        (pair, value): (u8, u32),
+        (part, value): (u32, u32),
     ) {
         let [Some(a), Some(b), Some(c)] = corners.map(at) else { return };
         let (one, two) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
@@ -302,9 +483,10 @@ impl Surfaces {
             }
         }
         let depths = corners.iter().filter_map(|corner| self.depths.get(*corner as usize));
-        // What lies on an obstacle is drawn after it.
-        let depth = if pair == OBSTACLE { 3.0 * depths.copied().fold(0.0, f64::max) } else { depths.sum() };
-        self.order.push(Facet { depth: depth as f32, corners, pair, value });
+        // What lies on an obstacle is drawn after it, even where a triangle bends around it.
+        let depth =
+            if part == OBSTACLE { 3.0 * (depths.copied().fold(0.0, f64::max) + self.bend) } else { depths.sum() };
+        self.order.push(Facet { depth: depth as f32, corners, part, value });
     }
 
     /// Draws the springs of nets without faces, and all edges if they are wanted.
@@ -336,14 +518,6 @@ impl Surfaces {
     }
 }
 
-/// A colour lit from above left, by a normal of any length as the eye sees it: right, up, back.
-fn shaded(color: Color32, [right, up, back]: [f32; 3]) -> Color32 {
-    const LIGHT: [f32; 3] = [-0.4, 0.65, 0.65];
-    let length = (right * right + up * up + back * back).sqrt();
-    let along = if length > 0.0 { (right * LIGHT[0] + up * LIGHT[1] + back * LIGHT[2]) / length } else { 0.0 };
-    color.lerp_to_gamma(Color32::BLACK, (0.5 - 0.5 * along).clamp(0.0, 0.75))
-}
-
 /// Draws the three axes in a corner of the stage.
 pub fn axes(painter: &Painter, view: View, canvas: Rect, camera: &SpaceCamera) {
     const LENGTH: f64 = 26.0;
@@ -358,8 +532,10 @@ pub fn axes(painter: &Painter, view: View, canvas: Rect, camera: &SpaceCamera) {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failing test should panic")]
 mod tests {
     use super::*;
+    use crate::app::theme::Theme;
 
     #[test]
     fn the_camera_goes_there_and_back() {
@@ -372,6 +548,42 @@ mod tests {
                 assert!(canvas.contains(at) && depth > 0.0, "all is seen: {at:?}");
                 let back = camera.at_depth(at, depth);
                 assert!((0..3).all(|i| (back[i] - point[i]).abs() < 1e-5), "{point:?} {back:?}");
+            }
+        }
+    }
+
+    /// A cloth over a floor, seen from above, and from below, where the floor hides it.
+    #[test]
+    fn cloth_throws_a_shadow_on_a_floor_seen_from_above() {
+        let level = crate::files::parse(crate::levels::built_in("tablecloth").unwrap(), "tablecloth.ron").unwrap();
+        let sandbox = crate::sandbox::Sandbox::new(level, Box::new(crate::meshes::NoFiles)).unwrap();
+        let mut snapshot = Snapshot::default();
+        sandbox.snapshot(Field::None, &mut snapshot);
+        let canvas = Rect::from_min_max(pos2(0.0, 0.0), pos2(400.0, 400.0));
+        let view = View {
+            camera: crate::app::draw::Camera::new(canvas, 1.0, 0.0),
+            theme: Theme::for_mode(eframe::egui::Theme::Dark),
+        };
+        let floor = Triangulation {
+            points: vec![[-9.0, -0.7, 9.0], [9.0, -0.7, 9.0], [0.0, -0.7, -9.0]],
+            triangles: vec![[0, 1, 2]],
+            endless_about: Some([0.0, -0.7, 0.0]),
+        };
+        for (pitch, is_seen) in [(0.4, true), (-0.4, false)] {
+            let camera = SpaceCamera::new(Orbit { pitch, ..Orbit::opening(&snapshot.start) }, canvas);
+            let (mut surfaces, mut points, mut buffer) = (Surfaces::default(), Vec::new(), ShapeBuffer::default());
+            surfaces.place(&snapshot, &camera, &mut points);
+            surfaces.follow(&Context::default(), view, &snapshot);
+            let what = (&Options::default(), &Scale::default(), std::iter::once(&floor));
+            surfaces.draw(&mut buffer, view, &snapshot, what, (&points, &camera));
+            let faces = snapshot.membranes[0].elements.corners();
+            assert_eq!(surfaces.shadows.len(), if is_seen { faces.len() } else { 0 });
+            // A vertex and its shadow are on a line with the sun.
+            if let ([corner, ..], Some([shadow, ..])) = (faces[0], surfaces.shadows.first()) {
+                let from = snapshot.position(corner as usize).unwrap();
+                let along = (from[1] + 0.7) / SUN[1];
+                let wanted = camera.seen([0, 1, 2].map(|axis| from[axis] - along * SUN[axis])).0;
+                assert!(surfaces.corners[*shadow as usize].distance(wanted) < 1e-3);
             }
         }
     }

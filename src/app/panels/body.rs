@@ -1,7 +1,7 @@
 //! Panels of the parts of a level: a body with material, mass and mesh; a net; a toy; and the controls of test levels.
 
 use super::{
-    Notice, View, apply_response, fixed, heading, row, sliders,
+    Notice, View, apply_response, finish, fixed, heading, row, sliders,
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
@@ -46,11 +46,15 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
             pins(ui, view.body, &listed.pins, commands);
+            if now.nets.get(number).is_some_and(|net| !net.faces.is_empty()) {
+                finish::show(ui, number, &listed.finish, number + level.membranes.len(), view, commands);
+            }
         } else if let Some((number, listed)) = membrane.and_then(|number| Some((number, level.membranes.get(number)?)))
         {
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, number, listed, area, view, commands);
             pins(ui, view.body, &listed.pins, commands);
+            finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
         }
     });
 }

@@ -21,10 +21,13 @@ const FRAME: f64 = 1.0 / 60.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     if !context.now.triangles.is_empty() || !context.now.membranes.is_empty() {
-        looks(ui, view);
+        looks(ui, context.now, view);
     } else if context.now.dimension == 3 {
         let help = "The edges of all triangles, and the structural springs";
-        ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text(help);
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text(help);
+            normals(ui, view);
+        });
     } else if has_hidden_springs(context.now) {
         let help = "Draws the flexion springs too, which lie over the others";
         ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
@@ -42,7 +45,7 @@ fn has_hidden_springs(now: &Snapshot) -> bool {
 }
 
 /// Draws the display options: colours, edges and vertices.
-fn looks(ui: &mut Ui, view: &mut View) {
+fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     heading(ui, "Colour by");
     let shorts = ["Plain", "Energy", "Von Mises", "J"];
     let parts: Vec<_> = Field::ALL
@@ -60,8 +63,18 @@ fn looks(ui: &mut Ui, view: &mut View) {
     }
     ui.horizontal(|ui| {
         ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
-        ui.checkbox(&mut view.stage.vertices, "Vertices").on_hover_text("A dot at every vertex");
+        if now.dimension == 3 {
+            normals(ui, view);
+        } else {
+            ui.checkbox(&mut view.stage.vertices, "Vertices").on_hover_text("A dot at every vertex");
+        }
     });
+}
+
+/// Draws the switch of colours by normals.
+fn normals(ui: &mut Ui, view: &mut View) {
+    let help = "Colours by the directions of the normals: red for x, green for y and blue for z";
+    ui.checkbox(&mut view.stage.normals, "Normals").on_hover_text(help);
 }
 
 const fn about(field: Field) -> &'static str {

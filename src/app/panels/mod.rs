@@ -6,6 +6,7 @@ mod compare;
 mod cost;
 mod effects;
 mod energy;
+mod finish;
 mod hard;
 mod ledger;
 mod overlays;

@@ -262,10 +262,11 @@ fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
     let text = match advice.cause {
         Cause::Painting => format!("Painting slows the window down: {:.1} frames per second", rates.frames),
         Cause::Cost => {
-            format!(
-                "{} substeps per frame are too many for this computer to run in real time",
-                now.level.substeps.get()
-            )
+            let (substeps, is) = match now.level.substeps.get() {
+                1 => ("1 step".to_owned(), "is too much"),
+                many => (format!("{many} substeps"), "are too many"),
+            };
+            format!("{substeps} per frame {is} for this computer to run in real time")
         }
         Cause::Guard => "The guard divides the steps, which slows time down".to_owned(),
         _ => because("The guard divides the steps, which slows time down", &advice),

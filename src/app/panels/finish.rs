@@ -1,0 +1,78 @@
+//! How a cloth looks: colours, pattern and sheen.
+
+use super::{View, apply_response, sliders};
+use crate::{
+    app::theme::Theme,
+    command::Command,
+    finish::{Colour, Finish, Pattern, Sheen},
+    quantity::Quantity,
+};
+use eframe::egui::{Color32, ComboBox, Response, Ui};
+
+/// Draws the controls of the finish of a net or membrane (by number: nets first); `candy` is the colour that the theme gives it.
+pub fn show(ui: &mut Ui, number: usize, now: &Finish, candy: usize, view: &mut View, commands: &mut Vec<Command>) {
+    let theme = Theme::of(ui.ctx());
+    let mut finish = *now;
+    let front = now.front.map_or(theme.candy[candy % 2], color);
+    let (mut changed, mut ended) = (false, false);
+    let mut note = |response: Response, name: &str, help: &str| {
+        changed |= response.changed();
+        ended |= response.drag_stopped();
+        response.on_hover_text(help).accessible_name(name);
+    };
+    ui.horizontal(|ui| {
+        ui.label("Colours");
+        note(pick(ui, &mut finish.front, front), "Front colour", "Colour of the front");
+        if now.pattern == Pattern::Plain {
+            let back = now.back.map_or(if now.front.is_some() { front } else { theme.icing }, color);
+            note(pick(ui, &mut finish.back, back), "Back colour", "Colour of the back");
+        } else {
+            let second = now.second.map_or(theme.icing, color);
+            note(pick(ui, &mut finish.second, second), "Second colour", "Second colour of the pattern");
+        }
+    });
+    let patterns = Pattern::ALL.map(|pattern| (pattern, pattern.name()));
+    let sheens = Sheen::ALL.map(|sheen| (sheen, sheen.name()));
+    choose(ui, ("Pattern", "What is printed or woven on both sides"), &mut finish.pattern, &patterns);
+    choose(ui, ("Sheen", "How it reflects light"), &mut finish.sheen, &sheens);
+    ended |= (finish.pattern, finish.sheen) != (now.pattern, now.sheen);
+    if now.pattern != Pattern::Plain {
+        let outcome = sliders(ui, [&mut finish.size as &mut dyn Quantity]);
+        apply_response(outcome, Some(Command::SetFinish(number, finish)), view, commands);
+    }
+    if changed || ended {
+        commands.push(Command::SetFinish(number, finish));
+    }
+    if ended {
+        commands.push(Command::EndGesture);
+    }
+}
+
+const fn color(Colour([red, green, blue]): Colour) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
+/// A button that opens a picker of colours, and shows this one before.
+fn pick(ui: &mut Ui, colour: &mut Option<Colour>, shown: Color32) -> Response {
+    let mut rgb = [shown.r(), shown.g(), shown.b()];
+    let response = ui.color_edit_button_srgb(&mut rgb);
+    if response.changed() {
+        *colour = Some(Colour(rgb));
+    }
+    response
+}
+
+/// A menu of kinds.
+fn choose<T: Copy + PartialEq>(ui: &mut Ui, (label, help): (&str, &str), now: &mut T, all: &[(T, &str)]) {
+    let name = all.iter().find(|(kind, _)| kind == now).map_or("", |(_, name)| name);
+    ui.horizontal(|ui| {
+        ui.label(label);
+        let menu = ComboBox::from_id_salt(label).width(ui.available_width()).selected_text(name);
+        let response = menu.show_ui(ui, |ui| {
+            for (kind, name) in all {
+                ui.selectable_value(now, *kind, *name);
+            }
+        });
+        response.response.on_hover_text(help).accessible_name(label);
+    });
+}

@@ -1,0 +1,259 @@
+//! `gingerbread render`: pictures and moving pictures of the stage, without a window or a display.
+//!
+//! Frames are taken at equal intervals of simulated time, so that a slow computer records as smoothly as a fast one.
+
+use crate::{
+    app::{Options, Stage},
+    command::Command,
+    elements::Field,
+    files,
+    headless::{Ending, HeadlessError, Interrupt, Outputs, Progress, ProgressOptions, inputs, read, seconds},
+    level::Level,
+    sandbox::Sandbox,
+    snapshot::Snapshot,
+};
+use std::path::PathBuf;
+
+/// What to draw and where.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Render {
+    /// A level file, or the name of a built-in level.
+    pub level: PathBuf,
+    /// Write the picture here: a moving one if it ends in .gif, the last frame if it ends in .png.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Simulated time \[s\].
+    #[arg(long, default_value = "3", value_parser = seconds, allow_negative_numbers = true)]
+    pub seconds: f64,
+    /// Width and height \[pixels\], each in \[16, 4096\].
+    #[arg(long, default_value = "480x480", value_parser = size)]
+    pub size: [usize; 2],
+    /// Frames per second of simulated time, and of a moving picture; its format allows 1, 2, 4, 5, 10, 20, 25 and 50.
+    #[arg(long, default_value = "25", value_parser = rate)]
+    pub rate: u32,
+    /// Colours of the stage.
+    #[arg(long, value_enum, default_value = "dark")]
+    pub theme: Theme,
+    /// What colours the triangles.
+    #[arg(long, value_enum, default_value = "plain")]
+    pub colour: Colouring,
+    /// Draw the edges of triangles.
+    #[arg(long)]
+    pub wireframe: bool,
+    /// How progress is shown.
+    #[command(flatten)]
+    pub progress_options: ProgressOptions,
+}
+
+/// Theme of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Theme {
+    /// By night.
+    Dark,
+    /// By day.
+    Light,
+}
+
+/// What colours the triangles of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Colouring {
+    /// Nothing.
+    Plain,
+    /// Elastic energy density.
+    Energy,
+    /// Von Mises stress.
+    VonMises,
+    /// Ratio of areas, det F.
+    J,
+}
+
+impl Colouring {
+    const fn field(self) -> Field {
+        match self {
+            Self::Plain => Field::None,
+            Self::Energy => Field::EnergyDensity,
+            Self::VonMises => Field::VonMises,
+            Self::J => Field::Volume,
+        }
+    }
+}
+
+/// Kind of file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Gif,
+    Png,
+}
+
+/// Greatest number of frames of a moving picture, whose frames are kept until it is written.
+const MOST_FRAMES: f64 = 10_000.0;
+
+/// Draws a level while it runs. Shows progress. A signal stops it early; what was drawn is written then.
+///
+/// # Errors
+/// [`HeadlessError`] if the level, the format or the file is not usable.
+pub fn render(request: &Render) -> Result<Ending, HeadlessError> {
+    let refuse = |why: String| {
+        HeadlessError::File(files::FileError::Access { file: format!("--out {}", request.out.display()), why })
+    };
+    let ending = request.out.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let format = match ending.as_deref() {
+        Some("gif") => Format::Gif,
+        Some("png") => Format::Png,
+        _ => return Err(refuse("the name must end in .gif or .png".to_owned())),
+    };
+    let frames = request.seconds * f64::from(request.rate);
+    if format == Format::Gif && frames > MOST_FRAMES {
+        return Err(refuse(format!("{frames:.0} frames are too many for a moving picture; at most {MOST_FRAMES}")));
+    }
+    let level = read(&request.level)?;
+    let mut outputs = Outputs::new(&[("--out", Some(&request.out))], &inputs(&request.level, &level))?;
+    let mut film = Film::new(request, level)?;
+    Interrupt::watch();
+    let (bytes, taken, wanted) = film.taken(request, format).map_err(refuse)?;
+    let stopped = Interrupt::seen().filter(|_| taken < wanted);
+    let ([width, height], kilobytes) = (request.size, bytes.len() / 1000);
+    let partial = stopped
+        .map_or(String::new(), |signal| format!("Partial: stopped by {signal} after {taken} of {wanted} frames\n"));
+    let frames = if format == Format::Gif { taken } else { 1 };
+    let noun = if frames == 1 { "frame" } else { "frames" };
+    let time = film.snapshot.time;
+    let text = format!(
+        "{partial}{frames} {noun} of {width} x {height} pixels, {kilobytes} kB, to {time:.3} s of simulated time"
+    );
+    outputs.write("--out", |_| Ok(bytes));
+    let fault = film.snapshot.fault.as_ref().map(ToString::to_string);
+    let mut ending = Ending::new(text, outputs, u8::from(fault.is_some()), stopped);
+    ending.remarks.splice(0..0, fault);
+    Ok(ending)
+}
+
+/// A running level and its stage.
+struct Film {
+    sandbox: Sandbox,
+    stage: Stage,
+    snapshot: Snapshot,
+    field: Field,
+}
+
+impl Film {
+    fn new(request: &Render, level: Level) -> Result<Self, HeadlessError> {
+        let fail = |why| HeadlessError::Level { file: request.level.display().to_string(), why };
+        let mode = level.mode;
+        let mut sandbox = Sandbox::new(level, Box::new(files::Disk)).map_err(fail)?;
+        sandbox.apply(Command::SetMode(mode.into())).map_err(fail)?;
+        let field = request.colour.field();
+        let options = Options { field, wireframe: request.wireframe, ..Options::default() };
+        Ok(Self {
+            sandbox,
+            stage: Stage::new(request.size, request.theme == Theme::Dark, options),
+            snapshot: Snapshot::default(),
+            field,
+        })
+    }
+
+    /// A picture of the present state, some time after the one before \[s\].
+    fn picture(&mut self, passed: f64) -> Vec<u8> {
+        self.sandbox.snapshot(self.field, &mut self.snapshot);
+        self.stage.picture(&self.snapshot, passed)
+    }
+
+    /// Runs to the end, or until a signal comes, and encodes the frames; returns the bytes and the numbers of frames drawn and wanted.
+    fn taken(&mut self, request: &Render, format: Format) -> Result<(Vec<u8>, u64, u64), String> {
+        /// Time that passes for the stage before its first picture, in which it takes its places \[s\].
+        const SETTLING: f64 = 10.0;
+        let interval = 1.0 / f64::from(request.rate);
+        let frames = (request.seconds / interval).round() as u64;
+        // A moving picture ends where it begins anew.
+        let wanted = if format == Format::Gif { frames.max(1) } else { frames + 1 };
+        let progress = Progress::new(&request.progress_options, wanted, "frames");
+        let [width, height] = request.size;
+        // Sizes are at most 4096.
+        let mut moving = Moving::new([width as u16, height as u16], request.rate)?;
+        let mut taken = 0;
+        if format == Format::Gif {
+            self.picture(SETTLING);
+        }
+        while taken < wanted {
+            self.run_to(taken as f64 * interval);
+            if format == Format::Gif {
+                moving.add(self.picture(interval))?;
+            }
+            taken += 1;
+            progress.set(taken);
+            if Interrupt::seen().is_some() {
+                break;
+            }
+        }
+        let bytes = match format {
+            Format::Gif => moving.bytes()?,
+            Format::Png => {
+                self.picture(SETTLING);
+                still(request.size, &self.picture(interval))?
+            }
+        };
+        Ok((bytes, taken, wanted))
+    }
+
+    /// Takes the steps that end nearest to a time of the run \[s\].
+    fn run_to(&mut self, time: f64) {
+        let step = self.sandbox.step_length();
+        let due = (time / step).round() as u64;
+        let taken = self.sandbox.simulation().state().steps;
+        if due > taken {
+            self.sandbox.advance(due - taken, &mut || Interrupt::seen().is_none());
+        }
+    }
+}
+
+/// Encoder of a GIF.
+struct Moving {
+    encoder: gif::Encoder<Vec<u8>>,
+    size: [u16; 2],
+    /// Time between frames, in hundredths of a second.
+    delay: u16,
+}
+
+impl Moving {
+    fn new(size: [u16; 2], rate: u32) -> Result<Self, String> {
+        let mut encoder = gif::Encoder::new(Vec::new(), size[0], size[1], &[]).map_err(|error| error.to_string())?;
+        encoder.set_repeat(gif::Repeat::Infinite).map_err(|error| error.to_string())?;
+        Ok(Self { encoder, size, delay: (100 / rate) as u16 })
+    }
+
+    fn add(&mut self, mut picture: Vec<u8>) -> Result<(), String> {
+        /// Between 1, the best choice of colours, and 30, the fastest.
+        const SPEED: i32 = 10;
+        let [width, height] = self.size;
+        let frame = gif::Frame::from_rgba_speed(width, height, &mut picture, SPEED);
+        self.encoder.write_frame(&gif::Frame { delay: self.delay, ..frame }).map_err(|error| error.to_string())
+    }
+
+    fn bytes(self) -> Result<Vec<u8>, String> {
+        self.encoder.into_inner().map_err(|error| error.to_string())
+    }
+}
+
+/// A picture as PNG.
+fn still([width, height]: [usize; 2], picture: &[u8]) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    let said = |error: png::EncodingError| error.to_string();
+    let mut writer = encoder.write_header().map_err(said)?;
+    writer.write_image_data(picture).map_err(said)?;
+    writer.finish().map_err(said)?;
+    Ok(bytes)
+}
+
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let number = |text: &str| text.parse().ok().filter(|pixels| (16..=4096).contains(pixels));
+    let sides = text.split_once('x').and_then(|(width, height)| Some([number(width)?, number(height)?]));
+    sides.ok_or_else(|| "expected a width and a height in [16, 4096] pixels, such as 640x480".to_owned())
+}
+
+fn rate(text: &str) -> Result<u32, String> {
+    let rates = [1, 2, 4, 5, 10, 20, 25, 50];
+    text.parse().ok().filter(|rate| rates.contains(rate)).ok_or_else(|| format!("expected one of {rates:?}"))
+}

@@ -1,0 +1,80 @@
+//! `gingerbread render`: pictures without a window.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+use crate::program::{Folder, gingerbread, said};
+use std::{fs, io::Cursor, path::Path};
+
+/// Size, and red, green, blue and alpha of each pixel.
+fn decoded(path: &str) -> ([u32; 2], Vec<u8>) {
+    let mut reader = png::Decoder::new(Cursor::new(fs::read(path).unwrap())).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    ([info.width, info.height], pixels)
+}
+
+#[test]
+fn a_moving_picture_has_its_size_rate_and_length() {
+    let folder = Folder::new("render-gif");
+    let [one, other] = ["one.gif", "other.gif"].map(|name| folder.file(name));
+    for path in [&one, &other] {
+        let arguments = ["render", "gingerbread_house", "--out", path, "--seconds", "0.5", "--rate", "20"];
+        let ended = gingerbread(&[&arguments[..], &["--size", "96x64"]].concat());
+        assert!(ended.status.success(), "{}", said(&ended.stderr));
+        assert!(said(&ended.stdout).contains("10 frames of 96 x 64 pixels"), "{}", said(&ended.stdout));
+    }
+    let bytes = fs::read(&one).unwrap();
+    assert_eq!(bytes, fs::read(&other).unwrap(), "the same bytes on every run");
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut film = options.read_info(Cursor::new(bytes)).unwrap();
+    assert_eq!((film.width(), film.height(), film.repeat()), (96, 64, gif::Repeat::Infinite));
+    let mut frames = Vec::new();
+    while let Some(frame) = film.read_next_frame().unwrap() {
+        assert_eq!(frame.delay, 5, "hundredths of a second");
+        frames.push(frame.buffer.to_vec());
+    }
+    assert_eq!(frames.len(), 10);
+    assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "he falls");
+}
+
+#[test]
+fn plane_space_and_toys_are_drawn_in_both_themes() {
+    let folder = Folder::new("render-png");
+    for level in ["jelly_disk", "tablecloth", "hanging_net", "pendulum"] {
+        let pictures = ["dark", "light"].map(|theme| {
+            let path = folder.file(&format!("{level}-{theme}.png"));
+            let arguments = ["render", level, "--out", &path, "--seconds", "0.1", "--size", "120x90", "--theme", theme];
+            let ended = gingerbread(&[&arguments[..], &["--colour", "von-mises", "--wireframe"]].concat());
+            assert!(ended.status.success(), "{level}: {}", said(&ended.stderr));
+            let (size, pixels) = decoded(&path);
+            assert_eq!(size, [120, 90]);
+            let corner = &pixels[..4];
+            let others = pixels.chunks(4).filter(|pixel| pixel.iter().zip(corner).any(|(a, b)| a.abs_diff(*b) > 40));
+            assert!(others.count() > 50, "{level}: something is seen before the sky");
+            corner.iter().map(|channel| u32::from(*channel)).sum::<u32>()
+        });
+        assert!(pictures[0] + 200 < pictures[1], "{level}: night is darker than day: {pictures:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told_and_leaves_no_file() {
+    let folder = Folder::new("render-wrong");
+    for (name, arguments, why) in [
+        ("man.bmp", &["gingerbread"][..], "must end in .gif or .png"),
+        ("man", &["gingerbread"], "must end in .gif or .png"),
+        ("man.gif", &["gingerbread", "--size", "9x9"], "in [16, 4096] pixels"),
+        ("man.gif", &["gingerbread", "--size", "640"], "such as 640x480"),
+        ("man.gif", &["gingerbread", "--rate", "30"], "expected one of [1, 2, 4, 5, 10, 20, 25, 50]"),
+        ("man.gif", &["gingerbread", "--seconds", "-1"], "at least 0"),
+        ("man.gif", &["gingerbread", "--seconds", "1e6"], "too many for a moving picture"),
+        ("man.png", &["gingerbred"], "gingerbred"),
+        ("none/man.png", &["gingerbread"], "--out"),
+    ] {
+        let path = folder.file(name);
+        let ended = gingerbread(&[&["render", "--out", &path], arguments].concat());
+        let told = said(&ended.stderr);
+        assert_eq!((ended.status.code(), told.contains(why)), (Some(2), true), "{name} {arguments:?}: {told}");
+        assert!(!Path::new(&path).exists(), "{name}");
+    }
+}

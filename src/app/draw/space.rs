@@ -250,6 +250,7 @@ impl Surfaces {
         }
         let is_coloured = self.order.iter().any(|facet| facet.value != PLAIN);
         if options.normals {
+            self.shadows.clear();
             self.draw_facets(buffer, false, |_, side, normal| {
                 let sign = if side == 0 { 1.0 } else { -1.0 };
                 let of = |axis: usize| {

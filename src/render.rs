@@ -3,7 +3,7 @@
 //! Frames are taken at equal intervals of simulated time, so that a slow computer records as smoothly as a fast one.
 
 use crate::{
-    app::{Options, Stage},
+    app::{Options, Picture, Stage},
     command::Command,
     elements::Field,
     files,
@@ -146,22 +146,23 @@ impl Film {
         let options = Options { field, wireframe: request.wireframe, ..Options::default() };
         Ok(Self {
             sandbox,
-            stage: Stage::new(request.size, request.theme == Theme::Dark, options),
+            stage: Stage::new((request.size, 1), request.theme == Theme::Dark, options),
             snapshot: Snapshot::default(),
             field,
         })
     }
 
-    /// A picture of the present state, some time after the one before \[s\].
-    fn picture(&mut self, passed: f64) -> Vec<u8> {
+    /// A picture of the present state, some time after the one before \[s\], or the first one.
+    fn picture(&mut self, passed: Option<f64>) -> Picture {
         self.sandbox.snapshot(self.field, &mut self.snapshot);
-        self.stage.picture(&self.snapshot, passed)
+        match passed {
+            Some(passed) => self.stage.picture(&self.snapshot, passed),
+            None => self.stage.first_picture(&self.snapshot),
+        }
     }
 
     /// Runs to the end, or until a signal comes, and encodes the frames; returns the bytes and the numbers of frames drawn and wanted.
     fn taken(&mut self, request: &Render, format: Format) -> Result<(Vec<u8>, u64, u64), String> {
-        /// Time that passes for the stage before its first picture, in which it takes its places \[s\].
-        const SETTLING: f64 = 10.0;
         let interval = 1.0 / f64::from(request.rate);
         let frames = (request.seconds / interval).round() as u64;
         // A moving picture ends where it begins anew.
@@ -171,13 +172,10 @@ impl Film {
         // Sizes are at most 4096.
         let mut moving = Moving::new([width as u16, height as u16], request.rate)?;
         let mut taken = 0;
-        if format == Format::Gif {
-            self.picture(SETTLING);
-        }
         while taken < wanted {
             self.run_to(taken as f64 * interval);
             if format == Format::Gif {
-                moving.add(self.picture(interval))?;
+                moving.add(self.picture((taken > 0).then_some(interval)).rgba)?;
             }
             taken += 1;
             progress.set(taken);
@@ -187,10 +185,7 @@ impl Film {
         }
         let bytes = match format {
             Format::Gif => moving.bytes()?,
-            Format::Png => {
-                self.picture(SETTLING);
-                still(request.size, &self.picture(interval))?
-            }
+            Format::Png => self.picture(None).png()?,
         };
         Ok((bytes, taken, wanted))
     }
@@ -232,19 +227,6 @@ impl Moving {
     fn bytes(self) -> Result<Vec<u8>, String> {
         self.encoder.into_inner().map_err(|error| error.to_string())
     }
-}
-
-/// A picture as PNG.
-fn still([width, height]: [usize; 2], picture: &[u8]) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    let said = |error: png::EncodingError| error.to_string();
-    let mut writer = encoder.write_header().map_err(said)?;
-    writer.write_image_data(picture).map_err(said)?;
-    writer.finish().map_err(said)?;
-    Ok(bytes)
 }
 
 fn size(text: &str) -> Result<[usize; 2], String> {

@@ -50,6 +50,8 @@ pub enum KeyAction {
     ToggleHelp,
     /// Splits the stage into two panes, or joins them.
     ToggleComparison,
+    /// Draws the stage into a picture.
+    TakePicture,
     /// No action: the stage handles the mouse itself.
     Mouse,
 }
@@ -165,6 +167,7 @@ pub static TABLE: &[Binding] = &[
     binding("B", "compare: a second pane B beside A, or A alone", When::Always, &[key(Key::B)], |_| {
         KeyAction::ToggleComparison
     }),
+    binding("I", "save a picture of the stage", When::Always, &[key(Key::I)], |_| KeyAction::TakePicture),
     binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| KeyAction::ToggleHelp),
 ];
 

@@ -30,7 +30,7 @@ use crate::{
     study::{share_partitions, threads},
 };
 pub use canvas::Options;
-pub use picture::Stage;
+pub use picture::{Picture, Stage};
 
 use canvas::Canvas;
 use clock::{Clock, Spent};
@@ -41,7 +41,7 @@ use files::Dialogs;
 use gallery::Gallery;
 use jobs::Jobs;
 use meshing::Meshing;
-use panels::{FileRequest, History, Meter, Notice, PanelContext, View};
+use panels::{Export, FileRequest, History, Meter, Notice, PanelContext, View};
 use web_time::Instant;
 
 /// Time budget for steps in a frame \[s\]. The rest of 1/60 s is for drawing.
@@ -262,6 +262,31 @@ impl App {
         }
     }
 
+    /// Draws the stage of the chosen pane into a picture, without panels and buttons, and asks where to save it.
+    fn take_picture(&mut self, ctx: &Context) {
+        /// Pixels of the picture along a side of a point of the window.
+        const SCALE: usize = 2;
+        self.settled();
+        let (snapshot, canvas) = match &mut self.comparison {
+            Some(panes) if panes.chosen() == Pane::B => {
+                panes.b.snapshot(self.view.stage.field, &mut panes.snapshot);
+                (&panes.snapshot, panes.stage.canvas())
+            }
+            _ => {
+                self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
+                (&self.snapshot, &self.canvas)
+            }
+        };
+        let size = [canvas.size().x, canvas.size().y].map(|points| (points.round() as usize).clamp(16, 4096));
+        let mut stage = Stage::new((size, SCALE), ctx.theme() == egui::Theme::Dark, self.view.stage);
+        stage.see_as(canvas);
+        let name = format!("{}-{:.3}s.png", files::stem(&snapshot.level.name), snapshot.time);
+        match stage.first_picture(snapshot).png() {
+            Ok(bytes) => self.view.file = Some(FileRequest::Export(Export { name, bytes })),
+            Err(why) => self.view.notice = Some(Notice::Trouble(format!("The picture could not be made: {why}"))),
+        }
+    }
+
     /// Sandbox that the panels edit, at a common time of both panes.
     fn settled(&mut self) -> &Sandbox {
         match &mut self.comparison {
@@ -406,6 +431,9 @@ impl eframe::App for App {
         }
         self.handle_files(ctx);
         self.apply_requests();
+        if std::mem::take(&mut self.view.takes_picture) {
+            self.take_picture(ctx);
+        }
         self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.measure_effects();

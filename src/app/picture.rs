@@ -21,28 +21,80 @@ pub struct Stage {
     canvas: Canvas,
     options: Options,
     textures: HashMap<TextureId, Texture>,
+    /// Size \[points\], and pixels of the picture along a side of a point.
     size: [usize; 2],
+    scale: usize,
     time: f64,
 }
 
+/// A picture.
+pub struct Picture {
+    /// Width and height \[pixels\].
+    pub size: [usize; 2],
+    /// Rows from the top, four bytes a pixel: red, green, blue and 255.
+    pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// The encoder's own words.
+    pub fn png(&self) -> Result<Vec<u8>, String> {
+        let mut bytes = Vec::new();
+        let [width, height] = self.size.map(|pixels| pixels as u32);
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        let said = |error: png::EncodingError| error.to_string();
+        let mut writer = encoder.write_header().map_err(said)?;
+        writer.write_image_data(&self.rgba).map_err(said)?;
+        writer.finish().map_err(said)?;
+        Ok(bytes)
+    }
+}
+
 impl Stage {
-    /// A stage by night or by day, of a size \[pixels\].
-    pub fn new(size: [usize; 2], is_dark: bool, options: Options) -> Self {
+    /// Time that passes for a stage before its first picture, in which everything on it takes its place \[s\].
+    const SETTLING: f64 = 10.0;
+
+    /// A stage by night or by day, of a size \[points\], with so many pixels along a side of a point.
+    pub fn new((size, scale): ([usize; 2], usize), is_dark: bool, options: Options) -> Self {
         let context = Context::default();
         theme::install(&context);
         context.set_theme(if is_dark { Theme::Dark } else { Theme::Light });
         let canvas = Canvas::default();
-        Self { context, canvas, options: Options { bare: true, ..options }, textures: HashMap::new(), size, time: 0.0 }
+        Self {
+            context,
+            canvas,
+            options: Options { bare: true, ..options },
+            textures: HashMap::new(),
+            size,
+            scale,
+            time: 0.0,
+        }
     }
 
-    /// A picture of a snapshot, so much time after the one before \[s\]: rows from the top, four bytes a pixel: red, green, blue and 255.
-    pub fn picture(&mut self, snapshot: &Snapshot, passed: f64) -> Vec<u8> {
+    /// Sees a scene in space from where another canvas does.
+    pub fn see_as(&mut self, canvas: &Canvas) {
+        self.canvas.see_as(canvas);
+    }
+
+    /// The first picture of a snapshot.
+    pub fn first_picture(&mut self, snapshot: &Snapshot) -> Picture {
+        self.picture(snapshot, Self::SETTLING);
+        self.picture(snapshot, 0.0)
+    }
+
+    /// A picture of a snapshot, so much time after the one before \[s\].
+    pub fn picture(&mut self, snapshot: &Snapshot, passed: f64) -> Picture {
         self.time += passed;
-        let [width, height] = self.size.map(|pixels| pixels as f32);
-        let finer = ViewportInfo { native_pixels_per_point: Some(FINER as f32), ..ViewportInfo::default() };
+        let [width, height] = self.size.map(|points| points as f32);
+        let (fine, finer) = (FINER * self.scale, (FINER * self.scale) as f32);
+        let viewport = ViewportInfo { native_pixels_per_point: Some(finer), ..ViewportInfo::default() };
         let input = RawInput {
             screen_rect: Some(Rect::from_min_max(pos2(0.0, 0.0), (vec2(width, height)).to_pos2())),
-            viewports: std::iter::once((ViewportId::ROOT, finer)).collect(),
+            viewports: std::iter::once((ViewportId::ROOT, viewport)).collect(),
             time: Some(self.time),
             predicted_dt: passed as f32,
             ..RawInput::default()
@@ -53,18 +105,18 @@ impl Stage {
             let texture = self.textures.entry(*id).or_default();
             changes.iter().for_each(|change| texture.change(change));
         }
-        let mut raster = Raster::new(self.size.map(|pixels| FINER * pixels));
-        for shape in self.context.tessellate(output.shapes, FINER as f32) {
+        let mut raster = Raster::new(self.size.map(|points| fine * points));
+        for shape in self.context.tessellate(output.shapes, finer) {
             // A stage has no callbacks.
             let Primitive::Mesh(mesh) = &shape.primitive else { continue };
             if let Some(texture) = self.textures.get(&mesh.texture_id) {
-                raster.fill(mesh, texture, shape.clip_rect, FINER as f32);
+                raster.fill(mesh, texture, shape.clip_rect, finer);
             }
         }
         for id in &output.textures_delta.free {
             self.textures.remove(id);
         }
         output.textures_delta.clear();
-        raster.coarser(FINER)
+        Picture { size: self.size.map(|points| self.scale * points), rgba: raster.coarser(FINER) }
     }
 }

@@ -52,6 +52,15 @@ pub fn click(window: &mut Window, label: &str) {
     window.run_steps(3);
 }
 
+/// Answers the question for a path.
+pub fn type_path(window: &mut Window, path: &Path, button: &str) {
+    press_with(window, Modifiers::COMMAND, Key::A);
+    window.event(Event::Text(path.display().to_string()));
+    window.run_steps(2);
+    click(window, button);
+    window.run_steps(3);
+}
+
 /// Chooses a level in the picker, by its name.
 pub fn choose(window: &mut Window, name: &str) {
     click(window, "Level");

@@ -39,6 +39,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         }
         ("?", _) => assert!(window.query_by_label("Keys and mouse").is_some(), "{what}"),
         ("B", _) => assert!(window.state().comparison().is_some(), "{what}"),
+        ("I", _) => assert!(window.query_by_label("Save").is_some(), "{what} asks where to save the picture"),
         ("Ctrl+Z" | "Ctrl+Y", _) => {}
         (other, _) => panic!("{other} is in the table, but no test says what it does"),
     }

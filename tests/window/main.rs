@@ -12,6 +12,7 @@ mod hard;
 mod harness;
 mod keys;
 mod panels;
+mod picture;
 mod rest;
 mod stage;
 mod studies;

@@ -1,25 +1,17 @@
 //! Studies in the background, and plots that can be taken away.
 
 use crate::{folder::Folder, harness::*};
-use eframe::egui::{ColorImage, Event, Key, Modifiers, ViewportCommand};
+use eframe::egui::{ColorImage, Key, ViewportCommand};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use std::{fs, sync::Arc};
-
-/// Answers the question for a path.
-fn save_as(window: &mut Window, path: &std::path::Path) {
-    press_with(window, Modifiers::COMMAND, Key::A);
-    window.event(Event::Text(path.display().to_string()));
-    window.run_steps(2);
-    click(window, "Save");
-}
 
 /// Saves the numbers of a plot and returns them.
 fn table(window: &mut Window, button: &str) -> String {
     let folder = Folder::new(&button.to_lowercase().replace(' ', "-"));
     let path = folder.0.join("out.csv");
     click(window, button);
-    save_as(window, &path);
+    type_path(window, &path, "Save");
     assert!(
         window.state().notice().is_some_and(|notice| notice.starts_with("Saved as")),
         "{:?}",
@@ -59,7 +51,7 @@ fn saved_energies_have_a_head_that_tells_their_origin() {
 fn a_plot_that_cannot_be_saved_says_why() {
     let mut window = open("chain");
     click(&mut window, "Energies as CSV");
-    save_as(&mut window, &std::env::temp_dir().join("gingerbread-no-such-folder").join("out.csv"));
+    type_path(&mut window, &std::env::temp_dir().join("gingerbread-no-such-folder").join("out.csv"), "Save");
     assert!(window.state().notice().is_some_and(|notice| notice.contains("no-such-folder")));
     click(&mut window, "Energies as CSV");
     click(&mut window, "Cancel");
@@ -89,7 +81,7 @@ fn a_picture_of_a_plot_is_cut_from_the_pixels_of_the_window() {
     let grey = ColorImage::filled([1280, 800], eframe::egui::Color32::from_gray(90));
     asked.expect("the window is asked for its pixels").complete(Arc::new(grey));
     window.run_steps(3);
-    save_as(&mut window, &path);
+    type_path(&mut window, &path, "Save");
     let bytes = fs::read(&path).unwrap();
     let size = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!(&bytes[1..4], b"PNG");

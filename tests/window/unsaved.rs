@@ -1,7 +1,7 @@
 //! Changes that are not saved: nothing replaces them, and nothing closes the window over them, without a question.
 
 use crate::harness::*;
-use eframe::egui::{Event, Key, Modifiers, ViewportCommand, ViewportEvent, ViewportId};
+use eframe::egui::{Key, Modifiers, ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::materials::Model;
 use std::path::{Path, PathBuf};
@@ -48,14 +48,6 @@ fn changed() -> Window {
 
 fn model(window: &Window) -> Model {
     window.state().snapshot().bodies[0].material.model().unwrap()
-}
-
-fn type_path(window: &mut Window, path: &Path, button: &str) {
-    press_with(window, Modifiers::COMMAND, Key::A);
-    window.event(Event::Text(path.display().to_string()));
-    window.run_steps(2);
-    click(window, button);
-    window.run_steps(3);
 }
 
 #[test]

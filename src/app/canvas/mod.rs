@@ -75,6 +75,8 @@ pub struct Canvas {
     scenery: Scenery,
     snow: Snow,
     surfaces: Surfaces,
+    /// Its size in the last frame [points].
+    size: Vec2,
     /// View of a scene in space, and the generation that it was chosen for.
     orbit: Option<(u64, Orbit)>,
     /// Time until which the hint is shown \[s\].
@@ -105,6 +107,7 @@ impl Canvas {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::CLICK | Sense::DRAG);
         describe(&response, snapshot, options.name);
         let canvas = response.rect;
+        self.size = canvas.size();
         let space = (snapshot.dimension == 3).then(|| self.space_camera(ui, &response, (snapshot, options.bare)));
         let camera = space.map_or_else(|| camera(snapshot, canvas), |space| Camera::of_scale(canvas, space.length()));
         let view = View { camera, theme: Theme::of(ui.ctx()) };
@@ -128,6 +131,16 @@ impl Canvas {
         if ui.is_rect_visible(canvas) {
             self.draw(&painter, &frame, response.hover_pos());
         }
+    }
+
+    /// Its size in the last frame [points].
+    pub const fn size(&self) -> Vec2 {
+        self.size
+    }
+
+    /// Sees a scene in space from where another canvas does.
+    pub const fn see_as(&mut self, other: &Self) {
+        self.orbit = other.orbit;
     }
 
     /// The camera of a scene in space, after the gestures of this frame: a drag of the right button turns, one of the middle button or with

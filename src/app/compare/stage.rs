@@ -73,7 +73,12 @@ impl Stage {
         self.asked.iter().all(|(_, command)| command.is_of_the_hand())
     }
 
-    /// Canvas of pane B, for a stage where only B is kept.
+    /// Canvas of pane B.
+    pub const fn canvas(&self) -> &Canvas {
+        &self.canvas
+    }
+
+    /// The same, for a stage where only B is kept.
     pub fn into_canvas(self) -> Canvas {
         self.canvas
     }

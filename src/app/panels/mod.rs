@@ -76,6 +76,8 @@ pub struct View {
     pub studies: studies::StudiesSettings,
     /// The plot whose picture is being taken.
     pub sitting: Option<plotting::Sitting>,
+    /// Whether the stage is to be drawn into a picture.
+    pub takes_picture: bool,
     /// Requests for the two panes.
     pub panes: Vec<panes::PaneRequest>,
     /// Whether the ledger of effects is open. Effects are timed only then.
@@ -301,6 +303,10 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
         }
         KeyAction::ToggleComparison => {
             view.panes.push(panes::PaneRequest::Toggle);
+            None
+        }
+        KeyAction::TakePicture => {
+            view.takes_picture = true;
             None
         }
         KeyAction::Mouse => None,

@@ -57,7 +57,7 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
     let places = [When::Edit, When::Moving, When::Test];
     let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.applies(now));
-    let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "?"].contains(&binding.label));
+    let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "I", "?"].contains(&binding.label));
     // A toy has no vertices to pin, pull or push, and no damping.
     let of_vertices = |binding: &Binding| ["Click", "Drag", "Arrows", "X"].contains(&binding.label);
     let special = special.filter(|binding| now.toy.is_none() || !of_vertices(binding));
@@ -101,6 +101,7 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
         ("D", _) if now.damping => "damping off",
         ("D", _) => "damping on",
         ("B", _) => "compare",
+        ("I", _) => "picture",
         ("?", _) => "all keys",
         _ => binding.words,
     }

@@ -134,6 +134,8 @@ struct Film {
     stage: Stage,
     snapshot: Snapshot,
     field: Field,
+    /// Steps that the level had taken when it was saved.
+    before: u64,
 }
 
 impl Film {
@@ -144,7 +146,9 @@ impl Film {
         sandbox.apply(Command::SetMode(mode.into())).map_err(fail)?;
         let field = request.colour.field();
         let options = Options { field, wireframe: request.wireframe, ..Options::default() };
+        let before = sandbox.simulation().state().steps;
         Ok(Self {
+            before,
             sandbox,
             stage: Stage::new((request.size, 1), request.theme == Theme::Dark, options),
             snapshot: Snapshot::default(),
@@ -179,7 +183,7 @@ impl Film {
             }
             taken += 1;
             progress.set(taken);
-            if Interrupt::seen().is_some() {
+            if Interrupt::seen().is_some() || self.sandbox.simulation().fault().is_some() {
                 break;
             }
         }
@@ -193,7 +197,7 @@ impl Film {
     /// Takes the steps that end nearest to a time of the run \[s\].
     fn run_to(&mut self, time: f64) {
         let step = self.sandbox.step_length();
-        let due = (time / step).round() as u64;
+        let due = self.before + (time / step).round() as u64;
         let taken = self.sandbox.simulation().state().steps;
         if due > taken {
             self.sandbox.advance(due - taken, &mut || Interrupt::seen().is_none());

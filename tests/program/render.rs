@@ -57,6 +57,17 @@ fn plane_space_and_toys_are_drawn_in_both_themes() {
     }
 }
 
+/// A level that was saved while it ran goes on from there.
+#[test]
+fn a_saved_level_is_drawn_from_its_state_on() {
+    let folder = Folder::new("render-saved");
+    let [saved, film] = ["saved.ron", "film.gif"].map(|name| folder.file(name));
+    assert!(gingerbread(&["run", "jelly_disk", "--seconds", "0.2", "--save", &saved]).status.success());
+    let ended = gingerbread(&["render", &saved, "--seconds", "0.4", "--rate", "10", "--size", "64x64", "--out", &film]);
+    assert!(said(&ended.stdout).contains("4 frames of 64 x 64 pixels"), "{}", said(&ended.stdout));
+    assert!(said(&ended.stdout).contains("to 0.500 s"), "{}", said(&ended.stdout));
+}
+
 #[test]
 fn what_cannot_be_drawn_is_told_and_leaves_no_file() {
     let folder = Folder::new("render-wrong");

@@ -1,11 +1,11 @@
 //! Finish: how cloth looks, by its colours, its pattern and its sheen. Nothing of it is physics.
 //!
 //! ```
-//! use gingerbread::finish::{Colour, Finish, Pattern};
+//! use gingerbread::{files, finish::{Colour, Finish, Pattern}};
 //!
-//! let finish: Finish = ron::from_str(r##"(front: "#c0392b", pattern: Checks)"##)?;
+//! let finish: Finish = files::parse_as(r##"(front: "#c0392b", pattern: Checks)"##, "finish")?;
 //! assert_eq!((finish.front, finish.pattern), (Some(Colour([0xc0, 0x39, 0x2b])), Pattern::Checks));
-//! # Ok::<(), ron::error::SpannedError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use crate::quantity::PatternSize;

@@ -85,7 +85,7 @@ enum Format {
     Png,
 }
 
-/// Greatest number of frames of a moving picture, whose frames are kept until it is written.
+/// Greatest number of frames of a moving picture, which is kept in memory until it is written.
 const MOST_FRAMES: f64 = 10_000.0;
 
 /// Draws a level while it runs. Shows progress. A signal stops it early; what was drawn is written then.

@@ -1,4 +1,4 @@
-//! Opens and saves levels and exports plots: native dialogs, and unsaved changes, which it asks about before they are lost.
+//! Opens and saves levels and exports plots and pictures: native dialogs, and unsaved changes, which it asks about before they are lost.
 //!
 //! Dialogs are polled so that the window never blocks. Where there are none (in a browser or on a minimal system), the result is
 //! [`DialogResult::Unavailable`], and the window shows a text input instead.
@@ -274,7 +274,7 @@ impl Purpose {
         match self {
             Self::Open => "Open a level",
             Self::Save(_) => "Save the level",
-            Self::Export(_) => "Save the plot",
+            Self::Export(_) => "Save the file",
         }
     }
 

@@ -76,6 +76,8 @@ pub enum Cause {
     Energy,
     /// The equations of an implicit step were not solved, or an error-controlled one was given up.
     Unsolved,
+    /// The equations of several steps in a row were not solved while so many triangles were inverted.
+    Inverted(usize),
 }
 
 impl Fault {
@@ -97,6 +99,20 @@ impl Fault {
             _ => crushed.map_or(Cause::Overflow, Cause::Crushed),
         };
         Self { step: state.steps + 1, time: state.time, culprit, cause }
+    }
+
+    /// Fault after [`Guard::UNSOLVED_STEPS`] steps whose equations were not solved, in a state with inverted triangles.
+    pub fn inverted(scene: &Scene, state: &State, count: usize) -> Self {
+        let triangles = scene.bodies.iter().flat_map(|body| {
+            let gradients = body.elements.gradients(&state.x).enumerate();
+            gradients.map(move |(number, (f, _))| (body, number, f.determinant()))
+        });
+        let culprit =
+            triangles.min_by(|(.., a), (.., b)| a.total_cmp(b)).map_or(Culprit::Toy, |(body, number, volume_ratio)| {
+                let number = body.mesh.numbering().element_name(number);
+                Culprit::Triangle { body: body.name.clone(), number, volume_ratio }
+            });
+        Self { step: state.steps + 1, time: state.time, culprit, cause: Cause::Inverted(count) }
     }
 }
 
@@ -159,12 +175,25 @@ impl std::fmt::Display for Culprit {
 impl std::fmt::Display for Fault {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { step, time, culprit, cause } = self;
-        write!(
-            out,
-            "Paused before step {step} (at {time:.3} s): that step would give positions or velocities that are not finite or far too large. "
-        )?;
-        write!(out, "{culprit}")?;
+        write!(out, "Paused before step {step} (at {time:.3} s): ")?;
+        if let Cause::Inverted(count) = cause {
+            let (most, were) = (Guard::UNSOLVED_STEPS, if *count == 1 { " was" } else { "s were" });
+            write!(
+                out,
+                "the equations of the last {most} steps were not solved, while {count} triangle{were} inverted (inside out)"
+            )?;
+            if let Culprit::Triangle { body, number, volume_ratio } = culprit {
+                write!(out, ", most of all triangle {number} of {body} (J = det F = {volume_ratio:.2e})")?;
+            }
+            write!(out, ". ")?;
+        } else {
+            write!(
+                out,
+                "that step would give positions or velocities that are not finite or far too large. {culprit}"
+            )?;
+        }
         match cause {
+            Cause::Inverted(_) => write!(out, "Choose a model that opposes inversion, or take shorter steps."),
             Cause::StepTooLong { limit: 0.0, .. } => {
                 write!(
                     out,

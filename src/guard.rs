@@ -59,6 +59,8 @@ pub struct Guard {
     stable_steps: u32,
     /// Stable steps before longer steps are tried again; doubled whenever that failed.
     retry_after: u32,
+    /// Steps in a row whose equations were left unsolved while triangles were inverted.
+    unsolved: u32,
 }
 
 /// Result of the check of a step.
@@ -85,6 +87,11 @@ impl Guard {
         (1..=Self::MOST).take_while(|level| f64::from(1 << level) <= most).last().unwrap_or(0)
     }
 
+    /// Steps in a row whose equations may be left unsolved while triangles are inverted. An inverted body that is approached from inside
+    /// itself has no contact force there, so that no position without a crossing may solve them; and each such step takes every iteration
+    /// of [`Newton`](crate::solvers::Newton::ITERATIONS).
+    pub const UNSOLVED_STEPS: u32 = 8;
+
     /// Energy from nowhere that is allowed over a run, as a multiple of the available energy.
     pub const EXCESS: f64 = 1.5;
 
@@ -110,6 +117,7 @@ impl Guard {
             level: self.level,
             quiet: self.stable_steps,
             retry: self.retry_after,
+            unsolved: self.unsolved,
         })
     }
 
@@ -230,6 +238,12 @@ impl Guard {
         self.level < Self::UNSOLVED.min(Self::most_level(step))
     }
 
+    /// Records whether the equations of a step were left unsolved while triangles were inverted. Returns whether stepping may go on.
+    pub const fn record_unsolved(&mut self, unsolved: bool) -> bool {
+        self.unsolved = if unsolved { self.unsolved.saturating_add(1) } else { 0 };
+        self.unsolved < Self::UNSOLVED_STEPS
+    }
+
     /// Raises the level once more after a stable length: just below the stability limit the energy of a scheme
     /// oscillates widely.
     pub fn refine_further(&mut self, most: u32) {
@@ -274,6 +288,7 @@ impl From<&SavedGuard> for Guard {
             level: saved.level.min(Self::MOST),
             stable_steps: saved.quiet,
             retry_after: saved.retry,
+            unsolved: saved.unsolved,
         }
     }
 }

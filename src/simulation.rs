@@ -67,7 +67,7 @@ pub struct Simulation {
     overlaps: Overlaps,
     /// Counts changes of the scene, the state, the pull, and steps.
     revision: u64,
-    /// Whether the last step left equations unsolved of which the rest is energy from nowhere.
+    /// Whether the last step left equations unsolved.
     is_unsolved: bool,
     /// First step that is counted; earlier ones were counted before.
     first: u64,
@@ -267,7 +267,8 @@ impl Simulation {
     ///
     /// Every step is checked. If one leaves NaN or infinity, or the [`Guard`] finds it unstable, the state before it is
     /// restored exactly. In a guarded scene the step is then taken in shorter ones; if that fails too, the fault is
-    /// kept until the state is set anew. Energies are checked at the end of each frame of 1/60 s, and within a frame where
+    /// kept until the state is set anew. A guarded scene also stops after [`Guard::UNSOLVED_STEPS`] steps whose equations were not
+    /// solved while triangles were inverted. Energies are checked at the end of each frame of 1/60 s, and within a frame where
     /// the kinetic energy has grown; see [`Self::check_energy`].
     ///
     /// Scripted actions are performed at their times; see [`Self::follow`].
@@ -342,6 +343,11 @@ impl Simulation {
         if !self.is_sound() {
             return self.retake();
         }
+        let inverted = if self.is_unsolved && self.is_guarded() { self.count_inverted() } else { 0 };
+        if !self.guard.record_unsolved(inverted > 0) {
+            self.fault = Some(Fault::inverted(&self.scene, &self.state, inverted));
+            return true;
+        }
         self.wake_pressed();
         // Replay from the checkpoint needs all steps since then to have one length.
         self.stale |= self.guard.record_stable_step();
@@ -396,8 +402,7 @@ impl Simulation {
             self.separate(h);
             self.integrate(h, [at(part), at(part + 1)]);
         }
-        let conserves = self.scene.integrator.kind().mean_forces() == MeanForces::All;
-        self.is_unsolved = conserves && self.scratch.counts.unconverged > unsolved;
+        self.is_unsolved = self.scratch.counts.unconverged > unsolved;
         if self.state.steps >= self.first {
             self.scratch.count_steps(1);
             self.scratch.counts.guarded += u64::from(parts > 1);
@@ -448,7 +453,9 @@ impl Simulation {
         if !self.is_guarded() {
             return true;
         }
-        if self.is_unsolved && self.guard.divides_unsolved(self.scene.step) {
+        // The rest of equations whose solution keeps the energy is energy from nowhere.
+        let conserves = self.scene.integrator.kind().mean_forces() == MeanForces::All;
+        if self.is_unsolved && conserves && self.guard.divides_unsolved(self.scene.step) {
             return false;
         }
         if !self.needs_energy_check() {
@@ -463,6 +470,11 @@ impl Simulation {
             verdict = self.guard.judge(&self.scene, Some(before), after);
         }
         verdict == Verdict::Fine
+    }
+
+    /// Number of inverted triangles of all bodies.
+    fn count_inverted(&self) -> usize {
+        self.scene.parts.iter().map(|part| part.inverted(&self.state.x)[0]).sum()
     }
 
     /// Whether a frame ends with the last step.

@@ -4,6 +4,7 @@
 mod common;
 
 use gingerbread::{
+    fault::{Cause, Culprit},
     files,
     guard::Guard,
     hard::{
@@ -12,6 +13,7 @@ use gingerbread::{
         random::{Outcome, Variation},
         row,
     },
+    inversion_recovery::Tangle,
     level::{Level, Substeps},
     levels::HARD,
     materials::Model,
@@ -19,6 +21,7 @@ use gingerbread::{
     quantity::Spin,
     report::Energies,
     scene::Scene,
+    simulation::Simulation,
     study::threads,
 };
 use std::{
@@ -523,6 +526,39 @@ fn random_variations_keep_the_bound_on_energy_from_nowhere() {
 }
 
 /// A random variation depends on seed and number alone, and so does its run.
+/// A crushed block is inside out and lies against itself, where its contact has no force: its equations have no solution without a
+/// crossing.
+#[test]
+fn unsolved_steps_with_inverted_triangles_stop_time() {
+    let case = case("drop_100");
+    let level =
+        Level { substeps: Substeps::nearest(1.0), ..case.level(Model::StVenantKirchhoff, Method::ImplicitEuler) };
+    let scene = Scene::build(&level, level.mode, &NoFiles, None).unwrap();
+    let opened = |scene: &Scene, level: &Level| Simulation::open(scene.clone(), level, level.mode).unwrap();
+    let mut run = opened(&scene, &level);
+    run.advance(60, &mut || true);
+    let fault = run.fault().unwrap().clone();
+    let Cause::Inverted(count) = fault.cause else { panic!("{fault}") };
+    assert_eq!(count, Tangle::of_all(run.scene(), &run.state().x).inverted);
+    assert!(matches!(fault.culprit, Culprit::Triangle { volume_ratio, .. } if volume_ratio < 0.0), "{fault}");
+    let text = fault.to_string();
+    assert!(
+        text.contains("equations of the last 8 steps were not solved") && text.contains("opposes inversion"),
+        "{text}"
+    );
+    // One that is saved among these steps stops at the same one.
+    let mut saved = opened(&scene, &level);
+    saved.advance(fault.step - 4, &mut || true);
+    let level = Level { state: saved.saved(), ..level };
+    let mut again = opened(&scene, &level);
+    again.advance(60, &mut || true);
+    assert_eq!(again.fault(), Some(&fault));
+    // Without the guard it goes on, unsolved.
+    let mut unguarded = opened(&Scene { guard: false, ..scene }, &Level { state: None, ..level });
+    assert_eq!(unguarded.advance(40, &mut || true), 40);
+    assert!(unguarded.counts().unconverged > u64::from(Guard::UNSOLVED_STEPS));
+}
+
 #[test]
 fn random_variations_can_be_repeated() {
     let variation = |seed, number| Variation::new(seed, number).unwrap();

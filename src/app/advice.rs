@@ -231,6 +231,7 @@ impl Facts {
             Trouble::Fault(fault::Cause::StepTooLong { .. }) => Cause::NeverStable,
             Trouble::Fault(fault::Cause::Crushed(_)) => Cause::Crushed,
             Trouble::Fault(fault::Cause::Unsolved) => Cause::Unsolved,
+            Trouble::Fault(fault::Cause::Inverted(_)) => weak.unwrap_or(Cause::Unsolved),
             Trouble::Inverted | Trouble::Exploded | Trouble::Fault(fault::Cause::Overflow | fault::Cause::Energy) => {
                 unstable.or(weak).unwrap_or(Cause::Forces)
             }
@@ -438,6 +439,7 @@ mod tests {
             fault::Cause::Overflow,
             fault::Cause::Energy,
             fault::Cause::Unsolved,
+            fault::Cause::Inverted(3),
         ];
         let loads = [(0.001, 1.0), (0.1, 1.0), (0.1, 64.0), (10.0, 64.0)];
         let slow = loads.map(|(physics, effort)| Trouble::Slow(Load { physics, effort }));
@@ -495,7 +497,7 @@ mod tests {
                             let shorter = step / f64::from(*factor);
                             let stable = |limit: f64| shorter * MARGIN <= limit * 1.001;
                             match trouble {
-                                Trouble::Fault(fault::Cause::Unsolved) => true,
+                                Trouble::Fault(fault::Cause::Unsolved | fault::Cause::Inverted(_)) => true,
                                 Trouble::Fault(fault::Cause::StepTooLong { limit, .. }) => stable(limit),
                                 _ => above && matches!(facts.limit, Limit::Step(limit) if stable(limit)),
                             }

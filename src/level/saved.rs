@@ -90,6 +90,14 @@ pub struct SavedGuard {
     pub quiet: u32,
     /// After how many of them longer steps are tried again.
     pub retry: u32,
+    /// Steps in a row whose equations were left unsolved while triangles were inverted.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unsolved: u32,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+const fn is_zero(count: &u32) -> bool {
+    *count == 0
 }
 
 fn finite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {

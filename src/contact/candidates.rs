@@ -52,6 +52,8 @@ pub struct Candidates {
     near: f64,
     coarse: List,
     fine: List,
+    /// Pairs of the fine list that can touch at all.
+    touching: Vec<Pair>,
     /// Pairs that may touch however far apart they are.
     deep: Vec<Pair>,
     grid: Grid,
@@ -71,8 +73,15 @@ struct List {
 const SPARE: f64 = 0.2;
 
 impl Candidates {
-    /// Makes the list contain all pairs within a distance \[m\] at positions x \[m\].
-    pub fn update<const D: usize>(&mut self, surface: &impl Surfaces<D>, x: &[f64], near: f64) {
+    /// Makes the list contain all pairs within a distance \[m\] at positions x \[m\]. `can_touch` tells which of them contact may act
+    /// between wherever they are.
+    pub fn update<const D: usize>(
+        &mut self,
+        surface: &impl Surfaces<D>,
+        x: &[f64],
+        near: f64,
+        can_touch: impl Fn(Pair) -> bool,
+    ) {
         let enough = near <= self.near;
         if enough && self.fine.holds::<D>(surface.vertices(), x, SPARE * self.near) {
             return;
@@ -80,7 +89,7 @@ impl Candidates {
         self.near = near;
         // Each vertex may move by its own spare distance with either list.
         let (within, spare) = ((1.0 + 2.0 * SPARE) * near, surface.spare());
-        let Self { coarse, fine, grid, .. } = self;
+        let Self { coarse, fine, touching, grid, .. } = self;
         if !(enough && coarse.holds::<D>(surface.vertices(), x, spare)) {
             surface.find(grid, x, within + 2.0 * spare, &mut coarse.pairs);
             coarse.mark::<D>(surface.vertices(), x);
@@ -88,6 +97,8 @@ impl Candidates {
         fine.pairs.clear();
         fine.pairs.extend(coarse.pairs.iter().filter(|pair| surface.is_within(x, **pair, within)));
         fine.mark::<D>(surface.vertices(), x);
+        touching.clear();
+        touching.extend(fine.pairs.iter().filter(|pair| can_touch(**pair)));
     }
 
     /// Sets the pairs that may touch however far apart they are.
@@ -103,15 +114,20 @@ impl Candidates {
         &self.fine.pairs
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.fine.pairs.is_empty() && self.deep.is_empty()
+    /// Those of them that can touch.
+    pub fn touching(&self) -> &[Pair] {
+        &self.touching
     }
 
-    /// The pairs that are near each other as `is_near` tells, and those that may touch anyway, in their order.
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.touching.is_empty() && self.deep.is_empty()
+    }
+
+    /// The pairs that can touch and are near each other as `is_near` tells, and those that may touch anyway, in their order.
     pub fn each(&self, is_near: impl Fn(Pair) -> bool, mut act: impl FnMut(Pair)) {
         let mut deep = self.deep.iter().copied().peekable();
-        for pair in self.fine.pairs.iter().copied() {
+        for pair in self.touching.iter().copied() {
             while let Some(earlier) = deep.next_if(|deep| *deep < pair) {
                 act(earlier);
             }

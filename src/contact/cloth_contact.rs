@@ -40,7 +40,7 @@ pub struct ClothContact {
     /// Greatest area of a vertex of each part, twice its share \[m²\].
     areas: Vec<f64>,
     /// Pairs of a part that are within their skin at rest, which do not touch, ascending.
-    excluded: Vec<Pair>,
+    pub(super) excluded: Vec<Pair>,
     /// Greatest thickness of the skin \[m\].
     reach: f64,
     /// The triangles, for the exact test.
@@ -117,19 +117,6 @@ impl ClothContact {
         &self.between[one as usize * self.mesh.surface().parts() + other as usize]
     }
 
-    /// Whether the surfaces of a pair can touch.
-    fn can_touch(&self, pair: Pair) -> bool {
-        let is_apart = self.between(self.parts_of(pair)).is_apart;
-        let is_connected = || match self.mesh.members(pair) {
-            ClothPair::Vertex(triangle, place) => {
-                let vertex = self.mesh.surface().at(place).vertex;
-                self.mesh.triangles()[triangle as usize].corners.contains(&vertex)
-            }
-            ClothPair::Edges(..) => false,
-        };
-        !is_apart && !is_connected() && self.excluded.binary_search(&pair).is_err()
-    }
-
     /// Calls `act` for everything that touches in the candidates. Most of them are too far apart.
     fn each_of_all(&self, motion: Motion<'_>, candidates: &Candidates, act: &mut dyn FnMut(Pair, &ClothTouch)) {
         /// Far more than the round-off of a distance.
@@ -149,11 +136,8 @@ impl ClothContact {
         part != vertex.part || dot(between, between) > far * far
     }
 
-    /// Calls `act` for everything that touches in a pair. `penetrates` says whether [some contacts do](penetrates).
+    /// Calls `act` for everything that touches in a pair that can. `penetrates` says whether [some contacts do](penetrates).
     fn each_of(&self, (motion, penetrates): (Motion<'_>, bool), pair: Pair, act: &mut dyn FnMut(&ClothTouch)) {
-        if !self.can_touch(pair) {
-            return;
-        }
         match self.mesh.members(pair) {
             ClothPair::Vertex(triangle, place) => {
                 let vertex = *self.mesh.surface().at(place);
@@ -248,12 +232,12 @@ impl SurfaceTerm for ClothContact {
     }
 
     fn update(&self, candidates: &mut Candidates, x: &[f64], _: &[Anchor]) {
-        candidates.update(&self.mesh, x, self.reach());
+        candidates.update(&self.mesh, x, self.reach(), |pair| self.can_touch(pair));
     }
 
     fn add_near(&self, candidates: &Candidates, x: &[f64], near: &mut Vec<Pair>) {
-        let is_near = |pair: &&Pair| self.mesh.is_within(x, **pair, self.reach()) && self.can_touch(**pair);
-        near.extend(candidates.pairs().iter().filter(is_near));
+        let is_near = |pair: &&Pair| self.mesh.is_within(x, **pair, self.reach());
+        near.extend(candidates.touching().iter().filter(is_near));
     }
 
     fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {

@@ -28,6 +28,18 @@ impl MeetingPairs<3, 4> for ClothContact {
         self.between(parts).is_apart
     }
 
+    fn can_touch(&self, pair: Pair) -> bool {
+        let is_apart = self.are_apart(self.parts(pair));
+        let is_connected = || match self.mesh().members(pair) {
+            ClothPair::Vertex(triangle, place) => {
+                let vertex = self.mesh().surface().at(place).vertex;
+                self.mesh().triangles()[triangle as usize].corners.contains(&vertex)
+            }
+            ClothPair::Edges(..) => false,
+        };
+        !is_apart && !is_connected() && self.excluded.binary_search(&pair).is_err()
+    }
+
     fn thickness(&self, pair: Pair) -> f64 {
         self.between(self.parts_of(pair)).potential.thickness
     }

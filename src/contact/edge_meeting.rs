@@ -54,6 +54,15 @@ impl MeetingPairs<2, 3> for SurfaceContact {
         !self.between(one, other).touch()
     }
 
+    fn can_touch(&self, pair: Pair) -> bool {
+        let (edge, vertex) = self.members(pair);
+        let touch = self.between(edge.part, vertex.part).touch();
+        if edge.part != vertex.part {
+            return touch;
+        }
+        !edge.ends.contains(&vertex.vertex) && touch && !self.excluded(pair[0]).contains(&pair)
+    }
+
     fn thickness(&self, pair: Pair) -> f64 {
         let [one, other] = self.parts(pair);
         self.between(one, other).potential.thickness

@@ -101,17 +101,10 @@ impl SurfaceContact {
         length([point[0] - px, point[1] - py])
     }
 
-    /// Whether an edge and a vertex can touch.
-    fn can_touch(&self, pair: Pair) -> bool {
-        let (edge, vertex) = self.members(pair);
-        let touch = self.between(edge.part, vertex.part).touch();
-        if edge.part != vertex.part {
-            return touch;
-        }
-        let is_end = edge.ends.contains(&vertex.vertex);
-        let from = pair[0] as usize;
-        let excluded = &self.excluded[self.excluded_from[from]..self.excluded_from[from + 1]];
-        !is_end && touch && !excluded.contains(&pair)
+    /// Pairs of an edge that are within their skin at rest, which do not touch.
+    pub(super) fn excluded(&self, edge: u32) -> &[Pair] {
+        let edge = edge as usize;
+        &self.excluded[self.excluded_from[edge]..self.excluded_from[edge + 1]]
     }
 
     /// Whether the vertex of a pair is inside the part of the edge.
@@ -154,9 +147,6 @@ impl SurfaceContact {
     /// Calls `act` for everything that touches in a pair.
     fn each_of(&self, motion: Motion<'_>, pair: Pair, act: &mut dyn FnMut(&Touch)) {
         let (edge, vertex) = self.members(pair);
-        if !self.can_touch(pair) {
-            return;
-        }
         let query = self.query(motion.x, pair);
         // A vertex inside its own body may be next to the opposite boundary; one that began inside another body is let out.
         let is_own = edge.part == vertex.part;
@@ -258,19 +248,20 @@ impl SurfaceTerm for SurfaceContact {
 
     /// Vertices with an initial penetration touch their edges and the neighbours of these at any depth.
     fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
-        candidates.update(&*self.surface, x, self.reach());
+        candidates.update(&*self.surface, x, self.reach(), |pair| self.can_touch(pair));
         let deep = self.own_anchors(anchors).iter().filter(|anchor| anchor.penetration > 0.0);
-        candidates.set_deep(deep.flat_map(|anchor| {
+        let deep = deep.flat_map(|anchor| {
             let edge = anchor.contact.surface;
             let [before, after] = self.surface.edges()[edge as usize].neighbours;
             let place = self.surface.place_of(anchor.contact.vertex);
             [before, edge, after].into_iter().filter_map(move |edge| Some([edge, place?]))
-        }));
+        });
+        candidates.set_deep(deep.filter(|pair| self.can_touch(*pair)));
     }
 
     fn add_near(&self, candidates: &Candidates, x: &[f64], near: &mut Vec<Pair>) {
-        let is_near = |pair: &&Pair| self.can_touch(**pair) && self.distance(x, **pair) < self.reach();
-        near.extend(candidates.pairs().iter().filter(is_near));
+        let is_near = |pair: &&Pair| self.distance(x, **pair) < self.reach();
+        near.extend(candidates.touching().iter().filter(is_near));
     }
 
     fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {

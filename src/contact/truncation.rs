@@ -117,6 +117,9 @@ pub(super) trait MeetingPairs<const D: usize, const N: usize> {
     /// Whether two parts do not touch.
     fn are_apart(&self, parts: [u32; 2]) -> bool;
 
+    /// Whether contact may act between the surfaces of a pair.
+    fn can_touch(&self, pair: Pair) -> bool;
+
     /// Thickness of the skin between the surfaces of a pair \[m\].
     fn thickness(&self, pair: Pair) -> f64;
 
@@ -173,7 +176,7 @@ pub(super) trait MeetingPairs<const D: usize, const N: usize> {
             return;
         }
         if farthest <= self.near() {
-            candidates.update(self.surfaces(), start, self.near());
+            candidates.update(self.surfaces(), start, self.near(), |pair| self.can_touch(pair));
             let may_meet =
                 |pair: &&Pair| self.surfaces().is_within(start, **pair, farthest + FLOOR * self.thickness(**pair));
             pairs.extend(candidates.pairs().iter().filter(may_meet));

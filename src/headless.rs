@@ -5,16 +5,20 @@
 
 mod ending;
 mod hard;
+mod overrides;
 mod progress;
 mod report;
+mod series;
 mod study;
 
 pub use ending::{EXIT_CODES, Ending, Outputs};
 pub use hard::{Hard, hard};
+pub use overrides::Overrides;
 pub use progress::{Interrupt, PER_CENT, Progress, ProgressOptions};
 pub use report::{
     Beginning, EffectReport, EndState, EnergyReport, GREATEST_GAIN, GREATEST_J, RunReport, SubstepReport,
 };
+pub use series::{Probe, Series};
 pub use study::{Study, study};
 
 use crate::{
@@ -23,7 +27,6 @@ use crate::{
     inversion_recovery::untangled,
     level::{Level, RunMode},
     levels,
-    materials::Model,
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
@@ -52,9 +55,9 @@ pub struct RunRequest {
     /// Put bodies that lie over themselves where they are free of folds, before the first step.
     #[arg(long)]
     pub untangle: bool,
-    /// Constitutive model for every body, instead of the level's own.
-    #[arg(long, value_parser = model)]
-    pub model: Option<Model>,
+    /// Settings that replace the level's own.
+    #[command(flatten)]
+    pub overrides: Overrides,
     /// Number of threads that share large bodies; as many as there are cores if not given. The same bits come of any number.
     #[arg(long, value_parser = thread_count)]
     pub threads: Option<usize>,
@@ -65,6 +68,16 @@ pub struct RunRequest {
     /// clocks slow it down; all other times are those of the first, without clocks.
     #[arg(long)]
     pub report: Option<PathBuf>,
+    /// Write quantities over time here, as CSV.
+    #[arg(long)]
+    pub csv: Option<PathBuf>,
+    /// Quantities over time, separated by commas: energy, momentum, `min_j`, vertex:NUMBER, and of a toy its numbers; energy, or those of a toy,
+    /// if not given.
+    #[arg(long, value_name = "PROBES", value_delimiter = ',', requires = "csv")]
+    pub probe: Vec<Probe>,
+    /// Simulated time between two rows of them \[s\]; 1/60 if not given.
+    #[arg(long, value_name = "SECONDS", requires = "csv", value_parser = interval, allow_negative_numbers = true)]
+    pub every: Option<f64>,
     /// Save the level with its last state here, to go on from.
     #[arg(long)]
     pub save: Option<PathBuf>,
@@ -117,21 +130,19 @@ impl HeadlessError {
 /// written.
 pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     let mut level = read(&request.level)?;
-    let options =
-        [("--state", request.state.as_ref()), ("--report", request.report.as_ref()), ("--save", request.save.as_ref())];
+    let options = [
+        ("--state", &request.state),
+        ("--report", &request.report),
+        ("--csv", &request.csv),
+        ("--save", &request.save),
+    ]
+    .map(|(option, path)| (option, path.as_ref()));
     let mut outputs = Outputs::new(&options, &inputs(&request.level, &level))?;
-    if level.bodies.is_empty() && (request.model.is_some() || request.untangle) {
-        let why = Refused::NotHere("there is no body here to be of another material or to be untangled");
+    if level.bodies.is_empty() && request.untangle {
+        let why = Refused::NotHere("there is no body here to be untangled");
         return Err(HeadlessError::Level { file: request.level.display().to_string(), why });
     }
-    if let Some(model) = request.model {
-        for body in &mut level.bodies {
-            body.material = body.material.try_with_model(model).map_err(|why| HeadlessError::Level {
-                file: request.level.display().to_string(),
-                why: Refused::Material(why),
-            })?;
-        }
-    }
+    request.overrides.apply(&mut level, &request.level)?;
     let mut simulation = prepared(request, &level)?;
     let warnings = simulation.scene().warnings(simulation.state());
     ending::warn(&request.level.display().to_string(), &warnings);
@@ -140,8 +151,9 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     share_partitions(request.threads.unwrap_or_else(threads));
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
+    let mut series = series(request, &simulation)?;
     let begin = Instant::now();
-    step_with_progress(&request.progress_options, &mut simulation, steps, "steps");
+    step_with_progress(&request.progress_options, &mut simulation, (steps, "steps"), series.as_mut());
     let wall_seconds = begin.elapsed().as_secs_f64();
     let mut report = RunReport::new(&level, &simulation, wall_seconds);
     (report.warnings, report.end_state) = (warnings, EndState::of(&beginning, &simulation));
@@ -154,8 +166,8 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         step_with_progress(
             &request.progress_options,
             &mut timed,
-            steps,
-            "steps of the second run, which measures effects,",
+            (steps, "steps of the second run, which measures effects,"),
+            None,
         );
         match stopped(timed.counts().steps) {
             None => report.set_effects(&level, &timed),
@@ -168,6 +180,10 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
         Ok(csv(&simulation, head))
     });
+    if let Some(series) = series {
+        let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
+        outputs.write("--csv", |_| Ok(series.text(head)));
+    }
     outputs.write("--report", |_| {
         serde_json::to_string_pretty(&report).map(|json| json + "\n").map_err(|error| error.to_string())
     });
@@ -291,8 +307,23 @@ fn prepared(request: &RunRequest, level: &Level) -> Result<Simulation, HeadlessE
     Ok(simulation)
 }
 
-/// Steps `steps` times, or less often if a fault or a signal occurs.
-fn step_with_progress(progress_options: &ProgressOptions, simulation: &mut Simulation, steps: u64, unit: &'static str) {
+/// Quantities over time, with their first row, if they are asked for.
+fn series(request: &RunRequest, simulation: &Simulation) -> Result<Option<Series>, HeadlessError> {
+    let Some(path) = &request.csv else { return Ok(None) };
+    let usual = [if simulation.scene().toy.is_some() { Probe::Numbers } else { Probe::Energy }];
+    let probes = if request.probe.is_empty() { &usual[..] } else { &request.probe };
+    let series = Series::new(probes, request.every.unwrap_or(1.0 / 60.0), simulation);
+    let refuse = |why| FileError::Access { file: format!("--csv {}", path.display()), why };
+    Ok(Some(series.map_err(refuse)?))
+}
+
+/// Steps as many times as wanted, or less often if a fault or a signal occurs, and adds rows to a series.
+fn step_with_progress(
+    progress_options: &ProgressOptions,
+    simulation: &mut Simulation,
+    (steps, unit): (u64, &'static str),
+    mut series: Option<&mut Series>,
+) {
     // Time between two checks for a signal and two updates of the bar. Slow steps are taken one by one.
     const POLL_INTERVAL: Duration = Duration::from_millis(200);
     let progress = Progress::new(progress_options, steps, unit);
@@ -300,8 +331,12 @@ fn step_with_progress(progress_options: &ProgressOptions, simulation: &mut Simul
     let (mut taken, mut piece) = (0, 1);
     while taken < steps && simulation.fault().is_none() && Interrupt::seen().is_none() {
         let begin = Instant::now();
-        let asked = piece.min(steps - taken);
+        let to_row = series.as_ref().map_or(u64::MAX, |series| series.steps_to_row(simulation));
+        let asked = piece.min(steps - taken).min(to_row);
         let done = simulation.advance(asked, &mut || Interrupt::seen().is_none());
+        if let Some(series) = series.as_mut().filter(|_| done == to_row) {
+            series.record(simulation);
+        }
         taken += done;
         progress.set(taken);
         if begin.elapsed() > POLL_INTERVAL {
@@ -344,6 +379,12 @@ fn thread_count(text: &str) -> Result<usize, String> {
     count.ok_or_else(|| "expected a number of threads in [1, 1024]".to_owned())
 }
 
+/// Parses the time between two rows of a table.
+fn interval(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value: &f64| *value > 0.0 && *value <= 1e9);
+    value.ok_or_else(|| "expected more than 0 and at most 1e9 seconds".to_owned())
+}
+
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     if value.is_finite() && (0.0..=1e9).contains(&value) {
@@ -351,10 +392,4 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     } else {
         Err("expected at least 0 and at most 1e9 seconds".to_owned())
     }
-}
-
-fn model(text: &str) -> Result<Model, String> {
-    let names: Vec<_> = Model::ALL.iter().map(|model| model.name()).collect();
-    let known = Model::ALL.iter().find(|model| model.name().eq_ignore_ascii_case(text));
-    known.copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }

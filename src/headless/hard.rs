@@ -45,7 +45,7 @@ pub struct Hard {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub seeds: Option<u32>,
     /// One constitutive model instead of all.
-    #[arg(long, value_parser = super::model)]
+    #[arg(long, value_parser = super::overrides::model)]
     pub model: Option<Model>,
     /// One integrator instead of all.
     #[arg(long, value_parser = method)]

@@ -1,6 +1,9 @@
 //! `gingerbread study`: measures accuracy and its cost.
 
-use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Progress as Shown, ProgressOptions, ending};
+use super::{
+    Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Progress as Shown, ProgressOptions, ending,
+    overrides::integrator,
+};
 use crate::{
     files,
     integrators::IntegratorKind,
@@ -314,13 +317,6 @@ pub(super) fn with_progress(
     }
     // An unfinished job never shows 100 %.
     Ok(done.min(0.999))
-}
-
-fn integrator(text: &str) -> Result<IntegratorKind, String> {
-    let mut known = IntegratorKind::all();
-    let names: Vec<_> = known.iter().map(IntegratorKind::name).collect();
-    let found = names.iter().position(|name| name.eq_ignore_ascii_case(text));
-    found.map(|at| known.swap_remove(at)).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 fn substeps(text: &str) -> Result<Substeps, String> {

@@ -65,7 +65,8 @@ pub struct Moment {
 }
 
 impl Moment {
-    fn of(simulation: &Simulation, time: f64) -> Self {
+    /// Energy and momentum now, at a time \[s\].
+    pub fn of(simulation: &Simulation, time: f64) -> Self {
         let state = simulation.state();
         let crate::scene::Scene { mass, dimension, .. } = simulation.scene();
         let points = state.x.chunks_exact(*dimension).zip(state.v.chunks_exact(*dimension));

@@ -162,11 +162,98 @@ fn wrong_arguments_and_missing_files_exit_with_2() {
         (vec!["run", "gingerbread", "--seconds", "-1"], "at least 0 and at most 1e9 seconds"),
         (vec!["run", "gingerbread", "--seconds", "soon"], "number of seconds"),
         (vec!["run", "gingerbread", "--model", "jelly"], "NeoHookean"),
+        (vec!["run", "gingerbread", "--integrator", "x"], "SymplecticEuler"),
+        (vec!["run", "gingerbread", "--step", "0.1"], "1/60"),
+        (vec!["run", "gingerbread", "--step", "-1"], "1/60"),
     ] {
         let output = gingerbread(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(said(&output.stderr).contains(expected), "{arguments:?}: {}", said(&output.stderr));
     }
+}
+
+/// Cells of a CSV, row by row; the first row are the names of the columns.
+fn cells(path: &str) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(path).unwrap();
+    text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn quantities_over_time_are_those_of_the_run() {
+    let folder = Folder::new("series");
+    let [csv, state, report] = ["series.csv", "state.csv", "report.json"].map(|name| folder.file(name));
+    for (level, dimension, probes) in [
+        ("gingerbread_house", 2, "energy,momentum,min_j,vertex:3"),
+        ("cloth_folding", 3, "energy,momentum,vertex:3"),
+        ("hanging_net", 2, "energy,vertex:3"),
+    ] {
+        let arguments = ["run", level, "--seconds", "0.1", "--every", "0.02", "--probe", probes, "--csv", &csv];
+        let output = gingerbread(&[&arguments[..], &["--state", &state, "--report", &report]].concat());
+        assert!(output.status.success(), "{level}: {}", said(&output.stderr));
+        let (rows, last) = (cells(&csv), cells(&state));
+        assert_eq!(rows.len(), 7, "{level}: names, and 0 to 0.1 s");
+        for (row, time) in rows[1..].iter().zip([0.0, 0.02, 0.04, 0.06, 0.08, 0.1]) {
+            assert_eq!(row.len(), rows[0].len());
+            assert!((row[0].parse::<f64>().unwrap() - time).abs() < 1e-3, "{level}: {} at {time} s", row[0]);
+        }
+        let number = |name: &str| &rows[6][rows[0].iter().position(|column| column == name).unwrap()];
+        assert_eq!(rows[6][rows[0].len() - 2 * dimension..], last[4][1..], "{level}: the same digits");
+        let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+        let near = |name: &str, other: &serde_json::Value| {
+            let (one, other) = (number(name).parse::<f64>().unwrap(), other.as_f64().unwrap());
+            assert!((one - other).abs() <= 1e-12 * other.abs(), "{level}: {name} {one} {other}");
+        };
+        near("energy", &report["energy"]["total"]);
+        if level == "gingerbread_house" {
+            near("min_j", &report["min_j"]);
+            assert!(number("momentum_y").parse::<f64>().unwrap() < 0.0, "he falls");
+        }
+    }
+    // A toy has its numbers and the exact ones.
+    assert!(gingerbread(&["run", "circle", "--seconds", "0.1", "--csv", &csv]).status.success());
+    let rows = cells(&csv);
+    assert_eq!((rows.len(), rows[0].len()), (8, 5), "{rows:?}");
+    for (arguments, why) in [
+        (&["cantilever", "--probe", "vertex:99999"][..], "its vertices are 0 to "),
+        (&["cantilever", "--probe", "numbers"], "it is no toy"),
+        (&["hanging_net", "--probe", "energy,min_j"], "it has no bodies"),
+        (&["circle", "--probe", "vertex:0"], "a toy has numbers alone"),
+        (&["cantilever", "--probe", "heat"], "min_j"),
+        (&["cantilever", "--every", "0"], "more than 0"),
+    ] {
+        let output = gingerbread(&[&["run", "--csv", &csv], arguments].concat());
+        let told = said(&output.stderr);
+        assert_eq!((output.status.code(), told.contains(why)), (Some(2), true), "{arguments:?}: {told}");
+    }
+}
+
+#[test]
+fn model_integrator_and_step_replace_those_of_the_level() {
+    let folder = Folder::new("overrides");
+    let (report, saved, again) = (folder.file("report.json"), folder.file("saved.ron"), folder.file("again.ron"));
+    let run = |level: &str, saved: &str, arguments: &[&str]| -> (serde_json::Value, String) {
+        let all = [&["run", level, "--steps", "3", "--report", &report, "--save", saved], arguments].concat();
+        let output = gingerbread(&all);
+        assert!(output.status.success(), "{all:?}: {}", said(&output.stderr));
+        let read = |path: &str| fs::read_to_string(path).unwrap();
+        (serde_json::from_str(&read(&report)).unwrap(), read(saved))
+    };
+    let schemes =
+        [("e", "ForwardEuler"), ("t", "Heun"), ("r", "RungeKutta4"), ("i", "ImplicitEuler"), ("bdf2", "Bdf2")];
+    for (short, name) in schemes {
+        let settings = ["--integrator", short, "--step", "0.001", "--model", "NeoHookean"];
+        let (told, level) = run("cantilever", &saved, &settings);
+        assert_eq!((&told["integrator"], told["step_seconds"].as_f64()), (&name.into(), Some(1.0 / 1020.0)), "{short}");
+        assert!(
+            level.contains(name) && level.contains("model: NeoHookean") && level.contains("substeps: 17"),
+            "{level}"
+        );
+    }
+    // Cloth has models too, and what a scheme remembers is of no use to another one.
+    let (_, level) = run("cloth_folding", &saved, &["--model", "Corotated", "--integrator", "Bdf2"]);
+    assert!(level.contains("model: Corotated") && level.contains("memory"), "{level}");
+    let (_, level) = run(&saved, &again, &["--integrator", "Heun"]);
+    assert!(!level.contains("memory"), "{level}");
 }
 
 #[test]

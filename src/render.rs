@@ -1,13 +1,15 @@
-//! `gingerbread render`: pictures and moving pictures of the stage, without a window or a display.
+//! `gingerbread render`: pictures and films of the stage, without a window or a display.
 //!
 //! Frames are taken at equal intervals of simulated time, so that a slow computer records as smoothly as a fast one.
 
 use crate::{
-    app::{Options, Picture, Stage},
+    app::{FilmFormat, Options, Picture, Stage},
     command::Command,
     elements::Field,
     files,
-    headless::{Ending, HeadlessError, Interrupt, Outputs, Progress, ProgressOptions, inputs, read, seconds},
+    headless::{
+        Ending, HeadlessError, Interrupt, Outputs, Overrides, Progress, ProgressOptions, inputs, read, seconds,
+    },
     level::Level,
     sandbox::Sandbox,
     snapshot::Snapshot,
@@ -19,17 +21,20 @@ use std::path::PathBuf;
 pub struct Render {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
-    /// Write the picture here: a moving one if it ends in .gif, the last frame if it ends in .png.
+    /// Write the picture here: a film if it ends in .mp4 or .gif, the last frame if it ends in .png.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Simulated time \[s\].
     #[arg(long, default_value = "3", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: f64,
-    /// Width and height \[pixels\], each in \[16, 4096\].
+    /// Settings that replace the level's own.
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// Width and height \[pixels\], each in \[16, 4096\]; those of an MP4 film are even.
     #[arg(long, default_value = "480x480", value_parser = size)]
     pub size: [usize; 2],
-    /// Frames per second of simulated time, and of a moving picture; its format allows 1, 2, 4, 5, 10, 20, 25 and 50.
-    #[arg(long, default_value = "25", value_parser = rate)]
+    /// Frames per second of simulated time, and of a film, in \[1, 60\]; at most 50 in a GIF.
+    #[arg(long, default_value = "25", value_parser = clap::value_parser!(u32).range(1..=60))]
     pub rate: u32,
     /// Colours of the stage.
     #[arg(long, value_enum, default_value = "dark")]
@@ -78,16 +83,6 @@ impl Colouring {
     }
 }
 
-/// Kind of file.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Gif,
-    Png,
-}
-
-/// Greatest number of frames of a moving picture, which is kept in memory until it is written.
-const MOST_FRAMES: f64 = 10_000.0;
-
 /// Draws a level while it runs. Shows progress. A signal stops it early; what was drawn is written then.
 ///
 /// # Errors
@@ -97,39 +92,42 @@ pub fn render(request: &Render) -> Result<Ending, HeadlessError> {
         HeadlessError::File(files::FileError::Access { file: format!("--out {}", request.out.display()), why })
     };
     let ending = request.out.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let format = match ending.as_deref() {
-        Some("gif") => Format::Gif,
-        Some("png") => Format::Png,
-        _ => return Err(refuse("the name must end in .gif or .png".to_owned())),
-    };
-    let frames = request.seconds * f64::from(request.rate);
-    if format == Format::Gif && frames > MOST_FRAMES {
-        return Err(refuse(format!("{frames:.0} frames are too many for a moving picture; at most {MOST_FRAMES}")));
+    let format = ending.as_deref().and_then(FilmFormat::of_extension);
+    if format.is_none() && ending.as_deref() != Some("png") {
+        return Err(refuse("the name must end in .mp4, .gif or .png".to_owned()));
     }
-    let level = read(&request.level)?;
+    if let Some(format) = format {
+        format.check(request.size, request.rate).map_err(refuse)?;
+        let (frames, most) = (request.seconds * f64::from(request.rate), FilmFormat::MOST_FRAMES);
+        if frames > most as f64 {
+            return Err(refuse(format!("{frames:.0} frames are too many for a film; at most {most}")));
+        }
+    }
+    let mut level = read(&request.level)?;
+    request.overrides.apply(&mut level, &request.level)?;
     let mut outputs = Outputs::new(&[("--out", Some(&request.out))], &inputs(&request.level, &level))?;
-    let mut film = Film::new(request, level)?;
+    let mut take = Take::new(request, level)?;
     Interrupt::watch();
-    let (bytes, taken, wanted) = film.taken(request, format).map_err(refuse)?;
+    let (bytes, taken, wanted) = take.taken(request, format).map_err(refuse)?;
     let stopped = Interrupt::seen().filter(|_| taken < wanted);
     let ([width, height], kilobytes) = (request.size, bytes.len() / 1000);
     let partial = stopped
         .map_or(String::new(), |signal| format!("Partial: stopped by {signal} after {taken} of {wanted} frames\n"));
-    let frames = if format == Format::Gif { taken } else { 1 };
+    let frames = if format.is_some() { taken } else { 1 };
     let noun = if frames == 1 { "frame" } else { "frames" };
-    let time = film.snapshot.time;
+    let time = take.snapshot.time;
     let text = format!(
         "{partial}{frames} {noun} of {width} x {height} pixels, {kilobytes} kB, to {time:.3} s of simulated time"
     );
     outputs.write("--out", |_| Ok(bytes));
-    let fault = film.snapshot.fault.as_ref().map(ToString::to_string);
+    let fault = take.snapshot.fault.as_ref().map(ToString::to_string);
     let mut ending = Ending::new(text, outputs, u8::from(fault.is_some()), stopped);
     ending.remarks.splice(0..0, fault);
     Ok(ending)
 }
 
 /// A running level and its stage.
-struct Film {
+struct Take {
     sandbox: Sandbox,
     stage: Stage,
     snapshot: Snapshot,
@@ -138,7 +136,7 @@ struct Film {
     before: u64,
 }
 
-impl Film {
+impl Take {
     fn new(request: &Render, level: Level) -> Result<Self, HeadlessError> {
         let fail = |why| HeadlessError::Level { file: request.level.display().to_string(), why };
         let mode = level.mode;
@@ -166,20 +164,18 @@ impl Film {
     }
 
     /// Runs to the end, or until a signal comes, and encodes the frames; returns the bytes and the numbers of frames drawn and wanted.
-    fn taken(&mut self, request: &Render, format: Format) -> Result<(Vec<u8>, u64, u64), String> {
+    fn taken(&mut self, request: &Render, format: Option<FilmFormat>) -> Result<(Vec<u8>, u64, u64), String> {
         let interval = 1.0 / f64::from(request.rate);
         let frames = (request.seconds / interval).round() as u64;
-        // A moving picture ends where it begins anew.
-        let wanted = if format == Format::Gif { frames.max(1) } else { frames + 1 };
+        // A film that is played over and over ends where it begins anew.
+        let wanted = if format.is_some() { frames.max(1) } else { frames + 1 };
         let progress = Progress::new(&request.progress_options, wanted, "frames");
-        let [width, height] = request.size;
-        // Sizes are at most 4096.
-        let mut moving = Moving::new([width as u16, height as u16], request.rate)?;
+        let mut encoder = format.map(|format| format.encoder(request.size, request.rate)).transpose()?;
         let mut taken = 0;
         while taken < wanted {
             self.run_to(taken as f64 * interval);
-            if format == Format::Gif {
-                moving.add(self.picture((taken > 0).then_some(interval)).rgba)?;
+            if let Some(encoder) = &mut encoder {
+                encoder.add(self.picture((taken > 0).then_some(interval)))?;
             }
             taken += 1;
             progress.set(taken);
@@ -187,9 +183,9 @@ impl Film {
                 break;
             }
         }
-        let bytes = match format {
-            Format::Gif => moving.bytes()?,
-            Format::Png => self.picture(None).png()?,
+        let bytes = match encoder {
+            Some(encoder) => encoder.finish()?,
+            None => self.picture(None).png()?,
         };
         Ok((bytes, taken, wanted))
     }
@@ -205,41 +201,8 @@ impl Film {
     }
 }
 
-/// Encoder of a GIF.
-struct Moving {
-    encoder: gif::Encoder<Vec<u8>>,
-    size: [u16; 2],
-    /// Time between frames, in hundredths of a second.
-    delay: u16,
-}
-
-impl Moving {
-    fn new(size: [u16; 2], rate: u32) -> Result<Self, String> {
-        let mut encoder = gif::Encoder::new(Vec::new(), size[0], size[1], &[]).map_err(|error| error.to_string())?;
-        encoder.set_repeat(gif::Repeat::Infinite).map_err(|error| error.to_string())?;
-        Ok(Self { encoder, size, delay: (100 / rate) as u16 })
-    }
-
-    fn add(&mut self, mut picture: Vec<u8>) -> Result<(), String> {
-        /// Between 1, the best choice of colours, and 30, the fastest.
-        const SPEED: i32 = 10;
-        let [width, height] = self.size;
-        let frame = gif::Frame::from_rgba_speed(width, height, &mut picture, SPEED);
-        self.encoder.write_frame(&gif::Frame { delay: self.delay, ..frame }).map_err(|error| error.to_string())
-    }
-
-    fn bytes(self) -> Result<Vec<u8>, String> {
-        self.encoder.into_inner().map_err(|error| error.to_string())
-    }
-}
-
 fn size(text: &str) -> Result<[usize; 2], String> {
     let number = |text: &str| text.parse().ok().filter(|pixels| (16..=4096).contains(pixels));
     let sides = text.split_once('x').and_then(|(width, height)| Some([number(width)?, number(height)?]));
     sides.ok_or_else(|| "expected a width and a height in [16, 4096] pixels, such as 640x480".to_owned())
-}
-
-fn rate(text: &str) -> Result<u32, String> {
-    let rates = [1, 2, 4, 5, 10, 20, 25, 50];
-    text.parse().ok().filter(|rate| rates.contains(rate)).ok_or_else(|| format!("expected one of {rates:?}"))
 }

@@ -37,6 +37,8 @@ pub enum When {
     Bodies,
     /// In levels with cloth in space.
     Cloth,
+    /// In levels with neither bodies nor membranes.
+    Nets,
     /// In a test level.
     Test,
 }
@@ -52,6 +54,8 @@ pub enum KeyAction {
     ToggleComparison,
     /// Draws the stage into a picture.
     TakePicture,
+    /// Starts or ends a film of the stage.
+    Film,
     /// No action: the stage handles the mouse itself.
     Mouse,
 }
@@ -65,6 +69,7 @@ impl When {
             Self::Moving => now.mode != Mode::Edit,
             Self::Bodies => now.has_models(),
             Self::Cloth => now.has_cloth(),
+            Self::Nets => !now.has_models(),
             Self::Test => now.level.test.is_some(),
         }
     }
@@ -77,16 +82,22 @@ impl When {
             Self::Moving => "Simulate and collide mode",
             Self::Bodies => "Bodies and membranes",
             Self::Cloth => "Cloth",
+            Self::Nets => "Nets and toys",
             Self::Test => "Test levels",
         }
     }
 
     /// The groups, in the order of the overlay.
-    pub const ALL: [Self; 6] = [Self::Edit, Self::Moving, Self::Always, Self::Bodies, Self::Cloth, Self::Test];
+    pub const ALL: [Self; 7] =
+        [Self::Edit, Self::Moving, Self::Always, Self::Bodies, Self::Cloth, Self::Nets, Self::Test];
 }
 
 const fn key(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::NONE, key)
+}
+
+const fn shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::SHIFT, key)
 }
 
 const fn command(key: Key) -> KeyboardShortcut {
@@ -146,6 +157,7 @@ pub static TABLE: &[Binding] = &[
         KeyAction::Do(Command::Untangle)
     }),
     binding("W", "wind on or off", When::Cloth, &[key(Key::W)], |now| KeyAction::Do(Command::SetWind(!now.wind))),
+    binding("V", "record a film, as Shift+V", When::Nets, &[key(Key::V)], |_| KeyAction::Film),
     binding("Up", "stretched start", When::Test, &[key(Key::ArrowUp)], |_| pose(Pose::Stretched)),
     binding("Down", "compressed start", When::Test, &[key(Key::ArrowDown)], |_| pose(Pose::Compressed)),
     Binding {
@@ -168,6 +180,7 @@ pub static TABLE: &[Binding] = &[
         KeyAction::ToggleComparison
     }),
     binding("I", "save a picture of the stage", When::Always, &[key(Key::I)], |_| KeyAction::TakePicture),
+    binding("Shift+V", "record a film of the stage, or end it", When::Always, &[shift(Key::V)], |_| KeyAction::Film),
     binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| KeyAction::ToggleHelp),
 ];
 
@@ -188,6 +201,12 @@ impl Binding {
         // On some keyboards `?` needs Shift, but Ctrl+Shift+Z must not count as Ctrl+Z.
         let shift = |s: &KeyboardShortcut| !s.modifiers.command || s.modifiers.shift == modifiers.shift;
         self.shortcuts.iter().any(|s| s.logical_key == key && modifiers.matches_logically(s.modifiers) && shift(s))
+    }
+}
+
+impl Binding {
+    fn has_shift(&self) -> bool {
+        self.shortcuts.iter().any(|shortcut| shortcut.modifiers.shift)
     }
 }
 
@@ -225,9 +244,10 @@ fn forget_question_mark(input: &mut InputState) {
 /// Whether the event belongs to a row of the table.
 fn take(event: &Event, now: &Snapshot, found: &mut Vec<&'static Binding>) -> bool {
     let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return false };
-    let Some(binding) = TABLE.iter().find(|b| b.is_pressed_by(*key, *modifiers) && b.when.applies(now)) else {
-        return false;
-    };
+    let pressed = |binding: &&Binding| binding.is_pressed_by(*key, *modifiers) && binding.when.applies(now);
+    // Shift+V is not V with a finger on Shift.
+    let exact = |binding: &&Binding| pressed(binding) && binding.has_shift() == modifiers.shift;
+    let Some(binding) = TABLE.iter().find(exact).or_else(|| TABLE.iter().find(pressed)) else { return false };
     if !repeat || binding.repeats {
         found.push(binding);
     }
@@ -239,10 +259,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_key_with_two_meanings_has_them_in_different_modes() {
+    fn a_key_with_two_meanings_never_has_both() {
+        let never_both = [(When::Edit, When::Moving), (When::Bodies, When::Nets)];
         for (index, a) in TABLE.iter().enumerate() {
             for b in TABLE[index + 1..].iter().filter(|b| b.label == a.label) {
-                assert_eq!((a.when, b.when), (When::Edit, When::Moving), "{} twice", a.label);
+                assert!(never_both.contains(&(a.when, b.when)), "{} twice", a.label);
             }
         }
     }

@@ -8,6 +8,7 @@ mod colour;
 pub mod compare;
 mod draw;
 mod files;
+mod film;
 mod gallery;
 mod jobs;
 pub mod keys;
@@ -30,6 +31,7 @@ use crate::{
     study::{share_partitions, threads},
 };
 pub use canvas::Options;
+pub use film::{FilmEncoder, FilmFormat};
 pub use picture::{Picture, Stage};
 
 use canvas::Canvas;
@@ -38,10 +40,11 @@ use compare::{Comparison, Pane, PaneRequest, Split};
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use files::Dialogs;
+use film::{Recorder, Shot};
 use gallery::Gallery;
 use jobs::Jobs;
 use meshing::Meshing;
-use panels::{Export, FileRequest, History, Meter, Notice, PanelContext, View};
+use panels::{Export, FileRequest, FilmRequest, History, Meter, Notice, PanelContext, View};
 use web_time::Instant;
 
 /// Time budget for steps in a frame \[s\]. The rest of 1/60 s is for drawing.
@@ -68,6 +71,8 @@ pub struct App {
     commands: Vec<Command>,
     /// A mesh that is generated in the background.
     meshing: Meshing,
+    /// A film that is being recorded.
+    recorder: Option<Recorder>,
     /// The document as it was last opened or saved.
     kept: Document,
     /// File request that waits until the changes are saved.
@@ -118,6 +123,7 @@ impl App {
             comparison: None,
             commands: Vec::new(),
             meshing: Meshing::default(),
+            recorder: None,
             kept,
             after_saving: None,
             leaves: false,
@@ -262,29 +268,94 @@ impl App {
         }
     }
 
+    /// What the stage of the chosen pane shows now, and its size \[points\].
+    fn shot(&mut self) -> (Shot, [usize; 2]) {
+        let options = self.view.stage;
+        let mut snapshot = Snapshot::default();
+        self.settled().snapshot(options.field, &mut snapshot);
+        let canvas = match &self.comparison {
+            Some(panes) if panes.chosen() == Pane::B => panes.stage.canvas(),
+            _ => &self.canvas,
+        };
+        let size = [canvas.size().x, canvas.size().y].map(|points| (points.round() as usize).clamp(16, 4096));
+        (Shot { snapshot, options, viewpoint: canvas.viewpoint() }, size)
+    }
+
     /// Draws the stage of the chosen pane into a picture, without panels and buttons, and asks where to save it.
     fn take_picture(&mut self, ctx: &Context) {
         /// Pixels of the picture along a side of a point of the window.
         const SCALE: usize = 2;
-        self.settled();
-        let (snapshot, canvas) = match &mut self.comparison {
-            Some(panes) if panes.chosen() == Pane::B => {
-                panes.b.snapshot(self.view.stage.field, &mut panes.snapshot);
-                (&panes.snapshot, panes.stage.canvas())
-            }
-            _ => {
-                self.sandbox.snapshot(self.view.stage.field, &mut self.snapshot);
-                (&self.snapshot, &self.canvas)
-            }
-        };
-        let size = [canvas.size().x, canvas.size().y].map(|points| (points.round() as usize).clamp(16, 4096));
-        let mut stage = Stage::new((size, SCALE), ctx.theme() == egui::Theme::Dark, self.view.stage);
-        stage.see_as(canvas);
+        let (Shot { snapshot, options, viewpoint }, size) = self.shot();
+        let mut stage = Stage::new((size, SCALE), ctx.theme() == egui::Theme::Dark, options);
+        stage.see_from(viewpoint);
         let name = format!("{}-{:.3}s.png", files::stem(&snapshot.level.name), snapshot.time);
-        match stage.first_picture(snapshot).png() {
+        match stage.first_picture(&snapshot).png() {
             Ok(bytes) => self.view.file = Some(FileRequest::Export(Export { name, bytes })),
             Err(why) => self.view.notice = Some(Notice::Trouble(format!("The picture could not be made: {why}"))),
         }
+    }
+
+    /// Starts and ends films, and asks where to save one that is finished.
+    fn record(&mut self, ctx: &Context) {
+        for request in std::mem::take(&mut self.view.film_requests) {
+            match (request, &mut self.recorder) {
+                (FilmRequest::Start(format), None) => {
+                    let (shot, size) = self.shot();
+                    // The sides of films are even.
+                    let size = size.map(|points| points.min(2160) & !1);
+                    match Recorder::start(format, size, ctx.theme() == egui::Theme::Dark, shot) {
+                        Ok(recorder) => self.recorder = Some(recorder),
+                        Err(why) => self.view.notice = Some(Notice::Trouble(format!("No film can be recorded: {why}"))),
+                    }
+                }
+                (FilmRequest::Start(_), Some(_)) | (FilmRequest::Stop, None) => {}
+                (FilmRequest::Stop, Some(recorder)) => recorder.stop(),
+                (FilmRequest::Discard, _) => self.recorder = None,
+            }
+        }
+        if let Some(film) = self.recorder.as_mut().and_then(Recorder::poll) {
+            match (film, self.recorder.take()) {
+                (Ok(bytes), Some(recorder)) => {
+                    let (stem, ending) =
+                        (files::stem(&self.snapshot.level.name), recorder.progress().format.extension());
+                    let name = format!("{stem}-{:.3}s.{ending}", recorder.start);
+                    self.view.file = Some(FileRequest::Export(Export { name, bytes }));
+                }
+                (Err(why), _) => self.view.notice = Some(Notice::Trouble(format!("The film could not be made: {why}"))),
+                (Ok(_), None) => {}
+            }
+        }
+        self.view.film = self.recorder.as_ref().map(Recorder::progress);
+        if self.view.film.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(50));
+        }
+    }
+
+    /// Takes owed steps \[s\] while `more` returns true, and the frames of a film on the way; returns how many were taken.
+    fn take_steps(&mut self, owed: u64, step: f64, more: &mut dyn FnMut() -> bool) -> u64 {
+        let mut taken = 0;
+        while taken < owed {
+            let to_frame = self.recorder.as_mut().map_or(u64::MAX, |recorder| recorder.steps_to_frame(step));
+            let wanted = to_frame.min(owed - taken);
+            if wanted == 0 {
+                break;
+            }
+            let done = match &mut self.comparison {
+                Some(panes) => panes.advance(&mut self.sandbox, wanted, more),
+                None => self.sandbox.advance(wanted, more),
+            };
+            taken += done;
+            if self.recorder.as_mut().is_some_and(|recorder| recorder.pass(done as f64 * step, step)) {
+                let (shot, _) = self.shot();
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.add(shot);
+                }
+            }
+            if done < wanted {
+                break;
+            }
+        }
+        taken
     }
 
     /// Sandbox that the panels edit, at a common time of both panes.
@@ -338,10 +409,7 @@ impl App {
         let before = self.step_counts();
         let (start, budget) = (Instant::now(), self.budget);
         let more = &mut || start.elapsed().as_secs_f64() < budget;
-        let taken = match &mut self.comparison {
-            Some(panes) => panes.advance(&mut self.sandbox, owed, more),
-            None => self.sandbox.advance(owed, more),
-        };
+        let taken = self.take_steps(owed, step, more);
         let physics = start.elapsed().as_secs_f64();
         if elapsed > 0.0 {
             let after = self.step_counts();
@@ -434,6 +502,7 @@ impl eframe::App for App {
         if std::mem::take(&mut self.view.takes_picture) {
             self.take_picture(ctx);
         }
+        self.record(ctx);
         self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.measure_effects();
@@ -475,6 +544,7 @@ impl eframe::App for App {
             || !self.view.panes.is_empty()
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
             || self.view.cancel_mesh
+            || !self.view.film_requests.is_empty()
             || self.view.wants_files();
         let busy = self.comparison.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox));
         if asked || self.view.stage.field != self.snapshot.field || busy {

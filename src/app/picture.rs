@@ -2,7 +2,7 @@
 //! bytes on every machine.
 
 use super::{
-    canvas::{Canvas, Options},
+    canvas::{Canvas, Options, Viewpoint},
     raster::{Raster, Texture},
     theme,
 };
@@ -75,9 +75,14 @@ impl Stage {
         }
     }
 
-    /// Sees a scene in space from where another canvas does.
-    pub fn see_as(&mut self, canvas: &Canvas) {
-        self.canvas.see_as(canvas);
+    /// Sees a scene in space from another viewpoint.
+    pub const fn see_from(&mut self, viewpoint: Viewpoint) {
+        self.canvas.see_from(viewpoint);
+    }
+
+    /// Draws with other options.
+    pub const fn set_options(&mut self, options: Options) {
+        self.options = Options { bare: true, ..options };
     }
 
     /// The first picture of a snapshot.

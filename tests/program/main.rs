@@ -2,6 +2,8 @@
 
 mod claims;
 mod command_line;
+#[path = "../common/film.rs"]
+mod film;
 mod headless;
 mod inputs;
 #[path = "../common/program.rs"]

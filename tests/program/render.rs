@@ -1,7 +1,10 @@
 //! `gingerbread render`: pictures without a window.
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
-use crate::program::{Folder, gingerbread, said};
+use crate::{
+    film::{self, Film},
+    program::{Folder, gingerbread, said},
+};
 use std::{fs, io::Cursor, path::Path};
 
 /// Size, and red, green, blue and alpha of each pixel.
@@ -13,7 +16,7 @@ fn decoded(path: &str) -> ([u32; 2], Vec<u8>) {
 }
 
 #[test]
-fn a_moving_picture_has_its_size_rate_and_length() {
+fn a_gif_has_its_size_rate_and_length() {
     let folder = Folder::new("render-gif");
     let [one, other] = ["one.gif", "other.gif"].map(|name| folder.file(name));
     for path in [&one, &other] {
@@ -35,6 +38,31 @@ fn a_moving_picture_has_its_size_rate_and_length() {
     }
     assert_eq!(frames.len(), 10);
     assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "he falls");
+}
+
+#[test]
+fn an_mp4_has_its_size_rate_and_length() {
+    let folder = Folder::new("render-mp4");
+    let [one, other, last] = ["one.mp4", "other.mp4", "last.png"].map(|name| folder.file(name));
+    let arguments = ["gingerbread_house", "--size", "128x96", "--rate", "30"];
+    for path in [&one, &other] {
+        let ended = gingerbread(&[&["render", "--out", path, "--seconds", "0.5"], &arguments[..]].concat());
+        assert!(ended.status.success(), "{}", said(&ended.stderr));
+        assert!(said(&ended.stdout).contains("15 frames of 128 x 96 pixels"), "{}", said(&ended.stdout));
+    }
+    let bytes = fs::read(&one).unwrap();
+    assert_eq!(bytes, fs::read(&other).unwrap(), "the same bytes on every run");
+    let Film { size, interval, frames } = film::mp4(&bytes);
+    assert_eq!((size, interval, frames.len()), ([128, 96], Some(1.0 / 30.0), 15));
+    assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "he falls");
+    // The last frame is the picture of its time, as far as the coding keeps it.
+    let time = format!("{}", 14.0 / 30.0);
+    assert!(gingerbread(&[&["render", "--out", &last, "--seconds", &time], &arguments[..]].concat()).status.success());
+    let (_, pixels) = decoded(&last);
+    let differences = frames[14].iter().zip(&pixels).map(|(a, b)| f64::from(a.abs_diff(*b)));
+    let mean = differences.sum::<f64>() / pixels.len() as f64;
+    // Colours have a quarter of the pixels, and the coding is lossy.
+    assert!(mean < 5.0, "{mean} of 255");
 }
 
 #[test]
@@ -72,13 +100,16 @@ fn a_saved_level_is_drawn_from_its_state_on() {
 fn what_cannot_be_drawn_is_told_and_leaves_no_file() {
     let folder = Folder::new("render-wrong");
     for (name, arguments, why) in [
-        ("man.bmp", &["gingerbread"][..], "must end in .gif or .png"),
-        ("man", &["gingerbread"], "must end in .gif or .png"),
+        ("man.bmp", &["gingerbread"][..], "must end in .mp4, .gif or .png"),
+        ("man", &["gingerbread"], "must end in .mp4, .gif or .png"),
         ("man.gif", &["gingerbread", "--size", "9x9"], "in [16, 4096] pixels"),
         ("man.gif", &["gingerbread", "--size", "640"], "such as 640x480"),
-        ("man.gif", &["gingerbread", "--rate", "30"], "expected one of [1, 2, 4, 5, 10, 20, 25, 50]"),
+        ("man.gif", &["gingerbread", "--rate", "60"], "at most 50 frames a second, not 60"),
+        ("man.mp4", &["gingerbread", "--rate", "61"], "61 is not in 1..=60"),
+        ("man.mp4", &["gingerbread", "--size", "65x64"], "65 x 64 are not"),
+        ("man.mp4", &["gingerbread", "--size", "4000x64"], "at most 3840 x 2160 pixels"),
         ("man.gif", &["gingerbread", "--seconds", "-1"], "at least 0"),
-        ("man.gif", &["gingerbread", "--seconds", "1e6"], "too many for a moving picture"),
+        ("man.gif", &["gingerbread", "--seconds", "1e6"], "too many for a film"),
         ("man.png", &["gingerbred"], "gingerbred"),
         ("none/man.png", &["gingerbread"], "--out"),
     ] {

@@ -17,7 +17,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
     };
     match (binding.label, before.mode) {
         ("C", _) => models(Model::Corotated),
-        ("V", _) => models(Model::StVenantKirchhoff),
+        ("V", _) if binding.when == When::Bodies => models(Model::StVenantKirchhoff),
         ("N", _) => models(Model::NeoHookean),
         ("S", _) => models(Model::StableNeoHookean),
         ("F", _) => models(Model::FixedCorotated),
@@ -40,6 +40,7 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("?", _) => assert!(window.query_by_label("Keys and mouse").is_some(), "{what}"),
         ("B", _) => assert!(window.state().comparison().is_some(), "{what}"),
         ("I", _) => assert!(window.query_by_label("Save").is_some(), "{what} asks where to save the picture"),
+        ("V" | "Shift+V", _) => assert!(window.query_by_label("Discard film").is_some(), "{what} records a film"),
         ("Ctrl+Z" | "Ctrl+Y", _) => {}
         (other, _) => panic!("{other} is in the table, but no test says what it does"),
     }
@@ -51,7 +52,11 @@ fn every_key_does_in_every_mode_what_the_table_says() {
         let mut pressed = 0;
         for mode in [Mode::Edit, Mode::Simulate, Mode::Collide] {
             for shortcut in binding.shortcuts {
-                let level = if binding.when == When::Cloth { "cornell_cloth" } else { "stretch_test" };
+                let level = match binding.when {
+                    When::Cloth => "cornell_cloth",
+                    When::Nets => "hanging_net",
+                    _ => "stretch_test",
+                };
                 let mut window = in_mode(level, mode);
                 let before = window.state().snapshot().clone();
                 if !binding.when.applies(&before) {

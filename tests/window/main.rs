@@ -5,6 +5,9 @@
 mod accuracy;
 mod advice;
 mod compare;
+#[path = "../common/film.rs"]
+mod film;
+mod films;
 mod finish;
 #[path = "../common/folder.rs"]
 mod folder;

@@ -87,6 +87,10 @@ pub struct Canvas {
     front: ShapeBuffer,
 }
 
+/// Viewpoint of a canvas on a scene in space.
+#[derive(Clone, Copy)]
+pub struct Viewpoint(Option<(u64, Orbit)>);
+
 /// Data for drawing a frame.
 #[derive(Clone, Copy)]
 struct Frame<'a> {
@@ -138,9 +142,14 @@ impl Canvas {
         self.size
     }
 
-    /// Sees a scene in space from where another canvas does.
-    pub const fn see_as(&mut self, other: &Self) {
-        self.orbit = other.orbit;
+    /// From where a scene in space is seen.
+    pub const fn viewpoint(&self) -> Viewpoint {
+        Viewpoint(self.orbit)
+    }
+
+    /// Sees a scene in space from the viewpoint of another canvas.
+    pub const fn see_from(&mut self, viewpoint: Viewpoint) {
+        self.orbit = viewpoint.0;
     }
 
     /// The camera of a scene in space, after the gestures of this frame: a drag of the right button turns, one of the middle button or with

@@ -28,6 +28,7 @@ use super::{
     canvas,
     clock::Rates,
     compare::{self as panes, Comparison},
+    film::{self, FilmFormat},
     gallery::Gallery,
     jobs::{JobRequest, Jobs},
     keys::{Binding, KeyAction},
@@ -78,6 +79,10 @@ pub struct View {
     pub sitting: Option<plotting::Sitting>,
     /// Whether the stage is to be drawn into a picture.
     pub takes_picture: bool,
+    /// Requests for a film of the stage.
+    pub film_requests: Vec<FilmRequest>,
+    /// How far the film is that is being recorded.
+    pub film: Option<film::Progress>,
     /// Requests for the two panes.
     pub panes: Vec<panes::PaneRequest>,
     /// Whether the ledger of effects is open. Effects are timed only then.
@@ -121,6 +126,17 @@ pub enum Side {
     Left,
     /// The panel of display options and costs.
     Right,
+}
+
+/// Requests for a film of the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilmRequest {
+    /// Start to record one in this format.
+    Start(FilmFormat),
+    /// End the recording, and ask where to save the film.
+    Stop,
+    /// Drop the film.
+    Discard,
 }
 
 /// Requests for files.
@@ -217,6 +233,7 @@ pub fn show(
         banner::show(ui.ctx(), stage, context, view, commands);
         overlays::show_help(ui.ctx(), context.now, view);
         overlays::show_meshing(ui.ctx(), stage, view);
+        overlays::show_film(ui.ctx(), stage, context.now, view);
         overlays::show_prompt(ui.ctx(), view);
         overlays::show_unsaved(ui.ctx(), &context.now.level.name, view);
     }
@@ -307,6 +324,11 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
         }
         KeyAction::TakePicture => {
             view.takes_picture = true;
+            None
+        }
+        KeyAction::Film => {
+            let request = FilmFormat::ALL.first().copied().map(FilmRequest::Start);
+            view.film_requests.extend(if view.film.is_some() { Some(FilmRequest::Stop) } else { request });
             None
         }
         KeyAction::Mouse => None,

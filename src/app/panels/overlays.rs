@@ -1,19 +1,22 @@
 //! Overlays: text input where there are no file dialogs, unsaved changes, progress of meshing, and the list of keys.
 
 use super::{
-    FileRequest, View, count,
+    FileRequest, FilmRequest, View, count,
     widgets::{Icon, icon_button},
 };
 use crate::{
     app::{
         files::Purpose,
+        film::Recorder,
         keys::{TABLE, When},
+        theme::Theme,
     },
+    command::Mode,
     snapshot::Snapshot,
 };
 use eframe::egui::{
     self, Align, Align2, Area, Button, Context, Frame, Grid, Id, Key, Layout, Modal, Order, Rect, RichText, ScrollArea,
-    Spinner, TextEdit, Ui, vec2,
+    Sense, Spinner, TextEdit, Ui, vec2,
 };
 
 /// State of a text input.
@@ -126,6 +129,40 @@ pub fn show_meshing(ctx: &Context, stage: Rect, view: &mut View) {
                 ui.label(text);
                 let help = "The mesh stays as it is. What is computed already is dropped.";
                 view.cancel_mesh = ui.button("Cancel meshing").on_hover_text(help).clicked();
+            });
+        });
+    });
+}
+
+/// Shows that a film is being recorded, with its length, or how far it is drawn.
+pub fn show_film(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View) {
+    let Some(progress) = view.film else { return };
+    let corner = stage.center_bottom() - vec2(0.0, if view.meshing.is_some() { 64.0 } else { 12.0 });
+    let area = Area::new(Id::unique("film")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(corner);
+    area.constrain_to(stage).show(ctx, |ui| {
+        Frame::window(ui.style()).inner_margin(10).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let red = Theme::of(ctx).bad;
+                if progress.records {
+                    let (mark, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+                    ui.painter().circle_filled(mark.center(), 6.0, red);
+                    let seconds = (progress.taken.saturating_sub(1)) as f64 / f64::from(Recorder::RATE);
+                    let stands = now.mode == Mode::Edit || !now.running || now.rests();
+                    let waits = if stands { ", waits for time to run" } else { "" };
+                    ui.label(RichText::new(format!("{seconds:.2} s{waits}")).strong()).on_hover_text(
+                        "Simulated time in the film. Where drawing is slower, simulated time waits for it, so that the film is smooth.",
+                    );
+                    let help = "Ends the film, and asks where to save it. [Shift+V]";
+                    if ui.button("Stop recording").on_hover_text(help).clicked() {
+                        view.film_requests.push(FilmRequest::Stop);
+                    }
+                } else {
+                    ui.add(Spinner::new().size(18.0));
+                    ui.label(format!("Drawing the film: {} of {} frames", count(progress.drawn as usize), count(progress.taken as usize)));
+                }
+                if ui.button("Discard film").on_hover_text("Drops what was recorded.").clicked() {
+                    view.film_requests.push(FilmRequest::Discard);
+                }
             });
         });
     });

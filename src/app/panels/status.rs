@@ -57,13 +57,14 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     ui.spacing_mut().item_spacing.x = 5.0;
     let places = [When::Edit, When::Moving, When::Test];
     let special = TABLE.iter().filter(|binding| places.contains(&binding.when) && binding.when.applies(now));
-    let general = TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "I", "?"].contains(&binding.label));
+    let general =
+        TABLE.iter().filter(|binding| ["Space", "M", "T", "D", "B", "I", "Shift+V", "?"].contains(&binding.label));
     // A toy has no vertices to pin, pull or push, and no damping.
     let of_vertices = |binding: &Binding| ["Click", "Drag", "Arrows", "X"].contains(&binding.label);
     let special = special.filter(|binding| now.toy.is_none() || !of_vertices(binding));
     let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
     for binding in special.chain(general) {
-        let words = brief(binding, now);
+        let words = brief(binding, now, view);
         let font = TextStyle::Small.resolve(ui.style());
         let color = ui.visuals().text_color();
         let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), color).size().x;
@@ -81,7 +82,7 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
 }
 
 /// Short text of a key binding.
-fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
+fn brief(binding: &Binding, now: &Snapshot, view: &View) -> &'static str {
     match (binding.label, binding.when) {
         ("Click", _) => "pin / free",
         ("R", When::Edit) => "remove pins",
@@ -102,6 +103,8 @@ fn brief(binding: &Binding, now: &Snapshot) -> &'static str {
         ("D", _) => "damping on",
         ("B", _) => "compare",
         ("I", _) => "picture",
+        ("Shift+V", _) if view.film.is_some() => "end film",
+        ("Shift+V", _) => "film",
         ("?", _) => "all keys",
         _ => binding.words,
     }
@@ -142,7 +145,8 @@ fn warning(context: &PanelContext<'_>, view: &mut View) -> Option<Warning> {
     if now.fault.is_some() {
         return None;
     }
-    let factor = context.rates.map_or(1.0, |rates| rates.factor);
+    // Simulated time may wait for the frames of a film.
+    let factor = if view.film.is_some() { 1.0 } else { context.rates.map_or(1.0, |rates| rates.factor) };
     view.slow = factor < if view.slow { SLOW.1 } else { SLOW.0 };
     let facts = Facts::of(now, context.jobs.limit_at_rest(), view);
     let mut all = Vec::new();

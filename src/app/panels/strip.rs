@@ -1,10 +1,11 @@
 //! Toolbar: level, mode, time, model, history and panels.
 
 use super::{
-    FileRequest, PanelContext, Side, View, compare,
+    FileRequest, FilmRequest, PanelContext, Side, View, compare,
     widgets::{HEIGHT, Icon, Lit, Segment, icon_button, segmented},
 };
 use crate::{
+    app::film::FilmFormat,
     command::{Command, Mode},
     materials::Model,
     snapshot::Snapshot,
@@ -14,8 +15,8 @@ use eframe::egui::{
     Shape, Stroke, TextEdit, Ui, Vec2, vec2,
 };
 
-/// Width of the four buttons on the right [points].
-const LOOKS: f32 = 4.0 * HEIGHT + 3.0 * 2.0;
+/// Width of the five buttons on the right [points].
+const LOOKS: f32 = 5.0 * HEIGHT + 4.0 * 2.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
@@ -193,8 +194,39 @@ fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     apart(ui);
 }
 
-/// Draws the buttons of panels, theme and help.
+/// Draws the button of pictures and films, with its menu; while a film is recorded it ends it.
+fn camera(ui: &mut Ui, view: &mut View) {
+    let records = view.film.is_some_and(|film| film.records);
+    if records {
+        if icon_button(ui, Icon::Camera, "End the film", "[Shift+V]", true).clicked() {
+            view.film_requests.push(FilmRequest::Stop);
+        }
+        return;
+    }
+    let button =
+        icon_button(ui, Icon::Camera, "Pictures and films", "Of the stage, without panels and buttons.", false);
+    Popup::menu(&button).show(|ui| {
+        if ui.button("Picture (PNG)").on_hover_text("Twice as fine as on the screen. [I]").clicked() {
+            view.takes_picture = true;
+        }
+        for format in FilmFormat::ALL {
+            let [name, help] = format.titles();
+            let first = Some(format) == FilmFormat::ALL.first();
+            let help = format!(
+                "{help} Records until the same key or button ends it.{}",
+                if first { " [Shift+V]" } else { "" }
+            );
+            let button = Button::new(format!("Record a film ({name})"));
+            if ui.add_enabled(view.film.is_none(), button).on_hover_text(help).clicked() {
+                view.film_requests.push(FilmRequest::Start(*format));
+            }
+        }
+    });
+}
+
+/// Draws the buttons of pictures, panels, theme and help.
 fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
+    camera(ui, view);
     let sides = [
         (Side::Left, Icon::Left, "Body panel", "What the body is made of and what acts on it."),
         (Side::Right, Icon::Right, "Cost panel", "Colours, what a frame costs, and the energies."),

@@ -363,6 +363,8 @@ pub enum Icon {
     Left,
     /// The panel on the right.
     Right,
+    /// Pictures and films of the stage.
+    Camera,
     /// Close.
     Close,
 }
@@ -405,6 +407,12 @@ impl Icon {
                 painter.line(corners.to_vec(), stroke);
                 let x = if self == Self::Left { -7.0 } else { 2.0 };
                 fill(painter, vec![p(x, -5.5), p(x + 5.0, -5.5), p(x + 5.0, 5.5), p(x, 5.5)], color);
+            }
+            Self::Camera => {
+                let corners = [p(-7.0, -3.5), p(3.0, -3.5), p(3.0, 4.5), p(-7.0, 4.5), p(-7.0, -3.5)];
+                painter.line(corners.to_vec(), stroke);
+                fill(painter, vec![p(3.5, 0.5), p(7.5, -3.0), p(7.5, 4.0)], color);
+                painter.circle_filled(p(-2.0, 0.5), 1.8, color);
             }
             Self::Close => {
                 painter.line_segment([p(-4.0, -4.0), p(4.0, 4.0)], stroke);

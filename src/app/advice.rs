@@ -231,7 +231,7 @@ impl Facts {
             Trouble::Fault(fault::Cause::StepTooLong { .. }) => Cause::NeverStable,
             Trouble::Fault(fault::Cause::Crushed(_)) => Cause::Crushed,
             Trouble::Fault(fault::Cause::Unsolved) => Cause::Unsolved,
-            Trouble::Fault(fault::Cause::Inverted(_)) => weak.unwrap_or(Cause::Unsolved),
+            Trouble::Fault(fault::Cause::Inverted(_)) => unstable.or(weak).unwrap_or(Cause::Unsolved),
             Trouble::Inverted | Trouble::Exploded | Trouble::Fault(fault::Cause::Overflow | fault::Cause::Energy) => {
                 unstable.or(weak).unwrap_or(Cause::Forces)
             }

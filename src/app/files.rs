@@ -10,7 +10,7 @@ pub use nowhere::Dialogs;
 
 use super::{
     App,
-    panels::{Choice, Export, FileRequest, Notice, Prompt, Unsaved, View},
+    panels::{Choice, Export, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
 };
 use crate::{
     command::Command,
@@ -220,15 +220,23 @@ impl App {
         self.kept = self.settled().document().clone();
     }
 
-    /// Cancels a request to close the window while there are unsaved changes, and asks about them.
+    /// Cancels a request to close the window while a film is recorded, which ends then, or while there are unsaved changes, and asks about
+    /// them.
     fn take_close_request(&mut self, ctx: &Context) {
         let requested = ctx.input(|input| input.viewport().close_requested());
-        if requested && !self.leaves && self.is_unsaved() {
+        let films = self.view.film.is_some();
+        if requested && !self.leaves && (films || self.is_unsaved()) {
             // A minimized window could not show the dialog.
             for command in [ViewportCommand::CancelClose, ViewportCommand::Minimized(false), ViewportCommand::Focus] {
                 ctx.send_viewport_cmd(command);
             }
-            self.view.file = Some(FileRequest::Close);
+            if films {
+                self.view.film_requests.push(FilmRequest::Stop);
+                let text = "The film that is recorded ends here. Save or discard it, then close the window again.";
+                self.view.notice = Some(Notice::Done(text.to_owned()));
+            } else {
+                self.view.file = Some(FileRequest::Close);
+            }
         }
     }
 

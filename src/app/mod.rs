@@ -224,12 +224,18 @@ impl App {
 
     /// Applies a command in the same frame, even if it takes long.
     fn apply_now(&mut self, pane: Option<Pane>, command: Command) -> bool {
+        let steps = u64::from(command == Command::StepOnce);
         let result = match &mut self.comparison {
             Some(panes) => panes.apply(&mut self.sandbox, pane.unwrap_or(panes.chosen()), command),
             None => self.sandbox.apply(command),
         };
         if let Err(refused) = &result {
             self.view.notice = Some(Notice::trouble(refused));
+        }
+        if steps > 0 && result.is_ok() {
+            let panes = self.comparison.as_ref();
+            let step = panes.map_or(self.sandbox.step_length(), |panes| panes.round_length(&self.sandbox));
+            self.film_steps(steps, step);
         }
         result.is_ok()
     }
@@ -302,7 +308,7 @@ impl App {
                 (FilmRequest::Start(format), None) => {
                     let (shot, size) = self.shot();
                     // The sides of films are even.
-                    let size = size.map(|points| points.min(2160) & !1);
+                    let size = [size[0].min(3840) & !1, size[1].min(2160) & !1];
                     match Recorder::start(format, size, ctx.theme() == egui::Theme::Dark, shot) {
                         Ok(recorder) => self.recorder = Some(recorder),
                         Err(why) => self.view.notice = Some(Notice::Trouble(format!("No film can be recorded: {why}"))),
@@ -313,7 +319,9 @@ impl App {
                 (FilmRequest::Discard, _) => self.recorder = None,
             }
         }
-        if let Some(film) = self.recorder.as_mut().and_then(Recorder::poll) {
+        // Where another file is asked for, a finished film waits.
+        let asks = self.dialogs.is_waiting() || self.view.file.is_some() || self.view.prompt.is_some();
+        if let Some(film) = self.recorder.as_mut().filter(|_| !asks).and_then(Recorder::poll) {
             match (film, self.recorder.take()) {
                 (Ok(bytes), Some(recorder)) => {
                     let (stem, ending) =
@@ -331,6 +339,16 @@ impl App {
         }
     }
 
+    /// Adds the frame that is due after some steps \[s\].
+    fn film_steps(&mut self, steps: u64, step: f64) {
+        if self.recorder.as_mut().is_some_and(|recorder| recorder.pass(steps as f64 * step, step)) {
+            let (shot, _) = self.shot();
+            if let Some(recorder) = &mut self.recorder {
+                recorder.add(shot);
+            }
+        }
+    }
+
     /// Takes owed steps \[s\] while `more` returns true, and the frames of a film on the way; returns how many were taken.
     fn take_steps(&mut self, owed: u64, step: f64, more: &mut dyn FnMut() -> bool) -> u64 {
         let mut taken = 0;
@@ -345,12 +363,7 @@ impl App {
                 None => self.sandbox.advance(wanted, more),
             };
             taken += done;
-            if self.recorder.as_mut().is_some_and(|recorder| recorder.pass(done as f64 * step, step)) {
-                let (shot, _) = self.shot();
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.add(shot);
-                }
-            }
+            self.film_steps(done, step);
             if done < wanted {
                 break;
             }

@@ -1,9 +1,10 @@
 //! Films of the stage.
 
 use crate::{film, folder::Folder, harness::*};
-use eframe::egui::{Key, Modifiers, Role};
+use eframe::egui::{Key, Modifiers, Role, ViewportCommand};
 use egui_kittest::kittest::Queryable as _;
 use gif::DecodeOptions;
+use gingerbread::level::Substeps;
 use std::{fs, path::PathBuf};
 
 /// Ends the recording, waits until the film is drawn, and saves it.
@@ -80,4 +81,34 @@ fn v_alone_records_nets_and_a_film_can_be_discarded() {
     assert!(window.query_by_label("Discard film").is_none());
     press_with(&mut window, Modifiers::SHIFT, Key::V);
     assert!(widget(&window, Role::Button, "Stop recording").rect().width() > 0.0);
+}
+
+#[test]
+fn single_steps_are_in_the_film() {
+    let folder = Folder::new("film-steps");
+    let mut level = level("jelly_disk");
+    level.substeps = Substeps::nearest(1.0);
+    let mut window = open_level(level, 420.0, 420.0);
+    click(&mut window, "Pictures and films");
+    click(&mut window, "Record a film (GIF)");
+    // A step is 1/60 s, so that every second one ends with a frame.
+    for _ in 0..6 {
+        click(&mut window, "Single step");
+    }
+    let path = saved(&mut window, &folder, "steps.gif");
+    assert_eq!(delays(&path).len(), 4);
+}
+
+#[test]
+fn closing_the_window_ends_the_film_and_asks_where_to_save_it() {
+    let folder = Folder::new("film-close");
+    let path = folder.0.join("last.mp4");
+    let mut window = open_level(level("jelly_disk"), 420.0, 420.0);
+    press_with(&mut window, Modifiers::SHIFT, Key::V);
+    assert!(close(&mut window).contains(&ViewportCommand::CancelClose));
+    wait_until_gone(&mut window, "Discard film");
+    window.run_steps(3);
+    type_path(&mut window, &path, "Save");
+    assert_eq!(film::mp4(&fs::read(&path).unwrap()).frames.len(), 1);
+    assert!(!close(&mut window).contains(&ViewportCommand::CancelClose), "nothing is lost now");
 }

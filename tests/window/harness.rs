@@ -1,6 +1,9 @@
 //! The window under test, and the hands that use it.
 
-use eframe::egui::{DroppedFile, Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, ViewportId};
+use eframe::egui::{
+    DroppedFile, Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, ViewportCommand, ViewportEvent,
+    ViewportId,
+};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, Node};
 use gingerbread::app::App;
@@ -198,4 +201,21 @@ pub fn in_mode(name: &str, mode: Mode) -> Window {
     }
     window.run_steps(5);
     window
+}
+
+/// Asks the window to close, and returns what it asks of its display in the next frames.
+pub fn close(window: &mut Window) -> Vec<ViewportCommand> {
+    let events = &mut window.input_mut().viewports.entry(ViewportId::ROOT).or_default().events;
+    events.push(ViewportEvent::Close);
+    asked(window)
+}
+
+/// What the window asks of its display in the next frames.
+pub fn asked(window: &mut Window) -> Vec<ViewportCommand> {
+    let mut all = Vec::new();
+    for _ in 0..4 {
+        window.run_steps(1);
+        all.extend(window.output().viewport_output[&ViewportId::ROOT].commands.iter().cloned());
+    }
+    all
 }

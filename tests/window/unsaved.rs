@@ -1,7 +1,7 @@
 //! Changes that are not saved: nothing replaces them, and nothing closes the window over them, without a question.
 
 use crate::harness::*;
-use eframe::egui::{Key, Modifiers, ViewportCommand, ViewportEvent, ViewportId};
+use eframe::egui::{Key, Modifiers, ViewportCommand};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::materials::Model;
 use std::path::{Path, PathBuf};
@@ -17,22 +17,6 @@ impl Drop for Gone {
 
 fn own_file(folder: &Path, name: &str) -> Gone {
     Gone(folder.join(format!("gingerbread-{name}-{}.ron", std::process::id())))
-}
-
-/// Asks the window to close, and returns what it asks of its display in the next frames.
-fn close(window: &mut Window) -> Vec<ViewportCommand> {
-    let events = &mut window.input_mut().viewports.entry(ViewportId::ROOT).or_default().events;
-    events.push(ViewportEvent::Close);
-    asked(window)
-}
-
-fn asked(window: &mut Window) -> Vec<ViewportCommand> {
-    let mut all = Vec::new();
-    for _ in 0..4 {
-        window.run_steps(1);
-        all.extend(window.output().viewport_output[&ViewportId::ROOT].commands.iter().cloned());
-    }
-    all
 }
 
 fn is_asked(window: &Window) -> bool {

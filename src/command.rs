@@ -18,8 +18,8 @@ use crate::{
     finish::Finish,
     impulse::Impulse,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, MassLevel, Pin, RunMode, SubstepMode, Substeps, Toggle},
-    materials::{MaterialParameters, Model},
+    level::{BodyLevel, EffectLevel, Level, MassLevel, Pin, RunMode, SubstepMode, Substeps, Toggle},
+    materials::{MaterialParameters, Model, TypedEnergy},
     meshes::MeshKind,
     nets::NetKind,
     quantity::{ParticleMass, Thickness},
@@ -65,6 +65,8 @@ pub enum Command {
     SetRunning(bool),
     /// Takes one step, paused.
     StepOnce,
+    /// Takes the steps of a frame of 1/60 s, at least one, paused.
+    StepFrame,
     /// Resets positions and velocities to the start.
     Reset,
     /// Rewinds by a time \[s\], as far as the buffer reaches, and pauses; clears a fault.
@@ -86,6 +88,12 @@ pub enum Command {
     SetModel(Model),
     /// Sets the material of a body (by number).
     SetMaterial(usize, MaterialParameters),
+    /// Sets the typed energy of a body or membrane, by the number of the part, or goes back to its model.
+    SetEnergy(usize, Option<TypedEnergy>),
+    /// Adds a body, and starts over. It gets another name where its own is taken.
+    AddBody(Box<BodyLevel>),
+    /// Removes a body, and starts over.
+    RemoveBody(usize),
     /// Sets the mesh of a body (by number). Everything is reset; pins stay at their places.
     SetMesh(usize, MeshKind),
     /// Sets the mass of a body (by number).
@@ -153,6 +161,7 @@ impl Command {
     pub const fn about(&self) -> About {
         match self {
             Self::SetModel(_)
+            | Self::SetEnergy(..)
             | Self::SetMesh(..)
             | Self::SetSubsteps(_)
             | Self::SetSubstepMode(_)
@@ -162,6 +171,7 @@ impl Command {
             Self::SetMode(_)
             | Self::SetRunning(_)
             | Self::StepOnce
+            | Self::StepFrame
             | Self::Reset
             | Self::Rewind(_)
             | Self::Untangle
@@ -171,6 +181,8 @@ impl Command {
             | Self::Impulse(_)
             | Self::Open(_)
             | Self::SetMaterial(..)
+            | Self::AddBody(_)
+            | Self::RemoveBody(_)
             | Self::SetMass(..)
             | Self::SetMembrane(..)
             | Self::SetNet(..)

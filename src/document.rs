@@ -56,6 +56,8 @@ pub enum Gesture {
     Membrane(usize),
     /// How a net or membrane looks.
     Finish(usize),
+    /// The typed energy of a part.
+    Energy(usize),
     /// The parameters of the toy.
     Toy,
     /// An effect of the list.
@@ -162,6 +164,7 @@ impl Document {
                 BodyLevel {
                     name: model.title().to_owned(),
                     material: body.material.with_model(model),
+                    energy: None,
                     place: Place { offset: moved(body.place.offset, by), ..body.place },
                     pins: pins.collect(),
                     ..body.clone()

@@ -12,6 +12,10 @@
 //!
 //! Libraries for this take `-x^2` as `(-x)^2`; here it is `-(x^2)`, as in mathematics, and `2^3^2` is `2^(3^2)`.
 
+mod program;
+
+pub use program::Program;
+
 use std::ops::Range;
 
 /// A formula of numbered variables.
@@ -29,6 +33,8 @@ pub struct FormulaError {
     pub column: usize,
     /// What is wrong, in words.
     pub what: String,
+    /// The name that is not known, if that is what is wrong.
+    pub unknown: Option<String>,
 }
 
 /// Functions of one number, by their names.
@@ -197,7 +203,7 @@ struct Parser<'a> {
 impl Parser<'_> {
     /// Error at a byte.
     fn error(&self, at: usize, what: String) -> FormulaError {
-        FormulaError { column: self.text[..at].chars().count() + 1, what }
+        FormulaError { column: self.text[..at].chars().count() + 1, what, unknown: None }
     }
 
     /// Next character that is no space.
@@ -367,7 +373,7 @@ impl Parser<'_> {
             Instruction::Number(*number)
         } else {
             let what = format!("there is no `{name}`; the names are {}", self.names.join(", "));
-            return Err(self.error(span.start, what));
+            return Err(FormulaError { unknown: Some(name.to_owned()), ..self.error(span.start, what) });
         };
         self.instructions.push(instruction);
         Ok(())

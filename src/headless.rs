@@ -18,7 +18,7 @@ pub use progress::{Interrupt, PER_CENT, Progress, ProgressOptions};
 pub use report::{
     Beginning, EffectReport, EndState, EnergyReport, GREATEST_GAIN, GREATEST_J, RunReport, SubstepReport,
 };
-pub use series::{Probe, Series};
+pub use series::Series;
 pub use study::{Study, study};
 
 use crate::{
@@ -27,6 +27,7 @@ use crate::{
     inversion_recovery::untangled,
     level::{Level, RunMode},
     levels,
+    probe::Probe,
     sandbox::Refused,
     scene::Scene,
     simulation::Simulation,
@@ -71,8 +72,8 @@ pub struct RunRequest {
     /// Write quantities over time here, as CSV.
     #[arg(long)]
     pub csv: Option<PathBuf>,
-    /// Quantities over time, separated by commas: energy, momentum, `min_j`, vertex:NUMBER, and of a toy its numbers; energy, or those of a toy,
-    /// if not given.
+    /// Quantities over time, separated by commas: energy, momentum, `min_j`, reaction, vertex:NUMBER, forces:NUMBER, triangle:NUMBER, and of a
+    /// toy its numbers; energy, or those of a toy, if not given.
     #[arg(long, value_name = "PROBES", value_delimiter = ',', requires = "csv")]
     pub probe: Vec<Probe>,
     /// Simulated time between two rows of them \[s\]; 1/60 if not given.

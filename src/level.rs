@@ -18,7 +18,7 @@ use crate::{
     elements::OwnMaterial,
     finish::Finish,
     integrators::IntegratorKind,
-    materials::MaterialParameters,
+    materials::{MaterialParameters, TypedEnergy},
     meshes::{MeshKind, natural},
     nets::NetKind,
     quantity::{
@@ -98,6 +98,9 @@ pub struct BodyLevel {
     /// [`Plane::StressExact`](crate::materials::Plane::StressExact) is the same as plane stress.
     #[serde(skip_deserializing, skip_serializing_if = "Option::is_none", serialize_with = "refuse")]
     pub own_material: Option<OwnMaterial>,
+    /// A typed energy in place of that of the model, whose elastic moduli it knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<TypedEnergy>,
     /// How heavy it is.
     pub mass: MassLevel,
     /// Factors in x and y applied at the start about the middle of its bottom edge: the body starts out of its rest shape.
@@ -154,6 +157,9 @@ pub struct MembraneLevel {
     pub mesh: MeshKind,
     /// What it is made of.
     pub material: MaterialParameters,
+    /// A typed energy in place of that of the model, whose elastic moduli it knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<TypedEnergy>,
     /// Thickness.
     pub thickness: Thickness,
     /// How heavy it is.

@@ -26,8 +26,8 @@
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
 //! | `table` | tables as CSV; feature `csv` |
 //! | `random` | pseudo-random numbers with a fixed seed |
-//! | [`formula`] | formulas typed as text, with exact derivatives |
 //! | [`simd`] | SIMD vectors: formulas for one number or for several at once, with the same bits on every processor |
+//! | [`formula`] | formulas typed as text, with exact derivatives |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | triangle meshes: the gingerbread man, rectangles, disks, outlines, files |
 //! | [`nets`] | particles and springs: chains, sheets, lists |
@@ -49,6 +49,7 @@
 //! | [`command`], [`document`], [`sandbox`] | user actions, undo, and their execution |
 //! | [`snapshot`] | the data of a frame of the window |
 //! | [`study`] | accuracy and cost: references, work-precision diagrams, mesh studies, drift |
+//! | [`probe`] | quantities of a running scene as columns of numbers |
 //! | [`levels`], [`files`] | built-in levels; reading and saving |
 //! | [`hard`] | the gallery of hard cases and their verdicts |
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
@@ -72,9 +73,9 @@ pub mod terminal;
 
 mod random;
 
-pub mod formula;
-
 pub mod simd;
+
+pub mod formula;
 
 pub mod materials;
 pub mod meshes;
@@ -115,6 +116,8 @@ pub mod sandbox;
 pub mod snapshot;
 
 pub mod study;
+
+pub mod probe;
 
 pub mod files;
 pub mod levels;

@@ -70,6 +70,16 @@ pub enum Colouring {
     VonMises,
     /// Ratio of areas, det F.
     J,
+    /// Greater principal stretch.
+    Stretch,
+    /// Greater principal Cauchy stress.
+    PrincipalStress,
+    /// Pressure.
+    Pressure,
+    /// Speed.
+    Speed,
+    /// Displacement from the start.
+    Displacement,
 }
 
 impl Colouring {
@@ -79,6 +89,11 @@ impl Colouring {
             Self::Energy => Field::EnergyDensity,
             Self::VonMises => Field::VonMises,
             Self::J => Field::Volume,
+            Self::Stretch => Field::Stretch,
+            Self::PrincipalStress => Field::PrincipalStress,
+            Self::Pressure => Field::Pressure,
+            Self::Speed => Field::Speed,
+            Self::Displacement => Field::Displacement,
         }
     }
 }

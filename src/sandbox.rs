@@ -180,7 +180,8 @@ impl Sandbox {
         match command {
             Command::SetMode(mode) => self.set_mode(mode)?,
             Command::SetRunning(running) => self.set_running(running)?,
-            Command::StepOnce => self.step_once()?,
+            Command::StepOnce => self.step(1)?,
+            Command::StepFrame => self.step(self.simulation.scene().steps_per_frame())?,
             Command::Reset => {
                 if *self.simulation.state() != self.simulation.scene().start {
                     // The run is recorded for undo.
@@ -313,11 +314,11 @@ impl Sandbox {
         Ok(())
     }
 
-    fn step_once(&mut self) -> Result<(), Refused> {
+    fn step(&mut self, steps: u64) -> Result<(), Refused> {
         self.set_running(true)?;
         self.running = false;
         self.rewind.keep(&self.simulation);
-        self.simulation.advance(1, &mut || true);
+        self.simulation.advance(steps, &mut || true);
         Ok(())
     }
 

@@ -307,7 +307,8 @@ impl Sandbox {
         }
         // The elements are evaluated once for each shape, however often it is drawn.
         let seen = Some((self.generation, simulation.shape(), field));
-        if snapshot.seen != seen {
+        // An impulse changes speeds and leaves the shape.
+        if snapshot.seen != seen || field == Field::Speed {
             snapshot.seen = seen;
             self.diagnose(field, snapshot);
         }
@@ -370,6 +371,7 @@ impl Sandbox {
         for membrane in &scene.membranes {
             membrane.elements.add_values(field, x, &mut snapshot.values);
         }
+        self.add_values_of_vertices(field, &mut snapshot.values);
         snapshot.membranes.clear();
         let known = |number: usize| simulation.known_energy(scene.bodies.len() + scene.nets.len() + number);
         snapshot.membranes.extend(scene.membranes.iter().enumerate().map(|(number, membrane)| MembraneSnapshot {
@@ -400,6 +402,24 @@ impl Sandbox {
         let count = if is_small { all() } else { None };
         snapshot.crossings = count.map(|count| (count, start.elapsed()));
         snapshot.evaluations += 1;
+    }
+
+    /// Appends the mean of the corners of each triangle, for a field that vertices have.
+    fn add_values_of_vertices(&self, field: Field, values: &mut Vec<f64>) {
+        let (scene, state) = (self.simulation.scene(), self.simulation.state());
+        let of_vertex = |vertex: u32| {
+            let own = scene.numbers(&(vertex as usize..vertex as usize + 1));
+            let square = |number: usize| match field {
+                Field::Speed => state.v[number] * state.v[number],
+                _ => (state.x[number] - scene.start.x[number]) * (state.x[number] - scene.start.x[number]),
+            };
+            own.map(square).sum::<f64>().sqrt()
+        };
+        if matches!(field, Field::Speed | Field::Displacement) {
+            let membranes = scene.membranes.iter().flat_map(|membrane| membrane.elements.corners());
+            let all = scene.triangles.iter().chain(membranes);
+            values.extend(all.map(|corners| corners.map(of_vertex).iter().sum::<f64>() / 3.0));
+        }
     }
 
     fn body(&self, body: &Body, triangles: Range<usize>, shape: Diagnostics) -> BodySnapshot {

@@ -28,10 +28,62 @@ pub struct Clock {
     shown: Option<Rates>,
 }
 
+/// Wanted simulated time over real time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pace(usize);
+
+impl Pace {
+    const FACTORS: [(f64, &str); 9] = [
+        (1.0 / 1000.0, "1/1000"),
+        (1.0 / 300.0, "1/300"),
+        (1.0 / 100.0, "1/100"),
+        (1.0 / 30.0, "1/30"),
+        (1.0 / 10.0, "1/10"),
+        (1.0 / 3.0, "1/3"),
+        (1.0, "1"),
+        (3.0, "3"),
+        (10.0, "10"),
+    ];
+
+    /// All of them, the slowest first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..Self::FACTORS.len()).map(Self)
+    }
+
+    /// Simulated time over real time.
+    pub const fn factor(self) -> f64 {
+        Self::FACTORS[self.0].0
+    }
+
+    /// The factor as it is shown.
+    pub const fn label(self) -> &'static str {
+        Self::FACTORS[self.0].1
+    }
+
+    /// The next one, or itself.
+    #[must_use]
+    pub fn faster(self) -> Self {
+        Self((self.0 + 1).min(Self::FACTORS.len() - 1))
+    }
+
+    /// The one before, or itself.
+    #[must_use]
+    pub const fn slower(self) -> Self {
+        Self(self.0.saturating_sub(1))
+    }
+}
+
+impl Default for Pace {
+    /// Real time.
+    fn default() -> Self {
+        Self(6)
+    }
+}
+
 /// Rates that the panels show.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rates {
-    /// Simulated time divided by real time.
+    /// Simulated time that passed, as a share of that which should have passed at the chosen pace.
     pub factor: f64,
     /// Time of stepping in a frame \[s\].
     pub physics: f64,
@@ -48,7 +100,7 @@ pub struct Rates {
 pub struct Spent {
     /// Real time since the last frame \[s\].
     pub elapsed: f64,
-    /// Length of a step \[s\].
+    /// How long a step takes on the clock at the chosen pace \[s\].
     pub step: f64,
     /// Steps owed, from [`Clock::owe`].
     pub owed: u64,
@@ -63,7 +115,7 @@ pub struct Spent {
 }
 
 impl Clock {
-    /// Adds real time \[s\] and returns the number of whole steps that are owed.
+    /// Adds real time \[s\] and returns the number of whole steps that are owed, each of this length on the clock \[s\].
     pub fn owe(&mut self, elapsed: f64, step: f64) -> u64 {
         if !elapsed.is_finite() || !step.is_finite() || step <= 0.0 {
             return 0;
@@ -214,6 +266,15 @@ mod tests {
             }
             assert_eq!(clock.rates().map(|rates| rates.effort), Some(divided as f64));
         }
+    }
+
+    #[test]
+    fn the_paces_rise_to_real_time_and_beyond() {
+        let all: Vec<_> = Pace::all().collect();
+        assert!(all.windows(2).all(|pair| pair[0].faster() == pair[1] && pair[1].slower() == pair[0]));
+        assert!(all.windows(2).all(|pair| pair[0].factor() < pair[1].factor()));
+        assert_eq!((Pace::default().factor(), Pace::default().label()), (1.0, "1"));
+        assert_eq!((all[0].slower(), all[8].faster()), (all[0], all[8]));
     }
 
     #[test]

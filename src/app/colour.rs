@@ -21,7 +21,7 @@ const OUTLIERS: f64 = 0.03;
 
 static VIRIDIS: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::VIRIDIS, false));
 
-/// Red for compression, blue for extension, pale at rest.
+/// Red for compression, blue for extension, pale at rest; the other way round for pressure.
 static RED_BLUE: LazyLock<[Color32; COLORS]> = LazyLock::new(|| sampled(colorous::RED_BLUE, false));
 
 fn sampled(gradient: colorous::Gradient, reversed: bool) -> [Color32; COLORS] {
@@ -91,8 +91,8 @@ impl Scale {
     /// Values at the two ends of the map.
     pub fn range(&self) -> [f64; 2] {
         match self.field {
-            Field::Volume => [1.0 - self.high, 1.0 + self.high],
-            Field::None | Field::EnergyDensity | Field::VonMises => [0.0, self.high],
+            field if field.is_signed() => [field.rest() - self.high, field.rest() + self.high],
+            _ => [0.0, self.high],
         }
     }
 
@@ -114,19 +114,19 @@ impl Scale {
     }
 
     fn map(&self) -> &'static [Color32; COLORS] {
-        if self.field == Field::Volume { &RED_BLUE } else { &VIRIDIS }
+        if self.field.is_signed() { &RED_BLUE } else { &VIRIDIS }
     }
 
     /// Value, or distance from rest, that all triangles but the outliers stay below.
     fn typical_high(&mut self, snapshot: &Snapshot) -> f64 {
-        let rest = if snapshot.field == Field::Volume { 1.0 } else { 0.0 };
+        let rest = snapshot.field.rest();
         self.sorted.clear();
         self.sorted.extend(snapshot.values.iter().map(|value| (value - rest).abs()).filter(|size| size.is_finite()));
         let Some(last) = self.sorted.len().checked_sub(1) else { return 0.0 };
         let place = last - (last as f64 * OUTLIERS) as usize;
         let (_, high, _) = self.sorted.select_nth_unstable_by(place, f64::total_cmp);
-        // The range ends at J = 0 and J = 2; values beyond have the colours of the ends.
-        if snapshot.field == Field::Volume { high.min(1.0) } else { *high }
+        // The range of a ratio ends at 0 and 2; values beyond have the colours of the ends.
+        if snapshot.field.rest() == 1.0 { high.min(1.0) } else { *high }
     }
 }
 
@@ -153,8 +153,9 @@ fn floor(snapshot: &Snapshot) -> f64 {
     let young = stiffest(snapshot).max(1e-9);
     match snapshot.field {
         Field::EnergyDensity => 1e-6 * young,
-        Field::VonMises => 1e-3 * young,
-        Field::None | Field::Volume => 0.01,
+        Field::VonMises | Field::PrincipalStress | Field::Pressure => 1e-3 * young,
+        Field::None | Field::Volume | Field::Stretch => 0.01,
+        Field::Speed | Field::Displacement => 1e-3,
     }
 }
 
@@ -162,8 +163,10 @@ fn floor(snapshot: &Snapshot) -> f64 {
 pub fn reading(snapshot: &Snapshot, value: f64) -> f64 {
     let young = stiffest(snapshot);
     match snapshot.field {
-        Field::EnergyDensity | Field::VonMises => or_zero(value, 1e-12 * young),
-        Field::None | Field::Volume => value,
+        Field::EnergyDensity | Field::VonMises | Field::PrincipalStress | Field::Pressure => {
+            or_zero(value, 1e-12 * young)
+        }
+        _ => value,
     }
 }
 

@@ -9,7 +9,7 @@ pub use native::Dialogs;
 pub use nowhere::Dialogs;
 
 use super::{
-    App,
+    App, making,
     panels::{Choice, Export, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
 };
 use crate::{
@@ -71,6 +71,11 @@ impl App {
                 }
             }
             FileRequest::Open => self.dialogs.ask(Purpose::Open),
+            FileRequest::OpenMesh => self.dialogs.ask(Purpose::OpenMesh),
+            FileRequest::SaveAgain => match self.path.clone() {
+                Some(path) => self.save(&path),
+                None => self.grant(FileRequest::Save),
+            },
             FileRequest::Save => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
             FileRequest::Export(export) => self.dialogs.ask(Purpose::Export(export)),
             FileRequest::File(path, ignored) => {
@@ -84,23 +89,29 @@ impl App {
     }
 
     /// Starts a level that was read, and clears the notice. Returns whether it could be built.
-    fn start(&mut self, level: Level) -> bool {
+    pub(super) fn start(&mut self, level: Level) -> bool {
         self.view.notice = None;
         let done = self.apply(None, Command::Open(Box::new(level)));
         if done {
             self.mark_kept();
+            self.path = None;
         }
         done
     }
 
-    /// Opens a level file without asking about unsaved changes. If it cannot be read or built, a notice is shown and the present scene
+    /// Opens a level file without asking about unsaved changes, or adds a body whose mesh is in the file. If it cannot be read or built, a notice is shown and the present scene
     /// stays.
     pub fn open(&mut self, path: &Path) {
+        if making::is_mesh(path) {
+            self.add_from_file(path);
+            return;
+        }
         let path = files::whole_path(path);
         match files::read(&path) {
             Ok(level) => {
                 if self.start(level) {
                     self.view.notice = Some(Notice::Done(format!("Opened {}", path.display())));
+                    self.remember(path);
                 }
             }
             Err(error) => self.view.notice = Some(Notice::trouble(&error)),
@@ -131,7 +142,30 @@ impl App {
         let saved = files::save(path, &self.settled().saved());
         let done = saved.is_ok();
         self.tell(path, saved);
+        if done {
+            self.remember(files::whole_path(path));
+        }
         self.saved(done);
+    }
+
+    /// Remembers the file of the level, for saving it again and among those that were used last.
+    fn remember(&mut self, path: PathBuf) {
+        /// Number of files in the list.
+        const MOST: usize = 8;
+        self.recent.retain(|other| *other != path);
+        self.recent.insert(0, path.clone());
+        self.recent.truncate(MOST);
+        self.path = Some(path);
+    }
+
+    /// Writes the name of the level and whether it has changes into the title of the window.
+    pub(super) fn show_title(&mut self, ctx: &Context) {
+        let mark = if self.is_unsaved() { "• " } else { "" };
+        let title = format!("{mark}{} – Gingerbread", self.snapshot.level.name);
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
     }
 
     /// After saving: marks the changes as saved and carries out the request that waited for it.
@@ -168,6 +202,11 @@ impl App {
 
     /// Shows a text input: for a path, or in a browser for the text of a level.
     fn ask_for_text(&mut self, ctx: &Context, purpose: Purpose) {
+        if cfg!(target_arch = "wasm32") && purpose == Purpose::OpenMesh {
+            let text = "In a browser no mesh file can be opened yet: paste its points as an Outline into a level.";
+            self.view.notice = Some(Notice::Trouble(text.to_owned()));
+            return;
+        }
         if cfg!(target_arch = "wasm32") && purpose != Purpose::Open {
             let text = if let Purpose::Export(Export { bytes, .. }) = purpose {
                 String::from_utf8(bytes).map_err(|_| "Pictures cannot be saved in a browser.".to_owned())
@@ -192,6 +231,10 @@ impl App {
     fn handle_dialog(&mut self, purpose: &Purpose, path: &Path) {
         match purpose {
             Purpose::Open => self.open(path),
+            Purpose::OpenMesh if making::is_mesh(path) => self.add_from_file(path),
+            Purpose::OpenMesh => {
+                self.view.notice = Some(Notice::Trouble(format!("{} is no OBJ file.", path.display())));
+            }
             Purpose::Save(_) => self.save(path),
             Purpose::Export(export) => self.tell(path, files::write_bytes(path, &export.bytes)),
         }
@@ -225,6 +268,10 @@ impl App {
     fn take_close_request(&mut self, ctx: &Context) {
         let requested = ctx.input(|input| input.viewport().close_requested());
         let films = self.view.film.is_some();
+        if let Some(zoom) = self.view.presents.filter(|_| requested) {
+            // The interface opens in its usual size again.
+            ctx.set_zoom_factor(zoom);
+        }
         if requested && !self.leaves && (films || self.is_unsaved()) {
             // A minimized window could not show the dialog.
             for command in [ViewportCommand::CancelClose, ViewportCommand::Minimized(false), ViewportCommand::Focus] {
@@ -270,6 +317,8 @@ pub enum Purpose {
     /// Open a level.
     #[default]
     Open,
+    /// Add a body whose mesh is in a file.
+    OpenMesh,
     /// Save the level. The field is the suggested name.
     Save(String),
     /// Save the data of a plot.
@@ -281,6 +330,7 @@ impl Purpose {
     pub const fn title(&self) -> &'static str {
         match self {
             Self::Open => "Open a level",
+            Self::OpenMesh => "Add a body from a mesh file",
             Self::Save(_) => "Save the level",
             Self::Export(_) => "Save the file",
         }
@@ -289,7 +339,7 @@ impl Purpose {
     /// Suggested file name.
     pub fn name(&self) -> &str {
         match self {
-            Self::Open => "",
+            Self::Open | Self::OpenMesh => "",
             Self::Save(name) => name,
             Self::Export(export) => &export.name,
         }
@@ -368,6 +418,7 @@ mod native {
             };
             let choice: Pin<Box<dyn Future<Output = _>>> = match &purpose {
                 Purpose::Open => Box::pin(levels(dialog).pick_file()),
+                Purpose::OpenMesh => Box::pin(dialog.add_filter("Mesh", &["obj"]).pick_file()),
                 Purpose::Save(name) => Box::pin(levels(dialog).set_file_name(name).save_file()),
                 Purpose::Export(export) => Box::pin(dialog.set_file_name(&export.name).save_file()),
             };
@@ -394,13 +445,17 @@ mod native {
                 return (since.elapsed() < TOO_FAST).then_some(DialogResult::Unavailable(purpose));
             };
             self.folder = path.parent().map(PathBuf::from);
-            let path = if purpose == Purpose::Open { path } else { with_extension(path, purpose.name()) };
+            let path = if matches!(purpose, Purpose::Open | Purpose::OpenMesh) {
+                path
+            } else {
+                with_extension(path, purpose.name())
+            };
             Some(DialogResult::Chosen(purpose, path))
         }
     }
 
     fn levels(dialog: AsyncFileDialog) -> AsyncFileDialog {
-        dialog.add_filter("Gingerbread level", &["ron"]).add_filter("All files", &["*"])
+        dialog.add_filter("Level or mesh", &["ron", "obj"]).add_filter("All files", &["*"])
     }
 
     /// Adds the extension of the suggested name to a file name without one.

@@ -1,5 +1,6 @@
 //! Table of keys and mouse actions. The dispatcher, the help overlay and the status line read it.
 
+use super::{canvas::Look, clock::Pace, panels::FileRequest};
 use crate::{
     command::{Command, Mode, Pose},
     materials::Model,
@@ -44,7 +45,7 @@ pub enum When {
 }
 
 /// Action of a key.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum KeyAction {
     /// A change of the sandbox.
     Do(Command),
@@ -56,6 +57,16 @@ pub enum KeyAction {
     TakePicture,
     /// Starts or ends a film of the stage.
     Film,
+    /// Shows the stage alone, or the panels again.
+    Present,
+    /// Opens or saves a file.
+    File(FileRequest),
+    /// Probes what is under the pointer.
+    Probe,
+    /// Changes the wanted speed of simulated time.
+    Pace(fn(Pace) -> Pace),
+    /// Changes from where the scene is seen.
+    Look(Look),
     /// No action: the stage handles the mouse itself.
     Mouse,
 }
@@ -136,6 +147,20 @@ pub static TABLE: &[Binding] = &[
     binding("Space", "run or pause", When::Always, &[key(Key::Space)], |now| {
         KeyAction::Do(Command::SetRunning(now.mode == Mode::Edit || !now.running))
     }),
+    Binding {
+        repeats: true,
+        ..binding(".", "take one step", When::Always, &[key(Key::Period)], |_| KeyAction::Do(Command::StepOnce))
+    },
+    Binding {
+        repeats: true,
+        ..binding(",", "take the steps of one frame, 1/60 s", When::Always, &[key(Key::Comma)], |_| {
+            KeyAction::Do(Command::StepFrame)
+        })
+    },
+    binding("Page up", "faster: simulated time over real time", When::Always, &[key(Key::PageUp)], |_| {
+        KeyAction::Pace(Pace::faster)
+    }),
+    binding("Page down", "slow motion", When::Always, &[key(Key::PageDown)], |_| KeyAction::Pace(Pace::slower)),
     binding("M", "edit / simulate", When::Always, &[key(Key::M)], |now| toggle(now, Mode::Simulate)),
     binding("T", "edit / collide", When::Always, &[key(Key::T)], |now| toggle(now, Mode::Collide)),
     binding("D", "damping on or off", When::Always, &[key(Key::D)], |now| {
@@ -176,11 +201,36 @@ pub static TABLE: &[Binding] = &[
             |_| KeyAction::Do(Command::Redo),
         )
     },
+    binding("Ctrl+O", "open a level file", When::Always, &[command(Key::O)], |_| KeyAction::File(FileRequest::Open)),
+    binding("Ctrl+S", "save the level in its file", When::Always, &[command(Key::S)], |_| {
+        KeyAction::File(FileRequest::SaveAgain)
+    }),
+    binding("F11", "the stage alone on the whole screen, or the panels", When::Always, &[key(Key::F11)], |_| {
+        KeyAction::Present
+    }),
     binding("B", "compare: a second pane B beside A, or A alone", When::Always, &[key(Key::B)], |_| {
         KeyAction::ToggleComparison
     }),
+    binding("P", "probe the vertex or triangle under the pointer", When::Always, &[key(Key::P)], |_| KeyAction::Probe),
     binding("I", "save a picture of the stage", When::Always, &[key(Key::I)], |_| KeyAction::TakePicture),
     binding("Shift+V", "record a film of the stage, or end it", When::Always, &[shift(Key::V)], |_| KeyAction::Film),
+    Binding {
+        repeats: true,
+        ..binding("+", "zoom in (also the wheel)", When::Always, &[key(Key::Plus), key(Key::Equals)], |_| {
+            KeyAction::Look(Look::CLOSER)
+        })
+    },
+    Binding {
+        repeats: true,
+        ..binding("-", "zoom out", When::Always, &[key(Key::Minus)], |_| KeyAction::Look(Look::FARTHER))
+    },
+    binding("0", "see the whole scene", When::Always, &[key(Key::Num0)], |_| KeyAction::Look(Look::All)),
+    binding("Z", "see what is under the pointer as large as possible", When::Always, &[key(Key::Z)], |_| {
+        KeyAction::Look(Look::Part)
+    }),
+    binding("Right drag", "move the scene; in space turn it, and move it with Shift", When::Always, &[], |_| {
+        KeyAction::Mouse
+    }),
     binding("?", "show or hide this list", When::Always, &[key(Key::Questionmark)], |_| KeyAction::ToggleHelp),
 ];
 

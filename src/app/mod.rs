@@ -12,11 +12,14 @@ mod film;
 mod gallery;
 mod jobs;
 pub mod keys;
+mod making;
 mod meshing;
 mod numbers;
 mod panels;
 mod picture;
+mod probes;
 mod raster;
+mod settings;
 mod theme;
 
 use crate::{
@@ -36,15 +39,17 @@ pub use picture::{Picture, Stage};
 
 use canvas::Canvas;
 use clock::{Clock, Spent};
-use compare::{Comparison, Pane, PaneRequest, Split};
+use compare::{Comparison, Pane, PaneRequest, Split, Stage as SplitStage};
 use eframe::egui;
 use egui::{Context, Ui, ViewportBuilder};
 use files::Dialogs;
-use film::{Recorder, Shot};
+use film::Recorder;
 use gallery::Gallery;
 use jobs::Jobs;
 use meshing::Meshing;
-use panels::{Export, FileRequest, FilmRequest, History, Meter, Notice, PanelContext, View};
+use panels::{FileRequest, History, Meter, Notice, PanelContext, View};
+use probes::{ProbeRequest, Probes};
+use std::path::PathBuf;
 use web_time::Instant;
 
 /// Time budget for steps in a frame \[s\]. The rest of 1/60 s is for drawing.
@@ -64,6 +69,8 @@ pub struct App {
     history: History,
     dialogs: Dialogs,
     jobs: Jobs,
+    /// Probes of the chosen pane.
+    probes: Probes,
     /// Cost of effects in the chosen pane. It is measured only while the ledger is shown.
     meter: Meter,
     /// The second pane, while two panes are compared.
@@ -75,6 +82,11 @@ pub struct App {
     recorder: Option<Recorder>,
     /// The document as it was last opened or saved.
     kept: Document,
+    /// File of the level, if it has one, and the level files that were used last.
+    path: Option<PathBuf>,
+    recent: Vec<PathBuf>,
+    /// Title of the window.
+    title: String,
     /// File request that waits until the changes are saved.
     after_saving: Option<FileRequest>,
     /// Whether the window closes even if changes are unsaved.
@@ -95,7 +107,11 @@ impl App {
             Some(level) => level,
             None => Gallery::default().first().unwrap_or_default(),
         };
-        Self::with_level(&cc.egui_ctx, level, Box::new(Disk))
+        let mut app = Self::with_level(&cc.egui_ctx, level, Box::new(Disk))?;
+        if let Some(storage) = cc.storage {
+            app.recall(storage);
+        }
+        Ok(app)
     }
 
     /// Creates the window with a level whose mesh files are read from `files`.
@@ -119,12 +135,16 @@ impl App {
             history: History::default(),
             dialogs: Dialogs::default(),
             jobs: Jobs::default(),
+            probes: Probes::default(),
             meter: Meter::default(),
             comparison: None,
             commands: Vec::new(),
             meshing: Meshing::default(),
             recorder: None,
             kept,
+            path: None,
+            recent: Vec::new(),
+            title: String::new(),
             after_saving: None,
             leaves: false,
             last: None,
@@ -161,7 +181,7 @@ impl App {
 
     /// Position on the screen of a point of the world \[m\], if the stage fills `stage`.
     pub fn on_screen(&self, stage: egui::Rect, point: [f64; 2]) -> egui::Pos2 {
-        canvas::camera(&self.snapshot, stage).screen_from_world(point)
+        self.canvas.camera(&self.snapshot, stage).screen_from_world(point)
     }
 
     /// Text of the current notice, if there is one.
@@ -224,7 +244,12 @@ impl App {
 
     /// Applies a command in the same frame, even if it takes long.
     fn apply_now(&mut self, pane: Option<Pane>, command: Command) -> bool {
-        let steps = u64::from(command == Command::StepOnce);
+        let steps = match (&command, &self.comparison) {
+            (Command::StepOnce, _) => 1,
+            (Command::StepFrame, Some(panes)) => panes.rounds_per_frame(&self.sandbox),
+            (Command::StepFrame, None) => self.sandbox.simulation().scene().steps_per_frame(),
+            _ => 0,
+        };
         let result = match &mut self.comparison {
             Some(panes) => panes.apply(&mut self.sandbox, pane.unwrap_or(panes.chosen()), command),
             None => self.sandbox.apply(command),
@@ -274,103 +299,6 @@ impl App {
         }
     }
 
-    /// What the stage of the chosen pane shows now, and its size \[points\].
-    fn shot(&mut self) -> (Shot, [usize; 2]) {
-        let options = self.view.stage;
-        let mut snapshot = Snapshot::default();
-        self.settled().snapshot(options.field, &mut snapshot);
-        let canvas = match &self.comparison {
-            Some(panes) if panes.chosen() == Pane::B => panes.stage.canvas(),
-            _ => &self.canvas,
-        };
-        let size = [canvas.size().x, canvas.size().y].map(|points| (points.round() as usize).clamp(16, 4096));
-        (Shot { snapshot, options, viewpoint: canvas.viewpoint() }, size)
-    }
-
-    /// Draws the stage of the chosen pane into a picture, without panels and buttons, and asks where to save it.
-    fn take_picture(&mut self, ctx: &Context) {
-        /// Pixels of the picture along a side of a point of the window.
-        const SCALE: usize = 2;
-        let (Shot { snapshot, options, viewpoint }, size) = self.shot();
-        let mut stage = Stage::new((size, SCALE), ctx.theme() == egui::Theme::Dark, options);
-        stage.see_from(viewpoint);
-        let name = format!("{}-{:.3}s.png", files::stem(&snapshot.level.name), snapshot.time);
-        match stage.first_picture(&snapshot).png() {
-            Ok(bytes) => self.view.file = Some(FileRequest::Export(Export { name, bytes })),
-            Err(why) => self.view.notice = Some(Notice::Trouble(format!("The picture could not be made: {why}"))),
-        }
-    }
-
-    /// Starts and ends films, and asks where to save one that is finished.
-    fn record(&mut self, ctx: &Context) {
-        for request in std::mem::take(&mut self.view.film_requests) {
-            match (request, &mut self.recorder) {
-                (FilmRequest::Start(format), None) => {
-                    let (shot, size) = self.shot();
-                    // The sides of films are even.
-                    let size = [size[0].min(3840) & !1, size[1].min(2160) & !1];
-                    match Recorder::start(format, size, ctx.theme() == egui::Theme::Dark, shot) {
-                        Ok(recorder) => self.recorder = Some(recorder),
-                        Err(why) => self.view.notice = Some(Notice::Trouble(format!("No film can be recorded: {why}"))),
-                    }
-                }
-                (FilmRequest::Start(_), Some(_)) | (FilmRequest::Stop, None) => {}
-                (FilmRequest::Stop, Some(recorder)) => recorder.stop(),
-                (FilmRequest::Discard, _) => self.recorder = None,
-            }
-        }
-        // Where another file is asked for, a finished film waits.
-        let asks = self.dialogs.is_waiting() || self.view.file.is_some() || self.view.prompt.is_some();
-        if let Some(film) = self.recorder.as_mut().filter(|_| !asks).and_then(Recorder::poll) {
-            match (film, self.recorder.take()) {
-                (Ok(bytes), Some(recorder)) => {
-                    let (stem, ending) =
-                        (files::stem(&self.snapshot.level.name), recorder.progress().format.extension());
-                    let name = format!("{stem}-{:.3}s.{ending}", recorder.start);
-                    self.view.file = Some(FileRequest::Export(Export { name, bytes }));
-                }
-                (Err(why), _) => self.view.notice = Some(Notice::Trouble(format!("The film could not be made: {why}"))),
-                (Ok(_), None) => {}
-            }
-        }
-        self.view.film = self.recorder.as_ref().map(Recorder::progress);
-        if self.view.film.is_some() {
-            ctx.request_repaint_after(std::time::Duration::from_millis(50));
-        }
-    }
-
-    /// Adds the frame that is due after some steps \[s\].
-    fn film_steps(&mut self, steps: u64, step: f64) {
-        if self.recorder.as_mut().is_some_and(|recorder| recorder.pass(steps as f64 * step, step)) {
-            let (shot, _) = self.shot();
-            if let Some(recorder) = &mut self.recorder {
-                recorder.add(shot);
-            }
-        }
-    }
-
-    /// Takes owed steps \[s\] while `more` returns true, and the frames of a film on the way; returns how many were taken.
-    fn take_steps(&mut self, owed: u64, step: f64, more: &mut dyn FnMut() -> bool) -> u64 {
-        let mut taken = 0;
-        while taken < owed {
-            let to_frame = self.recorder.as_mut().map_or(u64::MAX, |recorder| recorder.steps_to_frame(step));
-            let wanted = to_frame.min(owed - taken);
-            if wanted == 0 {
-                break;
-            }
-            let done = match &mut self.comparison {
-                Some(panes) => panes.advance(&mut self.sandbox, wanted, more),
-                None => self.sandbox.advance(wanted, more),
-            };
-            taken += done;
-            self.film_steps(done, step);
-            if done < wanted {
-                break;
-            }
-        }
-        taken
-    }
-
     /// Sandbox that the panels edit, at a common time of both panes.
     fn settled(&mut self) -> &Sandbox {
         match &mut self.comparison {
@@ -408,7 +336,7 @@ impl App {
         self.clock.stop();
     }
 
-    /// Advances simulated time by the length of the last frame. The clock stops while everything sleeps: nothing would change.
+    /// Advances simulated time by the length of the last frame, at the chosen pace. The clock stops while everything sleeps: nothing would change.
     fn advance(&mut self, now: f64, frame: f64) {
         let panes = self.comparison.as_mut();
         if !panes.as_ref().map_or(self.sandbox.is_busy(), |panes| panes.is_busy(&self.sandbox)) {
@@ -418,7 +346,9 @@ impl App {
         }
         let elapsed = now - self.last.replace(now).unwrap_or(now);
         let step = panes.as_ref().map_or(self.sandbox.step_length(), |panes| panes.round_length(&self.sandbox));
-        let owed = self.clock.owe(clock::steadied(elapsed, step), step);
+        // How long a step takes on the clock at the chosen pace.
+        let real = step / self.view.pace.factor();
+        let owed = self.clock.owe(clock::steadied(elapsed, real), real);
         let before = self.step_counts();
         let (start, budget) = (Instant::now(), self.budget);
         let more = &mut || start.elapsed().as_secs_f64() < budget;
@@ -427,7 +357,7 @@ impl App {
         if elapsed > 0.0 {
             let after = self.step_counts();
             let work = [0, 1].map(|number| after[number].saturating_sub(before[number]));
-            self.clock.pay(Spent { elapsed, step, owed, taken, physics, frame, work });
+            self.clock.pay(Spent { elapsed, step: real, owed, taken, physics, frame, work });
         }
     }
 
@@ -486,9 +416,37 @@ impl App {
             None => self.sandbox.snapshot(field, &mut self.snapshot),
         }
         self.history.record(&self.snapshot);
+        self.measure();
         if self.view.ledger {
             let b = self.comparison.as_ref().filter(|panes| panes.chosen() == Pane::B);
             self.meter.read(b.map_or(&self.snapshot, |panes| panes.snapshot()));
+        }
+    }
+
+    /// Carries out the changes of probes, and measures.
+    fn measure(&mut self) {
+        let mut targets = vec![self.canvas.take_target()];
+        let (sandbox, seen) = match &mut self.comparison {
+            Some(panes) => {
+                targets.push(panes.stage.canvas_mut().take_target());
+                if panes.chosen() == Pane::B { (&panes.b, panes.snapshot()) } else { (&self.sandbox, &self.snapshot) }
+            }
+            None => (&self.sandbox, &self.snapshot),
+        };
+        let simulation = sandbox.simulation();
+        self.probes.follow(simulation, (seen.generation, &seen.level.name));
+        let picked = targets.into_iter().flatten();
+        let picked = picked.filter_map(|target| target.probe(simulation.scene())).map(ProbeRequest::Add);
+        let picked: Vec<_> = picked.collect();
+        if !picked.is_empty() {
+            // What was picked is shown, also where the panel was closed.
+            (self.view.picks, self.view.shows_probes) = (false, true);
+            (self.view.hidden[1], self.view.drawer) = (false, Some(panels::Side::Right));
+        }
+        for request in std::mem::take(&mut self.view.probe_requests).into_iter().chain(picked) {
+            if let Err(why) = self.probes.carry_out(request, simulation) {
+                self.view.notice = Some(Notice::Trouble(why));
+            }
         }
     }
 
@@ -516,12 +474,14 @@ impl eframe::App for App {
             self.take_picture(ctx);
         }
         self.record(ctx);
+        self.make();
         self.take_mesh(ctx);
         let time_of_frame = frame.info().cpu_usage.map_or(0.0, f64::from);
         self.measure_effects();
         self.advance(ctx.input(|input| input.time), time_of_frame);
         self.study(ctx);
         self.update_snapshot();
+        self.show_title(ctx);
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
@@ -537,8 +497,31 @@ impl eframe::App for App {
             None => (&self.snapshot, &self.history, &self.jobs),
         };
         let (rates, gallery, first) = (self.clock.rates(), &self.gallery, &self.snapshot);
-        let context = PanelContext { now, rates, gallery, history, jobs, meter: &self.meter, comparison: panes, first };
+        let (probes, meter) = (&self.probes, &self.meter);
+        let (recent, is_unsaved) = (&self.recent[..], self.is_unsaved());
+        let context = PanelContext {
+            now,
+            rates,
+            gallery,
+            history,
+            probes,
+            jobs,
+            meter,
+            comparison: panes,
+            recent,
+            is_unsaved,
+            first,
+        };
         let canvas = &mut self.canvas;
+        for look in std::mem::take(&mut self.view.looks) {
+            // With two panes both are seen from the same viewpoint.
+            canvas.look(look);
+        }
+        let picks_now = std::mem::take(&mut self.view.picks_now);
+        let marks: Vec<_> = self.probes.marks().collect();
+        for canvas in stage.iter_mut().map(SplitStage::canvas_mut).chain([&mut *canvas]) {
+            canvas.set_probes(marks.clone(), self.view.picks, picks_now);
+        }
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {
                 let split =
@@ -555,6 +538,9 @@ impl eframe::App for App {
             || !self.view.requests.is_empty()
             || !self.view.pressed.is_empty()
             || !self.view.panes.is_empty()
+            || !self.view.looks.is_empty()
+            || !self.view.probe_requests.is_empty()
+            || self.view.picks_now
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
             || self.view.cancel_mesh
             || !self.view.film_requests.is_empty()
@@ -563,6 +549,10 @@ impl eframe::App for App {
         if asked || self.view.stage.field != self.snapshot.field || busy {
             ui.ctx().request_repaint();
         }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.keep(storage);
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -595,12 +585,5 @@ pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size(SMALLEST);
     let options = eframe::NativeOptions { viewport, ..Default::default() };
-    eframe::run_native(
-        "Gingerbread",
-        options,
-        Box::new(|cc| {
-            cc.egui_ctx.set_theme(egui::Theme::Dark);
-            Ok(Box::new(App::new(cc, level)?))
-        }),
-    )
+    eframe::run_native("Gingerbread", options, Box::new(|cc| Ok(Box::new(App::new(cc, level)?))))
 }

@@ -75,7 +75,7 @@ impl Stage {
         }
     }
 
-    /// Sees a scene in space from another viewpoint.
+    /// Sees the scene from another viewpoint.
     pub const fn see_from(&mut self, viewpoint: Viewpoint) {
         self.canvas.see_from(viewpoint);
     }

@@ -8,6 +8,7 @@ use crate::{
     materials::{Material, THIN, WHOLE},
     simd::{LANES, Lanes, Mat2, Real, Wide},
 };
+use nalgebra::Matrix2;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Number of blocks of triangles gathered at a time: enough for scalar stores to complete before they are read as SIMD
@@ -29,7 +30,7 @@ pub struct Diagnostics {
 
 impl Triangles {
     /// Computes the diagnostics and, in the same pass, appends one value for each triangle to `values`, in their order;
-    /// nothing for [`Field::None`].
+    /// nothing for a field that is not [of triangles](Field::is_of_triangles).
     pub fn diagnose(&self, field: Field, x: &[f64], values: &mut Vec<f64>) -> Diagnostics {
         self.diagnose_with_energy(None, field, x, values)
     }
@@ -108,7 +109,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
         let Self { of, material, energy, field, x, out } = self;
         let x = x.as_chunks().0;
         // Energies are stored behind the values and summed in the order of the fans, as without fields.
-        let end = out.len() + if field == Field::None { 0 } else { of.corners().len() };
+        let end = out.len() + if field.is_of_triangles() { of.corners().len() } else { 0 };
         let mut next = out.len();
         out.resize(end + if energy.is_some() { 0 } else { of.slots() }, 0.0);
         let mut found = Diagnostics { energy: 0.0, least: f64::INFINITY, inverted: 0, continued: 0 };
@@ -128,13 +129,9 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
                     if energy.is_none() {
                         (material.psi(f) * area).store(&mut energies, part);
                     }
-                    let value = match field {
-                        Field::None => continue,
-                        Field::Volume => j,
-                        Field::EnergyDensity => material.psi(f),
-                        Field::VonMises => von_mises(material, f, of.material().plane().is_stress()),
-                    };
-                    value.store(&mut values, part);
+                    if let Some(value) = value_of(field, material, f, of.material().plane().is_stress()) {
+                        value.store(&mut values, part);
+                    }
                 }
                 // Unused lanes are skipped.
                 for lane in 0..corners.len() {
@@ -149,7 +146,7 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
                         found.continued += usize::from(material.is_continued(&f));
                     }
                 }
-                if field != Field::None {
+                if field.is_of_triangles() {
                     out[next..][..corners.len()].copy_from_slice(&values[..corners.len()]);
                     next += corners.len();
                 }
@@ -162,8 +159,8 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
 }
 
 impl Membranes {
-    /// Appends one value for each triangle to `values`, in their order, at these positions \[m\]; nothing for [`Field::None`]. The energy density is
-    /// that of the thickness.
+    /// Appends one value for each triangle to `values`, in their order, at these positions \[m\]; nothing for a field that is not
+    /// [of triangles](Field::is_of_triangles). The energy density is that of the thickness.
     pub fn add_values(&self, field: Field, x: &[f64], values: &mut Vec<f64>) {
         self.material().passes().add_membrane_values(self, field, x, values);
     }
@@ -171,26 +168,96 @@ impl Membranes {
     /// The same for a material of known type.
     pub(super) fn add_values_as(&self, material: &impl Material, field: Field, x: &[f64], values: &mut Vec<f64>) {
         let is_stress = self.material().plane().is_stress();
-        let value = |f: Mat2<f64>| match field {
-            Field::None => None,
-            Field::Volume => Some(f.determinant()),
-            Field::EnergyDensity => Some(material.psi(f) * self.thickness()),
-            Field::VonMises => Some(von_mises(material, f, is_stress)),
-        };
+        let factor = if field == Field::EnergyDensity { self.thickness() } else { 1.0 };
+        let value = |f: Mat2<f64>| value_of(field, material, f, is_stress).map(|value| factor * value);
         values.extend(self.gradients(x).filter_map(|f| value(Mat2::from(&f))));
     }
 }
 
-/// Von Mises equivalent of the Cauchy stress `sigma = P Fᵀ / J` \[Pa\]:
-/// `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`, where `sz = P33/J` in plane strain and 0 in plane stress.
+/// Energy density and stress at one deformation gradient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointStress {
+    /// Energy density psi \[J/m³\].
+    pub energy: f64,
+    /// First Piola-Kirchhoff stress P \[Pa\].
+    pub piola: Matrix2<f64>,
+    /// The stress through the thickness, P33 \[Pa\]: none in plane stress.
+    pub thickness: f64,
+    /// Von Mises equivalent of the Cauchy stress \[Pa\].
+    pub von_mises: f64,
+}
+
+impl PointStress {
+    /// Of a material of known type.
+    pub(super) fn of(material: &impl Material, f: &Matrix2<f64>, is_plane_stress: bool) -> Self {
+        let thickness = if is_plane_stress { 0.0 } else { material.thickness_stress(Mat2::from(f)) };
+        let von_mises = CauchyStress::of(material, Mat2::from(f), is_plane_stress).von_mises();
+        Self { energy: material.energy(f), piola: material.stress(f), thickness, von_mises }
+    }
+}
+
+/// Value of a field at a deformation gradient; `None` for one that is not of triangles.
 #[inline(always)]
-fn von_mises<M: Material, R: Real>(material: &M, f: Mat2<R>, plane_stress: bool) -> R {
-    let j = f.determinant();
-    let sigma = material.piola(f).times(f.transpose());
-    let (x, y, xy) = (sigma.m11 / j, sigma.m22 / j, (sigma.m12 + sigma.m21) / j * 0.5);
-    let thickness = if plane_stress { j.of(0.0) } else { material.thickness_stress(f) / j };
-    let differences = (x - y) * (x - y) + (y - thickness) * (y - thickness) + (thickness - x) * (thickness - x);
-    (differences * 0.5 + xy * xy * 3.0).sqrt()
+fn value_of<M: Material, R: Real>(field: Field, material: &M, f: Mat2<R>, plane_stress: bool) -> Option<R> {
+    let of_stress = || CauchyStress::of(material, f, plane_stress);
+    match field {
+        Field::None | Field::Speed | Field::Displacement => None,
+        Field::Volume => Some(f.determinant()),
+        Field::Stretch => Some(greatest_stretch(f)),
+        Field::EnergyDensity => Some(material.psi(f)),
+        Field::VonMises => Some(of_stress().von_mises()),
+        Field::Pressure => Some(of_stress().pressure()),
+        Field::PrincipalStress => Some(of_stress().greatest()),
+    }
+}
+
+/// The greater principal stretch: half of |F + cof F| and |F - cof F| together, the similar and the antisimilar part of F.
+#[inline(always)]
+fn greatest_stretch<R: Real>(f: Mat2<R>) -> R {
+    let (a, b) = (f.m11 + f.m22, f.m21 - f.m12);
+    let (c, d) = (f.m11 - f.m22, f.m21 + f.m12);
+    ((a * a + b * b).sqrt() + (c * c + d * d).sqrt()) * 0.5
+}
+
+/// Cauchy stress `sigma = P Fᵀ / J` \[Pa\]; through the thickness `P33/J` in plane strain and 0 in plane stress.
+#[derive(Clone, Copy)]
+struct CauchyStress<R> {
+    x: R,
+    y: R,
+    xy: R,
+    thickness: R,
+}
+
+impl<R: Real> CauchyStress<R> {
+    #[inline(always)]
+    fn of<M: Material>(material: &M, f: Mat2<R>, plane_stress: bool) -> Self {
+        let j = f.determinant();
+        let sigma = material.piola(f).times(f.transpose());
+        let (x, y, xy) = (sigma.m11 / j, sigma.m22 / j, (sigma.m12 + sigma.m21) / j * 0.5);
+        let thickness = if plane_stress { j.of(0.0) } else { material.thickness_stress(f) / j };
+        Self { x, y, xy, thickness }
+    }
+
+    /// Equivalent by von Mises: `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`.
+    #[inline(always)]
+    fn von_mises(self) -> R {
+        let Self { x, y, xy, thickness } = self;
+        let differences = (x - y) * (x - y) + (y - thickness) * (y - thickness) + (thickness - x) * (thickness - x);
+        (differences * 0.5 + xy * xy * 3.0).sqrt()
+    }
+
+    /// `-(sx + sy + sz)/3`.
+    #[inline(always)]
+    fn pressure(self) -> R {
+        (self.x + self.y + self.thickness) * (-1.0 / 3.0)
+    }
+
+    /// The greater principal stress in the plane: `(sx + sy)/2 + sqrt(((sx - sy)/2)² + sxy²)`.
+    #[inline(always)]
+    fn greatest(self) -> R {
+        let half = (self.x - self.y) * 0.5;
+        (self.x + self.y) * 0.5 + (half * half + self.xy * self.xy).sqrt()
+    }
 }
 
 /// Field that triangles are coloured by.
@@ -205,11 +272,31 @@ pub enum Field {
     VonMises,
     /// J = det F: area over rest area.
     Volume,
+    /// Greater principal stretch.
+    Stretch,
+    /// Greater principal Cauchy stress in the plane \[Pa\].
+    PrincipalStress,
+    /// Pressure: minus the mean of the principal Cauchy stresses \[Pa\].
+    Pressure,
+    /// Mean speed of the corners [m/s].
+    Speed,
+    /// Mean displacement of the corners from the start \[m\].
+    Displacement,
 }
 
 impl Field {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 4] = [Self::None, Self::EnergyDensity, Self::VonMises, Self::Volume];
+    pub const ALL: [Self; 9] = [
+        Self::None,
+        Self::EnergyDensity,
+        Self::VonMises,
+        Self::Volume,
+        Self::Stretch,
+        Self::PrincipalStress,
+        Self::Pressure,
+        Self::Speed,
+        Self::Displacement,
+    ];
 
     /// Name in the menu.
     pub const fn title(self) -> &'static str {
@@ -218,16 +305,41 @@ impl Field {
             Self::EnergyDensity => "Energy density",
             Self::VonMises => "Von Mises stress",
             Self::Volume => "Area ratio J",
+            Self::Stretch => "Principal stretch",
+            Self::PrincipalStress => "Principal stress",
+            Self::Pressure => "Pressure",
+            Self::Speed => "Speed",
+            Self::Displacement => "Displacement",
         }
     }
 
     /// Unit symbol.
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::None | Self::Volume => "",
+            Self::None | Self::Volume | Self::Stretch => "",
             Self::EnergyDensity => "J/m²",
-            Self::VonMises => "Pa",
+            Self::VonMises | Self::PrincipalStress | Self::Pressure => "Pa",
+            Self::Speed => "m/s",
+            Self::Displacement => "m",
         }
+    }
+
+    /// Value at rest.
+    pub const fn rest(self) -> f64 {
+        match self {
+            Self::Volume | Self::Stretch => 1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether values lie on both sides of that at rest.
+    pub const fn is_signed(self) -> bool {
+        matches!(self, Self::Volume | Self::Stretch | Self::PrincipalStress | Self::Pressure)
+    }
+
+    /// Whether it follows from the deformation gradients and the material alone.
+    pub const fn is_of_triangles(self) -> bool {
+        !matches!(self, Self::None | Self::Speed | Self::Displacement)
     }
 }
 

@@ -1,14 +1,15 @@
 //! Material of a body: a constitutive model for all triangles of a mesh at a time.
 
 use super::{
-    Diagnostics, EulerUpdate, Field, Membranes, Triangles,
+    Diagnostics, EulerUpdate, Field, Membranes, PointStress, Triangles,
     blocks::{Both, Elastic},
 };
 use crate::{
     effects::{Motion, Viscous},
-    materials::{Lame, Material, MaterialParameters, Model, Plane, Visitor},
+    materials::{Lame, Material, MaterialParameters, Model, Plane, TypedMaterial, Visitor},
     solvers::{BlockMatrix, Weights},
 };
+use nalgebra::Matrix2;
 use std::{fmt, sync::Arc};
 
 /// The material of a body. Its constitutive model is compiled into the loops over triangles, which are called once for
@@ -32,6 +33,11 @@ impl BodyMaterial {
             }
         }
         Self { passes: model.visit_in(plane, lame, Shared), model: Some(model), lame, plane }
+    }
+
+    /// A typed energy.
+    pub fn typed(material: TypedMaterial, plane: Plane) -> Self {
+        Self { passes: Arc::new(material), model: None, lame: material.lame(), plane }
     }
 
     /// The listed model, if it is one.
@@ -72,6 +78,11 @@ impl BodyMaterial {
     /// See [`Material::strip_warning`].
     pub fn strip_warning(&self, stretch: f64) -> Option<String> {
         self.passes.strip_warning(stretch)
+    }
+
+    /// Energy density and stress at a deformation gradient.
+    pub fn at(&self, f: &Matrix2<f64>) -> PointStress {
+        self.passes.at(f, self.plane.is_stress())
     }
 
     /// Passes over all triangles.
@@ -136,6 +147,9 @@ pub trait MeshMaterial: Send + Sync {
 
     /// See [`Material::strip_warning`].
     fn strip_warning(&self, stretch: f64) -> Option<String>;
+
+    /// Energy density and stress at a deformation gradient.
+    fn at(&self, f: &Matrix2<f64>, is_plane_stress: bool) -> PointStress;
 
     /// See [`Triangles::elastic_force`].
     fn add_force(&self, of: &Triangles, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]);
@@ -203,6 +217,10 @@ impl<M: Material> MeshMaterial for M {
 
     fn strip_warning(&self, stretch: f64) -> Option<String> {
         Material::strip_warning(self, stretch)
+    }
+
+    fn at(&self, f: &Matrix2<f64>, is_plane_stress: bool) -> PointStress {
+        PointStress::of(self, f, is_plane_stress)
     }
 
     fn add_force(&self, of: &Triangles, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {

@@ -33,7 +33,7 @@ mod triangle;
 
 pub use accumulator::{Accumulator, Adding, EulerUpdate, Scatter, UniformForce};
 pub(crate) use blocks::{EnergyLaw, StressLaw};
-pub use diagnostics::{Diagnostics, Field};
+pub use diagnostics::{Diagnostics, Field, PointStress};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use hinges::Hinges;
 pub use material::{BodyMaterial, OwnMaterial};

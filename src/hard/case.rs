@@ -104,9 +104,13 @@ impl Case {
 
     /// Level with the case's actions, one model for all bodies and membranes, and the integrator of a method.
     pub fn level(&self, model: Model, method: Method) -> Level {
-        let body = |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), ..body.clone() };
-        let cloth =
-            |cloth: &MembraneLevel| MembraneLevel { material: cloth.material.with_model(model), ..cloth.clone() };
+        let body =
+            |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), energy: None, ..body.clone() };
+        let cloth = |cloth: &MembraneLevel| MembraneLevel {
+            material: cloth.material.with_model(model),
+            energy: None,
+            ..cloth.clone()
+        };
         let bodies = self.level.bodies.iter().map(body).collect();
         let membranes = self.level.membranes.iter().map(cloth).collect();
         let actions = self.level.actions.iter().chain(&self.actions).cloned().collect();

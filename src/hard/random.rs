@@ -181,6 +181,7 @@ fn vary<R: Iterator<Item = f64>>(mut level: Level, model: Model, draw: &mut Draw
     }
     for membrane in &mut level.membranes {
         let now = membrane.material;
+        membrane.energy = None;
         let young = Young::new(now.young().get() * draw.factor(2.0)).unwrap_or(now.young());
         membrane.material = MaterialParameters::new(model, young, now.poisson(), now.plane()).unwrap_or(now);
     }
@@ -206,7 +207,7 @@ fn vary<R: Iterator<Item = f64>>(mut level: Level, model: Model, draw: &mut Draw
 }
 
 fn vary_body<R: Iterator<Item = f64>>(body: &mut BodyLevel, model: Model, draw: &mut Draw<R>) {
-    body.material = body.material.with_model(model);
+    (body.material, body.energy) = (body.material.with_model(model), None);
     let young = Young::new(body.material.young().get() * draw.factor(2.0)).unwrap_or(body.material.young());
     let poisson = if draw.chance(0.2) { 0.499 } else { 0.45 * draw.number().abs() };
     let poisson = Poisson::new(poisson).unwrap_or(body.material.poisson());

@@ -34,10 +34,7 @@ impl Overrides {
             if level.bodies.is_empty() && level.membranes.is_empty() {
                 return Err(fail(Refused::NotHere("there is no body or membrane here to be of another model")));
             }
-            let of_bodies = level.bodies.iter_mut().map(|body| &mut body.material);
-            for material in of_bodies.chain(level.membranes.iter_mut().map(|membrane| &mut membrane.material)) {
-                *material = material.try_with_model(model).map_err(|why| fail(Refused::Material(why)))?;
-            }
+            level.set_model(model).map_err(|why| fail(Refused::Material(why)))?;
         }
         if let Some(integrator) = &self.integrator {
             level.integrator = integrator.clone();

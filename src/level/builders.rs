@@ -2,7 +2,11 @@
 
 use super::{BodyLevel, EffectLevel, Level, MassLevel, MembraneLevel, NetLevel, no_spin, no_velocity, unstretched};
 use crate::{
-    effects::EffectKind, finish::Finish, materials::MaterialParameters, meshes::MeshKind, nets::NetKind,
+    effects::EffectKind,
+    finish::Finish,
+    materials::{BadMaterial, MaterialParameters, Model, TypedEnergy},
+    meshes::MeshKind,
+    nets::NetKind,
     quantity::ParticleMass,
 };
 
@@ -75,6 +79,32 @@ impl Level {
         self.bodies.iter().map(|body| &body.name).chain(nets).chain(membranes)
     }
 
+    /// Gives all bodies and membranes a constitutive model, in place of typed energies and own materials too.
+    ///
+    /// # Errors
+    /// If one cannot have it; those before it have it then.
+    pub fn set_model(&mut self, model: Model) -> Result<(), BadMaterial> {
+        for body in &mut self.bodies {
+            body.material = body.material.try_with_model(model)?;
+            (body.own_material, body.energy) = (None, None);
+        }
+        for membrane in &mut self.membranes {
+            membrane.material = membrane.material.try_with_model(model)?;
+            membrane.energy = None;
+        }
+        Ok(())
+    }
+
+    /// The typed energy of a body or membrane, by the number of the part; nets have none.
+    pub fn energy_mut(&mut self, part: usize) -> Option<&mut Option<TypedEnergy>> {
+        let Self { bodies, nets, membranes, .. } = self;
+        let (count, others) = (bodies.len(), bodies.len() + nets.len());
+        if part < count {
+            return Some(&mut bodies[part].energy);
+        }
+        membranes.get_mut(part.checked_sub(others)?).map(|membrane| &mut membrane.energy)
+    }
+
     /// The level with one more membrane.
     #[must_use]
     pub fn with_membrane(mut self, membrane: MembraneLevel) -> Self {
@@ -108,6 +138,7 @@ impl BodyLevel {
             place: super::Place::default(),
             material,
             own_material: None,
+            energy: None,
             mass,
             stretch: unstretched(),
             start: super::StartShape::default(),

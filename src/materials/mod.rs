@@ -20,6 +20,7 @@ mod principal;
 mod sheet;
 mod st_venant_kirchhoff;
 mod stable_neo_hookean;
+mod typed;
 
 pub use corotated::{Corotated, nearest_rotation};
 pub use fixed_corotated::FixedCorotated;
@@ -31,6 +32,7 @@ pub use principal::{Principal, PrincipalEnergy};
 pub use sheet::{FixedCorotatedSheet, NeoHookeanSheet};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
+pub use typed::{BadEnergy, TypedEnergy, TypedMaterial};
 
 use crate::{
     registry::registry,

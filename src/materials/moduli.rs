@@ -1,5 +1,6 @@
 //! Stiffness of isotropic materials in five numbers, and its projection to other eigenvalues.
 
+use super::Material;
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4, Vector4};
 
@@ -126,6 +127,19 @@ impl<R: Real> Moduli<R> {
 #[inline(always)]
 fn changed<R: Real>(eigenvalue: R, factor: f64) -> R {
     eigenvalue.if_less(eigenvalue.of(0.0), eigenvalue * factor, eigenvalue)
+}
+
+/// dP/dF (4 x 4) of a material from its moduli, as in [`Material::stiffness`].
+pub(super) fn stiffness_of(material: &impl Material, f: &Matrix2<f64>) -> Matrix4<f64> {
+    let parts = Parts::of(Mat2::from(f));
+    let moduli = material.moduli(&parts);
+    let mut stiffness = Matrix4::zeros();
+    for (number, mut column) in stiffness.column_iter_mut().enumerate() {
+        let mut df = Matrix2::zeros();
+        df[number] = 1.0;
+        column.copy_from_slice(Matrix2::from(moduli.change(&parts, Mat2::from(&df))).as_slice());
+    }
+    stiffness
 }
 
 /// The stiffness C of an isotropic material at F with its eigenvalues changed (4 x 4, as in

@@ -1,6 +1,6 @@
 //! Materials by their energy alone.
 
-use super::{Material, Moduli, Parts, PlaneStress};
+use super::{Material, Moduli, Parts, PlaneStress, moduli::stiffness_of};
 use crate::simd::{Jet, Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -116,15 +116,7 @@ impl<E: PrincipalEnergy> Material for Principal<E> {
     }
 
     fn stiffness(&self, f: &Matrix2<f64>) -> Matrix4<f64> {
-        let parts = Parts::of(Mat2::from(f));
-        let moduli = self.moduli(&parts);
-        let mut stiffness = Matrix4::zeros();
-        for (number, mut column) in stiffness.column_iter_mut().enumerate() {
-            let mut df = Matrix2::zeros();
-            df[number] = 1.0;
-            column.copy_from_slice(Matrix2::from(moduli.change(&parts, Mat2::from(&df))).as_slice());
-        }
-        stiffness
+        stiffness_of(self, f)
     }
 
     #[inline(always)]
@@ -142,17 +134,22 @@ impl<E: PrincipalEnergy> Material for Principal<E> {
         self.0.psi([Jet::constant(first), Jet::constant(second), third]).first[0]
     }
 
-    /// By Newton's method on the logarithm of the width, no step of which is longer than 1.
     fn free_width(&self, stretch: f64) -> Option<f64> {
-        let mut width = 1.0;
-        for _ in 0..100 {
-            let [stress, slope] = self.across(stretch, width);
-            let change = -stress / (slope * width + stress).max(1e-3 * slope.abs() * width);
-            width *= libm::exp(change.clamp(-1.0, 1.0));
-            if change.abs() < 1e-14 {
-                return Some(width);
-            }
-        }
-        None
+        free_width(|width| self.across(stretch, width))
     }
+}
+
+/// The width at which the stress across is zero, from that stress and its derivative by the width: by Newton's method on the logarithm of the
+/// width, no step of which is longer than 1.
+pub(super) fn free_width(across: impl Fn(f64) -> [f64; 2]) -> Option<f64> {
+    let mut width = 1.0;
+    for _ in 0..100 {
+        let [stress, slope] = across(width);
+        let change = -stress / (slope * width + stress).max(1e-3 * slope.abs() * width);
+        width *= libm::exp(change.clamp(-1.0, 1.0));
+        if change.abs() < 1e-14 {
+            return Some(width);
+        }
+    }
+    None
 }

@@ -4,7 +4,7 @@ use super::{Refused, Sandbox, Then, wind::set_wind};
 use crate::{
     command::Command,
     document::{Document, Gesture},
-    level::{EffectLevel, Switch, When},
+    level::{BodyLevel, EffectLevel, Switch, When},
     materials::Model,
     meshes::MeshKind,
 };
@@ -12,7 +12,6 @@ use crate::{
 impl Sandbox {
     /// Changes to the document that can be undone.
     pub(super) fn edit(&mut self, command: Command) -> Result<(), Refused> {
-        const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
         const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
         const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
         let mut document = self.document.clone();
@@ -105,7 +104,7 @@ impl Sandbox {
                 document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.sides()));
                 then = Then::Restart;
             }
-            _ => {}
+            other => (then, gesture) = edit_parts(&mut document, other)?,
         }
         if document == self.document {
             return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
@@ -128,16 +127,55 @@ fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
     list.get_mut(number).ok_or(Refused::NotHere("there is no such body or effect"))
 }
 
+const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
+
+/// Adds, removes and changes whole parts; other commands change nothing here.
+fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option<Gesture>), Refused> {
+    match command {
+        Command::SetEnergy(part, energy) => {
+            let part = document.source(part);
+            *document.level.energy_mut(part).ok_or(NO_PART)? = energy;
+            Ok((Then::Keep, Some(Gesture::Energy(part))))
+        }
+        Command::AddBody(body) => {
+            add_body(document, *body)?;
+            Ok((Then::Restart, None))
+        }
+        Command::RemoveBody(body) => {
+            if document.level.test.is_some() {
+                return Err(TEST_BODIES);
+            }
+            get(&mut document.level.bodies, body)?;
+            document.level.bodies.remove(body);
+            document.level.state = None;
+            Ok((Then::Restart, None))
+        }
+        _ => Ok((Then::Keep, None)),
+    }
+}
+
+const TEST_BODIES: Refused = Refused::NotHere("a stretch test has its own strips alone");
+
+/// Adds a body under a name of its own.
+fn add_body(document: &mut Document, mut body: BodyLevel) -> Result<(), Refused> {
+    if document.level.test.is_some() {
+        return Err(TEST_BODIES);
+    }
+    let is_taken = |name: &str| document.level.part_names().any(|other| other == name);
+    if is_taken(&body.name) {
+        let numbers = 2..=document.level.part_names().count() + 2;
+        let free = numbers.map(|number| format!("{} {number}", body.name)).find(|name| !is_taken(name));
+        body.name = free.unwrap_or_default();
+    }
+    document.level.state = None;
+    document.level.bodies.push(body);
+    Ok(())
+}
+
 /// Sets the constitutive model of all bodies and membranes.
 fn set_model(document: &mut Document, model: Model) -> Result<(), Refused> {
     document.side_by_side = None;
     document.level.state = None;
-    for body in &mut document.level.bodies {
-        body.material = body.material.try_with_model(model)?;
-        body.own_material = None;
-    }
-    for membrane in &mut document.level.membranes {
-        membrane.material = membrane.material.try_with_model(model)?;
-    }
+    document.level.set_model(model)?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Builds the membranes of a scene.
 
-use super::{Scene, numbering, start::reshape, stretched};
+use super::{Scene, material_of, numbering, start::reshape, stretched};
 use crate::{
     elements::Membranes,
     level::{MassLevel, MembraneLevel},
@@ -60,7 +60,8 @@ impl Scene {
         if !rest.iter().all(|coordinate| coordinate.abs() <= State::LIMIT) {
             return Err(format!("its place puts it beyond {:e} m", State::LIMIT));
         }
-        let elements = Arc::new(Membranes::new(vertices.clone(), &mesh, level.material.into(), level.thickness.get()));
+        let material = material_of(level.energy.as_ref(), level.material)?;
+        let elements = Arc::new(Membranes::new(vertices.clone(), &mesh, material, level.thickness.get()));
         let masses = match level.mass {
             MassLevel::Total(total) => vec![total.get() / vertices.len() as f64; vertices.len()],
             MassLevel::Density(density) => elements.lumped_mass(density.get()),

@@ -18,9 +18,10 @@ pub use sub_scene::SubScene;
 use crate::{
     contact::ClothSurface,
     effects::{Effect, HeldVertices, LengthProjection, Motion},
-    elements::{ElasticElements, Elements, Triangles},
+    elements::{BodyMaterial, ElasticElements, Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
+    materials::{MaterialParameters, TypedEnergy},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, nearest, on_edge, pinned},
     quantity::{Factor, Position},
     solvers::ConstraintRows,
@@ -497,7 +498,8 @@ impl Scene {
         if total > MOST_TRIANGLES {
             return Err(format!("with it the level has {total} triangles, more than {MOST_TRIANGLES}"));
         }
-        let material = level.own_material.as_ref().map_or(level.material.into(), |own| own.with(level.material));
+        let own = level.own_material.as_ref().map(|own| own.with(level.material));
+        let material = own.map_or_else(|| material_of(level.energy.as_ref(), level.material), Ok)?;
         let is_same = |body: &&Body| Arc::ptr_eq(&body.mesh, &mesh) && body.vertices == vertices;
         let same = previous.and_then(|scene| Some((scene, scene.bodies.iter().find(is_same)?)));
         // Blocks are kept while a slider changes the material.
@@ -575,6 +577,14 @@ fn check_kind(level: &Level) -> Result<(), SceneError> {
         return Err(SceneError::ToyWithOthers);
     }
     check_toy_integrator(&level.integrator)
+}
+
+/// The material of a typed energy, or of the model.
+fn material_of(energy: Option<&TypedEnergy>, parameters: MaterialParameters) -> Result<BodyMaterial, String> {
+    match energy {
+        Some(energy) => Ok(BodyMaterial::typed(energy.material(parameters)?, parameters.plane())),
+        None => Ok(parameters.into()),
+    }
 }
 
 /// Checks that an integrator suits a toy, which has no velocities.

@@ -39,6 +39,33 @@ impl Scene {
         Some(vertices.start + numbering.vertex((place - vertices.start) as u32) as usize)
     }
 
+    /// The place of a triangle, by its number among those of all bodies and then all membranes, where the level lists all of them.
+    pub fn listed_triangle(&self, triangle: usize) -> Option<usize> {
+        let is_own = |(_, first, mesh): &(usize, usize, &Mesh)| triangle < first + mesh.triangles().len();
+        let (_, first, mesh) = self.triangle_parts().find(is_own)?;
+        Some(first + mesh.numbering().element_name(triangle - first))
+    }
+
+    /// The number of the triangle at a place where the level lists all of them.
+    pub fn unlisted_triangle(&self, place: usize) -> Option<usize> {
+        let is_own = |(_, first, mesh): &(usize, usize, &Mesh)| place < first + mesh.triangles().len();
+        let (_, first, mesh) = self.triangle_parts().find(is_own)?;
+        let mut all = first..first + mesh.triangles().len();
+        all.find(|triangle| first + mesh.numbering().element_name(triangle - first) == place)
+    }
+
+    /// The meshes of all bodies and then all membranes, with the number of the part, where nets come between, and of its first triangle.
+    pub fn triangle_parts(&self) -> impl Iterator<Item = (usize, usize, &Mesh)> {
+        let bodies = self.bodies.iter().map(|body| &*body.mesh).enumerate();
+        let others = self.bodies.len() + self.nets.len();
+        let membranes = (others..).zip(self.membranes.iter().map(|membrane| &*membrane.mesh));
+        bodies.chain(membranes).scan(0, |next, (part, mesh)| {
+            let first = *next;
+            *next += mesh.triangles().len();
+            Some((part, first, mesh))
+        })
+    }
+
     /// Positions or velocities of all vertices, flat, as the level lists them.
     pub fn listed<'a>(&self, values: &'a [f64]) -> Cow<'a, [f64]> {
         self.rearranged(values, |[vertex, name]| [vertex, name])

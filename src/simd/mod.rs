@@ -17,12 +17,14 @@
 //! assert_eq!((jet.value, jet.first[0]), (4.0, 0.25));
 //! ```
 
+mod dual;
 mod interleaved;
 mod jet;
 mod logarithm;
 mod mat2;
 mod wide;
 
+pub use dual::Dual;
 pub use interleaved::Interleaved;
 pub use jet::Jet;
 pub use mat2::Mat2;

@@ -4,7 +4,7 @@ use gingerbread::{
     effects::EffectKind,
     integrators::{Class, IntegratorKind},
     level::Substeps,
-    materials::Model,
+    materials::{Model, TypedEnergy},
     meshes::MeshKind,
     nets::NetKind,
     obstacles::{MotionKind, ObstacleKind},
@@ -65,6 +65,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
 /// Types that are lists of kinds or are described by hand, and the headings of their sections.
 const LISTED: &[(&str, &str)] = &[
     ("MaterialParameters", "Material"),
+    ("TypedEnergy", "Typed energy"),
     ("Model", "Models"),
     ("MeshKind", "Meshes"),
     ("NetKind", "Nets"),
@@ -325,6 +326,18 @@ fn material(page: &mut String) {
         writeln!(page, "| `{name}` | {} | {needed} | {} |", cell(&value(kind)), cell(meaning.trim())).unwrap();
     }
     section(page, "Plane");
+    let (about, _) = declared("materials/typed.rs", "pub struct TypedEnergy {");
+    writeln!(page, "\n### Typed energy\n\n{about}").unwrap();
+    page.push_str("\n| field | value | | meaning |\n|---|---|---|---|\n");
+    page.push_str("| `formula` | formula in double quotes, of `I1`, `J`, `mu`, `lambda`, `E`, `nu` and the parameters | required | The energy density [J/m²]. |\n");
+    page.push_str(
+        "| `parameters` | list `[(\"name\", number), …]`, at most 12 | optional | Named numbers of the formula. |\n",
+    );
+    let example = TypedEnergy::new(
+        "c/2*(I1 - 2) - c*log(J) + k*(J - 1)^2",
+        [("c", 40.0), ("k", 2.5)].map(|(name, value)| (name.to_owned(), value)).into(),
+    );
+    writeln!(page, "\nExample: `energy: {}`", written(&example.unwrap())).unwrap();
 }
 
 fn integrators(page: &mut String) {

@@ -183,8 +183,8 @@ fn quantities_over_time_are_those_of_the_run() {
     let folder = Folder::new("series");
     let [csv, state, report] = ["series.csv", "state.csv", "report.json"].map(|name| folder.file(name));
     for (level, dimension, probes) in [
-        ("gingerbread_house", 2, "energy,momentum,min_j,vertex:3"),
-        ("cloth_folding", 3, "energy,momentum,vertex:3"),
+        ("gingerbread_house", 2, "energy,momentum,min_j,reaction,forces:5,triangle:12,vertex:3"),
+        ("cloth_folding", 3, "energy,momentum,forces:5,triangle:12,vertex:3"),
         ("hanging_net", 2, "energy,vertex:3"),
     ] {
         let arguments = ["run", level, "--seconds", "0.1", "--every", "0.02", "--probe", probes, "--csv", &csv];
@@ -197,7 +197,8 @@ fn quantities_over_time_are_those_of_the_run() {
             assert!((row[0].parse::<f64>().unwrap() - time).abs() < 1e-3, "{level}: {} at {time} s", row[0]);
         }
         let number = |name: &str| &rows[6][rows[0].iter().position(|column| column == name).unwrap()];
-        assert_eq!(rows[6][rows[0].len() - 2 * dimension..], last[4][1..], "{level}: the same digits");
+        let end = rows[0].len() - dimension;
+        assert_eq!(rows[6][end - 2 * dimension..end], last[4][1..], "{level}: the same digits");
         let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
         let near = |name: &str, other: &serde_json::Value| {
             let (one, other) = (number(name).parse::<f64>().unwrap(), other.as_f64().unwrap());
@@ -215,6 +216,9 @@ fn quantities_over_time_are_those_of_the_run() {
     assert_eq!((rows.len(), rows[0].len()), (8, 5), "{rows:?}");
     for (arguments, why) in [
         (&["cantilever", "--probe", "vertex:99999"][..], "its vertices are 0 to "),
+        (&["cantilever", "--probe", "forces:99999"], "its vertices are 0 to "),
+        (&["cantilever", "--probe", "triangle:99999"], "its triangles are 0 to "),
+        (&["hanging_net", "--probe", "triangle:0"], "it has neither bodies nor membranes"),
         (&["cantilever", "--probe", "numbers"], "it is no toy"),
         (&["hanging_net", "--probe", "energy,min_j"], "it has no bodies"),
         (&["circle", "--probe", "vertex:0"], "a toy has numbers alone"),

@@ -37,6 +37,27 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("U", _) => {
             assert!(window.state().notice().is_some_and(|notice| notice.contains("nothing to untangle")), "{what}");
         }
+        ("." | ",", _) => assert!(now.steps > before.steps && !now.running, "{what}"),
+        ("Page up", _) => assert!(window.query_by_label("Speed of time: 3").is_some(), "{what}"),
+        ("Page down", _) => assert!(window.query_by_label("Speed of time: 1/3").is_some(), "{what}"),
+        ("+" | "-" | "0" | "Z", _) => {
+            let width = |window: &Window| on_screen(window, [1.0, 0.0]).x - on_screen(window, [0.0, 0.0]).x;
+            let (own, whole) = (width(window), width(&in_mode("stretch_test", before.mode)));
+            let is_right = match binding.label {
+                "+" => own > 1.1 * whole,
+                "-" => own < 0.9 * whole,
+                "0" => own == whole,
+                _ => own != whole,
+            };
+            assert!(is_right, "{what}: {own} for {whole}");
+        }
+        ("Ctrl+O", _) => assert!(window.query_by_label("Open").is_some(), "{what} asks for a file"),
+        ("Ctrl+S", _) => assert!(window.query_by_label("Save").is_some(), "{what} asks where to save it"),
+        ("F11", _) => {
+            assert!(window.query_by_label("Level").is_none(), "{what} hides the toolbar");
+            assert!(window.query_by_label("Show the panels").is_some(), "{what} has a way back");
+        }
+        ("P", _) => assert!(window.query_by_label_contains("Remove: ").is_none(), "{what}: nothing is under a pointer"),
         ("?", _) => assert!(window.query_by_label("Keys and mouse").is_some(), "{what}"),
         ("B", _) => assert!(window.state().comparison().is_some(), "{what}"),
         ("I", _) => assert!(window.query_by_label("Save").is_some(), "{what} asks where to save the picture"),

@@ -14,6 +14,8 @@ mod folder;
 mod hard;
 mod harness;
 mod keys;
+mod making;
+mod measure;
 mod panels;
 mod picture;
 mod rest;

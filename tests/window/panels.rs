@@ -130,6 +130,8 @@ fn the_effects_panel_has_a_switch_for_every_effect() {
     let effects = window.state().snapshot().level.effects.clone();
     for (number, listed) in effects.iter().enumerate() {
         let title = listed.effect.kind().title();
+        widget(&window, Role::CheckBox, title).scroll_to_me();
+        window.run_steps(30);
         widget(&window, Role::CheckBox, title).click();
         window.run_steps(3);
         let now = window.state().snapshot().level.effects[number].clone();

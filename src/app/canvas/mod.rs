@@ -1,7 +1,12 @@
 //! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
+mod drawing;
+mod look;
 mod pointer_state;
+mod probing;
+pub use look::{Look, Viewpoint};
 pub(super) use pointer_state::nearest as nearest_on_screen;
+pub use probing::ProbeMark;
 #[cfg(test)]
 mod tests;
 
@@ -15,8 +20,9 @@ use super::{
         marks::{self, Picked, Pins},
         net::{self, Trail},
         shape_buffer::{Fill, ShapeBuffer},
-        space::{self, Orbit, SpaceCamera, Surfaces},
+        space::{self, SpaceCamera, Surfaces},
     },
+    probes::Target,
     theme::Theme,
 };
 use crate::{
@@ -27,12 +33,15 @@ use crate::{
     obstacles::Triangulation,
     snapshot::{Field, Pull, Snapshot},
 };
+use drawing::Drawing;
 use eframe::egui::{
-    self, Align2, Area, CursorIcon, FocusDirection, Key, Order, Painter, PointerButton, Pos2, Rect, Response, Role,
-    Sense, Ui, Vec2, WidgetInfo, vec2,
+    self, Align2, Area, CursorIcon, FocusDirection, Key, Order, Painter, Pos2, Rect, Response, Role, Sense, Ui, Vec2,
+    WidgetInfo, vec2,
 };
+use look::{Looking, Seen};
 use pointer_state::{PointerState, Sight};
-use std::time::Duration;
+use probing::Probing;
+use std::{ops::Range, time::Duration};
 
 /// Maximum frame length for animations \[s\].
 const LONGEST_FRAME: f32 = 0.1;
@@ -43,6 +52,10 @@ const TOLD: f64 = 5.0;
 /// Text of the hint after a drag in edit mode.
 const NOTHING_MOVES: &str =
     "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag.";
+
+/// Text of the hint while an outline is drawn.
+const DRAW: &str =
+    "Draw a closed line, or click corner after corner. The first corner or Enter ends the outline; Esc cancels.";
 
 /// Display options of the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +70,8 @@ pub struct Options {
     pub vertices: bool,
     /// Solid whose sliders are under the pointer: number of its effect, and number of the solid in it.
     pub pointed: Option<[usize; 2]>,
+    /// Whether an outline is drawn.
+    pub draws: bool,
     /// Whether the stage is drawn without its buttons.
     pub bare: bool,
     /// Accessible name of the stage, where there are two.
@@ -77,8 +92,10 @@ pub struct Canvas {
     surfaces: Surfaces,
     /// Its size in the last frame [points].
     size: Vec2,
-    /// View of a scene in space, and the generation that it was chosen for.
-    orbit: Option<(u64, Orbit)>,
+    /// From where the scene is seen.
+    looking: Looking,
+    probing: Probing,
+    drawing: Drawing,
     /// Time until which the hint is shown \[s\].
     told_until: f64,
     /// Layers of the drawing: background and scenery, bodies, and annotations.
@@ -86,10 +103,6 @@ pub struct Canvas {
     middle: ShapeBuffer,
     front: ShapeBuffer,
 }
-
-/// Viewpoint of a canvas on a scene in space.
-#[derive(Clone, Copy)]
-pub struct Viewpoint(Option<(u64, Orbit)>);
 
 /// Data for drawing a frame.
 #[derive(Clone, Copy)]
@@ -112,8 +125,13 @@ impl Canvas {
         describe(&response, snapshot, options.name);
         let canvas = response.rect;
         self.size = canvas.size();
-        let space = (snapshot.dimension == 3).then(|| self.space_camera(ui, &response, (snapshot, options.bare)));
-        let camera = space.map_or_else(|| camera(snapshot, canvas), |space| Camera::of_scale(canvas, space.length()));
+        let part = response.hover_pos().and_then(|at| self.part_at(snapshot, at));
+        let scene = Seen { snapshot, part: part.as_ref(), bare: options.bare };
+        let space = (snapshot.dimension == 3).then(|| self.looking.follow_space(ui, &response, scene));
+        let camera = match space {
+            Some(space) => Camera::of_scale(canvas, space.length()),
+            None => self.looking.follow_plane(ui, &response, scene, camera(snapshot, canvas)),
+        };
         let view = View { camera, theme: Theme::of(ui.ctx()) };
         let (now, dt) = ui.input(|input| (input.time, input.stable_dt.min(LONGEST_FRAME)));
         let frame = Frame { snapshot, options, canvas, view, space, now, dt };
@@ -125,12 +143,18 @@ impl Canvas {
         }
         let before = self.pointer_state;
         let sight = sight(&frame, &self.surfaces);
-        self.pointer_state.follow(&response, snapshot, sight, self.bodies.points(), commands);
+        let picked = self.picked_target(&response, &frame);
+        self.probing.found = picked.or(self.probing.found);
+        let draws = options.draws && space.is_none();
+        self.drawing.follow(&response, camera, draws);
+        if !self.probing.picks && !draws {
+            self.pointer_state.follow(&response, snapshot, sight, self.bodies.points(), commands);
+        }
         commands.extend(self.impulse(&response, &frame).map(Command::Impulse));
         if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
             self.told_until = now + TOLD;
         }
-        self.tell(&response, snapshot, now);
+        self.tell(&response, snapshot, (now, draws));
         self.animate(&response, &frame);
         if ui.is_rect_visible(canvas) {
             self.draw(&painter, &frame, response.hover_pos());
@@ -142,74 +166,61 @@ impl Canvas {
         self.size
     }
 
-    /// From where a scene in space is seen.
+    /// From where the scene is seen.
     pub const fn viewpoint(&self) -> Viewpoint {
-        Viewpoint(self.orbit)
+        self.looking.viewpoint()
     }
 
-    /// Sees a scene in space from the viewpoint of another canvas.
+    /// Sees the scene from the viewpoint of another canvas.
     pub const fn see_from(&mut self, viewpoint: Viewpoint) {
-        self.orbit = viewpoint.0;
+        self.looking.see_from(viewpoint);
     }
 
-    /// The camera of a scene in space, after the gestures of this frame: a drag of the right button turns, one of the middle button or with
-    /// Shift moves, and the wheel or a pinch zooms.
-    fn space_camera(&mut self, ui: &Ui, response: &Response, (snapshot, bare): (&Snapshot, bool)) -> SpaceCamera {
-        let canvas = response.rect;
-        let all = || Orbit::opening(&snapshot.start);
-        let (_, orbit) = match &mut self.orbit {
-            Some(known) if known.0 == snapshot.generation => known,
-            known => {
-                // Another mesh of the same level does not turn the view.
-                let angles = known.as_ref().map_or(Orbit::ASLANT, |(_, orbit)| [orbit.yaw, orbit.pitch]);
-                known.insert((snapshot.generation, Orbit { yaw: angles[0], pitch: angles[1], ..all() }))
-            }
+    /// Changes the view in the next frame.
+    pub fn look(&mut self, look: Look) {
+        self.looking.ask(look);
+    }
+
+    /// Camera of a scene in the plane as it is seen now, if the stage fills `stage`.
+    pub fn camera(&self, snapshot: &Snapshot, stage: Rect) -> Camera {
+        self.looking.plane(camera(snapshot, stage), stage)
+    }
+
+    /// Shows the marks of probes, and says whether a click probes, or what is under the pointer in the next frame.
+    pub fn set_probes(&mut self, marks: Vec<ProbeMark>, picks: bool, now: bool) {
+        self.probing = Probing { marks, picks, now, found: self.probing.found };
+    }
+
+    /// The outline that was drawn since the last call \[m\], with the length of a point of the screen \[m\].
+    pub const fn take_outline(&mut self) -> Option<(Vec<[f64; 2]>, f64)> {
+        self.drawing.take()
+    }
+
+    /// What was probed since the last call.
+    pub const fn take_target(&mut self) -> Option<Target> {
+        self.probing.found.take()
+    }
+
+    /// What is probed in this frame.
+    fn picked_target(&self, response: &Response, frame: &Frame<'_>) -> Option<Target> {
+        let clicked = self.probing.picks && response.clicked();
+        let at = response.hover_pos().filter(|_| self.probing.now || clicked)?;
+        let (snapshot, points) = (frame.snapshot, self.bodies.points());
+        let triangle = match frame.space {
+            Some(_) => self.surfaces.triangle_at(points, at),
+            None => self.bodies.triangle_at(snapshot, at),
         };
-        let (shift, zoom) = ui.input(|input| {
-            let wheel = f64::from(input.smooth_scroll_delta().y);
-            (input.modifiers.shift, f64::from(input.zoom_delta()) * libm::exp(0.002 * wheel))
-        });
-        let by = response.drag_delta();
-        let turns = response.dragged_by(PointerButton::Secondary);
-        if response.dragged_by(PointerButton::Middle) || turns && shift {
-            let moved = SpaceCamera::new(*orbit, canvas).moved(by);
-            orbit.centre = [0, 1, 2].map(|axis| orbit.centre[axis] - moved[axis]);
-        } else if turns {
-            orbit.turn(by);
-        }
-        if response.hovered() && zoom != 1.0 {
-            let whole = all().radius;
-            orbit.radius = (orbit.radius / zoom).clamp(1e-3 * whole, 1e3 * whole);
-        }
-        let clicked = (!bare).then(|| Self::view_buttons(ui, response, [orbit.yaw, orbit.pitch])).flatten();
-        if let Some(angles) = clicked {
-            *orbit = Orbit::around(&snapshot.positions, angles);
-        }
-        SpaceCamera::new(*orbit, canvas)
+        let vertex = sight(frame, &self.surfaces).nearest(points, at);
+        probing::target(snapshot, points, at, (triangle, vertex))
     }
 
-    /// Buttons for the views of a scene in space, which is seen from some angles now; angles of the one that was clicked.
-    fn view_buttons(ui: &Ui, response: &Response, now: [f64; 2]) -> Option<[f64; 2]> {
-        use std::f64::consts::FRAC_PI_2;
-        let views = [
-            ("Front", "Look along the z axis", [0.0, 0.0]),
-            ("Side", "Look along the x axis", [FRAC_PI_2, 0.0]),
-            ("Top", "Look down", [0.0, FRAC_PI_2]),
-            ("See all", "Show the whole scene from the same side", now),
-        ];
-        let place = response.rect.right_top() + vec2(-10.0, 10.0);
-        let area = Area::new(response.id.with("views")).order(Order::Middle).pivot(Align2::RIGHT_TOP).fixed_pos(place);
-        let shown = area.constrain_to(response.rect).show(ui.ctx(), |ui| {
-            ui.horizontal(|ui| {
-                let help = "\nDrag with the right button to turn, with the middle button or Shift to move; zoom with the wheel.";
-                let clicked = views.iter().filter(|(text, about, _)| {
-                    ui.small_button(*text).on_hover_text(format!("{about}.{help}")).clicked()
-                });
-                clicked.last().map(|(.., angles)| *angles)
-            })
-            .inner
-        });
-        shown.inner
+    /// Vertices of the part whose vertex was nearest to a point of the screen in the last frame.
+    fn part_at(&self, snapshot: &Snapshot, at: Pos2) -> Option<Range<usize>> {
+        let vertex = nearest_on_screen(self.bodies.points(), at)?;
+        let nets = snapshot.nets.iter().map(|net| &net.vertices);
+        let membranes = snapshot.membranes.iter().map(|membrane| &membrane.vertices);
+        let mut all = snapshot.bodies.iter().map(|body| &body.vertices).chain(nets).chain(membranes);
+        all.find(|vertices| vertices.contains(&vertex)).cloned()
     }
 
     /// The impulse that a key gives what is near the pointer.
@@ -248,22 +259,25 @@ impl Canvas {
         Some(Impulse::push(centre, along.map(|part| part / length), diagonal))
     }
 
-    /// Shows a hint after a drag in edit mode, where nothing moves.
-    fn tell(&mut self, response: &Response, snapshot: &Snapshot, now: f64) {
+    /// Shows a hint after a drag in edit mode, where nothing moves, and while an outline is drawn.
+    fn tell(&mut self, response: &Response, snapshot: &Snapshot, (now, draws): (f64, bool)) {
         if snapshot.mode != Mode::Edit {
             self.told_until = 0.0;
         }
         let left = self.told_until - now;
-        if left <= 0.0 {
+        if left <= 0.0 && !draws {
             return;
         }
         let (ctx, stage) = (&response.ctx, response.rect);
-        ctx.request_repaint_after(Duration::from_secs_f64(left));
+        if left > 0.0 {
+            ctx.request_repaint_after(Duration::from_secs_f64(left));
+        }
+        let text = if draws { DRAW } else { NOTHING_MOVES };
         let place = stage.center_bottom() - vec2(0.0, 14.0);
         let area = Area::new(response.id.with("told")).order(Order::Foreground).interactable(false);
         area.pivot(Align2::CENTER_BOTTOM).fixed_pos(place).constrain_to(stage).show(ctx, |ui| {
             ui.set_max_width((stage.width() - 40.0).min(440.0));
-            egui::Frame::window(ui.style()).inner_margin(10).show(ui, |ui| ui.label(NOTHING_MOVES));
+            egui::Frame::window(ui.style()).inner_margin(10).show(ui, |ui| ui.label(text));
         });
     }
 
@@ -293,7 +307,9 @@ impl Canvas {
         if live || moving {
             response.ctx.request_repaint();
         }
-        if wanted.is_some() {
+        if self.probing.picks || frame.options.draws {
+            response.ctx.set_cursor_icon(CursorIcon::Crosshair);
+        } else if wanted.is_some() {
             let pulling = self.pointer_state.is_pulling();
             let free = if snapshot.mode == Mode::Edit { CursorIcon::PointingHand } else { CursorIcon::Grab };
             response.ctx.set_cursor_icon(if pulling { CursorIcon::Grabbing } else { free });
@@ -335,7 +351,7 @@ impl Canvas {
         // would move the large mesh to a larger buffer in every frame.
         let mut painter = painter.clone();
         painter.set_clip_rect(painter.clip_rect().expand(0.01));
-        legends::strip_numbers(&painter, view, canvas, snapshot);
+        legends::strip_numbers(&painter, View { camera: camera(snapshot, canvas), ..view }, canvas, snapshot);
         self.draw_front(&painter, frame, pointer);
     }
 
@@ -347,6 +363,8 @@ impl Canvas {
         self.picked.draw(&mut self.front, view, points, free);
         marks::rollers(&mut self.front, view, snapshot, points);
         self.pins.draw(&mut self.front, view, points, now);
+        self.probing.draw(&mut self.front, view, snapshot, points);
+        self.drawing.draw(&mut self.front, view, pointer);
         let sight = sight(frame, &self.surfaces);
         let ends = |pull: &Pull| Some([*points.get(pull.vertex)?, sight.seen(pull.target)]);
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, ends(pull)?)));
@@ -354,7 +372,8 @@ impl Canvas {
             marks::arrow(&mut self.front, view, ends);
         }
         if options.field != Field::None && options.field == snapshot.field && !snapshot.values.is_empty() {
-            legends::colour_bar(painter, &mut self.front, view, canvas, snapshot.field, &self.scale);
+            let rects = [canvas, camera(snapshot, canvas).world()];
+            legends::colour_bar(painter, &mut self.front, view, rects, (snapshot.field, &self.scale));
             let value_at = |at| match frame.space {
                 Some(_) => self.surfaces.value_at(snapshot, points, at),
                 None => self.bodies.value_at(snapshot, at),
@@ -365,6 +384,10 @@ impl Canvas {
             }
         }
         painter.add(self.front.finish());
+        if !options.bare {
+            legends::scale_bar(painter, view, canvas);
+            self.probing.write(painter, view, canvas, snapshot, self.bodies.points());
+        }
         if let Some((pull, ends)) = pull {
             marks::pull_force(painter, view, canvas, ends, pull);
         }
@@ -393,8 +416,9 @@ pub fn camera(snapshot: &Snapshot, canvas: Rect) -> Camera {
     Camera::new(canvas, snapshot.width.max(1.0) as f32, legends::strip_height(snapshot, canvas))
 }
 
-/// Makes two canvases show equal values in equal colours.
-pub fn share_scale(a: &mut Canvas, b: &mut Canvas) {
+/// Makes two canvases show equal values in equal colours, and their scenes from the same viewpoint.
+pub fn share_view(a: &mut Canvas, b: &mut Canvas) {
+    a.looking.share(&mut b.looking);
     a.scale.heed(Some(&b.scale));
     b.scale.heed(Some(&a.scale));
 }

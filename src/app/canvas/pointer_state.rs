@@ -69,7 +69,7 @@ impl Sight<'_> {
 struct Pointer {
     /// Whether the stage is pressed.
     down: bool,
-    /// Whether the window lost the focus in this frame.
+    /// Whether the window lost the focus in this frame, or a second finger came.
     lost: bool,
     /// Position of the press, if there is one.
     origin: Option<Pos2>,
@@ -82,7 +82,7 @@ impl Pointer {
         let pressed = response.is_pointer_button_down_on();
         response.ctx.input(|input| Self {
             down: pressed && input.pointer.primary_down(),
-            lost: input.events.contains(&Event::WindowFocused(false)),
+            lost: input.events.contains(&Event::WindowFocused(false)) || input.multi_touch().is_some(),
             origin: input.pointer.press_origin(),
             at: input.pointer.interact_pos().or(response.interact_pointer_pos()),
         })

@@ -247,7 +247,7 @@ fn the_right_button_turns_the_view_and_asks_for_nothing() {
     let to = middle + vec2(50.0, -30.0);
     let drag = [Event::PointerMoved(middle), button_two(middle, true), Event::PointerMoved(to), button_two(to, false)];
     assert_eq!(play(&mut harness, drag), []);
-    let (_, orbit) = harness.state().canvas.orbit.unwrap();
+    let (_, orbit) = harness.state().canvas.viewpoint().orbit.unwrap();
     assert!(orbit.yaw < Orbit::ASLANT[0] - 0.1 && orbit.pitch < Orbit::ASLANT[1] - 0.05, "{orbit:?}");
     let (at, _) = SpaceCamera::new(orbit, rect(&harness)).seen(place);
     let click = [Event::PointerMoved(at), button(at, true), button(at, false)];

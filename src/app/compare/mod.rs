@@ -202,7 +202,8 @@ impl Comparison {
         match command {
             Command::Undo => return self.travel(a, false),
             Command::Redo => return self.travel(a, true),
-            Command::StepOnce => return self.step_once(a),
+            Command::StepOnce => return self.step(a, 1),
+            Command::StepFrame => return self.step(a, self.rounds_per_frame(a)),
             _ => {}
         }
         let before = [&*a, &self.b].map(|sandbox| (sandbox.history.count(), sandbox.simulation().restart()));
@@ -298,12 +299,17 @@ impl Comparison {
     }
 
     /// Takes one round, paused: one step of the pane with the longer steps, if they are a multiple of the other's.
-    fn step_once(&mut self, a: &mut Sandbox) -> Result<(), Refused> {
+    /// Number of rounds in a frame of 1/60 s, at least one.
+    pub fn rounds_per_frame(&self, a: &Sandbox) -> u64 {
+        (1.0 / (60.0 * self.round_length(a))).round().max(1.0) as u64
+    }
+
+    fn step(&mut self, a: &mut Sandbox, rounds: u64) -> Result<(), Refused> {
         let run = |sandbox: &mut Sandbox, on| sandbox.apply(Command::SetRunning(on));
         run(a, true)?;
         run(&mut self.b, true)?;
         if self.is_live(a) {
-            self.advance(a, 1, &mut || true);
+            self.advance(a, rounds, &mut || true);
         }
         run(a, false)?;
         run(&mut self.b, false)

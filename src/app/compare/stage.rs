@@ -78,6 +78,11 @@ impl Stage {
         &self.canvas
     }
 
+    /// The same, to be changed.
+    pub const fn canvas_mut(&mut self) -> &mut Canvas {
+        &mut self.canvas
+    }
+
     /// The same, for a stage where only B is kept.
     pub fn into_canvas(self) -> Canvas {
         self.canvas
@@ -97,7 +102,7 @@ impl Stage {
         ui.painter().rect_filled(whole, 0.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
         let texts = texts(ui, split, parts[0].width());
         let height = texts.iter().map(|text| text.size().y + 2.0 * 4.0).fold(BADGE + 6.0, f32::max);
-        canvas::share_scale(first, &mut self.canvas);
+        canvas::share_view(first, &mut self.canvas);
         let mut request = None;
         let canvases = [first, &mut self.canvas];
         for ((pane, part), (canvas, text)) in Pane::BOTH.into_iter().zip(parts).zip(canvases.into_iter().zip(texts)) {

@@ -66,8 +66,13 @@ impl Bodies {
         &self.points
     }
 
-    /// Value of the triangle under a point of the screen; of several, the one drawn last.
+    /// Value of the triangle under a point of the screen.
     pub fn value_at(&self, snapshot: &Snapshot, at: Pos2) -> Option<f64> {
+        snapshot.values.get(self.triangle_at(snapshot, at)?).copied()
+    }
+
+    /// The triangle under a point of the screen; of several, the one drawn last.
+    pub fn triangle_at(&self, snapshot: &Snapshot, at: Pos2) -> Option<usize> {
         let turn = |a: Pos2, b: Pos2| (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
         let is_inside = |triangle: &[u32; 3]| {
             let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| self.points.get(vertex as usize).copied()) else {
@@ -76,7 +81,7 @@ impl Bodies {
             let turns = [turn(a, b), turn(b, c), turn(c, a)];
             turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
         };
-        snapshot.values.get(snapshot.triangles.iter().rposition(is_inside)?).copied()
+        snapshot.triangles.iter().rposition(is_inside)
     }
 
     /// Draws all bodies in the order of the level, with less detail when the filled area is too large.

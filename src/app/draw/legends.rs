@@ -12,6 +12,9 @@ use eframe::egui::{
     Align, Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, epaint::text::LayoutJob, pos2, vec2,
 };
 
+/// Height of the buttons of the view at the upper right [points].
+const BUTTONS: f32 = 28.0;
+
 /// Positions of the parts of the bar.
 struct Layout {
     card: Rect,
@@ -27,11 +30,11 @@ impl Layout {
         let left = (canvas.right() - 8.0 - width).min(square.right() + 0.14 * square.width());
         let height = (0.5 * canvas.height()).clamp(80.0, 40.0 * size);
         // On a tall stage there is room above the world, where the bar covers no body.
-        let above = square.top() - canvas.top() - 16.0 - ends;
+        let above = square.top() - canvas.top() - 16.0 - BUTTONS - ends;
         let over = left < square.right() && above > 80.0;
         let height = if over { height.min(above) } else { height };
         let extent = vec2(width, height + ends);
-        let top = if over { canvas.top() + 8.0 } else { canvas.center().y - 0.5 * extent.y };
+        let top = if over { canvas.top() + 8.0 + BUTTONS } else { canvas.center().y - 0.5 * extent.y };
         let middle = pos2(left + 0.5 * width, top + 0.5 * extent.y);
         let card = Rect::from_center_size(middle, extent);
         let bar = Rect::from_min_size(card.min + vec2(0.8 * size, 4.1 * size), vec2(1.1 * size, height));
@@ -39,19 +42,25 @@ impl Layout {
     }
 }
 
-/// Draws the bar for a field and its scale.
-pub fn colour_bar(painter: &Painter, buffer: &mut ShapeBuffer, view: View, canvas: Rect, field: Field, scale: &Scale) {
-    let (theme, layout, range) = (view.theme, Layout::new(canvas, view.camera.world()), scale.range());
+/// Draws the bar for a field and its scale beside the `world`, as it lies where the whole of it is seen.
+pub fn colour_bar(
+    painter: &Painter,
+    buffer: &mut ShapeBuffer,
+    view: View,
+    [canvas, world]: [Rect; 2],
+    (field, scale): (Field, &Scale),
+) {
+    let (theme, layout, range) = (view.theme, Layout::new(canvas, world), scale.range());
     let size = layout.font.size;
     painter.rect_filled(layout.card, CornerRadius::same(10), theme.card);
-    gradient(buffer, layout.bar, scale, field == Field::Volume);
+    gradient(buffer, layout.bar, scale, field.is_signed());
     let (count, unit) = unit_for(range[1], field.unit());
     let title = pos2(layout.card.center().x, layout.card.top() + 0.5 * size);
     painter.text(title, Align2::CENTER_TOP, short_title(field), FontId::proportional(1.05 * size), theme.annotation);
     let below = title + vec2(0.0, 1.4 * size);
     painter.text(below, Align2::CENTER_TOP, unit, FontId::proportional(size), theme.faint_annotation);
     for value in ticks(range) {
-        let rest = field == Field::Volume && (value - 1.0).abs() < 1e-9;
+        let rest = field.is_signed() && (value - field.rest()).abs() < 1e-9 * range[1].abs();
         let y = layout.bar.bottom() - layout.bar.height() * scale.share(value);
         tick(painter, view, &layout, y, &si(value / count, ""), rest);
     }
@@ -64,6 +73,11 @@ const fn short_title(field: Field) -> &'static str {
         Field::EnergyDensity => "Energy ψ",
         Field::VonMises => "Von Mises",
         Field::Volume => "Area J",
+        Field::Stretch => "Stretch λ₁",
+        Field::PrincipalStress => "Stress σ₁",
+        Field::Pressure => "Pressure",
+        Field::Speed => "Speed",
+        Field::Displacement => "Displaced",
     }
 }
 
@@ -91,6 +105,35 @@ fn tick(painter: &Painter, view: View, layout: &Layout, y: f32, text: &str, rest
     let color = if rest { Color32::BLACK } else { view.theme.annotation };
     painter.hline(right - reach..=right + 4.0, y, (1.0, color));
     painter.text(pos2(right + 8.0, y), Align2::LEFT_CENTER, text, layout.font.clone(), view.theme.annotation);
+}
+
+/// Draws a bar of a round length, at the scale of the camera, with that length.
+pub fn scale_bar(painter: &Painter, view: View, canvas: Rect) {
+    /// Longest bar and least width of a stage that has one [points].
+    const LONGEST: f64 = 110.0;
+    const NARROWEST: f32 = 260.0;
+    let scale = view.camera.scale();
+    let most = LONGEST / scale;
+    if canvas.width() < NARROWEST || !most.is_normal() {
+        return;
+    }
+    let power = libm::pow(10.0, libm::floor(libm::log10(most)));
+    let metres = [5.0, 2.0, 1.0].map(|lead| lead * power).into_iter().find(|metres| *metres <= most).unwrap_or(power);
+    let from = canvas.left_bottom() + vec2(14.0, -12.0);
+    let to = from + vec2((metres * scale) as f32, 0.0);
+    let stroke = (1.5, view.theme.annotation);
+    painter.line_segment([from, to], stroke);
+    for end in [from, to] {
+        painter.line_segment([end - vec2(0.0, 4.0), end + vec2(0.0, 4.0)], stroke);
+    }
+    let middle = from.lerp(to, 0.5) - vec2(0.0, 4.0);
+    painter.text(middle, Align2::CENTER_BOTTOM, si(metres, "m"), FontId::proportional(12.0), view.theme.annotation);
+}
+
+/// Writes the name of a probe beside it.
+pub fn tag(painter: &Painter, view: View, canvas: Rect, at: Pos2, text: &str) {
+    let font = FontId::monospace(12.0);
+    card(painter, view, canvas, (at, Align2::LEFT_BOTTOM), (text, font, view.theme.annotation));
 }
 
 /// Draws the value under the pointer beside the pointer.

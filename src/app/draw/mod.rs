@@ -54,17 +54,26 @@ fn scatter(seed: usize, salt: u32) -> f32 {
 const MARGINS: [f32; 3] = [0.085, 0.105, 0.065];
 
 /// Largest screen coordinate [points]. Larger ones are limited to it, so that an exploding body does not break the drawing.
-const FARTHEST: f32 = 1e5;
+const FARTHEST: f64 = 1e5;
 
 /// Maps the world, y up \[m\], to the screen, y down [points].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// World origin on the screen.
-    origin: Pos2,
+    /// World origin on the screen. In single precision it would shake under a close view.
+    origin: [f64; 2],
     /// Scale [points/m].
-    scale: f32,
+    scale: f64,
     /// Width of the world \[m\].
     width: f32,
+}
+
+/// The part of a scene in the plane that is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zoom {
+    /// Point of the world in the middle of the stage \[m\].
+    pub centre: [f64; 2],
+    /// Scale, as a multiple of that at which the whole world fits the stage.
+    pub factor: f64,
 }
 
 impl Camera {
@@ -75,33 +84,42 @@ impl Camera {
         let height = canvas.height() - below;
         let scale = (canvas.width() / (width + 2.0 * beside)).min(height / (1.0 + above + under)).max(1.0);
         let spare = 0.5 * (height - scale * (1.0 + above + under));
-        Self {
-            origin: pos2(canvas.center().x - 0.5 * scale, canvas.top() + spare + scale * (1.0 + above)),
-            scale,
-            width,
-        }
+        let origin = [canvas.center().x - 0.5 * scale, canvas.top() + spare + scale * (1.0 + above)];
+        Self { origin: origin.map(f64::from), scale: f64::from(scale), width }
     }
 
     /// Creates a camera with a scale [points/m], for the sizes of marks in a scene in space.
-    pub const fn of_scale(canvas: Rect, scale: f32) -> Self {
-        Self { origin: canvas.min, scale, width: 1.0 }
+    pub fn of_scale(canvas: Rect, scale: f32) -> Self {
+        Self { origin: [canvas.min.x, canvas.min.y].map(f64::from), scale: f64::from(scale), width: 1.0 }
+    }
+
+    /// This camera of the whole world, closer or moved.
+    #[must_use]
+    pub fn zoomed(self, canvas: Rect, Zoom { centre: [x, y], factor }: Zoom) -> Self {
+        let (middle, scale) = (canvas.center(), self.scale * factor);
+        Self { origin: [f64::from(middle.x) - scale * x, f64::from(middle.y) + scale * y], scale, ..self }
+    }
+
+    /// Scale [points/m].
+    pub const fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// Maps a point of the world \[m\] to the screen.
     pub fn screen_from_world(&self, [x, y]: [f64; 2]) -> Pos2 {
-        let place = |from: f32, metres: f64| (from + self.scale * metres as f32).clamp(-FARTHEST, FARTHEST);
-        pos2(place(self.origin.x, x), place(self.origin.y, -y))
+        let [x, y] = [self.origin[0] + self.scale * x, self.origin[1] - self.scale * y];
+        let place = |at: f64| at.clamp(-FARTHEST, FARTHEST) as f32;
+        pos2(place(x), place(y))
     }
 
     /// Maps a point of the screen to the world \[m\].
     pub fn world_from_screen(&self, point: Pos2) -> [f64; 2] {
-        let scale = f64::from(self.scale);
-        [f64::from(point.x - self.origin.x) / scale, f64::from(self.origin.y - point.y) / scale]
+        [(f64::from(point.x) - self.origin[0]) / self.scale, (self.origin[1] - f64::from(point.y)) / self.scale]
     }
 
     /// Maps a length of the world \[m\] to the screen.
     pub fn length(&self, metres: f32) -> f32 {
-        self.scale * metres
+        self.scale as f32 * metres
     }
 
     /// The world on the screen: a square, unless it is wider than 1 m.
@@ -128,6 +146,18 @@ mod tests {
                 assert!((back[0] - point[0]).abs() < 1e-6 && (back[1] - point[1]).abs() < 1e-6, "{point:?} {back:?}");
             }
             assert!(camera.screen_from_world([0.0, 1.0]).y < camera.screen_from_world([0.0, 0.0]).y);
+        }
+    }
+
+    #[test]
+    fn a_zoom_puts_its_centre_in_the_middle() {
+        let canvas = Rect::from_min_max(pos2(240.0, 50.0), pos2(960.0, 770.0));
+        let home = Camera::new(canvas, 1.0, 0.0);
+        for factor in [0.5, 1.0, 1e6] {
+            let camera = home.zoomed(canvas, Zoom { centre: [0.3, 0.7], factor });
+            assert_eq!(camera.screen_from_world([0.3, 0.7]), canvas.center());
+            let beside = camera.screen_from_world([0.3 + 50.0 / camera.scale(), 0.7]);
+            assert!((beside.x - canvas.center().x - 50.0).abs() < 1e-3, "{factor}: {beside:?}");
         }
     }
 }

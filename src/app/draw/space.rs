@@ -453,6 +453,11 @@ impl Surfaces {
 
     /// Value of the nearest triangle at a point of the screen.
     pub fn value_at(&self, snapshot: &Snapshot, points: &[Pos2], at: Pos2) -> Option<f64> {
+        snapshot.values.get(self.triangle_at(points, at)?).copied()
+    }
+
+    /// The nearest triangle at a point of the screen, if it is one of a membrane.
+    pub fn triangle_at(&self, points: &[Pos2], at: Pos2) -> Option<usize> {
         let turn = |a: Pos2, b: Pos2| (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
         let is_inside = |facet: &&Facet| {
             let [Some(a), Some(b), Some(c)] = facet.corners.map(|corner| points.get(corner as usize).copied()) else {
@@ -461,7 +466,13 @@ impl Surfaces {
             let turns = [turn(a, b), turn(b, c), turn(c, a)];
             turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
         };
-        snapshot.values.get(self.order.iter().rev().find(is_inside)?.value as usize).copied()
+        self.order
+            .iter()
+            .rev()
+            .find(is_inside)
+            .map(|facet| facet.value)
+            .filter(|value| *value != PLAIN)
+            .map(|value| value as usize)
     }
 
     /// Adds a triangle to the normals and to the order.

@@ -1,5 +1,6 @@
 //! Films: moving pictures of the stage, in one of several formats.
 
+mod filming;
 mod gif;
 #[cfg(not(target_arch = "wasm32"))]
 mod mp4;

@@ -51,14 +51,15 @@ pub struct Recorder {
     taken: u64,
     drawn: Arc<AtomicU64>,
     film: Receiver<Result<Vec<u8>, String>>,
-    /// Simulated time since the last frame \[s\].
+    /// Simulated time between two frames, and since the last \[s\].
+    interval: f64,
     since: f64,
     /// Time at the start of the recording, for the name of the file \[s\].
     pub start: f64,
 }
 
 impl Recorder {
-    /// Frames in a second of simulated time. The longest step is half the time between them, and every step divides it.
+    /// Frames in a second of the film. In real time the longest step is half the time between them, and every step divides it.
     pub const RATE: u32 = 30;
 
     /// Shots on their way to the other thread.
@@ -67,11 +68,17 @@ impl Recorder {
     /// Round-off of the time of a step, as a fraction of it.
     const ROUND_OFF: f64 = 1e-6;
 
-    /// Starts a recording with its first frame, of a size \[pixels\].
+    /// Starts a recording with its first frame, of a size \[pixels\]. A second of the film shows `pace` seconds of simulated time; a step that
+    /// is longer than a frame has one frame.
     ///
     /// # Errors
     /// If the format does not allow it.
-    pub fn start(format: FilmFormat, size: [usize; 2], is_dark: bool, first: Shot) -> Result<Self, String> {
+    pub fn start(
+        format: FilmFormat,
+        size: [usize; 2],
+        (is_dark, pace): (bool, f64),
+        first: Shot,
+    ) -> Result<Self, String> {
         format.check(size, Self::RATE)?;
         let (shots, taken) = sync_channel::<Shot>(Self::ROOM);
         let (sender, film) = sync_channel(1);
@@ -84,7 +91,8 @@ impl Recorder {
             let _ = sender.send(draw(format, size, stage, &taken, &count));
         };
         thread::Builder::new().name("film".to_owned()).spawn(work).map_err(|error| error.to_string())?;
-        let mut recorder = Self { format, shots: Some(shots), waiting: None, taken: 0, drawn, film, since: 0.0, start };
+        let (interval, shots) = (pace / f64::from(Self::RATE), Some(shots));
+        let mut recorder = Self { format, shots, waiting: None, taken: 0, drawn, film, interval, since: 0.0, start };
         recorder.add(first);
         Ok(recorder)
     }
@@ -104,17 +112,16 @@ impl Recorder {
         if self.waiting.is_some() {
             return 0;
         }
-        let left = 1.0 / f64::from(Self::RATE) - self.since;
+        let left = self.interval - self.since;
         (left / step - Self::ROUND_OFF).ceil().max(1.0) as u64
     }
 
     /// Lets simulated time pass \[s\], in steps of a length \[s\]. Returns whether a frame is due.
     pub fn pass(&mut self, time: f64, step: f64) -> bool {
         self.since += time;
-        let interval = 1.0 / f64::from(Self::RATE);
-        let is_due = self.shots.is_some() && self.since >= interval - Self::ROUND_OFF * step;
+        let is_due = self.shots.is_some() && self.since >= self.interval - Self::ROUND_OFF * step;
         if is_due {
-            self.since -= interval;
+            self.since = (self.since - self.interval) % self.interval;
         }
         is_due
     }

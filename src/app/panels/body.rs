@@ -1,7 +1,7 @@
 //! Panels of the parts of a level: a body with material, mass and mesh; a net; a toy; and the controls of test levels.
 
 use super::{
-    Notice, View, apply_response, finish, fixed, heading, row, sliders,
+    FileRequest, Notice, View, apply_response, finish, fixed, heading, row, sliders, typed_energy,
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
@@ -31,11 +31,13 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         });
         response.response.on_hover_text("Which body the sliders below belong to").accessible_name("Body");
     }
+    let others = names.len() > 1;
     ui.push_id(("body", view.body), |ui| {
         if let Some(body) = level.bodies.get(view.body) {
             let number = view.body;
             let set = |material| Command::SetMaterial(number, material);
             material(ui, body.material, &set, view, commands);
+            typed_energy::show(ui, (number, body.energy.as_ref()), body.material, view, commands);
             let shown = now.bodies.get(view.body);
             let area = || shown.map_or(0.0, |shown| shown.mesh.area() * body.place.scale.get().powi(2));
             mass(ui, body.mass, area, &|mass| Command::SetMass(number, mass), view, commands);
@@ -43,6 +45,9 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
             pins(ui, view.body, &body.pins, commands);
+            if others && level.test.is_none() && ui.button("Remove this body").clicked() {
+                commands.push(Command::RemoveBody(number));
+            }
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
             pins(ui, view.body, &listed.pins, commands);
@@ -52,9 +57,37 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         } else if let Some((number, listed)) = membrane.and_then(|number| Some((number, level.membranes.get(number)?)))
         {
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
-            show_membrane(ui, number, listed, area, view, commands);
+            show_membrane(ui, (number, view.body), listed, area, view, commands);
             pins(ui, view.body, &listed.pins, commands);
             finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
+        }
+    });
+}
+
+/// Draws the menu that adds a body, where the scene can have one.
+pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
+    if now.toy.is_some() || now.level.test.is_some() || now.dimension == 3 {
+        return;
+    }
+    if view.stage.draws {
+        if ui.button("Cancel the outline").clicked() {
+            view.stage.draws = false;
+        }
+        return;
+    }
+    ui.menu_button("Add a body", |ui| {
+        if ui.button("Draw its outline…").on_hover_text("By one drag, or corner after corner by clicks.").clicked() {
+            (view.stage.draws, view.drawer) = (true, None);
+        }
+        let help = "A mesh of triangles (OBJ). It is scaled to half of the stage.";
+        if ui.button("From a file…").on_hover_text(help).clicked() {
+            view.file = Some(FileRequest::OpenMesh);
+        }
+        for mesh in MeshKind::all() {
+            let needs_file = matches!(mesh, MeshKind::Obj(_));
+            if !needs_file && ui.button(mesh.name()).clicked() {
+                view.new_body = Some(mesh);
+            }
         }
     });
 }
@@ -210,7 +243,7 @@ fn show_net(ui: &mut Ui, number: usize, listed: &NetLevel, view: &mut View, comm
 /// Draws the sliders of a membrane of an area \[m²\]: material, thickness and mass.
 fn show_membrane(
     ui: &mut Ui,
-    number: usize,
+    (number, part): (usize, usize),
     listed: &MembraneLevel,
     area: impl Fn() -> f64,
     view: &mut View,
@@ -218,6 +251,7 @@ fn show_membrane(
 ) {
     let MembraneLevel { material: now, thickness, mass: heavy, .. } = listed;
     material(ui, *now, &|new| Command::SetMembrane(number, new, *thickness, *heavy), view, commands);
+    typed_energy::show(ui, (part, listed.energy.as_ref()), *now, view, commands);
     let mut new = *thickness;
     let outcome = sliders(ui, [&mut new as &mut dyn Quantity]);
     apply_response(outcome, Some(Command::SetMembrane(number, *now, new, *heavy)), view, commands);

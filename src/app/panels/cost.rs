@@ -1,7 +1,7 @@
 //! Panel of display options and costs.
 
 use super::{
-    PanelContext, View, apply_response, count, fixed, heading, row,
+    PanelContext, View, apply_response, count, fixed, heading, heading_here, row,
     status::AT_REST,
     widgets::{self, Segment, SliderOptions, segmented},
 };
@@ -13,7 +13,7 @@ use crate::{
     nets::Role,
     snapshot::{Field, Snapshot},
 };
-use eframe::egui::{Label, Rect, RichText, Sense, Ui, vec2};
+use eframe::egui::{self, Button, Label, Popup, Rect, RichText, Sense, Ui, vec2};
 use std::collections::BTreeSet;
 
 /// Frame time at 60 Hz \[s\].
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
     }
     heading(ui, "What it costs");
-    speed(ui, context);
+    speed(ui, context, view);
     substeps(ui, context.now, view, commands);
     substep_mode(ui, context.now, commands);
     size(ui, context.now);
@@ -46,21 +46,34 @@ fn has_hidden_springs(now: &Snapshot) -> bool {
 
 /// Draws the display options: colours, edges and vertices.
 fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
-    heading(ui, "Colour by");
-    let shorts = ["Plain", "Energy", "Von Mises", "J"];
-    let parts: Vec<_> = Field::ALL
-        .iter()
-        .zip(shorts)
-        .map(|(field, text)| Segment {
-            text,
-            name: field.title(),
-            about: about(*field),
-            on: view.stage.field == *field,
-        })
-        .collect();
-    if let Some(field) = segmented(ui, "field", &parts, true).and_then(|clicked| Field::ALL.get(clicked)) {
-        view.stage.field = *field;
-    }
+    /// Number of the fields that have a button of their own.
+    const BUTTONS: usize = 4;
+    let (first, others) = Field::ALL.split_at(BUTTONS);
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        heading_here(ui, "Colour by");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let chosen = others.iter().find(|field| **field == view.stage.field);
+            let button = Button::new(RichText::new(chosen.map_or("More…", |field| field.title())).small()).small();
+            let button = ui.add(button.selected(chosen.is_some()).min_size(vec2(34.0, 20.0)));
+            Popup::menu(&button.accessible_name("More colours")).show(|ui| {
+                for field in others {
+                    let button = Button::selectable(view.stage.field == *field, field.title());
+                    if ui.add(button).on_hover_text(about(*field)).clicked() {
+                        view.stage.field = *field;
+                    }
+                }
+            });
+        });
+    });
+    let parts = first.iter().map(|field| Segment {
+        text: short(*field),
+        name: field.title(),
+        about: about(*field),
+        on: view.stage.field == *field,
+    });
+    let clicked = segmented(ui, "field", &parts.collect::<Vec<_>>(), true);
+    view.stage.field = clicked.and_then(|clicked| first.get(clicked)).copied().unwrap_or(view.stage.field);
     ui.horizontal(|ui| {
         ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
         if now.dimension == 3 {
@@ -77,23 +90,51 @@ fn normals(ui: &mut Ui, view: &mut View) {
     ui.checkbox(&mut view.stage.normals, "Normals").on_hover_text(help);
 }
 
+/// Text of the button of a field.
+const fn short(field: Field) -> &'static str {
+    match field {
+        Field::None => "Plain",
+        Field::EnergyDensity => "Energy",
+        Field::VonMises => "Von Mises",
+        Field::Volume => "J",
+        other => other.title(),
+    }
+}
+
 const fn about(field: Field) -> &'static str {
     match field {
         Field::None => "Gingerbread with icing.",
         Field::EnergyDensity => "ψ(F): elastic energy per rest area [J/m²].",
         Field::VonMises => "Von Mises equivalent of the Cauchy stress σ = P Fᵗ / J [Pa]: the size of its shear part.",
         Field::Volume => "J = det F: area over rest area; below 0 a triangle is inverted (inside out).",
+        Field::Stretch => "λ₁: the greater principal stretch, that is singular value of F.",
+        Field::PrincipalStress => {
+            "σ₁: the greater principal value of the Cauchy stress in the plane [Pa]; positive pulls."
+        }
+        Field::Pressure => "Minus the mean of the three principal Cauchy stresses [Pa].",
+        Field::Speed => "Mean speed of the corners [m/s].",
+        Field::Displacement => "Mean distance of the corners from where they started [m].",
+    }
+}
+
+/// Simulated time over real time, to two digits after the point or, in slow motion, to two digits.
+fn speed_text(factor: f64) -> String {
+    if factor >= 0.1 || factor == 0.0 {
+        format!("{factor:.2} × real time")
+    } else {
+        let digits = (1.0 - libm::floor(libm::log10(factor))).clamp(2.0, 12.0) as usize;
+        format!("{factor:.digits$} × real time")
     }
 }
 
 /// Draws the speed of simulated time and the frame time.
-fn speed(ui: &mut Ui, context: &PanelContext<'_>) {
+fn speed(ui: &mut Ui, context: &PanelContext<'_>, view: &View) {
     let rates = context.rates;
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
     let factor = if context.now.rests() {
         AT_REST.to_owned()
     } else {
-        or_dash(rates.map(|rates| format!("{:.2} × real time", rates.factor)))
+        or_dash(rates.map(|rates| speed_text(rates.factor * view.pace.factor())))
     };
     row(
         ui,

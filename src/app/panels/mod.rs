@@ -9,6 +9,7 @@ mod energy;
 mod finish;
 mod hard;
 mod ledger;
+mod measure;
 mod overlays;
 mod plotting;
 mod scheme;
@@ -16,6 +17,7 @@ mod status;
 mod strip;
 mod studies;
 mod study_plots;
+mod typed_energy;
 mod widgets;
 
 pub use compare::apart;
@@ -26,17 +28,21 @@ pub use plotting::Export;
 
 use super::{
     canvas,
-    clock::Rates,
+    clock::{Pace, Rates},
     compare::{self as panes, Comparison},
     film::{self, FilmFormat},
     gallery::Gallery,
     jobs::{JobRequest, Jobs},
     keys::{Binding, KeyAction},
+    making,
     meshing::Progress,
     numbers,
+    probes::{ProbeRequest, Probes},
     theme::Theme,
 };
-use crate::{command::Command, hard::Method, materials::Model, quantity::Quantity, snapshot::Snapshot};
+use crate::{
+    command::Command, hard::Method, materials::Model, meshes::MeshKind, quantity::Quantity, snapshot::Snapshot,
+};
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 use std::path::PathBuf;
 
@@ -57,6 +63,10 @@ pub struct View {
     pub drawer: Option<Side>,
     /// Height of the toolbar in the last frame [points].
     pub strip_height: f32,
+    /// Zoom of the interface before the presentation, while the stage is shown alone.
+    pub presents: Option<f32>,
+    /// Whether the presentation begins or ends.
+    pub toggles_presentation: bool,
     /// Whether the list of keys is shown.
     pub help: bool,
     /// Notice that waits to be closed.
@@ -77,12 +87,26 @@ pub struct View {
     pub studies: studies::StudiesSettings,
     /// The plot whose picture is being taken.
     pub sitting: Option<plotting::Sitting>,
+    /// Wanted speed of simulated time.
+    pub pace: Pace,
     /// Whether the stage is to be drawn into a picture.
     pub takes_picture: bool,
     /// Requests for a film of the stage.
     pub film_requests: Vec<FilmRequest>,
     /// How far the film is that is being recorded.
     pub film: Option<film::Progress>,
+    /// Whether the next click on the stage probes.
+    pub picks: bool,
+    /// Whether what is under the pointer is probed.
+    pub picks_now: bool,
+    /// Whether the panel scrolls to the probes, because one was added.
+    pub shows_probes: bool,
+    /// Changes of the probes.
+    pub probe_requests: Vec<ProbeRequest>,
+    /// A body that is added.
+    pub new_body: Option<MeshKind>,
+    /// Changes of the view of the stage.
+    pub looks: Vec<canvas::Look>,
     /// Requests for the two panes.
     pub panes: Vec<panes::PaneRequest>,
     /// Whether the ledger of effects is open. Effects are timed only then.
@@ -157,8 +181,12 @@ pub enum FileRequest {
     },
     /// Ask for a level file and open it.
     Open,
+    /// Ask for a mesh file and add a body of it.
+    OpenMesh,
     /// Ask for a file name and save the level.
     Save,
+    /// Save the level in its own file; ask for a name where it has none.
+    SaveAgain,
     /// Ask for a file name and save the data of a plot.
     Export(Export),
     /// Open this file. Other files that were dropped together with it are ignored.
@@ -169,8 +197,9 @@ pub enum FileRequest {
 
 impl FileRequest {
     /// Whether the request replaces the shown level.
-    pub const fn replaces_level(&self) -> bool {
-        matches!(self, Self::BuiltIn(_) | Self::Hard { .. } | Self::Open | Self::File(..) | Self::Close)
+    pub fn replaces_level(&self) -> bool {
+        let adds = matches!(self, Self::File(path, _) if making::is_mesh(path));
+        !adds && matches!(self, Self::BuiltIn(_) | Self::Hard { .. } | Self::Open | Self::File(..) | Self::Close)
     }
 }
 
@@ -184,12 +213,18 @@ pub struct PanelContext<'a> {
     pub gallery: &'a Gallery,
     /// Energies of the last seconds.
     pub history: &'a History,
+    /// Probes and what they measured.
+    pub probes: &'a Probes,
     /// Study jobs.
     pub jobs: &'a Jobs,
     /// Cost of effects in a frame, while the ledger is open.
     pub meter: &'a Meter,
     /// The two panes, if there are two. All other fields concern the chosen pane.
     pub comparison: Option<&'a Comparison>,
+    /// Level files that were opened or saved last, the newest first.
+    pub recent: &'a [PathBuf],
+    /// Whether there are changes that are not saved.
+    pub is_unsaved: bool,
     /// Snapshot of pane A.
     pub first: &'a Snapshot,
 }
@@ -208,13 +243,16 @@ pub fn show(
     draw: &mut DrawStage<'_>,
     commands: &mut Vec<Command>,
 ) {
+    present(ui.ctx(), view);
     let narrow = ui.available_width() < NARROW;
     view.stage.pointed = view.meant.take();
-    strip::show(ui, context, view, commands, narrow);
-    status::show(ui, context, view, commands);
-    if !narrow {
-        view.drawer = None;
-        docked(ui, context, view, commands);
+    if view.presents.is_none() {
+        strip::show(ui, context, view, commands, narrow);
+        status::show(ui, context, view, commands);
+        if !narrow {
+            view.drawer = None;
+            docked(ui, context, view, commands);
+        }
     }
     let stage = egui::CentralPanel::no_frame().show(ui, |ui| {
         let stage = ui.max_rect();
@@ -222,7 +260,9 @@ pub fn show(
         stage
     });
     let stage = stage.inner;
-    if let Some(side) = view.drawer {
+    if view.presents.is_some() {
+        overlays::show_way_back(ui.ctx(), stage, view);
+    } else if let Some(side) = view.drawer {
         drawer(ui, stage, side, context, view, commands);
     }
     studies::show(ui.ctx(), context, view, commands);
@@ -242,6 +282,23 @@ pub fn show(
     }
 }
 
+/// Shows the stage alone on the whole screen, with larger text, or the panels again.
+fn present(ctx: &egui::Context, view: &mut View) {
+    /// Larger than otherwise by this factor.
+    const LARGER: f32 = 1.5;
+    if !std::mem::take(&mut view.toggles_presentation) {
+        return;
+    }
+    let before = view.presents.take();
+    if let Some(zoom) = before {
+        ctx.set_zoom_factor(zoom);
+    } else {
+        view.presents = Some(ctx.zoom_factor());
+        ctx.set_zoom_factor(LARGER * ctx.zoom_factor());
+    }
+    ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(before.is_none()));
+}
+
 /// Closes the windows over the stage when Escape is pressed, unless the key has another meaning at the moment.
 fn close_by_key(ctx: &egui::Context, view: &mut View) {
     let means_else = view.help
@@ -251,7 +308,8 @@ fn close_by_key(ctx: &egui::Context, view: &mut View) {
         || ctx.egui_wants_keyboard_input()
         || egui::Popup::is_any_open(ctx);
     if !means_else && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
-        (view.studies.open, view.hard.open) = (false, false);
+        view.toggles_presentation |= view.presents.is_some();
+        (view.studies.open, view.hard.open, view.picks, view.stage.draws) = (false, false, false, false);
     }
 }
 
@@ -296,6 +354,7 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
             }
             body::show_test_pose(ui, context.now, commands);
             body::show(ui, context.now, view, commands);
+            body::add(ui, context.now, view);
             body::show_toy(ui, context.now, view, commands);
             effects::show(ui, context.now, view, commands);
         } else {
@@ -304,6 +363,7 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
             ledger::show(ui, context, view);
             scheme::show(ui, context, view, commands);
             studies::buttons(ui, view);
+            measure::show(ui, context, view);
             energy::show(ui, context, view);
         }
         ui.add_space(8.0);
@@ -329,6 +389,26 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
         KeyAction::Film => {
             let request = FilmFormat::ALL.first().copied().map(FilmRequest::Start);
             view.film_requests.extend(if view.film.is_some() { Some(FilmRequest::Stop) } else { request });
+            None
+        }
+        KeyAction::Present => {
+            view.toggles_presentation = true;
+            None
+        }
+        KeyAction::File(request) => {
+            view.file = Some(request);
+            None
+        }
+        KeyAction::Probe => {
+            view.picks_now = true;
+            None
+        }
+        KeyAction::Pace(change) => {
+            view.pace = change(view.pace);
+            None
+        }
+        KeyAction::Look(look) => {
+            view.looks.push(look);
             None
         }
         KeyAction::Mouse => None,

@@ -38,7 +38,7 @@ pub fn show_prompt(ctx: &Context, view: &mut View) {
     let mut closed = false;
     let modal = Modal::new(Id::unique("prompt")).show(ctx, |ui| {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
-        let verb = if prompt.purpose == Purpose::Open { "Open" } else { "Save" };
+        let verb = if matches!(prompt.purpose, Purpose::Open | Purpose::OpenMesh) { "Open" } else { "Save" };
         ui.label(RichText::new(prompt.purpose.title()).heading());
         let question =
             if PATHS { "There is no file dialog on this system. Path of the file:" } else { "Paste a level:" };
@@ -131,6 +131,19 @@ pub fn show_meshing(ctx: &Context, stage: Rect, view: &mut View) {
                 view.cancel_mesh = ui.button("Cancel meshing").on_hover_text(help).clicked();
             });
         });
+    });
+}
+
+/// Draws the button that ends the presentation, pale until the pointer is on it.
+pub fn show_way_back(ctx: &Context, stage: Rect, view: &mut View) {
+    let place = stage.left_top() + vec2(10.0, 10.0);
+    let area = Area::new(Id::unique("way back")).order(Order::Middle).fixed_pos(place);
+    area.show(ctx, |ui| {
+        ui.set_opacity(if ui.rect_contains_pointer(Rect::from_min_size(place, vec2(60.0, 40.0))) { 1.0 } else { 0.35 });
+        let button = ui.small_button("×").on_hover_text("Shows the panels again. [F11 or Escape]");
+        if button.accessible_name("Show the panels").clicked() {
+            view.toggles_presentation = true;
+        }
     });
 }
 

@@ -155,6 +155,8 @@ pub enum Figure {
     Drift,
     /// Distance of two panes.
     Difference,
+    /// Numbers of probes over time.
+    Probes,
 }
 
 impl Figure {
@@ -166,6 +168,7 @@ impl Figure {
             Self::Meshes => "Meshes",
             Self::Drift => "Drift",
             Self::Difference => "Difference",
+            Self::Probes => "Probes",
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{
     widgets::{HEIGHT, Icon, Lit, Segment, icon_button, segmented},
 };
 use crate::{
-    app::film::FilmFormat,
+    app::{clock::Pace, film::FilmFormat},
     command::{Command, Mode},
     materials::Model,
     snapshot::Snapshot,
@@ -15,8 +15,8 @@ use eframe::egui::{
     Shape, Stroke, TextEdit, Ui, Vec2, vec2,
 };
 
-/// Width of the five buttons on the right [points].
-const LOOKS: f32 = 5.0 * HEIGHT + 4.0 * 2.0;
+/// Width of the six buttons on the right [points].
+const LOOKS: f32 = 6.0 * HEIGHT + 5.0 * 2.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 6));
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
                 commands.push(Command::SetMode(mode));
             }
             apart(ui);
-            time(ui, context.now, commands);
+            time(ui, context.now, view, commands);
             if context.now.has_models() {
                 if let Some(model) = models(ui, context.now) {
                     commands.push(Command::SetModel(model));
@@ -64,8 +64,9 @@ fn apart(ui: &mut Ui) {
 /// Draws the level picker with the file commands.
 fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let name = if context.now.level.name.is_empty() { "Level" } else { &context.now.level.name };
+    let shown = if context.is_unsaved { format!("• {name}") } else { name.to_owned() };
     let room_for_arrow = Atom::custom(IdSalt::new("arrow"), Vec2::splat(10.0));
-    let button = Button::new((name, room_for_arrow)).truncate().min_size(vec2(120.0, HEIGHT));
+    let button = Button::new((shown, room_for_arrow)).truncate().min_size(vec2(120.0, HEIGHT));
     let response = ui.scope(|ui| {
         ui.set_max_width(200.0);
         ui.add(button)
@@ -86,7 +87,7 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             field.request_focus();
         }
         let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let room = ui.ctx().content_rect().height() - 210.0;
+        let room = ui.ctx().content_rect().height() - 236.0;
         let list = ScrollArea::vertical().max_height(room).min_scrolled_height(room).auto_shrink([false, true]);
         list.show(ui, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
@@ -115,13 +116,30 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             view.drawer = None;
             ui.close();
         }
-        if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too.").clicked() {
+        if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too. [Ctrl+O]").clicked() {
             view.file = Some(FileRequest::Open);
             ui.close();
         }
-        if ui.button("Save…").on_hover_text("Save the level with everything as it is now.").clicked() {
+        recent(ui, context, view);
+        if ui.button("Save…").on_hover_text("Save the level with everything as it is now. [Ctrl+S]").clicked() {
             view.file = Some(FileRequest::Save);
             ui.close();
+        }
+    });
+}
+
+/// Draws the menu of the files that were used last.
+fn recent(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    if context.recent.is_empty() {
+        return;
+    }
+    ui.menu_button("Recent", |ui| {
+        for path in context.recent {
+            let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.display().to_string());
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                view.file = Some(FileRequest::File(path.clone(), Vec::new()));
+                ui.close();
+            }
         }
     });
 }
@@ -142,7 +160,7 @@ fn modes(ui: &mut Ui, now: &Snapshot) -> Option<Mode> {
 }
 
 /// Draws the buttons of time: back, play, step and start over.
-fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+fn time(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(now.rewind_length > 0.0, |ui| {
         let about = "Goes back 0.5 s in time, and pauses. [Backspace; hold it to go back further]";
         if icon_button(ui, Icon::Back, "Go back in time", about, false).clicked() {
@@ -154,14 +172,38 @@ fn time(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if icon_button(ui, icon, name, "[Space]", false).clicked() {
         commands.push(Command::SetRunning(!runs));
     }
-    if icon_button(ui, Icon::Step, "Single step", "Pauses, and takes one step.", false).clicked() {
+    if icon_button(
+        ui,
+        Icon::Step,
+        "Single step",
+        "Pauses, and takes one step. [.] The comma takes the steps of 1/60 s. [,]",
+        false,
+    )
+    .clicked()
+    {
         commands.push(Command::StepOnce);
     }
     let about = "Positions and velocities go back to the start. [R while simulating]";
     if icon_button(ui, Icon::Reset, "Start over", about, false).clicked() {
         commands.push(Command::Reset);
     }
+    pace(ui, view);
     apart(ui);
+}
+
+/// Draws the menu of the speed of simulated time.
+fn pace(ui: &mut Ui, view: &mut View) {
+    let text = |pace: Pace| format!("×\u{2009}{}", pace.label());
+    let about = "Simulated time over real time: slow motion and time lapse. [Page down, Page up]";
+    let button = ui.add(Button::new(text(view.pace)).min_size(vec2(44.0, HEIGHT)));
+    let button = button.on_hover_text(about).accessible_name(format!("Speed of time: {}", view.pace.label()));
+    Popup::menu(&button).show(|ui| {
+        for pace in Pace::all() {
+            if ui.add(Button::selectable(pace == view.pace, text(pace))).clicked() {
+                view.pace = pace;
+            }
+        }
+    });
 }
 
 fn models(ui: &mut Ui, now: &Snapshot) -> Option<Model> {
@@ -240,6 +282,10 @@ fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
                 *view.hidden(side) = on;
             }
         }
+    }
+    let about = "The stage alone on the whole screen, with larger text. [F11]";
+    if icon_button(ui, Icon::Whole, "Present", about, false).clicked() {
+        view.toggles_presentation = true;
     }
     let dark = ui.visuals().dark_mode;
     let (icon, name) = if dark { (Icon::Sun, "Light theme") } else { (Icon::Moon, "Dark theme") };

@@ -59,16 +59,30 @@ pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
     number(ui, &options, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
 }
 
-/// Draws a field for a formula. Text that is none stays in the field, with the reason below it, and the old formula keeps acting.
+/// Draws a field for a formula of a point, with its name and an error in words below it.
 pub fn formula(ui: &mut Ui, name: &str, formula: &mut PointFormula) -> SliderResponse {
-    let mut outcome = SliderResponse::default();
     let help = "A formula of x, y, z [m], vx, vy, vz [m/s] and t [s], such as -2*x^2 + sin(3*t). Functions: sin, cos, tan, \
                 asin, acos, atan, atan2, sinh, cosh, tanh, exp, log, log10, sqrt, abs, sign, floor, min, max, hypot.";
+    let before = formula.text().to_owned();
+    formula_field(ui, (name, help), &before, |text| {
+        let typed = PointFormula::new(text).map_err(|error| error.to_string())?;
+        *formula = typed;
+        Ok(())
+    })
+}
+
+/// Draws a field for a formula, with its name and an error in words below it. `before` is its text; `accept` reads another one.
+pub fn formula_field(
+    ui: &mut Ui,
+    (name, help): (&str, &str),
+    before: &str,
+    mut accept: impl FnMut(&str) -> Result<(), String>,
+) -> SliderResponse {
+    let mut outcome = SliderResponse::default();
     let id = ui.scope_id().with(("formula", name));
     // What was typed, and the formula that it was typed over: another one replaces it.
-    let before = formula.text().to_owned();
-    let typed = ui.data(|data| data.get_temp::<[String; 2]>(id)).filter(|[over, _]| *over == before);
-    let mut text = typed.map_or_else(|| before.clone(), |[_, typed]| typed);
+    let typed = ui.data(|data| data.get_temp::<[String; 2]>(id)).filter(|[over, _]| over == before);
+    let mut text = typed.map_or_else(|| before.to_owned(), |[_, typed]| typed);
     let mut refused = None;
     ui.horizontal(|ui| {
         let label = ui.monospace(name).on_hover_text(help);
@@ -76,20 +90,18 @@ pub fn formula(ui: &mut Ui, name: &str, formula: &mut PointFormula) -> SliderRes
         let field = TextEdit::multiline(&mut text).desired_rows(1).return_key(None);
         let field = field.font(TextStyle::Monospace).desired_width(f32::INFINITY);
         let response = ui.add(field).labelled_by(label.id);
-        match PointFormula::new(&text) {
-            Ok(typed) => {
-                outcome.changed = response.changed() && typed != *formula;
-                if outcome.changed {
-                    *formula = typed;
-                }
+        if text != before {
+            match accept(&text) {
+                Ok(()) => outcome.changed = true,
+                Err(why) => refused = Some(why),
             }
-            Err(error) => refused = Some(error.to_string()),
         }
         outcome.ended = response.lost_focus();
         let is_open = response.has_focus() || refused.is_some();
+        let now = if outcome.changed { text.clone() } else { before.to_owned() };
         ui.data_mut(|data| {
             if is_open {
-                data.insert_temp(id, [formula.text().to_owned(), text]);
+                data.insert_temp(id, [now, text]);
             } else {
                 data.remove::<[String; 2]>(id);
             }
@@ -353,6 +365,8 @@ pub enum Icon {
     Undo,
     /// Redo.
     Redo,
+    /// The whole screen.
+    Whole,
     /// Light theme.
     Sun,
     /// Dark theme.
@@ -395,6 +409,11 @@ impl Icon {
                 head(painter, at + 5.5 * Vec2::angled(-0.15 * PI), -0.15 * PI - FRAC_PI_2, color);
             }
             Self::Undo | Self::Redo => turn_arrow(painter, at, self == Self::Undo, stroke),
+            Self::Whole => {
+                for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                    painter.line(vec![p(2.5 * x, 5.5 * y), p(6.5 * x, 5.5 * y), p(6.5 * x, 2.0 * y)], stroke);
+                }
+            }
             Self::Sun => sun(painter, at, stroke),
             Self::Moon => moon(painter, at, stroke),
             Self::Help => {

@@ -1,0 +1,45 @@
+//! What the window remembers from run to run, beside what egui keeps: its theme, zoom, size and place.
+
+use super::App;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// What is remembered. Fields that an older version did not write have their defaults.
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Whether the left and the right panel are hidden in a wide window.
+    hidden: [bool; 2],
+    /// Level files that were used last, the newest first.
+    recent: Vec<PathBuf>,
+}
+
+impl App {
+    /// What is remembered now.
+    fn settings(&self) -> Settings {
+        Settings { hidden: self.view.hidden, recent: self.recent.clone() }
+    }
+
+    /// Takes what was remembered, if it can be read.
+    pub fn recall(&mut self, storage: &dyn eframe::Storage) {
+        let Some(Settings { hidden, recent }) = eframe::get_value(storage, eframe::APP_KEY) else { return };
+        (self.view.hidden, self.recent) = (hidden, recent);
+    }
+
+    /// Writes what is remembered.
+    pub fn keep(&self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, eframe::APP_KEY, &self.settings());
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failing test should panic")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_of_another_version_are_read_as_far_as_they_are_known() {
+        let old: Settings = ron::from_str("(recent: [\"a.ron\"], forgotten: 7)").unwrap();
+        assert_eq!((old.hidden, old.recent), ([false; 2], vec![PathBuf::from("a.ron")]));
+    }
+}

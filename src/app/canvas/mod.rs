@@ -284,9 +284,10 @@ impl Canvas {
     fn animate(&mut self, response: &Response, frame: &Frame<'_>) {
         let (snapshot, dt) = (frame.snapshot, frame.dt);
         let live = snapshot.running && snapshot.mode != Mode::Edit && !snapshot.is_asleep();
-        let wanted = match self.pointer_state.vertex() {
+        let selects = !self.probing.picks && !frame.options.draws;
+        let wanted = match self.pointer_state.vertex().filter(|_| selects) {
             Some(vertex) => Some(vertex),
-            None if self.pointer_state.is_free() => {
+            None if self.pointer_state.is_free() && selects => {
                 let sight = sight(frame, &self.surfaces);
                 response.hover_pos().and_then(|at| sight.nearest(self.bodies.points(), at))
             }

@@ -9,7 +9,7 @@ use crate::{
     meshes::{Embedded, IcingColor, Mesh},
     snapshot::{BodySnapshot, Field, Snapshot},
 };
-use eframe::egui::{Color32, Pos2, vec2};
+use eframe::egui::{Color32, Pos2, pos2, vec2};
 
 /// Width of the baked rim \[m\].
 const RIM: f32 = 0.016;
@@ -24,6 +24,8 @@ const CRUMBLED: usize = 10;
 struct ConstantPart {
     /// Boundary loops, with the body on the left.
     loops: Vec<Vec<u32>>,
+    /// Whether there is room for the line of icing beside each of their vertices at rest.
+    room: Vec<Vec<bool>>,
     /// Edges, each once.
     edges: Vec<[u32; 2]>,
     /// Positions of sugar and spice.
@@ -126,7 +128,8 @@ impl Bodies {
             if inverted * CRUMBLED > body.triangles.len() {
                 // Icing would hide the rest of the body.
             } else if body.mesh.icing().is_empty() {
-                icing_edge(buffer, view, &constant_part.loops, points, &mut self.line, style);
+                let loops = (&constant_part.loops[..], &constant_part.room[..]);
+                icing_edge(buffer, view, loops, points, &mut self.line, style);
             } else {
                 icing_strokes(buffer, view, &body.mesh, points, &mut self.line, style);
             }
@@ -146,7 +149,8 @@ impl ConstantPart {
             .collect();
         edges.sort_unstable();
         edges.dedup();
-        Self { loops: body.mesh.boundary_loops(), edges, specks: specks(body), scale }
+        let loops = body.mesh.boundary_loops();
+        Self { room: room(&body.mesh, &loops), loops, edges, specks: specks(body), scale }
     }
 
     /// Upper bounds of the area that the body fills on the stage, in full and as an outline [square points].
@@ -311,21 +315,103 @@ fn icing_strokes(
     }
 }
 
-/// Draws a plain line of icing along the boundary of a body without icing strokes.
+/// Distance of the line of icing from the boundary \[m\].
+const INSET: f32 = 0.016;
+
+/// Whether the line of icing beside each vertex of the loops keeps its distance from the whole boundary at rest. In a sharp tip it does not.
+fn room(mesh: &Mesh, loops: &[Vec<u32>]) -> Vec<Vec<bool>> {
+    /// Longest boundary that is examined, which takes the square of it.
+    const MOST: usize = 2000;
+    /// Least distance, as a fraction of that of the line.
+    const LEAST: f32 = 0.8;
+    if loops.iter().map(Vec::len).sum::<usize>() > MOST {
+        return loops.iter().map(|vertices| vec![true; vertices.len()]).collect();
+    }
+    let at = |vertex: u32| {
+        let [x, y] = mesh.points()[vertex as usize];
+        pos2(x as f32, y as f32)
+    };
+    let sides: Vec<[Pos2; 2]> = loops
+        .iter()
+        .flat_map(|vertices| vertices.iter().zip(vertices.iter().cycle().skip(1)).map(|(a, b)| [at(*a), at(*b)]))
+        .collect();
+    let distance = |point: Pos2, [a, b]: [Pos2; 2]| {
+        let along = b - a;
+        let share = ((point - a).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+        point.distance(a + share * along)
+    };
+    // A ray upwards crosses the boundary an odd number of times.
+    let crosses = |point: Pos2, [a, b]: [Pos2; 2]| {
+        (a.x <= point.x) != (b.x <= point.x) && a.y + (point.x - a.x) / (b.x - a.x) * (b.y - a.y) > point.y
+    };
+    let is_inside = |point: Pos2| sides.iter().filter(|side| crosses(point, **side)).count() % 2 == 1;
+    let of_loop = |vertices: &Vec<u32>| {
+        let count = vertices.len();
+        let has_room = |place: usize| {
+            let [before, here, after] = [count - 1, 0, 1].map(|by| at(vertices[(place + by) % count]));
+            let (before, after) = ((here - before).normalized(), (after - here).normalized());
+            let along = (before + after).normalized();
+            // The body is on the left.
+            let inside = vec2(-along.y, along.x) / along.dot(before).abs().max(0.45);
+            let icing = here + INSET * inside;
+            is_inside(icing) && sides.iter().all(|side| distance(icing, *side) >= LEAST * INSET)
+        };
+        (0..count).map(has_room).collect()
+    };
+    loops.iter().map(of_loop).collect()
+}
+
+/// Draws a plain line of icing along the boundary of a body without icing strokes, where there is room for it.
 fn icing_edge(
     buffer: &mut ShapeBuffer,
     view: View,
-    loops: &[Vec<u32>],
+    (loops, room): (&[Vec<u32>], &[Vec<bool>]),
     points: &[Pos2],
     line: &mut Vec<Pos2>,
     style: IcingStyle,
 ) {
     let (inset, half, pixel) =
-        (view.size(0.016 * style.scale, 3.0, 60.0), view.size(0.003 * style.scale, 0.9, 12.0), buffer.pixel());
-    for vertices in loops {
-        gather(line, points, vertices);
-        let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
-        let color = view.theme.icing.gamma_multiply(style.opacity);
-        buffer.bands(line, true, &distances.map(|distance| inset + distance), &[0.0, 1.0, 1.0, 0.0], color);
+        (view.size(INSET * style.scale, 3.0, 60.0), view.size(0.003 * style.scale, 0.9, 12.0), buffer.pixel());
+    let distances = [-half - 0.5 * pixel, 0.5 * pixel - half, half - 0.5 * pixel, half + 0.5 * pixel];
+    let distances = distances.map(|distance| inset + distance);
+    let color = view.theme.icing.gamma_multiply(style.opacity);
+    for (vertices, room) in loops.iter().zip(room) {
+        let Some(gap) = room.iter().position(|has_room| !has_room) else {
+            gather(line, points, vertices);
+            buffer.bands(line, true, &distances, &[0.0, 1.0, 1.0, 0.0], color);
+            continue;
+        };
+        // From a gap on, each run of vertices with room is a line.
+        let places: Vec<usize> = (0..vertices.len()).map(|by| (gap + by) % vertices.len()).collect();
+        for run in places.split(|place| !room[*place]).filter(|run| run.len() > 1) {
+            line.clear();
+            line.extend(run.iter().filter_map(|place| points.get(vertices[*place] as usize)));
+            buffer.bands(line, false, &distances, &[0.0, 1.0, 1.0, 0.0], color);
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failing test should panic")]
+mod tests {
+    use super::*;
+    use crate::meshes::{MeshKind, NoFiles};
+
+    #[test]
+    fn icing_goes_around_a_disk_and_leaves_sharp_tips_out() {
+        let options = ron::Options::default();
+        let options = options.with_default_extension(ron::extensions::Extensions::UNWRAP_VARIANT_NEWTYPES);
+        let built = |text: &str| options.from_str::<MeshKind>(text).unwrap().kind().build(&NoFiles).unwrap();
+        let disk = built("Disk(radius: 0.2, rings: 8)");
+        assert!(room(&disk, &disk.boundary_loops()).concat().iter().all(|has_room| *has_room));
+        let wedge = built("Outline(points: [(0, 0), (1, 0), (1, 0.2)], resolution: 300)");
+        let loops = wedge.boundary_loops();
+        let with_room = room(&wedge, &loops);
+        for (vertex, has_room) in loops.concat().into_iter().zip(with_room.concat()) {
+            let [x, y] = wedge.points()[vertex as usize];
+            // The wedge is 0.2 x wide.
+            assert!(!has_room || x > 0.1, "icing at {x} {y}");
+            assert!(has_room || x < 0.2, "no icing at {x} {y}");
+        }
     }
 }

@@ -119,8 +119,10 @@ pub fn scale_bar(painter: &Painter, view: View, canvas: Rect) {
     }
     let power = libm::pow(10.0, libm::floor(libm::log10(most)));
     let metres = [5.0, 2.0, 1.0].map(|lead| lead * power).into_iter().find(|metres| *metres <= most).unwrap_or(power);
-    let from = canvas.left_bottom() + vec2(14.0, -12.0);
+    let from = canvas.left_bottom() + vec2(18.0, -14.0);
     let to = from + vec2((metres * scale) as f32, 0.0);
+    let ground = Rect::from_min_max(from - vec2(10.0, 22.0), to + vec2(10.0, 8.0));
+    painter.rect_filled(ground, CornerRadius::same(6), view.theme.card);
     let stroke = (1.5, view.theme.annotation);
     painter.line_segment([from, to], stroke);
     for end in [from, to] {

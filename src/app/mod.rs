@@ -521,6 +521,7 @@ impl eframe::App for App {
         let marks: Vec<_> = self.probes.marks().collect();
         for canvas in stage.iter_mut().map(SplitStage::canvas_mut).chain([&mut *canvas]) {
             canvas.set_probes(marks.clone(), self.view.picks, picks_now);
+            canvas.set_moment(self.view.moment.clone());
         }
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {

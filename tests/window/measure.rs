@@ -1,7 +1,9 @@
 //! The window as an instrument: zoom, slow motion, probes and their plots.
 
 use crate::harness::*;
-use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Role, TouchPhase, vec2};
+use eframe::egui::{
+    Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Role, TouchPhase, epaint::Primitive, vec2,
+};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 
@@ -164,4 +166,31 @@ fn every_field_colours_the_body_and_has_a_bar() {
     }
     click(&mut window, "Gingerbread");
     assert_eq!(window.state().snapshot().field, Field::None);
+}
+
+/// Number of corners of what is painted on the stage.
+fn painted(window: &Window) -> usize {
+    let all = window.ctx.tessellate(window.output().shapes.clone(), 1.0);
+    let corners = |primitive: &Primitive| match primitive {
+        Primitive::Mesh(mesh) => mesh.vertices.len(),
+        Primitive::Callback(_) => 0,
+    };
+    all.iter().map(|painted| corners(&painted.primitive)).sum()
+}
+
+#[test]
+fn the_shape_of_an_earlier_moment_is_drawn_in_the_plane_and_in_space() {
+    for level in ["gingerbread_house", "hanging_net", "toronto_cloth"] {
+        let mut window = open(level);
+        let off = painted(&window);
+        click(&mut window, "Before");
+        let on = painted(&window);
+        assert!(on > off + 50, "{level}: {on} corners and {off} without");
+        press(&mut window, Key::T);
+        window.run_steps(10);
+        click(&mut window, "Now");
+        draw(&window);
+        click(&mut window, "Before");
+        assert!(window.query_by_label("Now").is_none(), "{level}");
+    }
 }

@@ -15,6 +15,7 @@ use super::{
     draw::{
         Camera, View,
         body::Bodies,
+        ghost::{Ghost, Moment},
         house::{self, Snow},
         legends,
         marks::{self, Picked, Pins},
@@ -96,6 +97,9 @@ pub struct Canvas {
     looking: Looking,
     probing: Probing,
     drawing: Drawing,
+    ghost: Ghost,
+    /// Moment whose shape is drawn too.
+    moment: Option<Moment>,
     /// Time until which the hint is shown \[s\].
     told_until: f64,
     /// Layers of the drawing: background and scenery, bodies, and annotations.
@@ -189,6 +193,11 @@ impl Canvas {
     /// Shows the marks of probes, and says whether a click probes, or what is under the pointer in the next frame.
     pub fn set_probes(&mut self, marks: Vec<ProbeMark>, picks: bool, now: bool) {
         self.probing = Probing { marks, picks, now, found: self.probing.found };
+    }
+
+    /// Draws the shape of a moment too, or none.
+    pub fn set_moment(&mut self, moment: Option<Moment>) {
+        self.moment = moment;
     }
 
     /// The outline that was drawn since the last call \[m\], with the length of a point of the screen \[m\].
@@ -367,6 +376,9 @@ impl Canvas {
         self.probing.draw(&mut self.front, view, snapshot, points);
         self.drawing.draw(&mut self.front, view, pointer);
         let sight = sight(frame, &self.surfaces);
+        if let Some(moment) = &self.moment {
+            self.ghost.draw(&mut self.front, view, snapshot, moment, |point| sight.seen(point));
+        }
         let ends = |pull: &Pull| Some([*points.get(pull.vertex)?, sight.seen(pull.target)]);
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, ends(pull)?)));
         if let Some((_, ends)) = pull {

@@ -2,6 +2,7 @@
 
 pub mod body;
 mod cloth;
+pub mod ghost;
 pub mod house;
 pub mod legends;
 pub mod marks;

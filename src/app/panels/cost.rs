@@ -6,7 +6,7 @@ use super::{
     widgets::{self, Segment, SliderOptions, segmented},
 };
 use crate::{
-    app::numbers,
+    app::{draw::ghost::Moment, numbers},
     command::Command,
     integrators::Class,
     level::{SubstepMode, Substeps},
@@ -14,7 +14,7 @@ use crate::{
     snapshot::{Field, Snapshot},
 };
 use eframe::egui::{self, Button, Label, Popup, Rect, RichText, Sense, Ui, vec2};
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, sync::Arc};
 
 /// Frame time at 60 Hz \[s\].
 const FRAME: f64 = 1.0 / 60.0;
@@ -27,10 +27,16 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         ui.horizontal(|ui| {
             ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text(help);
             normals(ui, view);
+            earlier(ui, context.now, view);
         });
-    } else if has_hidden_springs(context.now) {
-        let help = "Draws the flexion springs too, which lie over the others";
-        ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
+    } else if context.now.toy.is_none() {
+        ui.horizontal(|ui| {
+            if has_hidden_springs(context.now) {
+                let help = "Draws the flexion springs too, which lie over the others";
+                ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
+            }
+            earlier(ui, context.now, view);
+        });
     }
     heading(ui, "What it costs");
     speed(ui, context, view);
@@ -81,7 +87,25 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         } else {
             ui.checkbox(&mut view.stage.vertices, "Vertices").on_hover_text("A dot at every vertex");
         }
+        earlier(ui, now, view);
     });
+}
+
+/// Draws the switch of the earlier shape, and the button that takes that of now.
+fn earlier(ui: &mut Ui, now: &Snapshot, view: &mut View) {
+    let generation = now.generation;
+    let mut on = view.moment.is_some();
+    let help = "Draws the outline at the start too, or at the moment that was marked with *Now*.";
+    if ui.checkbox(&mut on, "Before").on_hover_text(help).changed() {
+        view.moment = on.then(|| Moment { generation, positions: Arc::clone(&now.start) });
+    }
+    // Another mesh has another start.
+    if let Some(moment) = view.moment.as_mut().filter(|moment| moment.generation != generation) {
+        *moment = Moment { generation, positions: Arc::clone(&now.start) };
+    }
+    if on && ui.small_button("Now").on_hover_text("Marks this moment as the earlier one.").clicked() {
+        view.moment = Some(Moment { generation, positions: Arc::new(now.positions.clone()) });
+    }
 }
 
 /// Draws the switch of colours by normals.

@@ -30,6 +30,7 @@ use super::{
     canvas,
     clock::{Pace, Rates},
     compare::{self as panes, Comparison},
+    draw::ghost::Moment,
     film::{self, FilmFormat},
     gallery::Gallery,
     jobs::{JobRequest, Jobs},
@@ -95,6 +96,8 @@ pub struct View {
     pub film_requests: Vec<FilmRequest>,
     /// How far the film is that is being recorded.
     pub film: Option<film::Progress>,
+    /// Moment whose shape is drawn too.
+    pub moment: Option<Moment>,
     /// Whether the next click on the stage probes.
     pub picks: bool,
     /// Whether what is under the pointer is probed.

@@ -4,7 +4,7 @@ use super::{PanelContext, View};
 use crate::{
     app::{
         advice::{Advice, Cause, Facts, Load, Remedy, Trouble},
-        clock::Rates,
+        clock::{Pace, Rates},
         keys::{Binding, TABLE, When},
         numbers,
     },
@@ -156,7 +156,7 @@ fn warning(context: &PanelContext<'_>, view: &mut View) -> Option<Warning> {
     all.extend(inside_out(now, &facts).or_else(|| folded(now)));
     all.extend(strip_warning(now));
     if view.slow {
-        all.extend(context.rates.map(|rates| slow(now, &rates, &facts)));
+        all.extend(context.rates.map(|rates| slow(now, &rates, (view.pace, &facts))));
     }
     let message = |text: &String| Warning { kind: "message", text: text.clone(), details: text.clone(), advice: None };
     all.extend(now.messages.first().map(message));
@@ -261,8 +261,9 @@ fn strip_warning(now: &Snapshot) -> Option<Warning> {
     Some(Warning { kind: "caution", text, details, advice })
 }
 
-/// Warning about simulated time that runs slower than real time, because of the guard, the number of steps, or painting.
-fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
+/// Warning about simulated time that runs slower than it should, because of the guard, the number of steps, or painting.
+fn slow(now: &Snapshot, rates: &Rates, (pace, facts): (Pace, &Facts)) -> Warning {
+    let wanted = if pace == Pace::default() { "in real time" } else { "at the chosen speed" };
     let advice = facts.advise(Trouble::Slow(Load { physics: rates.physics, effort: rates.effort }));
     let text = match advice.cause {
         Cause::Painting => format!("Painting slows the window down: {:.1} frames per second", rates.frames),
@@ -271,13 +272,13 @@ fn slow(now: &Snapshot, rates: &Rates, facts: &Facts) -> Warning {
                 1 => ("1 step".to_owned(), "is too much"),
                 many => (format!("{many} substeps"), "are too many"),
             };
-            format!("{substeps} per frame {is} for this computer to run in real time")
+            format!("{substeps} per frame {is} for this computer to run {wanted}")
         }
         Cause::Guard => "The guard divides the steps, which slows time down".to_owned(),
         _ => because("The guard divides the steps, which slows time down", &advice),
     };
     let details = format!(
-        "{text}. Simulated time runs slower than real time: no step is skipped or lengthened. Stepping takes {} in a frame, {:.1} times \
+        "{text}. Simulated time runs slower than that: no step is skipped or lengthened. Stepping takes {} in a frame, {:.1} times \
          what undivided steps take.",
         numbers::si(rates.physics, "s"),
         rates.effort

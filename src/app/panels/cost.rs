@@ -25,6 +25,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
     } else if context.now.dimension == 3 {
         let help = "The edges of all triangles, and the structural springs";
         ui.horizontal(|ui| {
+            close(ui);
             ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text(help);
             normals(ui, view);
             earlier(ui, context.now, view);
@@ -81,6 +82,7 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let clicked = segmented(ui, "field", &parts.collect::<Vec<_>>(), true);
     view.stage.field = clicked.and_then(|clicked| first.get(clicked)).copied().unwrap_or(view.stage.field);
     ui.horizontal(|ui| {
+        close(ui);
         ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
         if now.dimension == 3 {
             normals(ui, view);
@@ -89,6 +91,12 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         }
         earlier(ui, now, view);
     });
+}
+
+/// Makes the switches of a row stand close together, so that they do not widen the panel.
+fn close(ui: &mut Ui) {
+    ui.spacing_mut().item_spacing.x = 3.0;
+    ui.spacing_mut().icon_spacing = 3.0;
 }
 
 /// Draws the switch of the earlier shape, and the button that takes that of now.

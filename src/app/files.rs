@@ -94,6 +94,7 @@ impl App {
         let done = self.apply(None, Command::Open(Box::new(level)));
         if done {
             self.mark_kept();
+            (self.view.picks, self.view.stage.draws) = (false, false);
             self.path = None;
         }
         done

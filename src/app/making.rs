@@ -6,8 +6,8 @@ use crate::{
     files::Disk,
     level::{BodyLevel, MassLevel, Place},
     materials::MaterialParameters,
-    meshes::{MeshKind, Obj, Outline, Whole, simplified_outline},
-    quantity::{Angle, Coordinate, Density, Factor, Point, Tolerance, Triangles},
+    meshes::{MeshKind, Obj, Outline, Whole},
+    quantity::{Angle, Coordinate, Density, Factor, Point},
 };
 use std::path::Path;
 
@@ -50,23 +50,19 @@ impl App {
 
     /// Makes a body of an outline that was drawn \[m\], with a length on the screen of one point \[m\].
     pub(super) fn add_drawn(&mut self, (points, point): (Vec<[f64; 2]>, f64)) {
-        let corners = simplified_outline(&points, SMOOTHING * point);
-        let area = area_of(&corners);
         let extent = |axis: usize| {
-            let numbers = || corners.iter().map(move |corner| corner[axis]);
+            let numbers = || points.iter().map(move |corner| corner[axis]);
             numbers().fold(f64::NEG_INFINITY, f64::max) - numbers().fold(f64::INFINITY, f64::min)
         };
-        if corners.len() < 3 || extent(0).min(extent(1)) < SMALLEST * point {
+        let is_large = extent(0).min(extent(1)) >= SMALLEST * point;
+        let Some(mut outline) = Outline::of_line(&points, SMOOTHING * point).filter(|_| is_large) else {
             let text = "This outline is too small: draw a closed line, or click three corners or more.";
             self.view.notice = Some(Notice::Trouble(text.to_owned()));
             return;
-        }
-        let coordinate = |number: f64| Coordinate::new(number).unwrap_or(Coordinate::literal(0.0));
-        let points = corners.iter().map(|[x, y]| Point(coordinate(*x), coordinate(*y))).collect();
+        };
         let [least, usual, most] = TRIANGLES;
-        let like_others = self.triangle_area().map_or(usual, |size| area / size).clamp(least, most);
-        let resolution = Whole::try_from(like_others.round()).unwrap_or(Whole::literal(Triangles::literal(usual)));
-        let outline = Outline { points, resolution, simplify: Tolerance::literal(0.0) };
+        let like_others = self.triangle_area().map_or(usual, |size| outline.area() / size).clamp(least, most);
+        outline.resolution = Whole::try_from(like_others.round()).unwrap_or(outline.resolution);
         self.add_body("drawn body", outline.into(), Place::default());
     }
 
@@ -149,11 +145,4 @@ impl App {
         let (sum, count) = areas.fold((0.0, 0_u32), |(sum, count), area| (sum + area, count + 1));
         (count > 0).then(|| sum / f64::from(count))
     }
-}
-
-/// Area of a polygon \[m²\].
-fn area_of(corners: &[[f64; 2]]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    let twice: f64 = corners.iter().zip(next).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum();
-    0.5 * twice.abs()
 }

@@ -425,6 +425,7 @@ impl App {
 
     /// Carries out the changes of probes, and measures.
     fn measure(&mut self) {
+        let pane = self.comparison.as_ref().map(|panes| panes.chosen()).unwrap_or_default();
         let mut targets = vec![self.canvas.take_target()];
         let (sandbox, seen) = match &mut self.comparison {
             Some(panes) => {
@@ -434,7 +435,7 @@ impl App {
             None => (&self.sandbox, &self.snapshot),
         };
         let simulation = sandbox.simulation();
-        self.probes.follow(simulation, (seen.generation, &seen.level.name));
+        self.probes.follow(simulation, (pane, seen.generation, &seen.level.name));
         let picked = targets.into_iter().flatten();
         let picked = picked.filter_map(|target| target.probe(simulation.scene())).map(ProbeRequest::Add);
         let picked: Vec<_> = picked.collect();
@@ -521,7 +522,7 @@ impl eframe::App for App {
         let marks: Vec<_> = self.probes.marks().collect();
         for canvas in stage.iter_mut().map(SplitStage::canvas_mut).chain([&mut *canvas]) {
             canvas.set_probes(marks.clone(), self.view.picks, picks_now);
-            canvas.set_moment(self.view.moment.clone());
+            canvas.set_earlier(self.view.earlier.clone());
         }
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {

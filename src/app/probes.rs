@@ -1,6 +1,6 @@
 //! Probes that the window keeps: what they measure now, and what they measured in the last frames.
 
-use super::canvas::ProbeMark;
+use super::{canvas::ProbeMark, compare::Pane};
 use crate::{
     probe::{Column, Probe},
     scene::Scene,
@@ -81,7 +81,8 @@ impl Reading {
 #[derive(Default)]
 pub struct Probes {
     readings: Vec<Reading>,
-    /// Generation and level that they were made for.
+    /// Pane, generation and level that they were made for.
+    pane: Pane,
     generation: u64,
     level: String,
     /// Times of the last frames \[s\], with the numbers of all probes; NaN where one was not there yet.
@@ -141,7 +142,7 @@ impl Probes {
     }
 
     /// Measures. Probes of another level, and those that the scene no longer has, are removed.
-    pub fn follow(&mut self, simulation: &Simulation, (generation, level): (u64, &str)) {
+    pub fn follow(&mut self, simulation: &Simulation, (pane, generation, level): (Pane, u64, &str)) {
         if self.readings.is_empty() {
             self.rows.clear();
         }
@@ -150,8 +151,8 @@ impl Probes {
             self.readings.clear();
             self.rows.clear();
         }
-        if self.generation != generation {
-            self.generation = generation;
+        if (self.pane, self.generation) != (pane, generation) {
+            (self.pane, self.generation) = (pane, generation);
             self.rows.clear();
             let scene = simulation.scene();
             self.readings.retain(|reading| reading.probe.check(scene).is_ok());
@@ -164,14 +165,14 @@ impl Probes {
             }
         }
         for reading in &mut self.readings {
-            let numbers = reading.probe.numbers(simulation);
             // Effects may be switched on and off.
-            if numbers.len() != reading.columns.len() {
-                reading.columns = reading.probe.columns(simulation.scene());
-                reading.drawn = vec![false; reading.columns.len()];
+            let columns = reading.probe.columns(simulation.scene());
+            if columns != reading.columns {
+                reading.drawn = vec![false; columns.len()];
+                reading.columns = columns;
                 self.rows.clear();
             }
-            reading.numbers = numbers;
+            reading.numbers = reading.probe.numbers(simulation);
         }
         self.record(simulation.state().time);
     }
@@ -231,7 +232,7 @@ impl Probes {
     }
 }
 
-/// A probe that measures now, with its first column drawn if it has few.
+/// A probe with its numbers now, none of which is drawn.
 fn reading(probe: Probe, simulation: &Simulation) -> Reading {
     let scene = simulation.scene();
     let columns = probe.columns(scene);
@@ -255,7 +256,7 @@ mod tests {
     fn a_probe_that_comes_later_has_no_numbers_before() {
         let mut sandbox = sandbox("gingerbread");
         let mut probes = Probes::default();
-        let follow = |probes: &mut Probes, sandbox: &Sandbox| probes.follow(sandbox.simulation(), (1, "man"));
+        let follow = |probes: &mut Probes, sandbox: &Sandbox| probes.follow(sandbox.simulation(), (Pane::A, 1, "man"));
         follow(&mut probes, &sandbox);
         for probe in [Probe::Vertex(3), Probe::Momentum] {
             probes.carry_out(ProbeRequest::Add(probe), sandbox.simulation()).unwrap();
@@ -276,15 +277,15 @@ mod tests {
     fn time_that_is_gone_back_over_is_not_kept() {
         let mut sandbox = sandbox("gingerbread");
         let mut probes = Probes::default();
-        probes.follow(sandbox.simulation(), (1, "man"));
+        probes.follow(sandbox.simulation(), (Pane::A, 1, "man"));
         probes.carry_out(ProbeRequest::Add(Probe::Energy), sandbox.simulation()).unwrap();
         for _ in 0..4 {
             sandbox.apply(crate::command::Command::StepFrame).unwrap();
-            probes.follow(sandbox.simulation(), (1, "man"));
+            probes.follow(sandbox.simulation(), (Pane::A, 1, "man"));
         }
         assert_eq!(probes.rows().count(), 4);
         sandbox.apply(crate::command::Command::Reset).unwrap();
-        probes.follow(sandbox.simulation(), (1, "man"));
+        probes.follow(sandbox.simulation(), (Pane::A, 1, "man"));
         assert_eq!(probes.rows().map(|(time, _)| time).collect::<Vec<_>>(), [0.0]);
     }
 
@@ -292,10 +293,38 @@ mod tests {
     fn another_level_has_no_probes_of_the_first() {
         let (man, net) = (sandbox("gingerbread"), sandbox("hanging_net"));
         let mut probes = Probes::default();
-        probes.follow(man.simulation(), (1, "man"));
+        probes.follow(man.simulation(), (Pane::A, 1, "man"));
         probes.carry_out(ProbeRequest::Add(Probe::Triangle(0)), man.simulation()).unwrap();
         assert!(probes.carry_out(ProbeRequest::Add(Probe::Triangle(0)), net.simulation()).is_err());
-        probes.follow(net.simulation(), (2, "man"));
+        probes.follow(net.simulation(), (Pane::A, 2, "man"));
         assert!(probes.readings().is_empty(), "a net has no triangles");
+    }
+
+    #[test]
+    fn another_pane_has_rows_of_its_own_and_another_effect_its_own_columns() {
+        let mut sandbox = sandbox("gingerbread");
+        let mut probes = Probes::default();
+        let follow = |probes: &mut Probes, sandbox: &Sandbox, pane| {
+            probes.follow(sandbox.simulation(), (pane, 1, "man"));
+            probes.readings().first().map_or_else(Vec::new, |reading| reading.columns.clone())
+        };
+        follow(&mut probes, &sandbox, Pane::A);
+        probes.carry_out(ProbeRequest::Add(Probe::Forces(0)), sandbox.simulation()).unwrap();
+        for _ in 0..2 {
+            follow(&mut probes, &sandbox, Pane::A);
+            sandbox.apply(crate::command::Command::StepFrame).unwrap();
+        }
+        assert_eq!(probes.rows().count(), 2);
+        let before = follow(&mut probes, &sandbox, Pane::B);
+        assert_eq!(probes.rows().count(), 1);
+        // As many effects act, but not the same ones.
+        let mut level = sandbox.document().level.clone();
+        let place = |name: &str| level.effects.iter().position(|listed| listed.effect.name() == name).unwrap();
+        let (spring, damping) = (place("MouseSpring"), place("Rayleigh"));
+        level.effects[spring].switch = crate::level::Switch::Off;
+        level.effects[damping].switch = crate::level::Switch::Auto;
+        let other = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+        let after = follow(&mut probes, &other, Pane::B);
+        assert!(after.len() == before.len() && after != before, "{after:?}");
     }
 }

@@ -44,7 +44,7 @@ pub use outline::Outline;
 pub use pin::{Pin, extent};
 pub(crate) use pin::{nearest, on_edge, pinned};
 pub use points::Points;
-pub(crate) use polygon::{merged, simplified as simplified_outline};
+pub(crate) use polygon::merged;
 pub use rectangle::{Diagonals, Rectangle};
 pub use surface::SurfaceMesh;
 pub use topology::Fan;

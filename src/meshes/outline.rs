@@ -75,6 +75,23 @@ impl Default for Outline {
     }
 }
 
+impl Outline {
+    /// The outline of a closed line \[m\], which it may leave by a tolerance \[m\]; `None` if fewer than three corners remain.
+    pub fn of_line(line: &[[f64; 2]], tolerance: f64) -> Option<Self> {
+        if line.is_empty() {
+            return None;
+        }
+        let corner = |[x, y]: &[f64; 2]| Some(Point(Coordinate::new(*x).ok()?, Coordinate::new(*y).ok()?));
+        let points = polygon::simplified(line, tolerance).iter().map(corner).collect::<Option<Vec<_>>>()?;
+        (points.len() >= 3).then(|| Self { points, ..Self::default() })
+    }
+
+    /// Area \[m²\].
+    pub fn area(&self) -> f64 {
+        polygon::signed_area(&self.points.iter().map(|point| point.get()).collect::<Vec<_>>()).abs()
+    }
+}
+
 impl MeshSource for Outline {
     fn build(&self, _: &dyn Files) -> Result<Mesh, MeshError> {
         let given: Vec<[f64; 2]> = self.points.iter().map(|point| point.get()).collect();

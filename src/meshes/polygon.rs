@@ -29,7 +29,7 @@ pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
 /// Simplified polygon: no removed corner is farther than `tolerance` \[m\] from the remaining sides.
 /// Sources: Ramer, "An iterative procedure for the polygonal approximation of plane curves", 1972; Douglas and
 /// Peucker, 1973. If sides cross, the tolerance is halved until they do not.
-pub(crate) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+pub(super) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let mut tolerance = tolerance;
     for _ in 0..MOST_HALVINGS {
         let kept = within(corners, tolerance);

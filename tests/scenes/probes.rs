@@ -163,7 +163,8 @@ fn forces_on_a_vertex_give_its_acceleration() {
         let level = sandbox.document().level.clone();
         assert_eq!(level.integrator.name(), "SymplecticEuler", "{name}: another scheme has another first step");
         sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
-        sandbox.advance(3, &mut || true);
+        // Long enough for elastic forces to take part.
+        sandbox.advance(300, &mut || true);
         let simulation = sandbox.simulation();
         let (scene, before) = (simulation.scene(), simulation.state().clone());
         let (dimension, step) = (scene.dimension, sandbox.step_length());

@@ -19,11 +19,11 @@ fn drag_along(window: &mut Window, points: &[[f64; 2]]) {
     window.run_steps(4);
 }
 
-/// A star of five tips about the middle of the stage.
+/// A small star of five tips about the middle of the stage.
 fn star() -> Vec<[f64; 2]> {
     let corner = |number: u32| {
         let (radius, angle) =
-            (if number.is_multiple_of(2) { 0.25 } else { 0.11 }, f64::from(number) * std::f64::consts::PI / 5.0);
+            (if number.is_multiple_of(2) { 0.12 } else { 0.053 }, f64::from(number) * std::f64::consts::PI / 5.0);
         [0.5 + radius * angle.sin(), 0.5 + radius * angle.cos()]
     };
     (0..10).map(corner).collect()
@@ -54,7 +54,7 @@ fn a_star_is_drawn_pinned_and_dropped_with_the_mouse_alone() {
     assert_eq!(now.bodies.len(), 2, "{:?}", window.state().notice());
     assert_eq!(now.bodies[1].name, "drawn body");
     let area: f64 = now.bodies[1].mesh.area();
-    let corners_area = 5.0 * 0.25 * 0.11 * (std::f64::consts::PI / 5.0).sin();
+    let corners_area = 5.0 * 0.12 * 0.053 * (std::f64::consts::PI / 5.0).sin();
     assert!((area / corners_area - 1.0).abs() < 0.03, "{area} m² and not {corners_area}");
     // Its triangles are about as large as those of the man, and it is as dense.
     let each = |body: usize| now.bodies[body].mesh.area() / now.bodies[body].triangles.len() as f64;

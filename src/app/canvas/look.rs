@@ -19,7 +19,7 @@ pub enum Look {
     All,
     /// The part under the pointer, or all parts, as large as possible.
     Part,
-    /// A scene in space from the same distance, from other angles \[rad\].
+    /// The whole of a scene in space, from other angles \[rad\].
     Angles([f64; 2]),
 }
 

@@ -15,7 +15,7 @@ use super::{
     draw::{
         Camera, View,
         body::Bodies,
-        ghost::{Ghost, Moment},
+        ghost::{EarlierShape, Ghost},
         house::{self, Snow},
         legends,
         marks::{self, Picked, Pins},
@@ -98,8 +98,8 @@ pub struct Canvas {
     probing: Probing,
     drawing: Drawing,
     ghost: Ghost,
-    /// Moment whose shape is drawn too.
-    moment: Option<Moment>,
+    /// Earlier shape that is drawn too.
+    earlier: Option<EarlierShape>,
     /// Time until which the hint is shown \[s\].
     told_until: f64,
     /// Layers of the drawing: background and scenery, bodies, and annotations.
@@ -195,9 +195,9 @@ impl Canvas {
         self.probing = Probing { marks, picks, now, found: self.probing.found };
     }
 
-    /// Draws the shape of a moment too, or none.
-    pub fn set_moment(&mut self, moment: Option<Moment>) {
-        self.moment = moment;
+    /// Draws an earlier shape too, or none.
+    pub fn set_earlier(&mut self, earlier: Option<EarlierShape>) {
+        self.earlier = earlier;
     }
 
     /// The outline that was drawn since the last call \[m\], with the length of a point of the screen \[m\].
@@ -376,7 +376,7 @@ impl Canvas {
         self.probing.draw(&mut self.front, view, snapshot, points);
         self.drawing.draw(&mut self.front, view, pointer);
         let sight = sight(frame, &self.surfaces);
-        if let Some(moment) = &self.moment {
+        if let Some(moment) = &self.earlier {
             self.ghost.draw(&mut self.front, view, snapshot, moment, |point| sight.seen(point));
         }
         let ends = |pull: &Pull| Some([*points.get(pull.vertex)?, sight.seen(pull.target)]);

@@ -10,7 +10,7 @@ const REACH: f32 = 1.5;
 
 /// The positions of a moment.
 #[derive(Clone, Debug)]
-pub struct Moment {
+pub struct EarlierShape {
     /// Generation of the scene whose positions these are.
     pub generation: u64,
     /// The coordinates of each vertex \[m\].
@@ -33,7 +33,7 @@ impl Ghost {
         buffer: &mut ShapeBuffer,
         view: View,
         snapshot: &Snapshot,
-        moment: &Moment,
+        moment: &EarlierShape,
         seen: impl Fn([f64; 3]) -> Pos2,
     ) {
         if moment.generation != snapshot.generation || moment.positions.len() != snapshot.positions.len() {

@@ -6,7 +6,7 @@ use super::{
     widgets::{self, Segment, SliderOptions, segmented},
 };
 use crate::{
-    app::{draw::ghost::Moment, numbers},
+    app::{draw::ghost::EarlierShape, numbers},
     command::Command,
     integrators::Class,
     level::{SubstepMode, Substeps},
@@ -102,17 +102,17 @@ fn close(ui: &mut Ui) {
 /// Draws the switch of the earlier shape, and the button that takes that of now.
 fn earlier(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let generation = now.generation;
-    let mut on = view.moment.is_some();
+    let mut on = view.earlier.is_some();
     let help = "Draws the outline at the start too, or at the moment that was marked with *Now*.";
     if ui.checkbox(&mut on, "Before").on_hover_text(help).changed() {
-        view.moment = on.then(|| Moment { generation, positions: Arc::clone(&now.start) });
+        view.earlier = on.then(|| EarlierShape { generation, positions: Arc::clone(&now.start) });
     }
     // Another mesh has another start.
-    if let Some(moment) = view.moment.as_mut().filter(|moment| moment.generation != generation) {
-        *moment = Moment { generation, positions: Arc::clone(&now.start) };
+    if let Some(moment) = view.earlier.as_mut().filter(|moment| moment.generation != generation) {
+        *moment = EarlierShape { generation, positions: Arc::clone(&now.start) };
     }
     if on && ui.small_button("Now").on_hover_text("Marks this moment as the earlier one.").clicked() {
-        view.moment = Some(Moment { generation, positions: Arc::new(now.positions.clone()) });
+        view.earlier = Some(EarlierShape { generation, positions: Arc::new(now.positions.clone()) });
     }
 }
 

@@ -30,7 +30,7 @@ use super::{
     canvas,
     clock::{Pace, Rates},
     compare::{self as panes, Comparison},
-    draw::ghost::Moment,
+    draw::ghost::EarlierShape,
     film::{self, FilmFormat},
     gallery::Gallery,
     jobs::{JobRequest, Jobs},
@@ -96,8 +96,8 @@ pub struct View {
     pub film_requests: Vec<FilmRequest>,
     /// How far the film is that is being recorded.
     pub film: Option<film::Progress>,
-    /// Moment whose shape is drawn too.
-    pub moment: Option<Moment>,
+    /// Earlier shape that is drawn too.
+    pub earlier: Option<EarlierShape>,
     /// Whether the next click on the stage probes.
     pub picks: bool,
     /// Whether what is under the pointer is probed.

@@ -264,7 +264,7 @@ quantities! {
     /// Modulus of the skin as a multiple of Young's modulus: a stiffer skin is compressed less and needs shorter steps.
     SkinModulus: "skin modulus" ["E"] in Excluded(0.0), Included(1e6); slider 1.0 to 100.0, logarithmic;
     /// Thickness of the skin as a multiple of the mean length of the boundary edges.
-    SkinThickness: "skin thickness" ["edges"] in Excluded(0.0), Included(10.0); slider 0.1 to 1.0, logarithmic;
+    SkinThickness: "skin thickness" ["edges"] in Excluded(0.0), Included(1.0); slider 0.1 to 1.0, logarithmic;
     /// v: fastest impact that the skin stops within its thickness; its modulus is at least 6 rho v².
     ImpactSpeed: "fastest impact" ["m/s"] in Included(0.0), Included(1e6); slider 0.0 to 20.0, linear;
     /// c: the pressure of the skin is greater by the factor 1 + c v while it is compressed at the speed v.

@@ -525,7 +525,6 @@ fn random_variations_keep_the_bound_on_energy_from_nowhere() {
     }
 }
 
-/// A random variation depends on seed and number alone, and so does its run.
 /// A crushed block is inside out and lies against itself, where its contact has no force: its equations have no solution without a
 /// crossing.
 #[test]
@@ -559,6 +558,7 @@ fn unsolved_steps_with_inverted_triangles_stop_time() {
     assert!(unguarded.counts().unconverged > u64::from(Guard::UNSOLVED_STEPS));
 }
 
+/// A random variation depends on seed and number alone, and so does its run.
 #[test]
 fn random_variations_can_be_repeated() {
     let variation = |seed, number| Variation::new(seed, number).unwrap();
@@ -578,6 +578,30 @@ fn random_variations_can_be_repeated() {
         assert_eq!(outcome, timeless(number));
         assert!(outcome.finite, "number {number}: {outcome:?}");
     }
+}
+
+/// In the plane and in space, with obstacles that move. In most of them something touches.
+#[test]
+fn surfaces_do_not_cross_in_random_scenes_of_contact() {
+    let (mut touching, mut in_space) = (0, 0);
+    let numbers = (0..72).step_by(5);
+    for number in numbers.clone() {
+        let scene = Variation::contact(1, number).unwrap();
+        let outcome = scene.run();
+        assert_eq!(
+            (outcome.refused.as_ref(), outcome.crossings, outcome.finite),
+            (None, 0, true),
+            "{number}: {outcome:?}"
+        );
+        assert!(outcome.fault.is_some() || outcome.gain <= Guard::EXCESS, "{number}: {outcome:?}");
+        let level = scene.level;
+        let mut simulation =
+            Simulation::open(Scene::build(&level, level.mode, &NoFiles, None).unwrap(), &level, level.mode).unwrap();
+        let mut touches = |_| simulation.advance(1, &mut || true) == 1 && simulation.energies().contact > 0.0;
+        touching += usize::from((0..Variation::STEPS).any(&mut touches));
+        in_space += usize::from(!level.membranes.is_empty());
+    }
+    assert!(2 * touching > numbers.len() && in_space > 1, "{touching} touch, {in_space} in space");
 }
 
 #[test]

@@ -40,7 +40,9 @@ pub struct ClothContact {
     /// Greatest area of a vertex of each part, twice its share \[m²\].
     areas: Vec<f64>,
     /// Pairs of a part that are within their skin at rest, which do not touch, ascending.
-    pub(super) excluded: Vec<Pair>,
+    excluded: Vec<Pair>,
+    /// Where those of each first member begin, and their number.
+    excluded_from: Vec<usize>,
     /// Greatest thickness of the skin \[m\].
     reach: f64,
     /// The triangles, for the exact test.
@@ -74,6 +76,7 @@ impl ClothContact {
             reach: between.iter().map(|pair| pair.potential.thickness).fold(0.0, f64::max),
             between,
             excluded: Vec::new(),
+            excluded_from: Vec::new(),
             certificate: ClothSurface::new(mesh.triangles().iter().map(|triangle| triangle.corners).collect()),
             mesh,
         };
@@ -83,6 +86,8 @@ impl ClothContact {
             let [one, other] = contact.parts(*pair);
             one == other && contact.mesh.is_within(rest, *pair, contact.thickness(*pair))
         });
+        let members = 0..=(contact.mesh.triangles().len() + contact.mesh.edges().len()) as u32;
+        contact.excluded_from = members.map(|first| near.partition_point(|pair| pair[0] < first)).collect();
         contact.excluded = near;
         contact
     }
@@ -100,6 +105,12 @@ impl ClothContact {
     /// Distance within which candidates contain all pairs \[m\].
     pub(super) fn reach(&self) -> f64 {
         NEAR * self.reach
+    }
+
+    /// Whether a pair of a part is within its skin at rest.
+    pub(super) fn is_excluded(&self, pair: Pair) -> bool {
+        let first = pair[0] as usize;
+        self.excluded[self.excluded_from[first]..self.excluded_from[first + 1]].binary_search(&pair).is_ok()
     }
 
     /// Parts of both surfaces of a pair.

@@ -37,7 +37,7 @@ impl MeetingPairs<3, 4> for ClothContact {
             }
             ClothPair::Edges(..) => false,
         };
-        !is_apart && !is_connected() && self.excluded.binary_search(&pair).is_err()
+        !is_apart && !is_connected() && !self.is_excluded(pair)
     }
 
     fn thickness(&self, pair: Pair) -> f64 {

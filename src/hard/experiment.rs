@@ -102,6 +102,7 @@ impl Experiment {
 
     /// Experiment that shows why a run is not stable: that of its known failure, or the first of all; `None` if none does.
     /// `motion` is the verdict of [`Self::Motion`], which all methods share, once it is known.
+    #[cfg(all(feature = "cli", not(target_arch = "wasm32")))]
     pub(crate) fn cause(trial: &Trial, failure: Failure, motion: &mut Option<Verdict>) -> Option<Self> {
         let Trial { case, model, method, .. } = trial;
         let known = case.cannot(*model, *method).and_then(|cannot| cannot.shown_by);

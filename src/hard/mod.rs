@@ -21,6 +21,7 @@ mod case;
 mod experiment;
 mod method;
 pub mod random;
+mod random_contact;
 mod reference;
 mod run;
 mod sweep;

@@ -1,6 +1,6 @@
-//! Random variations of the built-in levels, with every integrator and every constitutive model.
+//! Random variations of the built-in levels, and random scenes of contact, with every integrator and every constitutive model.
 
-use super::{Account, verdict::Count};
+use super::{Account, random_contact, verdict::Count};
 use crate::{
     files,
     guard::Guard,
@@ -16,12 +16,13 @@ use crate::{
     study::Stopwatch,
 };
 
-/// Random variation of a level: other materials, masses, effects, steps, start shapes and velocities, and a pull by the mouse.
+/// Random variation of a level: other materials, masses, effects, steps, start shapes and velocities, and a pull by the mouse. Or a random
+/// scene of contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation {
     /// Number in the sequence of its seed.
     pub number: u32,
-    /// Name of the built-in level.
+    /// Name of the built-in level; [`Variation::CONTACT`] for a scene of contact.
     pub base: String,
     /// Constitutive model of all bodies.
     pub model: Model,
@@ -54,6 +55,9 @@ impl Variation {
     /// Steps of a run.
     pub const STEPS: u64 = 100;
 
+    /// Base of a scene of contact.
+    pub const CONTACT: &str = "contact";
+
     /// Greatest processor time of a run \[s\].
     pub const SECONDS: f64 = 10.0;
 
@@ -62,15 +66,7 @@ impl Variation {
     /// # Errors
     /// If a built-in level cannot be read.
     pub fn new(seed: u32, number: u32) -> Result<Self, files::FileError> {
-        let (integrators, models) = (IntegratorKind::all(), Model::ALL);
-        let mut turn = number as usize;
-        let mut choose = |count: usize| {
-            let chosen = turn % count;
-            turn /= count;
-            chosen
-        };
-        let integrator = integrators[choose(integrators.len())].clone();
-        let model = models[choose(models.len())];
+        let (integrator, model, turn) = in_turn(number);
         let mut bases = Vec::new();
         for (file, text) in levels::BUILT_IN {
             let level = files::parse(text, file)?;
@@ -78,10 +74,21 @@ impl Variation {
                 bases.push((file.strip_suffix(".ron").unwrap_or(file), level));
             }
         }
-        let (base, level) = bases.swap_remove(choose(bases.len()));
-        let mut draw = Draw(random::stream(seed.wrapping_mul(1_000_003).wrapping_add(number)));
+        let (base, level) = bases.swap_remove(turn % bases.len());
+        let mut draw = Draw::new(seed, number);
         let level = vary(Level { integrator, state: None, ..level }, model, &mut draw);
         Ok(Self { number, base: base.to_owned(), model, level })
+    }
+
+    /// Scene of contact by its number: bodies that fly at each other and at obstacles that move, or cloth in space. All integrators and models occur in
+    /// turn.
+    ///
+    /// # Errors
+    /// If what is drawn is no level.
+    pub fn contact(seed: u32, number: u32) -> Result<Self, files::FileError> {
+        let (integrator, model, _) = in_turn(number);
+        let level = random_contact::scene(model, &mut Draw::new(seed, number))?;
+        Ok(Self { number, base: Self::CONTACT.to_owned(), model, level: Level { integrator, ..level } })
     }
 
     /// Runs the variation, with the guard.
@@ -147,22 +154,46 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
     outcome.finite = simulation.state().is_finite() && simulation.energies().total().is_finite();
 }
 
+/// Integrator and model of a number, and the rest of it.
+fn in_turn(number: u32) -> (IntegratorKind, Model, usize) {
+    let (mut integrators, models, number) = (IntegratorKind::all(), Model::ALL, number as usize);
+    let (count, turn) = (integrators.len(), number / integrators.len());
+    (integrators.swap_remove(number % count), models[turn % models.len()], turn / models.len())
+}
+
 /// Random choices.
-struct Draw<R>(R);
+pub(super) struct Draw<R>(R);
+
+impl Draw<()> {
+    /// Those of a number in the sequence of a seed.
+    fn new(seed: u32, number: u32) -> Draw<impl Iterator<Item = f64>> {
+        Draw(random::stream(seed.wrapping_mul(1_000_003).wrapping_add(number)))
+    }
+}
 
 impl<R: Iterator<Item = f64>> Draw<R> {
     /// Number in [-1, 1).
-    fn number(&mut self) -> f64 {
+    pub fn number(&mut self) -> f64 {
         self.0.next().unwrap_or(0.0)
     }
 
+    /// Number between two.
+    pub fn between(&mut self, least: f64, greatest: f64) -> f64 {
+        least + 0.5 * (self.number() + 1.0) * (greatest - least)
+    }
+
+    /// Whole number between two, these included.
+    pub fn count(&mut self, least: u32, greatest: u32) -> u32 {
+        self.between(f64::from(least), f64::from(greatest + 1)) as u32
+    }
+
     /// True with a probability.
-    fn chance(&mut self, probability: f64) -> bool {
+    pub fn chance(&mut self, probability: f64) -> bool {
         0.5 * (self.number() + 1.0) < probability
     }
 
     /// Factor up to `decades` powers of ten either way.
-    fn factor(&mut self, decades: f64) -> f64 {
+    pub fn factor(&mut self, decades: f64) -> f64 {
         libm::pow(10.0, decades * self.number())
     }
 

@@ -62,6 +62,9 @@ pub struct Hard {
     /// Runs so many random variations of the built-in levels instead, with all integrators and models, for 100 steps each.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times", "model", "integrator", "twins", "no_reference", "experiments"])]
     pub random: Option<u32>,
+    /// Random scenes of contact instead of variations of the built-in levels: bodies and cloth that fly at each other and at moving obstacles.
+    #[arg(long, requires = "random")]
+    pub contact: bool,
     /// Seed of the random variations.
     #[arg(long, default_value_t = 1, requires = "random")]
     pub seed: u32,
@@ -161,7 +164,8 @@ fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
     Interrupt::watch();
     let mut runs = Vec::new();
     for number in request.first..request.first.saturating_add(count) {
-        let variation = Variation::new(request.seed, number).map_err(|_| HeadlessError::Study {
+        let draw = if request.contact { Variation::contact } else { Variation::new };
+        let variation = draw(request.seed, number).map_err(|_| HeadlessError::Study {
             file: "levels".to_owned(),
             why: StudyError::NotHere("one cannot be read"),
         })?;
@@ -186,7 +190,7 @@ fn random(request: &Hard, count: u32) -> Result<Ending, HeadlessError> {
     let slowest = over.iter().map(|(_, outcome)| outcome.seconds).fold(0.0, f64::max);
     let mut table = format!(
         "{} runs of {} steps, seed {}\n{:>7} went to the end\n{:>7} of them with divided steps\n{:>7} stopped with a cause\n\
-         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was put in, not finite, or over {} s\n\
+         {:>7} refused before the first step\n{:>7} wrong: energy from nowhere beyond {} times what was put in, surfaces that crossed, not finite, or over {} s\n\
          slowest run {slowest:.1} s",
         over.len(),
         Variation::STEPS,

@@ -1,6 +1,6 @@
 //! Controls of the panels: a slider with a number field for one quantity, segmented buttons, and buttons with icons.
 
-use crate::{app::numbers, effects::PointFormula, quantity::Quantity};
+use crate::{app::numbers, effects::PointFormula, formula::Formula, quantity::Quantity};
 use eframe::egui::{
     self, Color32, CornerRadius, DragValue, Mesh, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Slider,
     SliderClamping, Stroke, StrokeKind, TextEdit, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
@@ -172,7 +172,7 @@ fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut Sli
             });
             let response = ui.add(widget).labelled_by(label.id);
             outcome.ended |= response.drag_stopped() || response.lost_focus();
-            response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k or 2.5e4.", options.help));
+            response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k, 2.5e4 or 1/3.", options.help));
         });
     });
     if let Some(text) = not_a_number.take() {
@@ -209,8 +209,16 @@ fn capitalised(words: &str) -> String {
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
-/// Parses a number with or without SI prefix and unit: `30k`, `30 kPa`, `2.5e4`.
+/// Parses a number with or without SI prefix and unit, or calculates it: `30k`, `30 kPa`, `2.5e4`, `1/3`, `2*pi`.
 fn parse(text: &str, unit: &str) -> Option<f64> {
+    with_unit(text, unit).or_else(|| {
+        let formula = Formula::parse(text, &[]).ok()?;
+        Some(formula.value(&[])).filter(|value| value.is_finite())
+    })
+}
+
+/// Parses a number with or without SI prefix and unit.
+fn with_unit(text: &str, unit: &str) -> Option<f64> {
     let plain = |text: &str| text.replace('³', "3").replace('²', "2").replace('−', "-").replace(' ', "");
     // `5 1/s` and `5 /s` are the same; without a space `51/s` is 51 per second.
     let text = text.trim();
@@ -524,12 +532,15 @@ mod tests {
             ("5 1/s", "1/s", 5.0),
             ("51/s", "1/s", 51.0),
             ("5", "1/s", 5.0),
+            ("1/3", "", 1.0 / 3.0),
+            ("2*pi", "rad/s", std::f64::consts::TAU),
+            ("-(1 + 2^3) / 4", "m", -2.25),
         ];
         for (text, unit, value) in cases {
             let read = parse(text, unit);
             assert!(read.is_some_and(|read| (read - value).abs() <= 1e-12 * value.abs()), "{text}: {read:?}");
         }
-        for text in ["soft", "nan", "NaN Pa", "inf", "-infinity", "1e999", "1e300 G"] {
+        for text in ["soft", "nan", "NaN Pa", "inf", "-infinity", "1e999", "1e300 G", "1/0", "2*x", "(1"] {
             assert_eq!(parse(text, "Pa"), None, "{text}");
         }
     }

@@ -10,6 +10,8 @@
 //! # Ok::<(), files::FileError>(())
 //! ```
 
+#[cfg(target_arch = "wasm32")]
+pub mod browser;
 mod output;
 mod slips;
 mod spelling;
@@ -147,6 +149,15 @@ pub fn write(level: &Level) -> Result<String, FileError> {
     text.map(|text| text + "\n").map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
 }
 
+/// Writes a level without spaces and line breaks.
+///
+/// # Errors
+/// [`FileError::Access`] if it cannot be written as RON.
+pub fn write_compact(level: &Level) -> Result<String, FileError> {
+    let text = options().to_string(level);
+    text.map_err(|error| FileError::Access { file: level.name.clone(), why: error.to_string() })
+}
+
 /// Full path for messages. The name of a built-in level or hard case stays unchanged.
 pub fn whole_path(path: &Path) -> PathBuf {
     let built_in = path.extension().is_none() && named(&path.display().to_string()).is_some();
@@ -220,6 +231,10 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
 /// [`FileError::Access`] if it cannot be read, or is too large.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let fail = |why: String| FileError::Access { file: path.display().to_string(), why };
+    #[cfg(target_arch = "wasm32")]
+    if let Some(bytes) = browser::read(path) {
+        return Ok(text::decode(bytes));
+    }
     let said = |error: std::io::Error| fail(error.to_string());
     let mut bytes = Vec::new();
     let read = if path == Path::new("-") {

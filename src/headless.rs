@@ -26,7 +26,7 @@ use crate::{
     hard::Case,
     inversion_recovery::untangled,
     level::{Level, RunMode},
-    levels,
+    levels, link,
     probe::Probe,
     sandbox::Refused,
     scene::Scene,
@@ -205,11 +205,14 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     Ok(ending)
 }
 
-/// Reads a level.
+/// Reads a level from a file, by its name, or from a link.
 ///
 /// # Errors
 /// [`HeadlessError::File`]. If there is no such file, it lists the names of built-in levels.
 pub fn read(path: &Path) -> Result<Level, HeadlessError> {
+    if let Some(level) = path.to_str().and_then(link::level) {
+        return Ok(level?);
+    }
     let names = levels::BUILT_IN.iter().chain(levels::HARD).map(|(file, _)| *file);
     files::read(path).map_err(|error| missing(path, error, "level", names))
 }

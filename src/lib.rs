@@ -50,7 +50,7 @@
 //! | [`snapshot`] | the data of a frame of the window |
 //! | [`study`] | accuracy and cost: references, work-precision diagrams, mesh studies, drift |
 //! | [`probe`] | quantities of a running scene as columns of numbers |
-//! | [`levels`], [`files`] | built-in levels; reading and saving |
+//! | [`levels`], [`files`], `link` | built-in levels; reading and saving; levels in links |
 //! | [`hard`] | the gallery of hard cases and their verdicts |
 //! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
 //! | `app` | the window; the only module that uses egui; feature `window` |
@@ -121,6 +121,8 @@ pub mod probe;
 
 pub mod files;
 pub mod levels;
+#[cfg(feature = "link")]
+pub mod link;
 
 pub mod hard;
 

@@ -2,7 +2,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::{Parser, Subcommand};
-use gingerbread::{app, headless, render, terminal};
+use gingerbread::{app, headless, link, render, terminal};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -33,6 +33,14 @@ enum Command {
     /// Draws a level while it runs into a picture (PNG) or a moving picture (GIF), without a window.
     #[command(after_help = headless::EXIT_CODES)]
     Render(render::Render),
+    /// Prints a link that opens a level in the page in a browser; it is also taken in place of a level file.
+    Link {
+        /// Level file, or name of a built-in level.
+        level: PathBuf,
+        /// Address of the page; without it only what follows there is printed, from `#` on.
+        #[arg(long, default_value = "")]
+        page: String,
+    },
     /// Reads level files and says what is wrong with them.
     Check {
         /// Level files, or names of built-in levels.
@@ -51,6 +59,7 @@ fn main() -> ExitCode {
         Some(Command::Study(study)) => headless::study(&study),
         Some(Command::Hard(hard)) => headless::hard(&hard),
         Some(Command::Render(request)) => render::render(&request),
+        Some(Command::Link { level, page }) => return link(&level, &page),
         Some(Command::Check { files }) => return check(&files),
         None => return window(arguments.level.as_deref()),
     };
@@ -84,6 +93,16 @@ fn window(level: Option<&Path>) -> ExitCode {
     );
     terminal::report(&text);
     ExitCode::from(2)
+}
+
+/// Prints a link.
+fn link(level: &Path, page: &str) -> ExitCode {
+    let fragment = match headless::open(level).map(|level| link::fragment(&level)) {
+        Ok(Ok(fragment)) => fragment,
+        Ok(Err(error)) => return fail(&error, 2),
+        Err(error) => return fail(&error, error.exit_code()),
+    };
+    terminal::print(&format!("{page}{fragment}")).map_or_else(|error| unwritten(&error), |()| ExitCode::SUCCESS)
 }
 
 /// Checks every file, also after a bad one.

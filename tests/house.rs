@@ -40,6 +40,7 @@ const ROOMS: &[&[&str]] = &[
     &["study"],
     &["probe"],
     &["levels", "files"],
+    &["link"],
     &["hard"],
     &["headless"],
     &["app"],

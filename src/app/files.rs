@@ -1,21 +1,16 @@
-//! Opens and saves levels and exports plots and pictures: native dialogs, and unsaved changes, which it asks about before they are lost.
-//!
-//! Dialogs are polled so that the window never blocks. Where there are none (in a browser or on a minimal system), the result is
-//! [`DialogResult::Unavailable`], and the window shows a text input instead.
-
-#[cfg(not(target_arch = "wasm32"))]
-pub use native::Dialogs;
-#[cfg(target_arch = "wasm32")]
-pub use nowhere::Dialogs;
+//! Opens and saves levels and exports plots and pictures. Before changes are lost it asks.
 
 use super::{
-    App, making,
-    panels::{Choice, Export, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
+    App,
+    dialogs::{self, DialogResult, Purpose},
+    making,
+    panels::{Choice, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
 };
 use crate::{
     command::Command,
     files::{self, FileError},
     level::Level,
+    link,
 };
 use eframe::egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
@@ -33,14 +28,11 @@ impl App {
         }
         match self.dialogs.poll(ctx) {
             Some(DialogResult::Chosen(purpose, path)) => self.handle_dialog(&purpose, &path),
-            Some(DialogResult::Unavailable(purpose)) => self.ask_for_text(ctx, purpose),
+            Some(DialogResult::Unavailable(purpose)) => self.ask_for_path(purpose),
             None => {}
         }
         if let Some(prompt) = self.view.prompt.take_if(|prompt| prompt.answered) {
-            match (&prompt.purpose, cfg!(target_arch = "wasm32")) {
-                (Purpose::Open, true) => self.open_text(&prompt.text, "pasted level"),
-                (purpose, _) => self.handle_dialog(purpose, Path::new(prompt.text.trim())),
-            }
+            self.handle_dialog(&prompt.purpose, Path::new(prompt.text.trim()));
         }
         if self.view.prompt.is_none() && !self.dialogs.is_waiting() {
             // If no file name was given, the request that waits for saving is dropped.
@@ -100,9 +92,20 @@ impl App {
         done
     }
 
-    /// Opens a level file without asking about unsaved changes, or adds a body whose mesh is in the file. If it cannot be read or built, a notice is shown and the present scene
-    /// stays.
+    /// Opens a level file or a link without asking about unsaved changes, or adds a body whose mesh is in the file. If it cannot be read or built, a notice is
+    /// shown and the present scene stays.
     pub fn open(&mut self, path: &Path) {
+        match path.to_str().and_then(link::level) {
+            Some(Ok(level)) => {
+                self.start(level);
+                return;
+            }
+            Some(Err(error)) => {
+                self.view.notice = Some(Notice::trouble(&error));
+                return;
+            }
+            None => {}
+        }
         if making::is_mesh(path) {
             self.add_from_file(path);
             return;
@@ -135,6 +138,13 @@ impl App {
         match files::parse(text, name) {
             Ok(level) => drop(self.start(level)),
             Err(error) => self.view.notice = Some(Notice::trouble(&error)),
+        }
+    }
+
+    /// Requests the opening of the level in an address, if there is one.
+    pub fn open_link(&mut self, address: &str) {
+        if link::is_link(address) {
+            self.view.file = Some(FileRequest::File(PathBuf::from(address), Vec::new()));
         }
     }
 
@@ -182,17 +192,17 @@ impl App {
 
     /// Shows the result of saving as a notice.
     fn tell(&mut self, path: &Path, saved: Result<(), FileError>) {
+        let saved = saved.and_then(|()| dialogs::hand_over(path));
         self.view.notice = Some(match saved {
-            Ok(()) => Notice::Done(format!("Saved as {}", files::whole_path(path).display())),
+            Ok(()) => Notice::Done(format!("{} {}", dialogs::SAVED, files::whole_path(path).display())),
             Err(error) => Notice::trouble(&error),
         });
     }
 
     /// Requests the opening of a dropped file: of several files the first level, or else the first file.
-    #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
         let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
-        let mut paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
+        let mut paths = self.dialogs.paths_of(ctx, &dropped);
         if paths.is_empty() {
             return;
         }
@@ -201,30 +211,8 @@ impl App {
         self.view.file = Some(FileRequest::File(first, paths));
     }
 
-    /// Shows a text input: for a path, or in a browser for the text of a level.
-    fn ask_for_text(&mut self, ctx: &Context, purpose: Purpose) {
-        if cfg!(target_arch = "wasm32") && purpose == Purpose::OpenMesh {
-            let text = "In a browser no mesh file can be opened yet: paste its points as an Outline into a level.";
-            self.view.notice = Some(Notice::Trouble(text.to_owned()));
-            return;
-        }
-        if cfg!(target_arch = "wasm32") && purpose != Purpose::Open {
-            let text = if let Purpose::Export(Export { bytes, .. }) = purpose {
-                String::from_utf8(bytes).map_err(|_| "Pictures cannot be saved in a browser.".to_owned())
-            } else {
-                let text = files::write(&self.settled().saved()).map_err(|error| error.to_string());
-                self.saved(text.is_ok());
-                text
-            };
-            self.view.notice = Some(match text {
-                Ok(text) => {
-                    ctx.copy_text(text);
-                    Notice::Done("The text was copied to the clipboard: paste it into a file.".to_owned())
-                }
-                Err(why) => Notice::Trouble(why),
-            });
-            return;
-        }
+    /// Shows a text input for a path.
+    fn ask_for_path(&mut self, purpose: Purpose) {
         let text = purpose.name().to_owned();
         self.view.prompt = Some(Prompt { purpose, text, answered: false });
     }
@@ -312,196 +300,6 @@ impl App {
     }
 }
 
-/// Purpose of a file dialog.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Purpose {
-    /// Open a level.
-    #[default]
-    Open,
-    /// Add a body whose mesh is in a file.
-    OpenMesh,
-    /// Save the level. The field is the suggested name.
-    Save(String),
-    /// Save the data of a plot.
-    Export(Export),
-}
-
-impl Purpose {
-    /// Title of the dialog.
-    pub const fn title(&self) -> &'static str {
-        match self {
-            Self::Open => "Open a level",
-            Self::OpenMesh => "Add a body from a mesh file",
-            Self::Save(_) => "Save the level",
-            Self::Export(_) => "Save the file",
-        }
-    }
-
-    /// Suggested file name.
-    pub fn name(&self) -> &str {
-        match self {
-            Self::Open | Self::OpenMesh => "",
-            Self::Save(name) => name,
-            Self::Export(export) => &export.name,
-        }
-    }
-}
-
-/// Result of a dialog.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DialogResult {
-    /// This file was chosen.
-    Chosen(Purpose, PathBuf),
-    /// No native dialog is available.
-    Unavailable(Purpose),
-}
-
-#[cfg(not(target_arch = "wasm32"))]
-mod native {
-    use super::{DialogResult, PathBuf, Purpose};
-    use eframe::egui::Context;
-    use rfd::{AsyncFileDialog, FileHandle};
-    use std::{
-        pin::Pin,
-        sync::Arc,
-        task::{Poll, Wake, Waker},
-    };
-    use web_time::{Duration, Instant};
-
-    /// Minimum time in which a user can close a dialog. A dialog that closed sooner without a file was never shown.
-    const TOO_FAST: Duration = Duration::from_millis(250);
-
-    /// State of the native dialogs.
-    #[derive(Default)]
-    pub struct Dialogs {
-        open: Option<Pending>,
-        folder: Option<PathBuf>,
-        /// Whether native dialogs are disabled.
-        silent: bool,
-        refused: Option<Purpose>,
-    }
-
-    struct Pending {
-        choice: Pin<Box<dyn Future<Output = Option<FileHandle>>>>,
-        purpose: Purpose,
-        since: Instant,
-    }
-
-    /// Requests a frame when the dialog closes.
-    struct Repaint(Context);
-
-    impl Wake for Repaint {
-        fn wake(self: Arc<Self>) {
-            self.0.request_repaint();
-        }
-    }
-
-    impl Dialogs {
-        /// Disables native dialogs: every request is answered in the window.
-        pub fn silent() -> Self {
-            Self { silent: true, ..Self::default() }
-        }
-
-        /// Opens a dialog.
-        pub fn ask(&mut self, purpose: Purpose) {
-            if self.silent {
-                self.refused = Some(purpose);
-                return;
-            }
-            // A second dialog would be hidden behind the open one.
-            if self.open.is_some() {
-                return;
-            }
-            let dialog = AsyncFileDialog::new().set_title(purpose.title());
-            let dialog = match &self.folder {
-                Some(folder) => dialog.set_directory(folder),
-                None => dialog,
-            };
-            let choice: Pin<Box<dyn Future<Output = _>>> = match &purpose {
-                Purpose::Open => Box::pin(levels(dialog).pick_file()),
-                Purpose::OpenMesh => Box::pin(dialog.add_filter("Mesh", &["obj"]).pick_file()),
-                Purpose::Save(name) => Box::pin(levels(dialog).set_file_name(name).save_file()),
-                Purpose::Export(export) => Box::pin(dialog.set_file_name(&export.name).save_file()),
-            };
-            self.open = Some(Pending { choice, purpose, since: Instant::now() });
-        }
-
-        /// Whether a result is expected.
-        pub const fn is_waiting(&self) -> bool {
-            self.open.is_some() || self.refused.is_some()
-        }
-
-        /// Returns the result of a closed dialog. It never blocks.
-        pub fn poll(&mut self, ctx: &Context) -> Option<DialogResult> {
-            let waker = Waker::from(Arc::new(Repaint(ctx.clone())));
-            if let Some(purpose) = self.refused.take() {
-                return Some(DialogResult::Unavailable(purpose));
-            }
-            let pending = self.open.as_mut()?;
-            let Poll::Ready(choice) = pending.choice.as_mut().poll(&mut std::task::Context::from_waker(&waker)) else {
-                return None;
-            };
-            let Pending { purpose, since, .. } = self.open.take()?;
-            let Some(path) = choice.map(|file| file.path().to_path_buf()) else {
-                return (since.elapsed() < TOO_FAST).then_some(DialogResult::Unavailable(purpose));
-            };
-            self.folder = path.parent().map(PathBuf::from);
-            let path = if matches!(purpose, Purpose::Open | Purpose::OpenMesh) {
-                path
-            } else {
-                with_extension(path, purpose.name())
-            };
-            Some(DialogResult::Chosen(purpose, path))
-        }
-    }
-
-    fn levels(dialog: AsyncFileDialog) -> AsyncFileDialog {
-        dialog.add_filter("Level or mesh", &["ron", "obj"]).add_filter("All files", &["*"])
-    }
-
-    /// Adds the extension of the suggested name to a file name without one.
-    pub(super) fn with_extension(path: PathBuf, suggested: &str) -> PathBuf {
-        let extension = std::path::Path::new(suggested).extension();
-        match (path.extension(), extension) {
-            (None, Some(extension)) => path.with_extension(extension),
-            _ => path,
-        }
-    }
-}
-
-#[cfg(target_arch = "wasm32")]
-mod nowhere {
-    use super::{DialogResult, Purpose};
-
-    /// Replacement in a browser, which has no file dialogs that can be awaited.
-    #[derive(Default)]
-    pub struct Dialogs {
-        asked: Option<Purpose>,
-    }
-
-    impl Dialogs {
-        /// The same as the default: there are no native dialogs.
-        pub fn silent() -> Self {
-            Self::default()
-        }
-
-        /// Requests a file.
-        pub fn ask(&mut self, purpose: Purpose) {
-            self.asked = Some(purpose);
-        }
-
-        /// Whether a result is expected.
-        pub const fn is_waiting(&self) -> bool {
-            self.asked.is_some()
-        }
-
-        /// Returns the result of a request.
-        pub fn poll(&mut self, _ctx: &eframe::egui::Context) -> Option<DialogResult> {
-            self.asked.take().map(DialogResult::Unavailable)
-        }
-    }
-}
-
 /// Stem of a file name for the name of a level: `A soft house` gives `a-soft-house`.
 pub fn stem(level: &str) -> String {
     let words = level.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
@@ -517,13 +315,5 @@ mod tests {
     fn a_level_suggests_a_file_name_that_any_system_takes() {
         assert_eq!(stem("A soft house: 2/3"), "a-soft-house-2-3");
         assert_eq!(stem("?"), "level");
-    }
-
-    #[test]
-    #[cfg(not(target_arch = "wasm32"))]
-    fn a_file_saved_without_an_extension_gets_one() {
-        let named = |path: &str| native::with_extension(PathBuf::from(path), "chain-drift.csv");
-        assert_eq!(named("drift"), PathBuf::from("drift.csv"));
-        assert_eq!(named("drift.txt"), PathBuf::from("drift.txt"));
     }
 }

@@ -6,6 +6,7 @@ mod canvas;
 mod clock;
 mod colour;
 pub mod compare;
+mod dialogs;
 mod draw;
 mod files;
 mod film;
@@ -25,13 +26,12 @@ mod theme;
 use crate::{
     command::Command,
     document::Document,
-    files::Disk,
+    files::{Disk, FileError},
     integrators::Class,
     level::{BodyLevel, Level},
     meshes::Files,
     sandbox::{Refused, Sandbox},
     snapshot::Snapshot,
-    study::{share_partitions, threads},
 };
 pub use canvas::Options;
 pub use film::{FilmEncoder, FilmFormat};
@@ -40,9 +40,9 @@ pub use picture::{Picture, Stage};
 use canvas::Canvas;
 use clock::{Clock, Spent};
 use compare::{Comparison, Pane, PaneRequest, Split, Stage as SplitStage};
+use dialogs::Dialogs;
 use eframe::egui;
-use egui::{Context, Ui, ViewportBuilder};
-use files::Dialogs;
+use egui::{Context, Ui};
 use film::Recorder;
 use gallery::Gallery;
 use jobs::Jobs;
@@ -56,6 +56,7 @@ use web_time::Instant;
 const BUDGET: f64 = 0.012;
 
 /// Minimum size of the window [points].
+#[cfg(not(target_arch = "wasm32"))]
 const SMALLEST: [f32; 2] = [400.0, 400.0];
 
 /// State of the window.
@@ -98,12 +99,12 @@ pub struct App {
 }
 
 impl App {
-    /// Creates the window with a level, or with the first level of the gallery.
+    /// Creates the window with a level, with the last scene of a page in a browser, or with the first level of the gallery.
     ///
     /// # Errors
     /// If the level cannot be built.
     pub fn new(cc: &eframe::CreationContext<'_>, level: Option<Level>) -> Result<Self, Refused> {
-        let level = match level {
+        let level = match level.or_else(|| cc.storage.and_then(settings::last_scene)) {
             Some(level) => level,
             None => Gallery::default().first().unwrap_or_default(),
         };
@@ -310,6 +311,14 @@ impl App {
         }
     }
 
+    /// The level with its present state, as a file of it has it.
+    ///
+    /// # Errors
+    /// If it cannot be written as RON.
+    pub fn level_text(&mut self) -> Result<String, FileError> {
+        crate::files::write(&self.settled().saved())
+    }
+
     /// Splits the stage, joins it, or chooses the pane of the panels.
     fn compare(&mut self, request: PaneRequest) {
         let keep = match (request, &mut self.comparison) {
@@ -489,7 +498,6 @@ impl eframe::App for App {
         if self.view.unsaved.is_none() {
             self.view.pressed.extend(keys::pressed(ui.ctx(), &self.snapshot));
         }
-        #[cfg(not(target_arch = "wasm32"))]
         self.take_dropped_files(ui.ctx());
         let mut stage = self.comparison.as_mut().map(|panes| std::mem::take(&mut panes.stage));
         let panes = self.comparison.as_deref();
@@ -557,6 +565,11 @@ impl eframe::App for App {
         self.keep(storage);
     }
 
+    #[cfg(target_arch = "wasm32")]
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
+    }
+
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
@@ -580,8 +593,8 @@ fn keep_freed_memory() {
 /// If the level cannot be built, or there is no display to open a window on.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
-    share_partitions(threads());
-    let viewport = ViewportBuilder::default()
+    crate::study::share_partitions(crate::study::threads());
+    let viewport = egui::ViewportBuilder::default()
         .with_title("Gingerbread")
         .with_app_id("gingerbread")
         .with_inner_size([1280.0, 800.0])

@@ -1,6 +1,8 @@
-//! What the window remembers from run to run, beside what egui keeps: its theme, zoom, size and place.
+//! What the window remembers from run to run, beside what egui keeps: its theme, zoom, size and place. A page in a browser remembers its scene too,
+//! as it may be closed at any time without a question.
 
 use super::App;
+use crate::{files, level::Level};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -29,7 +31,21 @@ impl App {
     /// Writes what is remembered.
     pub fn keep(&self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, eframe::APP_KEY, &self.settings());
+        if KEEPS_SCENE && let Ok(text) = files::write(&self.sandbox.saved()) {
+            storage.set_string(SCENE, text);
+        }
     }
+}
+
+/// Whether the scene is remembered.
+const KEEPS_SCENE: bool = cfg!(target_arch = "wasm32");
+/// Key of the scene.
+const SCENE: &str = "scene";
+
+/// The remembered scene, if there is one that can be read.
+pub fn last_scene(storage: &dyn eframe::Storage) -> Option<Level> {
+    let text = storage.get_string(SCENE).filter(|_| KEEPS_SCENE)?;
+    files::parse(&text, SCENE).ok()
 }
 
 #[cfg(test)]

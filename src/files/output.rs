@@ -95,10 +95,18 @@ impl Destination {
 /// # Errors
 /// [`FileError::Access`] if the system refuses. An existing file stays, unless writing in place fails half way.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    // `-` means standard output only in an option of a command.
-    let destination =
-        if path == Path::new("-") { Destination::Path(PathBuf::from("./-")) } else { Destination::of(path) };
-    destination.write(bytes)
+    #[cfg(target_arch = "wasm32")]
+    {
+        super::browser::write(path, bytes);
+        Ok(())
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        // `-` means standard output only in an option of a command.
+        let destination =
+            if path == Path::new("-") { Destination::Path(PathBuf::from("./-")) } else { Destination::of(path) };
+        destination.write(bytes)
+    }
 }
 
 fn access(path: &Path, error: &io::Error) -> FileError {

@@ -101,16 +101,25 @@ impl March {
         (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / f64::from(self.frames.max(1))
     }
 
-    /// Processor time per second of simulated time \[ms\].
+    /// Processor time per second of simulated time \[ms\]; no less than [`RESOLUTION`].
     pub fn ms_per_second(&self) -> f64 {
         let seconds = (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / 60.0;
-        if seconds > 0.0 { self.spent.as_secs_f64() * 1e3 / seconds } else { 0.0 }
+        if seconds > 0.0 { self.spent.max(RESOLUTION).as_secs_f64() * 1e3 / seconds } else { 0.0 }
     }
 }
 
 /// Kind of the measured times, in plain words.
-pub const CLOCK: &str =
-    if cfg!(target_arch = "wasm32") { "wall time" } else { "processor time of the thread that computes" };
+pub const CLOCK: &str = if cfg!(target_arch = "wasm32") {
+    "wall time, which a browser tells to 0.1 ms"
+} else {
+    "processor time of the thread that computes"
+};
+
+/// Unit of the measured times, for axes.
+pub const MILLISECONDS: &str = if cfg!(target_arch = "wasm32") { "ms" } else { "processor ms" };
+
+/// Least time that the clock tells. Browsers round it so that pages cannot time each other.
+pub const RESOLUTION: Duration = if cfg!(target_arch = "wasm32") { Duration::from_micros(100) } else { Duration::ZERO };
 
 /// Stopwatch. It is started and read in the same thread.
 pub struct Stopwatch {

@@ -43,7 +43,7 @@ pub use drift::{Drift, DriftRun, Invariant, Moment};
 #[cfg(feature = "csv")]
 pub use export::{Origin, head, is_time_column, price_in_words};
 pub use locking::{Locking, LockingNumber, MeshKindOf};
-pub use march::{CLOCK, MOST_RUNS, share_partitions, threads};
+pub use march::{CLOCK, MILLISECONDS, MOST_RUNS, RESOLUTION, share_partitions, threads};
 pub(crate) use march::{Deadline, Stopwatch, spread};
 pub(crate) use mesh_study::with_triangles;
 pub use mesh_study::{Measure, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshStudy, NoMeshReference};

@@ -1,7 +1,7 @@
 //! Input as people have it: it is read whatever program wrote it, or refused with its place and the remedy.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
 
-use crate::program::Folder;
+use crate::program::{Folder, gingerbread, said};
 use gingerbread::{
     files::{self, Disk},
     level::{Level, RunMode},
@@ -354,4 +354,24 @@ fn earlier_keys_of_scripted_actions_are_still_read() {
         assert_eq!(files::parse(&earlier, file).unwrap(), files::parse(text, file).unwrap(), "{file}");
         assert!(files::parse_as::<gingerbread::hard::Case>(&earlier, file).is_ok(), "{file}");
     }
+}
+
+/// The state at the end is that of the level.
+#[test]
+fn a_printed_link_is_taken_in_place_of_the_level() {
+    let page = "https://page.example/";
+    let link = said(&gingerbread(&["link", "chain", "--page", page]).stdout).trim().to_owned();
+    assert!(link.starts_with("https://page.example/#level=") && link.len() < 2000, "{link}");
+    let folder = Folder::new("link");
+    let states = ["chain", &link].map(|level| {
+        let state = folder.file("state.csv");
+        let run = gingerbread(&["run", level, "--seconds", "0.5", "--state", &state]);
+        assert!(run.status.success(), "{}", said(&run.stderr));
+        fs::read_to_string(state).unwrap()
+    });
+    assert_eq!(states[0], states[1]);
+    let cut = gingerbread(&["run", &link[..link.len() - 9]]);
+    assert!(!cut.status.success() && said(&cut.stderr).contains("not complete"), "{}", said(&cut.stderr));
+    let dense = gingerbread(&["link", "pile", "--page", page]);
+    assert!(dense.status.success(), "{}", said(&dense.stderr));
 }

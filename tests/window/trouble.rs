@@ -1,13 +1,14 @@
 //! Files that are broken and bodies that fly apart.
 
 use crate::{folder::Folder, harness::*};
-use eframe::egui::{Key, Pos2, Rect, Role, epaint::Primitive};
+use eframe::egui::{Key, OutputCommand, Pos2, Rect, Role, epaint::Primitive};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use gingerbread::files::Disk;
 use gingerbread::level::{SavedState, Substeps, Toggle};
 use gingerbread::quantity::{Point, Position, Time};
 use gingerbread::scene::Scene;
+use std::path::Path;
 
 /// The old scene goes on.
 #[test]
@@ -40,6 +41,39 @@ fn what_is_saved_opens_again_as_it_was() {
     window.state_mut().open(&path);
     window.run_steps(3);
     assert_eq!(window.state().snapshot().positions, positions);
+}
+
+/// With the pins of now, and from its start.
+#[test]
+fn a_copied_link_opens_the_level_again_and_a_broken_one_changes_nothing() {
+    let mut window = in_mode("gingerbread", Mode::Edit);
+    let head = on_screen(&window, vertex(&window, 0));
+    click_at(&mut window, head);
+    let pinned = window.state().snapshot().level.clone();
+    assert!(!pinned.bodies[0].pins.is_empty());
+    click(&mut window, "Level");
+    window.get_by_label("Copy link").click();
+    let mut text = None;
+    for _ in 0..4 {
+        window.run_steps(1);
+        let commands = &window.output().platform_output.commands;
+        text = commands.iter().find_map(|command| match command {
+            OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
+        if text.is_some() {
+            break;
+        }
+    }
+    let link = text.unwrap_or_else(|| panic!("nothing was copied: {:?}", window.state().notice()));
+    choose(&mut window, "Jelly disk");
+    window.state_mut().open(Path::new(&format!("https://page.example/{link}")));
+    window.run_steps(3);
+    assert_eq!(window.state().snapshot().level, pinned);
+    window.state_mut().open(Path::new("https://page.example/#level=x"));
+    window.run_steps(3);
+    assert!(window.state().notice().is_some_and(|notice| notice.contains("not complete")));
+    assert_eq!(window.state().snapshot().level, pinned);
 }
 
 #[test]

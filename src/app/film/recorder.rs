@@ -90,7 +90,8 @@ impl Recorder {
             // The recording may have been given up.
             let _ = sender.send(draw(format, size, stage, &taken, &count));
         };
-        thread::Builder::new().name("film".to_owned()).spawn(work).map_err(|error| error.to_string())?;
+        let begun = thread::Builder::new().name("film".to_owned()).spawn(work);
+        begun.map_err(|error| format!("A film needs a thread of its own, which cannot be had here: {error}."))?;
         let (interval, shots) = (pace / f64::from(Self::RATE), Some(shots));
         let mut recorder = Self { format, shots, waiting: None, taken: 0, drawn, film, interval, since: 0.0, start };
         recorder.add(first);

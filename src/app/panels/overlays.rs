@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     app::{
-        files::Purpose,
+        dialogs::Purpose,
         film::Recorder,
         keys::{TABLE, When},
         theme::Theme,
@@ -30,9 +30,6 @@ pub struct Prompt {
     pub answered: bool,
 }
 
-/// Whether files are named by a path. In a browser the text of the level itself is pasted.
-const PATHS: bool = cfg!(not(target_arch = "wasm32"));
-
 pub fn show_prompt(ctx: &Context, view: &mut View) {
     let Some(prompt) = &mut view.prompt else { return };
     let mut closed = false;
@@ -40,12 +37,10 @@ pub fn show_prompt(ctx: &Context, view: &mut View) {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
         let verb = if matches!(prompt.purpose, Purpose::Open | Purpose::OpenMesh) { "Open" } else { "Save" };
         ui.label(RichText::new(prompt.purpose.title()).heading());
-        let question =
-            if PATHS { "There is no file dialog on this system. Path of the file:" } else { "Paste a level:" };
-        ui.label(question);
-        let edit = if PATHS { TextEdit::singleline(&mut prompt.text) } else { TextEdit::multiline(&mut prompt.text) };
+        ui.label("There is no file dialog on this system. Path of the file:");
+        let edit = TextEdit::singleline(&mut prompt.text);
         let field = ui.add(edit.desired_width(f32::INFINITY).hint_text("my-level.ron")).accessible_name("File");
-        let entered = PATHS && field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if !prompt.answered && ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();
         }

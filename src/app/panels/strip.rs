@@ -1,12 +1,13 @@
 //! Toolbar: level, mode, time, model, history and panels.
 
 use super::{
-    FileRequest, FilmRequest, PanelContext, Side, View, compare,
+    FileRequest, FilmRequest, Notice, PanelContext, Side, View, compare,
     widgets::{HEIGHT, Icon, Lit, Segment, icon_button, segmented},
 };
 use crate::{
-    app::{clock::Pace, film::FilmFormat},
+    app::{clock::Pace, dialogs, film::FilmFormat},
     command::{Command, Mode},
+    link,
     materials::Model,
     snapshot::Snapshot,
 };
@@ -125,7 +126,29 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             view.file = Some(FileRequest::Save);
             ui.close();
         }
+        let about = "Copy a link to the page in a browser that opens this level at its start, with pins and sliders as they are now.";
+        if ui.button("Copy link").on_hover_text(about).clicked() {
+            view.notice = Some(copy_link(ui, context));
+            ui.close();
+        }
     });
+}
+
+/// Copies a link to the level. Returns what there is to say about it.
+fn copy_link(ui: &Ui, context: &PanelContext<'_>) -> Notice {
+    match link::fragment(&context.now.level) {
+        Ok(fragment) => {
+            let page = dialogs::page();
+            let text = if page.is_empty() {
+                "The link was copied from # on: put it behind the address of a page with Gingerbread."
+            } else {
+                "The link was copied."
+            };
+            ui.ctx().copy_text(page + &fragment);
+            Notice::Done(text.to_owned())
+        }
+        Err(error) => Notice::trouble(&error),
+    }
 }
 
 /// Draws the menu of the files that were used last.

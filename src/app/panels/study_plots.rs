@@ -15,8 +15,8 @@ use crate::{
     },
     command::Command,
     study::{
-        Curve, Invariant, LockingNumber, Measure, MeshMoment, MeshReference, Outcome, Point, Price, Status,
-        price_in_words,
+        Curve, Invariant, LockingNumber, MILLISECONDS, Measure, MeshMoment, MeshReference, Outcome, Point, Price,
+        Status, price_in_words,
     },
 };
 use eframe::egui::{Align2, Color32, ComboBox, Grid, RichText, TextStyle, Ui, pos2};
@@ -112,7 +112,11 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
 
 fn plot_accuracy(ui: &mut Ui, diagram: &Diagram, price: Price) {
     let theme = Theme::of(ui.ctx());
-    let unit = if price == Price::Time { "processor ms per simulated second" } else { "force evaluations" };
+    let unit = if price == Price::Time {
+        format!("{MILLISECONDS} per simulated second")
+    } else {
+        "force evaluations".to_owned()
+    };
     let measured = |curve: &Curve| -> Vec<(Point, Outcome)> {
         curve.points.iter().filter_map(|point| Some((point.clone(), point.outcome.clone()?))).collect()
     };
@@ -336,11 +340,8 @@ fn mesh_table(ui: &mut Ui, study: &MeshFindings) {
 fn plot_meshes(ui: &mut Ui, study: &MeshFindings) {
     let theme = Theme::of(ui.ctx());
     let known: Vec<_> = study.meshes.iter().filter_map(|mesh| Some((mesh, mesh_at(mesh)?))).collect();
-    let unit = if study.moment == MeshMoment::AtRest {
-        "processor ms to find the rest"
-    } else {
-        "processor ms per simulated second"
-    };
+    let what = if study.moment == MeshMoment::AtRest { "to find the rest" } else { "per simulated second" };
+    let unit = format!("{MILLISECONDS} {what}");
     let (left, right) =
         known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), (_, [x, _])| (l.min(*x), r.max(*x)));
     let color = theme.series[0];

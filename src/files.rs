@@ -12,11 +12,17 @@
 
 #[cfg(target_arch = "wasm32")]
 pub mod browser;
+#[cfg(not(target_arch = "wasm32"))]
+mod disk;
 mod output;
 mod slips;
 mod spelling;
 mod tokens;
 
+#[cfg(target_arch = "wasm32")]
+use browser::read_bytes;
+#[cfg(not(target_arch = "wasm32"))]
+use disk::read_bytes;
 pub use output::{Destination, Identity, identity, write_bytes};
 
 use crate::{
@@ -26,10 +32,7 @@ use crate::{
     text,
 };
 use ron::{extensions::Extensions, ser::PrettyConfig};
-use std::{
-    io::Read as _,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// Error of reading or writing a level.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,9 +58,6 @@ pub enum FileError {
         why: String,
     },
 }
-
-/// Largest level file that is read [bytes].
-const LARGEST: u64 = 256 << 20;
 
 fn options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME)
@@ -225,38 +225,13 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Reads the text of a file or pipe, or with `-` of standard input; see [`text::decode`].
+/// Reads the text of a file or pipe, or with `-` of standard input; in a browser that of a file that was opened there. See [`text::decode`].
 ///
 /// # Errors
 /// [`FileError::Access`] if it cannot be read, or is too large.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let fail = |why: String| FileError::Access { file: path.display().to_string(), why };
-    #[cfg(target_arch = "wasm32")]
-    if let Some(bytes) = browser::read(path) {
-        return Ok(text::decode(bytes));
-    }
-    let said = |error: std::io::Error| fail(error.to_string());
-    let mut bytes = Vec::new();
-    let read = if path == Path::new("-") {
-        std::io::stdin().lock().take(LARGEST + 1).read_to_end(&mut bytes)
-    } else if holds_text(&std::fs::metadata(path).map_err(said)?) {
-        std::fs::File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
-    } else {
-        return Err(fail("this is not a file with text".to_owned()));
-    };
-    if read.map_err(said)? as u64 > LARGEST {
-        return Err(fail(format!("a file may have {} MB at most", LARGEST >> 20)));
-    }
+    let bytes = read_bytes(path).map_err(|why| FileError::Access { file: path.display().to_string(), why })?;
     Ok(text::decode(bytes))
-}
-
-/// Whether the path is a file or a pipe. A folder or a device such as `/dev/zero` is neither.
-fn holds_text(known: &std::fs::Metadata) -> bool {
-    #[cfg(unix)]
-    let pipe = std::os::unix::fs::FileTypeExt::is_fifo(&known.file_type());
-    #[cfg(not(unix))]
-    let pipe = false;
-    known.is_file() || pipe
 }
 
 /// Path of an existing file. If none exists and the path has backslashes, as on Windows, the path with slashes is

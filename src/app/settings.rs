@@ -25,26 +25,30 @@ impl App {
     /// Takes what was remembered, if it can be read.
     pub fn recall(&mut self, storage: &dyn eframe::Storage) {
         let Some(Settings { hidden, recent }) = eframe::get_value(storage, eframe::APP_KEY) else { return };
-        (self.view.hidden, self.recent) = (hidden, recent);
+        self.view.hidden = hidden;
+        if !IS_PAGE {
+            // The files of a page are gone with it.
+            self.recent = recent;
+        }
     }
 
     /// Writes what is remembered.
     pub fn keep(&self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, eframe::APP_KEY, &self.settings());
-        if KEEPS_SCENE && let Ok(text) = files::write(&self.sandbox.saved()) {
+        if IS_PAGE && let Ok(text) = files::write(&self.sandbox.saved()) {
             storage.set_string(SCENE, text);
         }
     }
 }
 
-/// Whether the scene is remembered.
-const KEEPS_SCENE: bool = cfg!(target_arch = "wasm32");
+/// Whether this is a page in a browser.
+const IS_PAGE: bool = cfg!(target_arch = "wasm32");
 /// Key of the scene.
 const SCENE: &str = "scene";
 
 /// The remembered scene, if there is one that can be read.
 pub fn last_scene(storage: &dyn eframe::Storage) -> Option<Level> {
-    let text = storage.get_string(SCENE).filter(|_| KEEPS_SCENE)?;
+    let text = storage.get_string(SCENE).filter(|_| IS_PAGE)?;
     files::parse(&text, SCENE).ok()
 }
 

@@ -17,7 +17,10 @@ pub fn write(path: &Path, bytes: &[u8]) {
     files().insert(path.to_path_buf(), bytes.to_vec());
 }
 
-/// Content of a file; `None` if there is none of this name.
-pub fn read(path: &Path) -> Option<Vec<u8>> {
-    files().get(path).cloned()
+/// Content of a file.
+///
+/// # Errors
+/// The reason, if there is none of this name.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+    files().get(path).cloned().ok_or_else(|| "no file of this name was opened or dropped on this page".to_owned())
 }

@@ -29,8 +29,10 @@ struct Sizes {
 pub(super) fn scene<R: Iterator<Item = f64>>(model: Model, draw: &mut Draw<R>) -> Result<Level, FileError> {
     let substeps = 1_u32 << draw.count(0, 7);
     let seconds = Variation::STEPS as f64 / (60.0 * f64::from(substeps));
-    let (radius, speed) = (0.11 * draw.factor(0.6), libm::pow(10.0, draw.between(-1.0, 2.0)));
-    let distance = if draw.chance(0.1) { radius } else { 2.1 * radius + draw.between(0.0, 0.5) * speed * seconds };
+    let radius = 0.11 * draw.factor(0.6);
+    // At least a radius in the time of a run.
+    let speed = libm::pow(10.0, draw.between(-1.0, 2.0)).max(1.5 * radius / seconds);
+    let distance = if draw.chance(0.1) { radius } else { 2.1 * radius + draw.between(0.0, 0.3) * speed * seconds };
     let sizes = Sizes { radius, speed, distance };
     let in_space = draw.chance(0.25);
     let parts = if in_space { membranes(sizes, model, draw) } else { bodies(sizes, model, draw) };
@@ -65,7 +67,7 @@ fn bodies<R: Iterator<Item = f64>>(
     draw: &mut Draw<R>,
 ) -> String {
     let mut text = "bodies: [".to_owned();
-    for number in 0..draw.count(1, MOST) {
+    for number in 0..draw.count(2, MOST) {
         let [x, y] = [number % 2, number / 2].map(|place| distance * (f64::from(place) - 0.5));
         let size = radius * draw.between(0.5, 1.0);
         let mesh = match draw.count(0, 2) {
@@ -146,7 +148,7 @@ fn material<R: Iterator<Item = f64>>(model: Model, draw: &mut Draw<R>) -> String
 /// A floor, and up to two other obstacles, most of which move.
 fn obstacles<R: Iterator<Item = f64>>(sizes: Sizes, in_space: bool, draw: &mut Draw<R>) -> String {
     let Sizes { radius, speed, distance } = sizes;
-    let floor = -distance - 2.0 * radius;
+    let floor = if in_space { -distance } else { -distance - 2.0 * radius };
     let mut text = if in_space {
         format!("HalfSpace(point: (0, {floor}, 0), normal: (0, 1, 0), eps: {}), ", 0.05 * radius)
     } else {

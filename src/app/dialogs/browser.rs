@@ -127,8 +127,9 @@ pub fn page() -> String {
 /// [`FileError::Access`] if the browser refuses.
 pub fn hand_over(path: &Path) -> Result<(), FileError> {
     let name = path.display().to_string();
-    let bytes = browser::read(path).unwrap_or_default();
-    download(&name, &bytes).map_err(|error| FileError::Access { file: name, why: format!("{error:?}") })
+    let given = browser::read_bytes(path)
+        .and_then(|bytes| download(&name, &bytes).map_err(|error| format!("the browser refuses: {error:?}")));
+    given.map_err(|why| FileError::Access { file: name, why })
 }
 
 fn download(name: &str, bytes: &[u8]) -> Result<(), JsValue> {

@@ -4,6 +4,7 @@
 //! cost. `hard` runs the hard cases.
 
 mod ending;
+mod frames;
 mod hard;
 mod overrides;
 mod progress;
@@ -12,13 +13,14 @@ mod series;
 mod study;
 
 pub use ending::{EXIT_CODES, Ending, Outputs};
+pub use frames::Frames;
 pub use hard::{Hard, hard};
 pub use overrides::Overrides;
 pub use progress::{Interrupt, PER_CENT, Progress, ProgressOptions};
 pub use report::{
     Beginning, EffectReport, EndState, EnergyReport, GREATEST_GAIN, GREATEST_J, RunReport, SubstepReport,
 };
-pub use series::Series;
+pub use series::{Recording, Series};
 pub use study::{Study, study};
 
 use crate::{
@@ -44,6 +46,7 @@ use web_time::Instant;
 
 /// What to run and what to write.
 #[derive(Clone, Debug, Default, clap::Args)]
+#[command(group(clap::ArgGroup::new("recording").multiple(true)))]
 pub struct RunRequest {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
@@ -70,15 +73,18 @@ pub struct RunRequest {
     #[arg(long)]
     pub report: Option<PathBuf>,
     /// Write quantities over time here, as CSV.
-    #[arg(long)]
+    #[arg(long, group = "recording")]
     pub csv: Option<PathBuf>,
     /// Quantities over time, separated by commas: energy, momentum, `min_j`, reaction, vertex:NUMBER, forces:NUMBER, triangle:NUMBER, and of a
     /// toy its numbers; energy, or those of a toy, if not given.
     #[arg(long, value_name = "PROBES", value_delimiter = ',', requires = "csv")]
     pub probe: Vec<Probe>,
-    /// Simulated time between two rows of them \[s\]; 1/60 if not given.
-    #[arg(long, value_name = "SECONDS", requires = "csv", value_parser = interval, allow_negative_numbers = true)]
+    /// Simulated time between two rows of them, or between two states \[s\]; 1/60 if not given.
+    #[arg(long, value_name = "SECONDS", requires = "recording", value_parser = interval, allow_negative_numbers = true)]
     pub every: Option<f64>,
+    /// Write states over time here for `ParaView`: a collection (.pvd), and beside it a file (.vtu) for each.
+    #[arg(long, value_name = "FILE.pvd", group = "recording")]
+    pub vtk: Option<PathBuf>,
     /// Save the level with its last state here, to go on from.
     #[arg(long)]
     pub save: Option<PathBuf>,
@@ -135,6 +141,7 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         ("--state", &request.state),
         ("--report", &request.report),
         ("--csv", &request.csv),
+        ("--vtk", &request.vtk),
         ("--save", &request.save),
     ]
     .map(|(option, path)| (option, path.as_ref()));
@@ -152,9 +159,9 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     share_partitions(request.threads.unwrap_or_else(threads));
     let seconds = request.seconds.unwrap_or(2.0);
     let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
-    let mut series = series(request, &simulation)?;
+    let mut recording = recording(request, &simulation)?;
     let begin = Instant::now();
-    step_with_progress(&request.progress_options, &mut simulation, (steps, "steps"), series.as_mut());
+    step_with_progress(&request.progress_options, &mut simulation, (steps, "steps"), recording.as_mut());
     let wall_seconds = begin.elapsed().as_secs_f64();
     let mut report = RunReport::new(&level, &simulation, wall_seconds);
     (report.warnings, report.end_state) = (warnings, EndState::of(&beginning, &simulation));
@@ -181,9 +188,14 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
         Ok(csv(&simulation, head))
     });
-    if let Some(series) = series {
+    if let Some(Recording { series, frames, .. }) = recording {
         let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
-        outputs.write("--csv", |_| Ok(series.text(head)));
+        if let Some(series) = series {
+            outputs.write("--csv", |_| Ok(series.text(head)));
+        }
+        if let Some(frames) = frames {
+            outputs.write("--vtk", |_| frames.text());
+        }
     }
     outputs.write("--report", |_| {
         serde_json::to_string_pretty(&report).map(|json| json + "\n").map_err(|error| error.to_string())
@@ -311,22 +323,27 @@ fn prepared(request: &RunRequest, level: &Level) -> Result<Simulation, HeadlessE
     Ok(simulation)
 }
 
-/// Quantities over time, with their first row, if they are asked for.
-fn series(request: &RunRequest, simulation: &Simulation) -> Result<Option<Series>, HeadlessError> {
-    let Some(path) = &request.csv else { return Ok(None) };
-    let usual = [if simulation.scene().toy.is_some() { Probe::Numbers } else { Probe::Energy }];
-    let probes = if request.probe.is_empty() { &usual[..] } else { &request.probe };
-    let series = Series::new(probes, request.every.unwrap_or(1.0 / 60.0), simulation);
-    let refuse = |why| FileError::Access { file: format!("--csv {}", path.display()), why };
-    Ok(Some(series.map_err(refuse)?))
+/// What is recorded over time, with the first row, if something is.
+fn recording(request: &RunRequest, simulation: &Simulation) -> Result<Option<Recording>, HeadlessError> {
+    let refuse =
+        |option: &str, path: &Path, why| FileError::Access { file: format!("{option} {}", path.display()), why };
+    let series = |path: &PathBuf| {
+        let usual = [if simulation.scene().toy.is_some() { Probe::Numbers } else { Probe::Energy }];
+        let probes = if request.probe.is_empty() { &usual[..] } else { &request.probe };
+        Series::new(probes, simulation).map_err(|why| refuse("--csv", path, why))
+    };
+    let frames = |path: &PathBuf| Frames::new(path, simulation.scene()).map_err(|why| refuse("--vtk", path, why));
+    let all = (request.csv.as_ref().map(series).transpose()?, request.vtk.as_ref().map(frames).transpose()?);
+    let records = all.0.is_some() || all.1.is_some();
+    Ok(records.then(|| Recording::new(all, request.every.unwrap_or(1.0 / 60.0), simulation)))
 }
 
-/// Steps as many times as wanted, or less often if a fault or a signal occurs, and adds rows to a series.
+/// Steps as many times as wanted, or less often if a fault or a signal occurs, and adds rows to a recording.
 fn step_with_progress(
     progress_options: &ProgressOptions,
     simulation: &mut Simulation,
     (steps, unit): (u64, &'static str),
-    mut series: Option<&mut Series>,
+    mut recording: Option<&mut Recording>,
 ) {
     // Time between two checks for a signal and two updates of the bar. Slow steps are taken one by one.
     const POLL_INTERVAL: Duration = Duration::from_millis(200);
@@ -335,11 +352,11 @@ fn step_with_progress(
     let (mut taken, mut piece) = (0, 1);
     while taken < steps && simulation.fault().is_none() && Interrupt::seen().is_none() {
         let begin = Instant::now();
-        let to_row = series.as_ref().map_or(u64::MAX, |series| series.steps_to_row(simulation));
+        let to_row = recording.as_ref().map_or(u64::MAX, |recording| recording.steps_to_row(simulation));
         let asked = piece.min(steps - taken).min(to_row);
         let done = simulation.advance(asked, &mut || Interrupt::seen().is_none());
-        if let Some(series) = series.as_mut().filter(|_| done == to_row) {
-            series.record(simulation);
+        if let Some(recording) = recording.as_mut().filter(|_| done == to_row) {
+            recording.record(simulation);
         }
         taken += done;
         progress.set(taken);

@@ -1,32 +1,27 @@
-//! Quantities of a run over time, as CSV.
+//! What is recorded while a run goes on: quantities as CSV, and states as frames.
 
+use super::Frames;
 use crate::{probe::Probe, simulation::Simulation, table::Table};
 
-/// Rows of probes at equal intervals of simulated time: at the steps that end nearest to them.
-pub struct Series {
-    probes: Vec<Probe>,
+/// What is recorded at equal intervals of simulated time: at the steps that end nearest to them.
+pub struct Recording {
+    /// Quantities.
+    pub series: Option<Series>,
+    /// States.
+    pub frames: Option<Frames>,
     /// Interval \[s\].
     every: f64,
     /// Steps taken before the first row, and rows so far.
     before: u64,
     rows: u64,
-    table: Table,
 }
 
-impl Series {
-    /// A table with its first row.
-    ///
-    /// # Errors
-    /// If the scene has not all probes.
-    pub fn new(probes: &[Probe], every: f64, simulation: &Simulation) -> Result<Self, String> {
-        let scene = simulation.scene();
-        probes.iter().try_for_each(|probe| probe.check(scene))?;
-        let columns = probes.iter().flat_map(|probe| probe.columns(scene)).map(|column| column.name);
-        let columns: Vec<_> = std::iter::once("time".to_owned()).chain(columns).collect();
-        let table = Table::new(String::new(), &columns.iter().map(String::as_str).collect::<Vec<_>>());
-        let mut series = Self { probes: probes.to_vec(), every, before: simulation.state().steps, rows: 0, table };
-        series.record(simulation);
-        Ok(series)
+impl Recording {
+    /// A recording with its first row.
+    pub fn new((series, frames): (Option<Series>, Option<Frames>), every: f64, simulation: &Simulation) -> Self {
+        let mut recording = Self { series, frames, every, before: simulation.state().steps, rows: 0 };
+        recording.record(simulation);
+        recording
     }
 
     /// Number of steps from now to the next row; at least one.
@@ -43,6 +38,37 @@ impl Series {
         while (self.rows as f64 * self.every / step).round() as u64 <= taken {
             self.rows += 1;
         }
+        if let Some(series) = &mut self.series {
+            series.record(simulation);
+        }
+        if let Some(frames) = &mut self.frames {
+            frames.record(simulation);
+        }
+    }
+}
+
+/// Rows of probes.
+pub struct Series {
+    probes: Vec<Probe>,
+    table: Table,
+}
+
+impl Series {
+    /// A table without rows.
+    ///
+    /// # Errors
+    /// If the scene has not all probes.
+    pub fn new(probes: &[Probe], simulation: &Simulation) -> Result<Self, String> {
+        let scene = simulation.scene();
+        probes.iter().try_for_each(|probe| probe.check(scene))?;
+        let columns = probes.iter().flat_map(|probe| probe.columns(scene)).map(|column| column.name);
+        let columns: Vec<_> = std::iter::once("time".to_owned()).chain(columns).collect();
+        let table = Table::new(String::new(), &columns.iter().map(String::as_str).collect::<Vec<_>>());
+        Ok(Self { probes: probes.to_vec(), table })
+    }
+
+    /// Adds a row.
+    fn record(&mut self, simulation: &Simulation) {
         let numbers = self.probes.iter().flat_map(|probe| probe.numbers(simulation));
         // 17 significant digits restore the same bits.
         let numbers = std::iter::once(simulation.state().time).chain(numbers).map(|number| format!("{number:.16e}"));

@@ -178,6 +178,65 @@ fn cells(path: &str) -> Vec<Vec<String>> {
     text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
 
+/// Numbers of an array of a VTK file.
+fn array(text: &str, name: &str) -> Vec<f64> {
+    let (_, rest) = text.split_once(&format!("Name=\"{name}\"")).unwrap();
+    let (numbers, _) = rest.split_once('\n').unwrap().1.split_once("</DataArray>").unwrap();
+    numbers.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// In the order of the state file, and with the same digits.
+#[test]
+fn states_over_time_are_those_of_the_run() {
+    let folder = Folder::new("vtk");
+    let [vtk, state, csv] = ["a & b.pvd", "state.csv", "series.csv"].map(|name| folder.file(name));
+    for (level, dimension) in [("gingerbread_house", 2), ("cloth_folding", 3), ("hanging_net", 2)] {
+        let probe = if level == "hanging_net" { "energy" } else { "triangle:12" };
+        let arguments = ["run", level, "--seconds", "0.1", "--every", "0.05", "--vtk", &vtk, "--state", &state];
+        let output = gingerbread(&[&arguments[..], &["--csv", &csv, "--probe", probe]].concat());
+        assert!(output.status.success(), "{level}: {}", said(&output.stderr));
+        let collection = fs::read_to_string(&vtk).unwrap();
+        assert_eq!(collection.matches("<DataSet").count(), 3, "{level}: at 0, 0.05 and 0.1 s");
+        assert!(collection.contains("file=\"a &amp; b_0002.vtu\""), "{collection}");
+        let text = fs::read_to_string(folder.file("a & b_0002.vtu")).unwrap();
+        let (points, velocities) = (array(&text, "points"), array(&text, "velocity"));
+        let vertices = cells(&state);
+        assert_eq!(points.len(), 3 * (vertices.len() - 1));
+        for (row, (point, velocity)) in vertices[1..].iter().zip(points.chunks(3).zip(velocities.chunks(3))) {
+            let own: Vec<f64> = row[1..].iter().map(|cell| cell.parse().unwrap()).collect();
+            assert_eq!(
+                (&own[..dimension], &own[dimension..]),
+                (&point[..dimension], &velocity[..dimension]),
+                "{level}"
+            );
+        }
+        let (corners, ends, kinds) = (array(&text, "connectivity"), array(&text, "offsets"), array(&text, "types"));
+        let springs = kinds.iter().filter(|kind| **kind == 3.0).count();
+        assert_eq!(corners.len(), 3 * (kinds.len() - springs) + 2 * springs);
+        assert_eq!((ends.len(), ends.last()), (kinds.len(), Some(&(corners.len() as f64))));
+        assert_eq!(springs > 0, level == "hanging_net");
+        if springs == 0 {
+            let rows = cells(&csv);
+            for (column, name) in [
+                ("j", "area_ratio_j"),
+                ("psi", "energy_density"),
+                ("stretch1", "principal_stretch"),
+                ("von_mises", "von_mises_stress"),
+            ] {
+                let place = rows[0].iter().position(|own| *own == format!("triangle_12_{column}"));
+                let (probe, own) = (rows[3][place.unwrap()].parse::<f64>().unwrap(), array(&text, name)[12]);
+                assert!((probe - own).abs() <= 1e-9 * probe.abs().max(1e-9), "{level}: {name} {probe} {own}");
+            }
+        }
+    }
+    for (level, path, why) in
+        [("cantilever", "a.vtu", "must end in .pvd"), ("circle", "a.pvd", "a toy has no vertices")]
+    {
+        let output = gingerbread(&["run", level, "--vtk", &folder.file(path)]);
+        assert!(!output.status.success() && said(&output.stderr).contains(why), "{}", said(&output.stderr));
+    }
+}
+
 #[test]
 fn quantities_over_time_are_those_of_the_run() {
     let folder = Folder::new("series");

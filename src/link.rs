@@ -27,10 +27,10 @@ const NAME: &str = "link";
 /// What stands before the level.
 const START: &str = "#level=";
 
-/// Longest part of an address that holds a level [bytes].
+/// Longest part of an address that holds a level \[bytes\].
 pub const LONGEST: usize = 8 << 10;
 
-/// Longest text of a level in a link [bytes]. Compressed repetitions could be far longer.
+/// Longest text of a level in a link \[bytes\]. Compressed repetitions could be far longer.
 const LONGEST_TEXT: u64 = 1 << 20;
 
 /// The part of an address that holds a level, from `#` on. Its running state is left out: who opens the link begins at its start.

@@ -33,7 +33,7 @@ pub const LONGEST: usize = 8 << 10;
 /// Longest text of a level in a link \[bytes\]. Compressed repetitions could be far longer.
 const LONGEST_TEXT: u64 = 1 << 20;
 
-/// The part of an address that holds a level, from `#` on. Its running state is left out: who opens the link begins at its start.
+/// The part of an address that holds a level, from `#` on. Its running state is left out: the opened level begins at its start.
 ///
 /// # Errors
 /// [`FileError::Access`] if the level names a file, or is too long for an address; save it as a file then.

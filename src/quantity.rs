@@ -417,7 +417,7 @@ impl<'de> serde::Deserialize<'de> for Position {
                 Ok(z.map_or(Position::Plane(Point(x, y)), |z| Position::Space(SpacePoint(x, y, z))))
             }
         }
-        from.deserialize_tuple(3, Coordinates)
+        from.deserialize_any(Coordinates)
     }
 }
 

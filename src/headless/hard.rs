@@ -16,7 +16,7 @@ use crate::{
     table::remark,
     terminal,
 };
-use std::{fmt::Write as _, path::PathBuf, sync::Arc, time::Duration};
+use std::{fmt::Write as _, path::PathBuf, str::FromStr as _, sync::Arc, time::Duration};
 
 /// Which undamped twins to run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -45,7 +45,7 @@ pub struct Hard {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub seeds: Option<u32>,
     /// One constitutive model instead of all.
-    #[arg(long, value_parser = super::overrides::model)]
+    #[arg(long, value_parser = Model::from_str)]
     pub model: Option<Model>,
     /// One integrator instead of all.
     #[arg(long, value_parser = method)]

@@ -7,20 +7,20 @@ use crate::{
     materials::Model,
     sandbox::Refused,
 };
-use std::path::Path;
+use std::{path::Path, str::FromStr as _};
 
 /// What replaces a level's own settings.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Overrides {
     /// Constitutive model for every body and membrane, instead of the level's own.
-    #[arg(long, value_parser = model)]
+    #[arg(long, value_parser = Model::from_str)]
     pub model: Option<Model>,
     /// Integrator, instead of the level's own; also e, t, r and i for forward Euler, the trapezoidal scheme (Heun), classical Runge-Kutta and implicit Euler.
-    #[arg(long, value_parser = integrator)]
+    #[arg(long, value_parser = IntegratorKind::from_str)]
     pub integrator: Option<IntegratorKind>,
     /// Longest time step \[s\], instead of the level's own; a frame of 1/60 s has a whole number of steps.
     #[arg(long, value_name = "SECONDS", value_parser = step, allow_negative_numbers = true)]
-    pub step: Option<f64>,
+    pub step: Option<Substeps>,
 }
 
 impl Overrides {
@@ -40,7 +40,7 @@ impl Overrides {
             level.integrator = integrator.clone();
         }
         if let Some(step) = self.step {
-            level.substeps = Substeps::nearest(1.0 / (60.0 * step) - 1e-9);
+            level.substeps = step;
         }
         if let Some(state) = level.state.as_mut().filter(|_| self.integrator.is_some() || self.step.is_some()) {
             // What a scheme remembers of earlier steps is of no use to another one, or to steps of another length.
@@ -51,29 +51,8 @@ impl Overrides {
     }
 }
 
-/// Parses the name of an integrator, or the letter of one.
-pub(super) fn integrator(text: &str) -> Result<IntegratorKind, String> {
-    let name = match text {
-        "e" => "ForwardEuler",
-        "t" => "Heun",
-        "r" => "RungeKutta4",
-        "i" => "ImplicitEuler",
-        name => name,
-    };
-    let mut known = IntegratorKind::all();
-    let names: Vec<_> = known.iter().map(IntegratorKind::name).collect();
-    let found = names.iter().position(|known| known.eq_ignore_ascii_case(name));
-    found.map(|at| known.swap_remove(at)).ok_or_else(|| format!("expected one of {}", names.join(", ")))
-}
-
-pub(super) fn model(text: &str) -> Result<Model, String> {
-    let names: Vec<_> = Model::ALL.iter().map(|model| model.name()).collect();
-    let known = Model::ALL.iter().find(|model| model.name().eq_ignore_ascii_case(text));
-    known.copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
-}
-
-fn step(text: &str) -> Result<f64, String> {
+fn step(text: &str) -> Result<Substeps, String> {
     let least = 1.0 / (60.0 * f64::from(Substeps::MAX));
-    let value = text.parse().ok().filter(|step| (least * (1.0 - 1e-9)..=1.0 / 60.0 * (1.0 + 1e-9)).contains(step));
-    value.ok_or_else(|| format!("expected a number of seconds in [{least:.3e}, 1/60]"))
+    let steps = text.parse().ok().and_then(Substeps::for_step);
+    steps.ok_or_else(|| format!("expected a number of seconds in [{least:.3e}, 1/60]"))
 }

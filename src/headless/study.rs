@@ -1,9 +1,6 @@
 //! `gingerbread study`: measures accuracy and its cost.
 
-use super::{
-    Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Progress as Shown, ProgressOptions, ending,
-    overrides::integrator,
-};
+use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Progress as Shown, ProgressOptions, ending};
 use crate::{
     files,
     integrators::IntegratorKind,
@@ -16,7 +13,7 @@ use crate::{
     table::remark,
     terminal,
 };
-use std::{fmt::Write as _, path::PathBuf, time::Duration};
+use std::{fmt::Write as _, path::PathBuf, str::FromStr as _, time::Duration};
 
 /// What to study and what to write.
 #[derive(Clone, Debug, clap::Args)]
@@ -24,7 +21,7 @@ pub struct Study {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
     /// Integrators to compare, by name, separated by commas; all if not given.
-    #[arg(long, value_delimiter = ',', value_parser = integrator)]
+    #[arg(long, value_delimiter = ',', value_parser = IntegratorKind::from_str)]
     pub integrators: Vec<IntegratorKind>,
     /// Steps per 1/60 s, separated by commas; what suits each integrator if not given.
     #[arg(long, value_delimiter = ',', value_parser = substeps)]

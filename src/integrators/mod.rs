@@ -81,6 +81,26 @@ registry! {
     }
 }
 
+/// An integrator by its name in level files, in any case; also e, t, r and i for forward Euler, the trapezoidal scheme (Heun), classical Runge-Kutta
+/// and implicit Euler.
+impl std::str::FromStr for IntegratorKind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let name = match text {
+            "e" => "ForwardEuler",
+            "t" => "Heun",
+            "r" => "RungeKutta4",
+            "i" => "ImplicitEuler",
+            name => name,
+        };
+        let mut known = Self::all();
+        let names: Vec<_> = known.iter().map(Self::name).collect();
+        let found = names.iter().position(|known| known.eq_ignore_ascii_case(name));
+        found.map(|at| known.swap_remove(at)).ok_or_else(|| format!("expected one of {}", names.join(", ")))
+    }
+}
+
 impl Default for IntegratorKind {
     fn default() -> Self {
         Self::SymplecticEuler(SymplecticEuler::default())

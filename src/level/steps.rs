@@ -28,6 +28,13 @@ impl Substeps {
         Self(libm::ceil(steps).clamp(1.0, f64::from(Self::MAX)) as u32)
     }
 
+    /// The least number of steps that are no longer than a length \[s\]; `None` if a frame cannot be divided so.
+    pub fn for_step(longest: f64) -> Option<Self> {
+        let least = 1.0 / (60.0 * f64::from(Self::MAX));
+        let range = least * (1.0 - 1e-9)..=1.0 / 60.0 * (1.0 + 1e-9);
+        range.contains(&longest).then(|| Self::nearest(1.0 / (60.0 * longest) - 1e-9))
+    }
+
     /// Greatest number of equal parts of a step \[s\] of which a frame has no more than [`Self::MAX`]; at least one.
     pub fn most_parts(step: f64) -> f64 {
         libm::floor(f64::from(Self::MAX) * 60.0 * step).max(1.0)

@@ -155,6 +155,18 @@ pub trait Visitor {
     fn visit<M: Material>(self, material: &M) -> Self::Output;
 }
 
+/// A model by its name in level files or the letter on its button, in any case.
+impl std::str::FromStr for Model {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let is_meant =
+            |model: &&Self| [model.name(), model.letter()].iter().any(|known| known.eq_ignore_ascii_case(text));
+        let names = || Self::ALL.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
+        Self::ALL.iter().find(is_meant).copied().ok_or_else(|| format!("expected one of {}", names()))
+    }
+}
+
 impl Model {
     /// Name as it is said, such as `St. Venant-Kirchhoff`.
     pub fn title(self) -> &'static str {

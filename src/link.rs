@@ -1,6 +1,6 @@
-//! Levels in the address of a page: a link whose part after `#` is the level itself.
+//! Levels in the address of a page: a link whose part after `#` is the level itself, or whose part after `?` names one and changes it.
 //!
-//! The level is compact RON, compressed (DEFLATE, RFC 1951) and written with the letters of addresses (base64url, RFC 4648). No server sees it, as a
+//! The level after `#` is compact RON, compressed (DEFLATE, RFC 1951) and written with the letters of addresses (base64url, RFC 4648). No server sees it, as a
 //! browser does not send this part.
 //!
 //! ```
@@ -9,9 +9,15 @@
 //! let level = Level::new("Empty");
 //! let address = format!("https://page.example/{}", link::fragment(&level)?);
 //! assert_eq!(link::level(&address).ok_or("it is a link")??, level);
+//! let named = link::level("https://page.example/?level=chain&integrator=Heun").ok_or("it is a link")??;
+//! assert_eq!(named.integrator.name(), "Heun");
 //! assert!(link::level("https://page.example/#level=%%").ok_or("it is a link")?.is_err());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+mod query;
+
+pub use query::{View, view};
 
 use crate::{
     files::{self, FileError},
@@ -52,15 +58,17 @@ pub fn fragment(level: &Level) -> Result<String, FileError> {
     Ok(fragment)
 }
 
-/// Whether an address holds a level.
+/// Whether an address holds or names a level.
 pub fn is_link(address: &str) -> bool {
-    address.contains(START)
+    address.contains(START) || query::names_level(address)
 }
 
-/// The level in an address; `None` if there is none.
+/// The level in an address, or the one that it names; `None` if there is none.
 pub fn level(address: &str) -> Option<Result<Level, FileError>> {
-    let (_, packed) = address.split_once(START)?;
-    Some(read(packed))
+    match address.split_once(START) {
+        Some((_, packed)) => Some(read(packed)),
+        None => query::names_level(address).then(|| query::level(address)),
+    }
 }
 
 fn read(packed: &str) -> Result<Level, FileError> {

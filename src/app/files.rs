@@ -97,7 +97,10 @@ impl App {
     pub fn open(&mut self, path: &Path) {
         match path.to_str().and_then(link::level) {
             Some(Ok(level)) => {
-                self.start(level);
+                let mode = level.mode;
+                if self.start(level) && self.view.presents.is_some() {
+                    self.apply(None, Command::SetMode(mode.into()));
+                }
                 return;
             }
             Some(Err(error)) => {
@@ -145,6 +148,11 @@ impl App {
     pub fn open_link(&mut self, address: &str) {
         if link::is_link(address) {
             self.view.file = Some(FileRequest::File(PathBuf::from(address), Vec::new()));
+        }
+        let link::View { embed, wireframe } = link::view(address);
+        self.view.stage.wireframe |= wireframe;
+        if embed {
+            self.view.presents = Some(1.0);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Pictures and films as the window takes them: when a frame is due, and where what is finished is saved.
 
-use super::{Recorder, Shot};
+use super::{LARGEST, Recorder, Shot};
 use crate::{
     app::{
         App,
@@ -47,8 +47,10 @@ impl App {
             match (request, &mut self.recorder) {
                 (FilmRequest::Start(format), None) => {
                     let (shot, size) = self.shot();
+                    let fits = |axis: usize| LARGEST[axis] as f64 / size[axis] as f64;
+                    let scale = fits(0).min(fits(1)).min(1.0);
                     // The sides of films are even.
-                    let size = [size[0].min(3840) & !1, size[1].min(2160) & !1];
+                    let size = size.map(|side| (side as f64 * scale) as usize & !1);
                     let look = (ctx.theme() == Theme::Dark, self.view.pace.factor());
                     match Recorder::start(format, size, look, shot) {
                         Ok(recorder) => self.recorder = Some(recorder),

@@ -1,10 +1,20 @@
 //! Films: moving pictures of the stage, in one of several formats.
 
+#[cfg(target_arch = "wasm32")]
+mod browser;
+mod drawer;
 mod filming;
 mod gif;
 #[cfg(not(target_arch = "wasm32"))]
 mod mp4;
+#[cfg(not(target_arch = "wasm32"))]
+mod native;
 mod recorder;
+
+#[cfg(target_arch = "wasm32")]
+use browser::{LARGEST, Worker};
+#[cfg(not(target_arch = "wasm32"))]
+use native::{LARGEST, Worker};
 
 pub use recorder::{Progress, Recorder, Shot};
 

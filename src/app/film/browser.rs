@@ -1,0 +1,59 @@
+//! Films are drawn between the frames of the window: a page has one thread.
+
+use super::{FilmFormat, Shot, drawer::Drawer};
+use crate::app::picture::Stage;
+use std::collections::VecDeque;
+
+/// Largest film \[pixels\]: a frame of it is drawn in a few hundredths of a second.
+pub(super) const LARGEST: [usize; 2] = [640, 480];
+
+/// A film that is drawn frame by frame.
+pub(super) struct Worker {
+    drawer: Option<Drawer>,
+    shots: VecDeque<Shot>,
+    drawn: u64,
+    has_ended: bool,
+}
+
+impl Worker {
+    /// Starts it, with what makes the stage.
+    pub fn start(format: FilmFormat, size: [usize; 2], stage: impl FnOnce() -> Stage) -> Result<Self, String> {
+        let drawer = Some(Drawer::new(format, size, stage())?);
+        Ok(Self { drawer, shots: VecDeque::new(), drawn: 0, has_ended: false })
+    }
+
+    /// Takes a shot; gives it back while another one is not drawn.
+    pub fn take(&mut self, shot: Shot) -> Option<Shot> {
+        if !self.shots.is_empty() {
+            return Some(shot);
+        }
+        self.shots.push_back(shot);
+        None
+    }
+
+    /// Takes the last shot, if one has waited, and ends the film with it.
+    pub fn end(&mut self, last: Option<Shot>) {
+        self.shots.extend(last);
+        self.has_ended = true;
+    }
+
+    /// Number of frames drawn.
+    pub const fn drawn(&self) -> u64 {
+        self.drawn
+    }
+
+    /// Draws a frame. The film, or why there is none, once it is finished.
+    pub fn poll(&mut self) -> Option<Result<Vec<u8>, String>> {
+        let mut drawer = self.drawer.take()?;
+        if let Some(shot) = self.shots.pop_front() {
+            if let Err(why) = drawer.draw(shot) {
+                return Some(Err(why));
+            }
+            self.drawn += 1;
+        } else if self.has_ended {
+            return Some(drawer.finish());
+        }
+        self.drawer = Some(drawer);
+        None
+    }
+}

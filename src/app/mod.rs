@@ -597,8 +597,19 @@ pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Gingerbread")
         .with_app_id("gingerbread")
+        .with_icon(icon().unwrap_or_default())
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size(SMALLEST);
     let options = eframe::NativeOptions { viewport, ..Default::default() };
     eframe::run_native("Gingerbread", options, Box::new(|cc| Ok(Box::new(App::new(cc, level)?))))
+}
+
+/// The icon of the window, where the system shows one.
+#[cfg(not(target_arch = "wasm32"))]
+fn icon() -> Option<egui::IconData> {
+    let file = std::io::Cursor::new(include_bytes!("../../assets/icon.png"));
+    let mut reader = png::Decoder::new(file).read_info().ok()?;
+    let mut rgba = vec![0; reader.output_buffer_size()?];
+    let png::OutputInfo { width, height, .. } = reader.next_frame(&mut rgba).ok()?;
+    Some(egui::IconData { rgba, width, height })
 }

@@ -42,6 +42,9 @@ pub struct Render {
     /// What colours the triangles.
     #[arg(long, value_enum, default_value = "plain")]
     pub colour: Colouring,
+    /// Holds the ends of the colour scale at this distance from the value at rest, in the unit of the field, instead of following the values.
+    #[arg(long, value_parser = positive, requires = "colour")]
+    pub range: Option<f64>,
     /// Draw the edges of triangles.
     #[arg(long)]
     pub wireframe: bool,
@@ -158,7 +161,8 @@ impl Take {
         let mut sandbox = Sandbox::new(level, Box::new(files::Disk)).map_err(fail)?;
         sandbox.apply(Command::SetMode(mode.into())).map_err(fail)?;
         let field = request.colour.field();
-        let options = Options { field, wireframe: request.wireframe, ..Options::default() };
+        let held = request.range.map(|end| (field, end));
+        let options = Options { field, held, wireframe: request.wireframe, ..Options::default() };
         let before = sandbox.simulation().state().steps;
         Ok(Self {
             before,
@@ -214,6 +218,11 @@ impl Take {
             self.sandbox.advance(due - taken, &mut || Interrupt::seen().is_none());
         }
     }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above zero".to_owned())
 }
 
 fn size(text: &str) -> Result<[usize; 2], String> {

@@ -50,9 +50,15 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Updates the range from the values of a frame of `dt` seconds. The range grows without delay and shrinks after `SHRINK_DELAY`.
-    pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
+    /// Updates the range from the values of a frame of `dt` seconds, unless it is held. The range grows without delay and shrinks after
+    /// `SHRINK_DELAY`.
+    pub fn follow(&mut self, snapshot: &Snapshot, dt: f32, held: Option<f64>) {
         self.typical = self.typical_high(snapshot);
+        if let Some(end) = held {
+            (self.field, self.generation) = (snapshot.field, Some(snapshot.generation));
+            (self.goal, self.high, self.below_time) = (end, end, 0.0);
+            return;
+        }
         let wanted = round_up(self.typical.max(self.heeded).max(floor(snapshot)));
         if self.field != snapshot.field || self.generation != Some(snapshot.generation) {
             (self.field, self.generation) = (snapshot.field, Some(snapshot.generation));
@@ -86,6 +92,11 @@ impl Scale {
     /// Whether the range is changing.
     pub fn is_moving(&self) -> bool {
         self.field != Field::None && (self.high != self.goal || self.below_time > 0.0)
+    }
+
+    /// Distance of the ends from the value at rest.
+    pub const fn end(&self) -> f64 {
+        self.goal
     }
 
     /// Values at the two ends of the map.
@@ -211,13 +222,27 @@ mod tests {
     fn grows_at_once_and_shrinks_after_a_while() {
         let mut snapshot = Snapshot { field: Field::VonMises, values: vec![30.0; 9], ..Snapshot::default() };
         let mut scale = Scale::default();
-        scale.follow(&snapshot, 0.02);
+        scale.follow(&snapshot, 0.02, None);
         assert_eq!(scale.range(), [0.0, 50.0]);
         snapshot.values.fill(1.0);
-        (0..50).for_each(|_| scale.follow(&snapshot, 0.02));
+        (0..50).for_each(|_| scale.follow(&snapshot, 0.02, None));
         assert_eq!(scale.range(), [0.0, 50.0], "one second is too early");
-        (0..150).for_each(|_| scale.follow(&snapshot, 0.02));
+        (0..150).for_each(|_| scale.follow(&snapshot, 0.02, None));
         assert_eq!(scale.range(), [0.0, 1.0]);
         assert!(!scale.is_moving());
+    }
+
+    #[test]
+    fn a_held_range_follows_no_values() {
+        let mut snapshot = Snapshot { field: Field::VonMises, values: vec![30.0; 9], ..Snapshot::default() };
+        let mut scale = Scale::default();
+        for value in [30.0, 1e9, 0.0] {
+            snapshot.values.fill(value);
+            scale.follow(&snapshot, 0.02, Some(7.0));
+            assert_eq!((scale.range(), scale.is_moving()), ([0.0, 7.0], false), "{value}");
+        }
+        snapshot.field = Field::Volume;
+        scale.follow(&snapshot, 0.02, Some(0.25));
+        assert_eq!(scale.range(), [0.75, 1.25], "on both sides of the value at rest");
     }
 }

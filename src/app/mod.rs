@@ -311,6 +311,11 @@ impl App {
         }
     }
 
+    /// Distance of the ends of the colour scale from the value at rest.
+    pub const fn colour_scale_end(&self) -> f64 {
+        self.view.scale_end
+    }
+
     /// The level with its present state, as a file of it has it.
     ///
     /// # Errors
@@ -541,6 +546,7 @@ impl eframe::App for App {
             _ => canvas.show(ui, first, &view.stage, commands),
         };
         panels::show(ui, &context, &mut self.view, &mut draw, &mut self.commands);
+        self.view.scale_end = self.canvas.scale_end();
         if let (Some(panes), Some(stage)) = (&mut self.comparison, stage) {
             panes.stage = stage;
         }

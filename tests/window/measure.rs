@@ -195,3 +195,29 @@ fn the_shape_of_an_earlier_moment_is_drawn_in_the_plane_and_in_space() {
         assert!(window.query_by_label("Now").is_none(), "{level}");
     }
 }
+
+/// Pictures with one range can be compared.
+#[test]
+fn a_held_range_of_colours_stays_until_it_is_let_go() {
+    let mut window = open("gingerbread_pulled");
+    click(&mut window, "Von Mises stress");
+    press(&mut window, Key::M);
+    window.run_steps(60);
+    click(&mut window, "Hold range");
+    let end = window.state().colour_scale_end();
+    type_number(&mut window, "End of range", "2 kPa");
+    window.run_steps(30);
+    assert!(end > 0.0 && end != 2000.0 && window.state().colour_scale_end() == 2000.0, "{end}");
+    type_number(&mut window, "End of range", "-1");
+    assert!(window.query_by_label_contains("expected a number above zero").is_some());
+    press(&mut window, Key::Escape);
+    click(&mut window, "Area ratio J");
+    window.run_steps(30);
+    assert!(window.query_by_label("Range on both sides").is_none(), "another field has its own range");
+    click(&mut window, "Hold range");
+    assert!(window.query_all_by_label("Range on both sides").next().is_some());
+    click(&mut window, "Hold range");
+    click(&mut window, "Von Mises stress");
+    window.run_steps(120);
+    assert!(window.state().colour_scale_end() != 2000.0, "it follows the values again");
+}

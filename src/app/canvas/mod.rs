@@ -59,10 +59,12 @@ const DRAW: &str =
     "Draw a closed line, or click corner after corner. The first corner or Enter ends the outline; Esc cancels.";
 
 /// Display options of the stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// Field that colours the triangles, once the snapshot has its values.
     pub field: Field,
+    /// A field whose colours have a held range, and the distance of its ends from the value at rest.
+    pub held: Option<(Field, f64)>,
     /// Whether the edges of triangles are drawn.
     pub wireframe: bool,
     /// Whether surfaces in space are coloured by the directions of their normals.
@@ -305,7 +307,8 @@ impl Canvas {
         self.picked.follow(wanted, dt);
         self.pins.follow(snapshot, frame.now);
         self.scenery.follow(snapshot, dt);
-        self.scale.follow(snapshot, dt);
+        let held = frame.options.held.filter(|(field, _)| *field == snapshot.field);
+        self.scale.follow(snapshot, dt, held.map(|(_, end)| end));
         self.trail.follow(snapshot);
         if live {
             self.snow.fall(dt);
@@ -437,6 +440,11 @@ pub fn share_view(a: &mut Canvas, b: &mut Canvas) {
 }
 
 impl Canvas {
+    /// Distance of the ends of the colour scale from the value at rest.
+    pub fn scale_end(&self) -> f64 {
+        self.scale.end()
+    }
+
     /// Scales the colours by the canvas's own values alone.
     pub fn unshare_scale(&mut self) {
         self.scale.heed(None);

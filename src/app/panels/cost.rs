@@ -1,9 +1,9 @@
 //! Panel of display options and costs.
 
 use super::{
-    PanelContext, View, apply_response, count, fixed, heading, heading_here, row,
+    Notice, PanelContext, View, apply_response, count, fixed, heading, heading_here, row,
     status::AT_REST,
-    widgets::{self, Segment, SliderOptions, segmented},
+    widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
     app::{draw::ghost::EarlierShape, numbers},
@@ -91,6 +91,39 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         }
         earlier(ui, now, view);
     });
+    if view.stage.field != Field::None && view.stage.field == now.field {
+        held_range(ui, view);
+    }
+}
+
+/// Draws the switch that holds the range of the colours, and the held end.
+fn held_range(ui: &mut Ui, view: &mut View) {
+    let field = view.stage.field;
+    let held = view.stage.held.filter(|(of, _)| *of == field).map(|(_, end)| end);
+    let mut on = held.is_some();
+    let help = "The ends of the colour scale stay, whatever the values are, so that pictures can be compared.";
+    if ui.checkbox(&mut on, "Hold range").on_hover_text(help).changed() {
+        view.stage.held = on.then_some((field, view.scale_end));
+    }
+    if let Some(end) = held.filter(|_| on) {
+        let name = if field.is_signed() { "range on both sides" } else { "end of range" };
+        let options = SliderOptions {
+            name,
+            unit: field.unit(),
+            range: (0.0, 2.0 * end),
+            logarithmic: true,
+            help: "Distance of the ends of the colour scale from the value at rest, above zero.",
+        };
+        let mut response = SliderResponse::default();
+        match widgets::typed(ui, &options, end, &mut response) {
+            Some(end) if end > 0.0 => view.stage.held = Some((field, end)),
+            Some(end) => response.refused = Some(format!("{name}: expected a number above zero, got {end}")),
+            None => {}
+        }
+        if let Some(why) = response.refused {
+            view.notice = Some(Notice::Trouble(why));
+        }
+    }
 }
 
 /// Makes the switches of a row stand close together, so that they do not widen the panel.

@@ -52,6 +52,8 @@ use std::path::PathBuf;
 pub struct View {
     /// Display options of the stage: colours, edges and vertices.
     pub stage: canvas::Options,
+    /// Distance of the ends of the colour scale from the value at rest, as it is shown.
+    pub scale_end: f64,
     /// Solid whose sliders the pointer was over in this frame. The stage highlights it in the next frame.
     pub meant: Option<[usize; 2]>,
     /// Body whose parameters the sliders show; numbers after the bodies are nets.

@@ -145,7 +145,7 @@ pub fn number(
 }
 
 /// Draws the row with the name and the number field, and returns a new value.
-fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
+pub fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
     let mut chosen = None;
     let not_a_number = RefCell::new(None);
     ui.horizontal(|ui| {

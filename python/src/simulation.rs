@@ -1,6 +1,7 @@
 //! Running levels.
 
 use crate::{Interruptible, level::Level, value_error};
+use bytemuck::cast_slice;
 use gingerbread::{
     effects::Grab,
     files::Disk,
@@ -115,7 +116,7 @@ impl Simulation {
         for (place, mass) in run.listed.iter().zip(scene.mass.iter().step_by(scene.dimension)) {
             masses[*place] = *mass;
         }
-        array(py, &masses.iter().flat_map(|mass| mass.to_ne_bytes()).collect::<Vec<_>>(), ("float64", None))
+        array(py, cast_slice(&masses), ("float64", None))
     }
 
     /// Corners of all triangles of bodies and membranes, by the numbers of the vertices: a row for each triangle.
@@ -130,8 +131,7 @@ impl Simulation {
             let place = scene.listed_triangle(number).unwrap_or(number);
             corners[place] = own.map(|corner| run.listed[corner as usize] as i64);
         }
-        let bytes: Vec<_> = corners.as_flattened().iter().flat_map(|corner| corner.to_ne_bytes()).collect();
-        array(py, &bytes, ("int64", Some(3)))
+        array(py, cast_slice(&corners), ("int64", Some(3)))
     }
 
     /// Energies [J] by kind, and their sum as `"total"`.
@@ -224,7 +224,7 @@ impl Run {
             all[dimension * place..dimension * (place + 1)].copy_from_slice(own);
         }
         let columns = (!self.listed.is_empty()).then_some(dimension);
-        array(py, &all.iter().flat_map(|value| value.to_ne_bytes()).collect::<Vec<_>>(), ("float64", columns))
+        array(py, cast_slice(&all), ("float64", columns))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::refused;
 use crate::{
-    effects::EffectKind,
+    effects::{EffectKind, Projection},
     files::{self, FileError},
     finish::{Colour, Pattern},
     integrators::IntegratorKind,
@@ -232,7 +232,7 @@ fn sheet(level: &mut Level) -> Option<&mut crate::nets::Sheet> {
     }
 }
 
-fn projection(level: &mut Level) -> Option<&mut crate::effects::Projection> {
+fn projection(level: &mut Level) -> Option<&mut Projection> {
     level.effects.iter_mut().find_map(|effect| match &mut effect.effect {
         EffectKind::Projection(projection) => Some(projection),
         _ => None,
@@ -323,25 +323,23 @@ fn wave(level: &mut Level, value: &str) -> Option<()> {
     Some(())
 }
 
-fn structural(level: &mut Level, value: &str) -> Option<()> {
-    let is_on = flag(value)?;
-    let projection = projection(level)?;
-    projection.structural = if is_on { crate::effects::Projection::default().structural } else { none()? };
+/// Switches the correction of a family of springs.
+fn correct<Q: TryFrom<f64>>(level: &mut Level, value: &str, family: fn(&mut Projection) -> &mut Q) -> Option<()> {
+    let share = if flag(value)? { 1.0 } else { 0.0 };
+    *family(projection(level)?) = Q::try_from(share).ok()?;
     Some(())
+}
+
+fn structural(level: &mut Level, value: &str) -> Option<()> {
+    correct(level, value, |projection| &mut projection.structural)
 }
 
 fn shear(level: &mut Level, value: &str) -> Option<()> {
-    let is_on = flag(value)?;
-    let projection = projection(level)?;
-    projection.shear = if is_on { crate::effects::Projection::default().shear } else { none()? };
-    Some(())
+    correct(level, value, |projection| &mut projection.shear)
 }
 
 fn bending(level: &mut Level, value: &str) -> Option<()> {
-    let is_on = flag(value)?;
-    let projection = projection(level)?;
-    projection.flexion = if is_on { crate::effects::Projection::default().flexion } else { none()? };
-    Some(())
+    correct(level, value, |projection| &mut projection.flexion)
 }
 
 /// Zero of a quantity that may be zero.

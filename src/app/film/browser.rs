@@ -4,7 +4,7 @@ use super::{FilmFormat, Shot, drawer::Drawer};
 use crate::app::picture::Stage;
 use std::collections::VecDeque;
 
-/// Largest film \[pixels\]: a frame of it is drawn in a few hundredths of a second.
+/// Largest film \[pixels\]: the window waits while a frame is drawn.
 pub(super) const LARGEST: [usize; 2] = [640, 480];
 
 /// A film that is drawn frame by frame.

@@ -81,6 +81,9 @@ pub enum Command {
     Release,
     /// Changes the velocities near a point at once.
     Impulse(Impulse),
+    /// Starts over and records pulls and pushes as scripted actions of the level, or ends this and pauses. Other commands than these and those
+    /// of time end it too.
+    Record(bool),
 
     /// Replaces the whole document and starts it, in edit mode. Undo restores the old one.
     Open(Box<Level>),
@@ -157,6 +160,16 @@ impl Command {
         matches!(self, Self::Grab(..) | Self::Pull(_) | Self::Release)
     }
 
+    /// Whether the command can be recorded as a scripted action.
+    pub const fn is_recorded(&self) -> bool {
+        self.is_of_the_hand() || matches!(self, Self::Impulse(_))
+    }
+
+    /// Whether the command lets time run, stops it, or ends a gesture: it changes nothing else.
+    pub const fn is_of_time(&self) -> bool {
+        matches!(self, Self::SetRunning(_) | Self::StepOnce | Self::StepFrame | Self::EndGesture)
+    }
+
     /// Subject of the command.
     pub const fn about(&self) -> About {
         match self {
@@ -179,6 +192,7 @@ impl Command {
             | Self::Pull(_)
             | Self::Release
             | Self::Impulse(_)
+            | Self::Record(_)
             | Self::Open(_)
             | Self::SetMaterial(..)
             | Self::AddBody(_)

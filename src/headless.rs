@@ -27,7 +27,7 @@ use crate::{
     files::{self, FileError},
     hard::Case,
     inversion_recovery::untangled,
-    level::{Level, RunMode},
+    level::{Level, RecordedEnd, RunMode},
     levels, link,
     probe::Probe,
     sandbox::Refused,
@@ -50,7 +50,7 @@ use web_time::Instant;
 pub struct RunRequest {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
-    /// Simulated time to run \[s\].
+    /// Simulated time to run \[s\]; 2 if not given, or to the end of the recording if the level has one.
     #[arg(long, conflicts_with = "steps", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Number of steps to take.
@@ -157,8 +157,9 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     Interrupt::watch();
     let beginning = Beginning::of(&simulation);
     share_partitions(request.threads.unwrap_or_else(threads));
-    let seconds = request.seconds.unwrap_or(2.0);
-    let steps = request.steps.unwrap_or_else(|| (seconds / simulation.scene().step).round() as u64);
+    let in_steps = |seconds: f64| (seconds / simulation.scene().step).round() as u64;
+    let asked = request.steps.or(request.seconds.map(in_steps)).or_else(|| simulation.steps_to_end());
+    let steps = asked.unwrap_or_else(|| in_steps(2.0));
     let mut recording = recording(request, &simulation)?;
     let begin = Instant::now();
     step_with_progress(&request.progress_options, &mut simulation, (steps, "steps"), recording.as_mut());
@@ -206,8 +207,9 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     });
     let code = match simulation.fault() {
         Some(_) => 1,
-        None if report.end_state.physical => 0,
-        None => 3,
+        None if !report.end_state.physical => 3,
+        None if report.replayed == Some(false) => 4,
+        None => 0,
     };
     let stopped = Interrupt::seen().filter(|_| report.partial.is_some());
     let mut ending = Ending::new(report.to_string(), outputs, code, stopped);
@@ -227,6 +229,22 @@ pub fn read(path: &Path) -> Result<Level, HeadlessError> {
     }
     let names = levels::BUILT_IN.iter().chain(levels::HARD).map(|(file, _)| *file);
     files::read(path).map_err(|error| missing(path, error, "level", names))
+}
+
+/// Reads a level and runs it from its start. The result has the state that this comes to as the end of a recording.
+///
+/// # Errors
+/// [`HeadlessError`] if the level cannot be read or built, or stops.
+pub fn recorded(path: &Path, seconds: f64) -> Result<Level, HeadlessError> {
+    let level = Level { state: None, recorded: None, ..read(path)? };
+    let mut simulation = start(&level, path)?;
+    share_partitions(threads());
+    let steps = (seconds / simulation.scene().step).round() as u64;
+    simulation.advance(steps, &mut || true);
+    match simulation.fault() {
+        Some(fault) => Err(HeadlessError::Fault(fault.clone())),
+        None => Ok(Level { recorded: Some(RecordedEnd::new(simulation.state())), ..level }),
+    }
 }
 
 /// Error of reading a file. If the file is missing, it names the built-in ones.
@@ -406,7 +424,11 @@ fn interval(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "expected more than 0 and at most 1e9 seconds".to_owned())
 }
 
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+/// Parses a simulated time \[s\].
+///
+/// # Errors
+/// If it is not in range.
+pub fn seconds(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     if value.is_finite() && (0.0..=1e9).contains(&value) {
         Ok(value)

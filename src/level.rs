@@ -10,7 +10,7 @@ mod steps;
 
 pub use crate::meshes::Pin;
 pub use saved::{SavedGuard, SavedState};
-pub use script::{Action, ScriptedAction, frame};
+pub use script::{Action, RecordedEnd, ScriptedAction, frame};
 pub use steps::{SubstepMode, Substeps};
 
 use crate::{
@@ -76,6 +76,9 @@ pub struct Level {
     /// Scripted actions. Times count from the start, also where the level was saved while running.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub actions: Vec<ScriptedAction>,
+    /// Where the scripted actions led when they were recorded: a replay stops there, and tells whether its state is the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recorded: Option<RecordedEnd>,
     /// Where everything is now, if the level was saved while running. Rest shapes are never changed by saving.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<SavedState>,

@@ -40,6 +40,9 @@ enum Command {
         /// Address of the page; without it only what follows there is printed, from `#` on.
         #[arg(long, default_value = "")]
         page: String,
+        /// Put the state after so much simulated time \[s\] into the link: whoever opens it sees the same run, and whether it comes to the same state.
+        #[arg(long, value_parser = headless::seconds, allow_negative_numbers = true)]
+        seconds: Option<f64>,
     },
     /// Reads level files and says what is wrong with them.
     Check {
@@ -59,7 +62,7 @@ fn main() -> ExitCode {
         Some(Command::Study(study)) => headless::study(&study),
         Some(Command::Hard(hard)) => headless::hard(&hard),
         Some(Command::Render(request)) => render::render(&request),
-        Some(Command::Link { level, page }) => return link(&level, &page),
+        Some(Command::Link { level, page, seconds }) => return link(&level, &page, seconds),
         Some(Command::Check { files }) => return check(&files),
         None => return window(arguments.level.as_deref()),
     };
@@ -96,8 +99,12 @@ fn window(level: Option<&Path>) -> ExitCode {
 }
 
 /// Prints a link.
-fn link(level: &Path, page: &str) -> ExitCode {
-    let fragment = match headless::open(level).map(|level| link::fragment(&level)) {
+fn link(level: &Path, page: &str, seconds: Option<f64>) -> ExitCode {
+    let read = match seconds {
+        Some(seconds) => headless::recorded(level, seconds),
+        None => headless::open(level),
+    };
+    let fragment = match read.map(|level| link::fragment(&level)) {
         Ok(Ok(fragment)) => fragment,
         Ok(Err(error)) => return fail(&error, 2),
         Err(error) => return fail(&error, error.exit_code()),

@@ -12,6 +12,7 @@
 //! ```
 
 mod edit;
+mod recording;
 mod wind;
 
 use crate::{
@@ -28,6 +29,7 @@ use crate::{
     scene::{Body, Owner, Scene, SceneError, extent},
     simulation::{Restart, Simulation},
 };
+use recording::Recording;
 use std::{collections::VecDeque, rc::Rc, sync::Arc};
 
 /// A level that is edited and run.
@@ -45,6 +47,7 @@ pub struct Sandbox {
     rewind: Rewind,
     /// Bodies with large meshes that are not shown, the latest last.
     shelf: VecDeque<Body>,
+    recording: Option<Recording>,
 }
 
 /// Meshes with more triangles than this are cached, because they take long to make.
@@ -100,6 +103,7 @@ impl Sandbox {
             files,
             rewind: Rewind::default(),
             shelf: VecDeque::new(),
+            recording: None,
         })
     }
 
@@ -134,6 +138,7 @@ impl Sandbox {
     pub(crate) fn start_over(&mut self) {
         let start = self.simulation.scene().start.clone();
         self.resume(&Restart::from(start));
+        self.simulation.follow(&self.shown, self.effect_mode(&self.document));
         self.begin_anew();
     }
 
@@ -177,7 +182,17 @@ impl Sandbox {
     /// # Errors
     /// [`Refused`] if it cannot be done; nothing has changed then.
     pub fn apply(&mut self, command: Command) -> Result<(), Refused> {
+        if self.is_recording() {
+            if command.is_recorded() {
+                return self.record(&command);
+            }
+            if !command.is_of_time() {
+                self.end_recording();
+            }
+        }
         match command {
+            Command::Record(true) => self.begin_recording()?,
+            Command::Record(false) => {}
             Command::SetMode(mode) => self.set_mode(mode)?,
             Command::SetRunning(running) => self.set_running(running)?,
             Command::StepOnce => self.step(1)?,
@@ -194,6 +209,7 @@ impl Sandbox {
                 let free = untangled(self.simulation.scene(), self.simulation.state());
                 self.rewind.keep(&self.simulation);
                 let free = free.ok_or(Refused::NotHere("no body overlaps itself: there is nothing to untangle"))?;
+                self.simulation.forget_recording();
                 self.resume(&Restart::from(free));
             }
             Command::Grab(vertex, target) => self.grab(vertex, target)?,
@@ -335,25 +351,37 @@ impl Sandbox {
     }
 
     fn grab(&mut self, vertex: usize, target: [f64; 3]) -> Result<(), Refused> {
+        self.check_grab(vertex, target)?;
+        self.simulation.forget_recording();
+        self.simulation.set_grab(Some(Grab { vertex, target }));
+        Ok(())
+    }
+
+    fn check_grab(&self, vertex: usize, target: [f64; 3]) -> Result<(), Refused> {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pulled in edit mode; press M or T to let time run"));
         }
         if vertex >= self.simulation.scene().vertices() || !target.iter().all(|coordinate| coordinate.is_finite()) {
             return Err(Refused::NotHere("there is no such vertex or point to pull"));
         }
-        self.simulation.set_grab(Some(Grab { vertex, target }));
         Ok(())
     }
 
     fn give(&mut self, impulse: &Impulse) -> Result<(), Refused> {
+        self.check_impulse(impulse)?;
+        self.rewind.keep(&self.simulation);
+        self.simulation.forget_recording();
+        self.simulation.give(impulse);
+        Ok(())
+    }
+
+    fn check_impulse(&self, impulse: &Impulse) -> Result<(), Refused> {
         if self.mode == Mode::Edit {
             return Err(Refused::NotHere("nothing can be pushed in edit mode; press M or T to let time run"));
         }
         if self.simulation.scene().toy.is_some() || !impulse.is_valid() {
             return Err(Refused::NotHere("there is nothing here that can be pushed"));
         }
-        self.rewind.keep(&self.simulation);
-        self.simulation.give(impulse);
         Ok(())
     }
 

@@ -19,6 +19,7 @@ mod energies;
 mod keep_apart;
 mod multirate;
 mod overlaps;
+mod replay;
 mod restart;
 mod script;
 mod sleep;
@@ -39,6 +40,7 @@ use contacts::{contacts, surface_contact};
 use energies::Elastic;
 use multirate::Multirate;
 use overlaps::Overlaps;
+use replay::Replay;
 use restart::Checkpoint;
 pub use restart::Restart;
 use script::Script;
@@ -62,6 +64,7 @@ pub struct Simulation {
     multirate: Multirate,
     grab: Option<Grab>,
     script: Option<Script>,
+    replay: Replay,
     guard: Guard,
     fault: Option<Fault>,
     overlaps: Overlaps,
@@ -100,6 +103,7 @@ impl Simulation {
             scratch,
             grab: None,
             script: None,
+            replay: Replay::default(),
             guard: Guard::default(),
             fault: None,
             overlaps: Overlaps::default(),
@@ -154,6 +158,7 @@ impl Simulation {
         self.guard.reset();
         self.fault = None;
         self.seek();
+        self.await_end();
         self.apply_sleep();
         self.begin_contacts();
     }
@@ -271,14 +276,19 @@ impl Simulation {
     /// solved while triangles were inverted. Energies are checked at the end of each frame of 1/60 s, and within a frame where
     /// the kinetic energy has grown; see [`Self::check_energy`].
     ///
-    /// Scripted actions are performed at their times; see [`Self::follow`].
+    /// Scripted actions are performed at their times, and the state is compared with the recorded one of the level; see
+    /// [`Self::follow`] and [`Self::replayed`].
     pub fn advance(&mut self, steps: u64, more: &mut dyn FnMut() -> bool) -> u64 {
         let mut taken = 0;
         self.asked_at = self.state.steps;
         while taken < steps && self.fault.is_none() {
             self.perform_due(&mut |_, _| {});
-            let wanted = self.steps_to_action().map_or(steps - taken, |until| until.min(steps - taken));
+            let next = [self.steps_to_action(), self.steps_to_end()].into_iter().flatten();
+            let wanted = next.fold(steps - taken, u64::min);
             let done = self.advance_freely(wanted, more);
+            if done > 0 {
+                self.compare_end();
+            }
             taken += done;
             if done < wanted || (taken < steps && !more()) {
                 break;

@@ -127,6 +127,10 @@ pub struct Snapshot {
     pub energy_evaluations: u64,
     /// Generation, shape number and field of the last evaluation.
     pub(crate) seen: Option<(u64, u64, Field)>,
+    /// Whether actions are recorded.
+    pub records: bool,
+    /// Whether the recorded end of the level was met, once it has been reached.
+    pub replayed: Option<bool>,
     /// Whether there is something to undo.
     pub can_undo: bool,
     /// Whether there is something to redo.
@@ -319,6 +323,7 @@ impl Sandbox {
         (snapshot.mode, snapshot.running) = (self.mode, self.is_live());
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.elements = Arc::clone(&scene.elements);
+        (snapshot.records, snapshot.replayed) = (self.is_recording(), simulation.replayed());
         snapshot.damping = self.damping();
         snapshot.wind = self.wind();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();

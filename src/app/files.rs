@@ -88,6 +88,9 @@ impl App {
             self.mark_kept();
             (self.view.picks, self.view.stage.draws) = (false, false);
             self.path = None;
+            if self.sandbox.document().level.recorded.is_some() {
+                self.apply(None, Command::SetRunning(true));
+            }
         }
         done
     }

@@ -214,6 +214,9 @@ pub static TABLE: &[Binding] = &[
     binding("P", "probe the vertex or triangle under the pointer", When::Always, &[key(Key::P)], |_| KeyAction::Probe),
     binding("I", "save a picture of the stage", When::Always, &[key(Key::I)], |_| KeyAction::TakePicture),
     binding("Shift+V", "record a film of the stage, or end it", When::Always, &[shift(Key::V)], |_| KeyAction::Film),
+    binding("Shift+R", "record pulls and pushes as actions, or end it", When::Always, &[shift(Key::R)], |now| {
+        KeyAction::Do(Command::Record(!now.records))
+    }),
     Binding {
         repeats: true,
         ..binding("+", "zoom in (also the wheel)", When::Always, &[key(Key::Plus), key(Key::Equals)], |_| {

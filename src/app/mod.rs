@@ -81,6 +81,8 @@ pub struct App {
     meshing: Meshing,
     /// A film that is being recorded.
     recorder: Option<Recorder>,
+    /// Whether a replay came to the recorded state, as it was last told.
+    replayed: Option<bool>,
     /// The document as it was last opened or saved.
     kept: Document,
     /// File of the level, if it has one, and the level files that were used last.
@@ -142,6 +144,7 @@ impl App {
             commands: Vec::new(),
             meshing: Meshing::default(),
             recorder: None,
+            replayed: None,
             kept,
             path: None,
             recent: Vec::new(),
@@ -329,6 +332,7 @@ impl App {
         let keep = match (request, &mut self.comparison) {
             (PaneRequest::Choose(pane), Some(panes)) => return panes.choose(pane),
             (PaneRequest::Toggle, None) => {
+                self.apply(None, Command::Record(false));
                 self.comparison = Some(Box::new(Comparison::new(&self.sandbox)));
                 self.clock.stop();
                 return;
@@ -430,11 +434,30 @@ impl App {
             None => self.sandbox.snapshot(field, &mut self.snapshot),
         }
         self.history.record(&self.snapshot);
+        self.tell_replay();
         self.measure();
         if self.view.ledger {
             let b = self.comparison.as_ref().filter(|panes| panes.chosen() == Pane::B);
             self.meter.read(b.map_or(&self.snapshot, |panes| panes.snapshot()));
         }
+    }
+
+    /// Tells once whether a replay came to the recorded state.
+    fn tell_replay(&mut self) {
+        let same = self.snapshot.replayed;
+        if std::mem::replace(&mut self.replayed, same) == same || self.comparison.is_some() {
+            return;
+        }
+        let time = self.snapshot.time;
+        self.view.notice = match same {
+            None => return,
+            Some(true) => {
+                Some(Notice::Done(format!("Replayed {time:.2} s: the state is the recorded one, bit for bit.")))
+            }
+            Some(false) => Some(Notice::Trouble(format!(
+                "Replayed {time:.2} s: the state is not the recorded one. Another version of Gingerbread recorded it, or the file was changed."
+            ))),
+        };
     }
 
     /// Carries out the changes of probes, and measures.

@@ -30,6 +30,10 @@ impl Overrides {
     /// If no body or membrane has a model, or one cannot have this.
     pub fn apply(&self, level: &mut Level, path: &Path) -> Result<(), HeadlessError> {
         let fail = |why| HeadlessError::Level { file: path.display().to_string(), why };
+        if self.model.is_some() || self.integrator.is_some() || self.step.is_some() {
+            // A changed level leads elsewhere.
+            level.recorded = None;
+        }
         if let Some(model) = self.model {
             if level.bodies.is_empty() && level.membranes.is_empty() {
                 return Err(fail(Refused::NotHere("there is no body or membrane here to be of another model")));

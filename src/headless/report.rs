@@ -99,6 +99,8 @@ pub struct RunReport {
     pub effects: Vec<EffectReport>,
     /// Fingerprint of the last positions and velocities, equal on every machine.
     pub state_hash: String,
+    /// Whether the state at the recorded end of the level was the recorded one, bit for bit; null if the end was not reached, or nothing was recorded.
+    pub replayed: Option<bool>,
     /// Why the run stopped early, if it did.
     pub fault: Option<String>,
 }
@@ -154,6 +156,7 @@ impl RunReport {
             ns_per_triangle_step: ratio(wall_seconds * 1e9, counts.triangle_steps as f64),
             effects: Vec::new(),
             state_hash: format!("{:016x}", state.hash()),
+            replayed: simulation.replayed(),
             fault: simulation.fault().map(ToString::to_string),
         }
     }
@@ -191,7 +194,12 @@ impl std::fmt::Display for RunReport {
             Some(1) => write!(out, ", 1 crossing")?,
             Some(many) => write!(out, ", {many} crossings")?,
         }
-        write!(out, ", state {}", self.state_hash)
+        write!(out, ", state {}", self.state_hash)?;
+        match self.replayed {
+            None => Ok(()),
+            Some(true) => write!(out, "; replay: the recorded state"),
+            Some(false) => write!(out, "; replay: not the recorded state"),
+        }
     }
 }
 

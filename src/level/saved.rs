@@ -134,7 +134,7 @@ impl SavedGuard {
 }
 
 /// A number of steps that a double still counts exactly.
-fn step_count<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+pub(super) fn step_count<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
     const MOST: u64 = 1 << 53;
     let count = u64::deserialize(from)?;
     if count <= MOST {

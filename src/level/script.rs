@@ -1,7 +1,10 @@
 //! Scripted actions of a level.
 
-use super::Side;
-use crate::quantity::{Angle, Position, Radius, Time, Velocity};
+use super::{Side, is_default, saved::step_count};
+use crate::{
+    quantity::{Angle, Position, Radius, Time, Velocity},
+    state::State,
+};
 use serde::{Deserialize, Serialize};
 
 /// A scripted action: something that is done to a scene while it runs.
@@ -16,6 +19,43 @@ pub struct ScriptedAction {
     /// The action; also read under the earlier key `act`.
     #[serde(alias = "act")]
     pub action: Action,
+}
+
+/// End of a recorded run, with which a replay of its scripted actions is compared.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedEnd {
+    /// Steps from the start to the end.
+    #[serde(deserialize_with = "step_count")]
+    pub steps: u64,
+    /// Hash of the positions and velocities at the end: 16 hexadecimal digits.
+    #[serde(deserialize_with = "hash")]
+    pub hash: String,
+    /// Number of actions that were recorded, the last ones of the list.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub actions: usize,
+}
+
+impl RecordedEnd {
+    /// A state as the end of a run without recorded actions that led to it.
+    pub fn new(state: &State) -> Self {
+        Self { steps: state.steps, hash: format!("{:016x}", state.hash()), actions: 0 }
+    }
+
+    /// Whether a run has led to the same state.
+    pub fn is(&self, state: &State) -> bool {
+        Self { actions: self.actions, ..Self::new(state) } == *self
+    }
+}
+
+fn hash<'de, D: serde::Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    let text = String::deserialize(from)?;
+    let is_digit = |letter: u8| matches!(letter, b'0'..=b'9' | b'a'..=b'f');
+    if text.len() == 16 && text.bytes().all(is_digit) {
+        Ok(text)
+    } else {
+        Err(serde::de::Error::custom("a hash has 16 digits of 0 to 9 and a to f"))
+    }
 }
 
 /// Kinds of actions.

@@ -109,6 +109,8 @@ impl Sandbox {
         if document == self.document {
             return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
         }
+        // A changed level leads elsewhere.
+        document.level.recorded = None;
         self.change(document, then, gesture)
     }
 

@@ -3,7 +3,7 @@
 //! The effect of all actions up to a time follows from the level alone, except for the pulled vertex. So a run can be
 //! saved, continued and rewound at any time.
 
-use super::Simulation;
+use super::{Simulation, replay::Replay};
 use crate::{
     effects::{EffectKind, Grab},
     impulse::Impulse,
@@ -124,6 +124,7 @@ impl Simulation {
     /// for. Earlier actions count as performed.
     pub fn follow(&mut self, level: &Level, mode: RunMode) {
         self.script = None;
+        self.replay = Replay::of(level, mode);
         if level.actions.is_empty() {
             return;
         }
@@ -142,6 +143,7 @@ impl Simulation {
     /// Stops performing scripted actions.
     pub fn follow_nothing(&mut self) {
         self.script = None;
+        self.forget_recording();
     }
 
     /// Whether scripted actions are still to come.
@@ -181,10 +183,7 @@ impl Simulation {
     /// Marks all actions before the present time as performed, and rebuilds the scene with their changes.
     pub(super) fn seek(&mut self) {
         let Some(mut script) = self.script.take() else { return };
-        let frame = self.frame();
-        // Within a frame the actions at its begin have been performed.
-        let begins = (self.state.time * FRAMES - frame as f64).abs() < 0.5 * self.scene.step * FRAMES;
-        script.set_due(if begins { frame } else { frame + 1 });
+        script.set_due(self.next_frame());
         let changes = script.changes_before(script.due);
         if script.changes != changes {
             script.changes = changes;
@@ -205,6 +204,14 @@ impl Simulation {
     /// The vertex nearest to a point.
     fn nearest(&self, point: Position) -> Option<usize> {
         nearest_vertex(&self.state.x, point.get().get(..self.scene.dimension)?)
+    }
+
+    /// First frame whose actions have not been performed.
+    pub(crate) fn next_frame(&self) -> u64 {
+        let frame = self.frame();
+        // Within a frame the actions at its begin have been performed.
+        let begins = (self.state.time * FRAMES - frame as f64).abs() < 0.5 * self.scene.step * FRAMES;
+        if begins { frame } else { frame + 1 }
     }
 
     /// Frame of the present time. A time within half a step of the begin of a frame belongs to it.

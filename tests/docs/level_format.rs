@@ -53,6 +53,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct StretchTest", "level.rs", "Test of stretch and compression"),
     ("struct ScriptedAction", "level/script.rs", "Scripted action"),
     ("enum Action", "level/script.rs", "Kinds of scripted actions"),
+    ("struct RecordedEnd", "level/script.rs", "End of a recorded run"),
     ("enum Diagonals", "meshes/rectangle.rs", "Diagonals of a rectangle"),
     ("struct Case", "hard/case.rs", "Hard case"),
     ("enum Lasts", "hard/case.rs", "Duration of a hard case"),
@@ -370,7 +371,7 @@ pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
     let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
-    let actions = "EffectLevel Switch When StretchTest ScriptedAction Action";
+    let actions = "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);
     }

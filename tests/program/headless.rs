@@ -2,6 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 use crate::program::{Folder, gingerbread, said};
+use gingerbread::{
+    files,
+    level::{Level, RecordedEnd},
+    link,
+};
 use std::{fs, process::Command};
 
 /// The names in the report are stable.
@@ -317,6 +322,38 @@ fn model_integrator_and_step_replace_those_of_the_level() {
     assert!(level.contains("model: Corotated") && level.contains("memory"), "{level}");
     let (_, level) = run(&saved, &again, &["--integrator", "Heun"]);
     assert!(!level.contains("memory"), "{level}");
+}
+
+#[test]
+fn a_link_with_an_end_is_replayed_and_compared() {
+    let link = |more: &[&str]| {
+        let output = gingerbread(&[&["link", "gingerbread_house"], more].concat());
+        said(&output.stdout).trim().to_owned()
+    };
+    let sent = link(&["--seconds", "0.3"]);
+    let output = gingerbread(&["run", &sent]);
+    let text = said(&output.stdout);
+    assert!(
+        output.status.success() && text.contains("to 0.3000 s") && text.contains("replay: the recorded state"),
+        "{text}"
+    );
+    let text = said(&gingerbread(&["run", &sent, "--seconds", "0.1"]).stdout);
+    assert!(!text.contains("replay"), "the end is not reached: {text}");
+    let text = said(&gingerbread(&["run", &sent, "--integrator", "Heun"]).stdout);
+    assert!(!text.contains("replay"), "another scheme has no such end: {text}");
+
+    let level = link::level(&sent).unwrap().unwrap();
+    let end = level.recorded.clone().unwrap();
+    let wrong = RecordedEnd { hash: "00000000000000ff".to_owned(), ..end };
+    let folder = Folder::new("wrong-end");
+    let path = folder.with("wrong.ron", &files::write(&Level { recorded: Some(wrong), ..level }).unwrap());
+    let output = gingerbread(&["run", &path]);
+    let text = said(&output.stdout);
+    assert!(output.status.code() == Some(4) && text.contains("not the recorded state"), "{text}");
+    let bad = fs::read_to_string(&path).unwrap().replace("00000000000000ff", "xyz");
+    let output = gingerbread(&["run", &folder.with("bad.ron", &bad)]);
+    let text = said(&output.stderr);
+    assert!(output.status.code() == Some(2) && text.contains("16 digits"), "{text}");
 }
 
 #[test]

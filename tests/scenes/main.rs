@@ -15,6 +15,7 @@ mod originals;
 mod own_kinds;
 mod probes;
 mod projection;
+mod recording;
 mod sandbox;
 mod sleep;
 mod snapshot;

@@ -62,6 +62,9 @@ fn expect(window: &Window, before: &Snapshot, binding: &Binding) {
         ("B", _) => assert!(window.state().comparison().is_some(), "{what}"),
         ("I", _) => assert!(window.query_by_label("Save").is_some(), "{what} asks where to save the picture"),
         ("V" | "Shift+V", _) => assert!(window.query_by_label("Discard film").is_some(), "{what} records a film"),
+        ("Shift+R", _) => {
+            assert!(now.records && now.running && window.query_by_label("End recording").is_some(), "{what} records");
+        }
         ("Ctrl+Z" | "Ctrl+Y", _) => {}
         (other, _) => panic!("{other} is in the table, but no test says what it does"),
     }

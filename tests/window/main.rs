@@ -18,6 +18,7 @@ mod making;
 mod measure;
 mod panels;
 mod picture;
+mod recording;
 mod rest;
 mod stage;
 mod studies;

@@ -204,6 +204,9 @@ impl Comparison {
             Command::Redo => return self.travel(a, true),
             Command::StepOnce => return self.step(a, 1),
             Command::StepFrame => return self.step(a, self.rounds_per_frame(a)),
+            Command::Record(true) => {
+                return Err(Refused::NotHere("actions are recorded in a single pane: close pane B first"));
+            }
             _ => {}
         }
         let before = [&*a, &self.b].map(|sandbox| (sandbox.history.count(), sandbox.simulation().restart()));

@@ -9,6 +9,7 @@ use crate::{
         panels::{Export, FileRequest, FilmRequest, Notice},
         picture::Stage,
     },
+    command::Command,
     snapshot::Snapshot,
 };
 use eframe::egui::{Context, Theme};
@@ -97,7 +98,8 @@ impl App {
         let mut taken = 0;
         while taken < owed {
             let to_frame = self.recorder.as_mut().map_or(u64::MAX, |recorder| recorder.steps_to_frame(step));
-            let wanted = to_frame.min(owed - taken);
+            let to_end = self.sandbox.simulation().steps_to_end().filter(|_| self.comparison.is_none());
+            let wanted = to_frame.min(owed - taken).min(to_end.unwrap_or(u64::MAX));
             if wanted == 0 {
                 break;
             }
@@ -107,6 +109,10 @@ impl App {
             };
             taken += done;
             self.film_steps(done, step);
+            if to_end == Some(done) {
+                self.apply(None, Command::SetRunning(false));
+                break;
+            }
             if done < wanted {
                 break;
             }

@@ -279,6 +279,7 @@ pub fn show(
         overlays::show_help(ui.ctx(), context.now, view);
         overlays::show_meshing(ui.ctx(), stage, view);
         overlays::show_film(ui.ctx(), stage, context.now, view);
+        overlays::show_recording(ui.ctx(), stage, context.now, view, commands);
         overlays::show_prompt(ui.ctx(), view);
         overlays::show_unsaved(ui.ctx(), &context.now.level.name, view);
     }

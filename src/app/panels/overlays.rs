@@ -11,7 +11,7 @@ use crate::{
         keys::{TABLE, When},
         theme::Theme,
     },
-    command::Mode,
+    command::{Command, Mode},
     snapshot::Snapshot,
 };
 use eframe::egui::{
@@ -170,6 +170,34 @@ pub fn show_film(ctx: &Context, stage: Rect, now: &Snapshot, view: &mut View) {
                 }
                 if ui.button("Discard film").on_hover_text("Drops what was recorded.").clicked() {
                     view.film_requests.push(FilmRequest::Discard);
+                }
+            });
+        });
+    });
+}
+
+/// Shows that actions are recorded, since when, and how many there are.
+pub fn show_recording(ctx: &Context, stage: Rect, now: &Snapshot, view: &View, commands: &mut Vec<Command>) {
+    if !now.records {
+        return;
+    }
+    let below = [view.meshing.is_some(), view.film.is_some()].into_iter().filter(|shown| *shown).count();
+    let corner = stage.center_bottom() - vec2(0.0, 12.0 + 52.0 * below as f32);
+    let area =
+        Area::new(Id::unique("recording")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(corner);
+    area.constrain_to(stage).show(ctx, |ui| {
+        Frame::window(ui.style()).inner_margin(10).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let (mark, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+                ui.painter().circle_filled(mark.center(), 6.0, Theme::of(ctx).bad);
+                let actions = count(now.level.actions.len());
+                let waits = if now.running { "" } else { ", waits for time to run" };
+                ui.label(RichText::new(format!("Actions: {actions} in {:.2} s{waits}", now.time)).strong()).on_hover_text(
+                    "Pulls and pushes are written into the level, at frames of 1/60 s of simulated time. Any other change ends the recording.",
+                );
+                let help = "Ends the recording and pauses. Start over replays it; a saved file or a copied link has it too. [Shift+R]";
+                if ui.button("End recording").on_hover_text(help).clicked() {
+                    commands.push(Command::Record(false));
                 }
             });
         });

@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
             if !narrow {
                 ui.add_space((ui.available_size_before_wrap().x - LOOKS).max(0.0));
             }
-            looks(ui, view, narrow);
+            looks(ui, context.now, view, commands, narrow);
         });
     });
     // A toolbar that wraps in another way is drawn whole only in the next frame.
@@ -260,7 +260,7 @@ fn history(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
 }
 
 /// Draws the button of pictures and films, with its menu; while a film is recorded it ends it.
-fn camera(ui: &mut Ui, view: &mut View) {
+fn camera(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     let records = view.film.is_some_and(|film| film.records);
     if records {
         if icon_button(ui, Icon::Camera, "End the film", "[Shift+V]", true).clicked() {
@@ -286,12 +286,18 @@ fn camera(ui: &mut Ui, view: &mut View) {
                 view.film_requests.push(FilmRequest::Start(*format));
             }
         }
+        let about = "Starts over, and writes pulls and pushes into the level as scripted actions. Start over then replays them, and a link or a \
+                     saved file has them too: whoever opens it sees whether the same state comes out. [Shift+R]";
+        let button = Button::new("Record actions");
+        if ui.add_enabled(!now.records && now.toy.is_none(), button).on_hover_text(about).clicked() {
+            commands.push(Command::Record(true));
+        }
     });
 }
 
 /// Draws the buttons of pictures, panels, theme and help.
-fn looks(ui: &mut Ui, view: &mut View, narrow: bool) {
-    camera(ui, view);
+fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>, narrow: bool) {
+    camera(ui, now, view, commands);
     let sides = [
         (Side::Left, Icon::Left, "Body panel", "What the body is made of and what acts on it."),
         (Side::Right, Icon::Right, "Cost panel", "Colours, what a frame costs, and the energies."),

@@ -81,7 +81,8 @@ pub struct App {
     meshing: Meshing,
     /// A film that is being recorded.
     recorder: Option<Recorder>,
-    /// Whether a replay came to the recorded state, as it was last told.
+    /// Whether actions were recorded, and whether a replay came to the recorded state, at the last frame.
+    records: bool,
     replayed: Option<bool>,
     /// The document as it was last opened or saved.
     kept: Document,
@@ -144,6 +145,7 @@ impl App {
             commands: Vec::new(),
             meshing: Meshing::default(),
             recorder: None,
+            records: false,
             replayed: None,
             kept,
             path: None,
@@ -442,8 +444,17 @@ impl App {
         }
     }
 
-    /// Tells once whether a replay came to the recorded state.
+    /// Tells once what was recorded, and whether a replay came to the recorded state.
     fn tell_replay(&mut self) {
+        let records = self.snapshot.records;
+        let ended = std::mem::replace(&mut self.records, records) && !records;
+        if let Some(end) = self.snapshot.level.recorded.as_ref().filter(|_| ended) {
+            let seconds = end.steps as f64 * self.sandbox.step_length();
+            self.view.notice = Some(Notice::Done(format!(
+                "Recorded {seconds:.2} s and {} actions. Start over and run to replay them; save the level or copy a link to pass them on.",
+                end.actions
+            )));
+        }
         let same = self.snapshot.replayed;
         if std::mem::replace(&mut self.replayed, same) == same || self.comparison.is_some() {
             return;

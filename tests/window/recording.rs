@@ -23,6 +23,7 @@ fn a_recorded_pull_is_saved_and_replayed_to_the_same_state() {
     click(&mut window, "End recording");
     let now = window.state().snapshot();
     assert!(!now.records && !now.running, "it pauses");
+    assert!(window.state().notice().unwrap().contains("Start over and run"), "{:?}", window.state().notice());
     let end = now.level.recorded.clone().expect("the end is part of the level");
     assert_eq!(end.steps, now.steps);
     assert!(window.state().is_unsaved());

@@ -2,7 +2,7 @@
 
 use super::{
     SurfaceVertices,
-    touch::{coordinates, dot, length, vector},
+    touch::{coordinates, length, vector},
 };
 
 /// An edge and a vertex, by their places in the lists of [`SurfaceVertices`]; in space those of a
@@ -44,14 +44,15 @@ pub struct Grid {
 /// Pairs of surfaces that are near each other, in their order.
 ///
 /// A coarse list of all pairs within some edge lengths comes from a grid, a fine one from the coarse list. Both stay while no
-/// vertex has moved farther than half of the spare distance, less the mean displacement of its part and, where several parts are
-/// there, of all parts. Contact looks at the distance of each pair itself, so that nothing depends on the age of the lists.
+/// vertex has moved farther than half of the spare distance, less a displacement that all have in common. Contact looks at the distance of each pair itself, so that nothing depends on the age of the lists.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     /// Distance within which the lists have all pairs \[m\].
     near: f64,
     coarse: List,
     fine: List,
+    /// Distance that all pairs of the fine list had at its positions \[m\].
+    least: f64,
     /// Pairs of the fine list that can touch at all.
     touching: Vec<Pair>,
     /// Pairs that may touch however far apart they are.
@@ -65,9 +66,13 @@ struct List {
     pairs: Vec<Pair>,
     /// Positions of the surface vertices then, flat \[m\]; empty if there were none.
     at: Vec<f64>,
-    /// Their mean displacements since then, by part, flat \[m\].
-    shifts: Vec<f64>,
+    /// Bound on the displacements since then, less a common one, at the last positions that were looked at, and scratch for it \[m\].
+    moved: f64,
+    spreads: Vec<f64>,
 }
+
+/// Least distance of pairs that is told from none, as a fraction of that within which the fine list has all pairs.
+const LEAST: f64 = 1e-3;
 
 /// Distance by which a vertex may move before the fine list is made anew, as a fraction of that within which it has all pairs.
 const SPARE: f64 = 0.2;
@@ -89,7 +94,7 @@ impl Candidates {
         self.near = near;
         // Each vertex may move by its own spare distance with either list.
         let (within, spare) = ((1.0 + 2.0 * SPARE) * near, surface.spare());
-        let Self { coarse, fine, touching, grid, .. } = self;
+        let Self { coarse, fine, least, touching, grid, .. } = self;
         if !(enough && coarse.holds::<D>(surface.vertices(), x, spare)) {
             surface.find(grid, x, within + 2.0 * spare, &mut coarse.pairs);
             coarse.mark::<D>(surface.vertices(), x);
@@ -97,6 +102,13 @@ impl Candidates {
         fine.pairs.clear();
         fine.pairs.extend(coarse.pairs.iter().filter(|pair| surface.is_within(x, **pair, within)));
         fine.mark::<D>(surface.vertices(), x);
+        *least = within;
+        for pair in &fine.pairs {
+            while *least > LEAST * near && surface.is_within(x, *pair, *least) {
+                *least *= 0.5;
+            }
+        }
+        *least = if *least > LEAST * near { *least } else { 0.0 };
         touching.clear();
         touching.extend(fine.pairs.iter().filter(|pair| can_touch(**pair)));
     }
@@ -107,6 +119,11 @@ impl Candidates {
         self.deep.extend(pairs);
         self.deep.sort_unstable();
         self.deep.dedup();
+    }
+
+    /// Whether all pairs are farther apart than a distance \[m\], as far as the last update tells without looking at each.
+    pub fn are_apart(&self, distance: f64) -> bool {
+        distance + 2.0 * self.fine.moved < self.least
     }
 
     /// The pairs that are near each other.
@@ -202,30 +219,98 @@ impl List {
     fn mark<const D: usize>(&mut self, surface: &SurfaceVertices, x: &[f64]) {
         self.at.clear();
         self.at.extend(surface.iter().flat_map(|vertex| coordinates::<D>(x, vertex.vertex)));
+        self.moved = 0.0;
     }
 
-    /// Whether no vertex has moved by more than a distance \[m\].
+    /// Whether no vertex has moved by more than a distance \[m\], less common displacements.
     fn holds<const D: usize>(&mut self, surface: &SurfaceVertices, x: &[f64], distance: f64) -> bool {
         if self.at.len() != D * surface.len() {
             return false;
         }
-        let Self { at, shifts, .. } = self;
-        let at = at.as_chunks::<D>().0;
-        let moved = |(vertex, at): (&super::SurfaceVertex, &[f64; D])| minus(coordinates(x, vertex.vertex), *at);
-        let all = || surface.iter().zip(at).map(moved);
-        shifts.clear();
-        shifts.extend((0..surface.parts()).flat_map(|part| mean(all, surface.vertices_of(part))));
-        let shifts = shifts.as_chunks::<D>().0;
-        let shift = mean(|| shifts.iter().copied(), 0..shifts.len());
-        let mut displacements = all();
-        shifts.iter().enumerate().all(|(part, own)| {
-            let left = distance - length(minus(*own, shift));
-            let squares = displacements.by_ref().take(surface.vertices_of(part).len());
-            let square = |moved: [f64; D]| dot(minus(moved, *own), minus(moved, *own));
-            let farthest = squares.map(square).fold(0.0, greater);
-            // NaN fails the comparison.
-            left >= 0.0 && farthest <= left * left
-        })
+        let (at, x) = (self.at.as_chunks::<D>().0, x.as_chunks::<D>().0);
+        self.moved = spread(surface, |place, vertex| minus(x[vertex as usize], at[place]), &mut self.spreads);
+        // NaN fails the comparison.
+        self.moved <= distance
+    }
+}
+
+/// Displacements of each part deviate from a common one by at most as much as is written to `spreads`, and those of all vertices from another
+/// one by at most as much as is returned \[m\]; NaN if one of them is that. The common one of a part is the middle of a box around its displacements: one pass finds
+/// it, and the bound is at most the square root of D times the least one.
+pub(super) fn spread<const D: usize>(
+    surface: &SurfaceVertices,
+    displacement: impl Fn(usize, u32) -> [f64; D],
+    spreads: &mut Vec<f64>,
+) -> f64 {
+    spreads.clear();
+    let mut middles: Option<Extent<D>> = None;
+    let mut farthest = 0.0;
+    for part in 0..surface.parts() {
+        let places = surface.vertices_of(part);
+        let vertices = &surface.listed()[places.clone()];
+        let Some(extent) = Extent::of(vertices.len(), |own| displacement(places.start + own, vertices[own].vertex))
+        else {
+            spreads.push(0.0);
+            continue;
+        };
+        spreads.push(extent.radius());
+        farthest = greater(farthest, extent.radius());
+        middles = Some(middles.unwrap_or(Extent::at(extent.middle())).with(extent.middle()));
+    }
+    farthest + middles.map_or(0.0, Extent::radius)
+}
+
+/// Least and greatest coordinates of some vectors.
+#[derive(Clone, Copy)]
+struct Extent<const D: usize> {
+    least: [f64; D],
+    greatest: [f64; D],
+    /// Zero, or NaN if a coordinate is not finite.
+    check: [f64; D],
+}
+
+impl<const D: usize> Extent<D> {
+    const fn at(vector: [f64; D]) -> Self {
+        Self { least: vector, greatest: vector, check: [0.0; D] }
+    }
+
+    /// Extent of vectors by their numbers.
+    #[inline(always)]
+    fn of(count: usize, vector: impl Fn(usize) -> [f64; D]) -> Option<Self> {
+        if count == 0 {
+            return None;
+        }
+        // Two at once, as each comparison waits for the one before.
+        let [mut even, mut odd] = [Self::at(vector(0)); 2];
+        for number in 0..count / 2 {
+            even = even.with(vector(2 * number));
+            odd = odd.with(vector(2 * number + 1));
+        }
+        even = even.with(vector(count - 1));
+        let check = std::array::from_fn(|axis| even.check[axis] + odd.check[axis]);
+        Some(Self { check, ..even.with(odd.least).with(odd.greatest) })
+    }
+
+    /// The extent with another vector.
+    #[inline(always)]
+    fn with(self, vector: [f64; D]) -> Self {
+        let Self { least, greatest, check } = self;
+        Self {
+            least: std::array::from_fn(|axis| if vector[axis] < least[axis] { vector[axis] } else { least[axis] }),
+            greatest: std::array::from_fn(
+                |axis| if vector[axis] > greatest[axis] { vector[axis] } else { greatest[axis] },
+            ),
+            check: std::array::from_fn(|axis| check[axis] + 0.0 * vector[axis]),
+        }
+    }
+
+    fn middle(self) -> [f64; D] {
+        std::array::from_fn(|axis| 0.5 * (self.least[axis] + self.greatest[axis]))
+    }
+
+    /// Greatest distance of a vector from the middle, or more.
+    fn radius(self) -> f64 {
+        0.5 * length(minus(self.greatest, self.least)) + self.check.iter().sum::<f64>()
     }
 }
 
@@ -237,13 +322,6 @@ pub(super) fn minus<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
 /// The greater of two numbers; NaN if one of them is that.
 pub(super) const fn greater(one: f64, other: f64) -> f64 {
     if one.is_nan() || other <= one { one } else { other }
-}
-
-/// Mean of some vectors.
-fn mean<const D: usize, I: Iterator<Item = [f64; D]>>(all: impl Fn() -> I, part: std::ops::Range<usize>) -> [f64; D] {
-    let count = part.len().max(1) as f64;
-    let add = |sum: [f64; D], one: [f64; D]| std::array::from_fn(|axis| sum[axis] + one[axis]);
-    all().skip(part.start).take(part.len()).fold([0.0; D], add).map(|sum| sum / count)
 }
 
 /// Square of the distance of a vertex from an edge \[m²\].

@@ -191,57 +191,86 @@ where
         }
     }
 
-    /// Calls `act` for each vertex that touches an obstacle.
+    /// Calls `act` for each vertex that touches an obstacle; those of one vertex in the order of the obstacles.
     fn each_vertex(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch<D, T, N>)) {
+        /// Obstacles that are tested against one box.
+        const GROUP: usize = 8;
         let moved = motion.half_displacement();
         let reach = self.greatest_thickness() + moved;
-        self.each_near(motion, reach, |number, placed, at| {
-            let obstacle = &placed.obstacle;
-            let near = |block: &&[SurfaceVertex]| {
-                let [first, last] = [block[0], block[block.len() - 1]].map(|vertex| D * vertex.vertex as usize);
-                placed.is_near(Bounds::of(&motion.x[first..last + D]).grown(reach), at)
-            };
-            for vertex in self.surface.all().chunks(BLOCK).filter(near).flatten() {
-                let (x, potential) = (coordinates(motion.x, vertex.vertex), self.potential(vertex.part));
-                let seen = at.map_or(x, |at| at.back(x));
-                let offset = self.offset(vertex.part, obstacle.margin());
-                let Some(contact) = obstacle.distance(seen, potential.thickness + offset + moved) else { continue };
-                let normal = at.map_or(contact.normal, |at| at.normal(contact.normal));
-                let (mut weights, mut slips) = ([0.0; N], [[[0.0; D]; T]; N]);
-                (weights[0], slips[0]) = (1.0, tangents(normal));
-                let mut touch = Touch {
-                    name: self.name(number, vertex.vertex),
-                    vertices: [vertex.vertex; N],
-                    members: Members::Vertex,
-                    weights,
-                    normal,
-                    slips,
-                    area: vertex.area,
-                    area_gradient: None,
-                    parameters: self.parameters(vertex.part),
-                    gap: contact.distance - offset,
-                    distance: contact.distance,
-                    approach: 0.0,
-                    sliding: [0.0; T],
-                    span: motion.span,
-                    obstacle_velocity: [0.0; D],
-                    // That of the obstacle, which is omitted: it only slows Newton's method down.
-                    curvature: Curvature::Flat,
-                    place: Place::Obstacle(at.unwrap_or(Rigid::STILL), x),
-                    memory: None,
-                    kept: None,
-                    keeps_anchor: vertex.area > 0.0,
-                };
-                touch.add_velocities(motion.v);
-                if let Some(at) = placed.moving(motion) {
-                    touch.add_obstacle(at.velocity_at(x));
-                }
-                if let Some(anchor) = anchor_of(motion.anchors, touch.name) {
-                    touch.remember(anchor);
-                }
-                act(&touch);
+        let all = Bounds::of(motion.x).grown(reach);
+        for (group, obstacles) in self.obstacles.chunks(GROUP).enumerate() {
+            let places: [_; GROUP] = std::array::from_fn(|own| {
+                obstacles.get(own).and_then(|placed| placed.within(motion.time, motion.span))
+            });
+            let near: [bool; GROUP] =
+                std::array::from_fn(|own| obstacles.get(own).is_some_and(|placed| placed.is_near(all, places[own])));
+            if near == [false; GROUP] {
+                continue;
             }
-        });
+            for block in self.surface.all().chunks(BLOCK) {
+                let [first, last] = [block[0], block[block.len() - 1]].map(|vertex| D * vertex.vertex as usize);
+                let bounds = Bounds::of(&motion.x[first..last + D]).grown(reach);
+                for (own, placed) in obstacles.iter().enumerate() {
+                    if near[own] && placed.is_near(bounds, places[own]) {
+                        let obstacle = (GROUP * group + own, places[own]);
+                        for vertex in block {
+                            self.touch_of(motion, obstacle, *vertex, moved, act);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Calls `act` if a vertex touches an obstacle, which is at a place.
+    fn touch_of(
+        &self,
+        motion: Motion<'_>,
+        (number, at): (usize, Option<Rigid<D>>),
+        vertex: SurfaceVertex,
+        moved: f64,
+        act: &mut dyn FnMut(&Touch<D, T, N>),
+    ) {
+        let placed = &self.obstacles[number];
+        let obstacle = &placed.obstacle;
+        let (x, potential) = (coordinates(motion.x, vertex.vertex), self.potential(vertex.part));
+        let seen = at.map_or(x, |at| at.back(x));
+        let offset = self.offset(vertex.part, obstacle.margin());
+        let Some(contact) = obstacle.distance(seen, potential.thickness + offset + moved) else { return };
+        let normal = at.map_or(contact.normal, |at| at.normal(contact.normal));
+        let (mut weights, mut slips) = ([0.0; N], [[[0.0; D]; T]; N]);
+        (weights[0], slips[0]) = (1.0, tangents(normal));
+        let mut touch = Touch {
+            name: self.name(number, vertex.vertex),
+            vertices: [vertex.vertex; N],
+            members: Members::Vertex,
+            weights,
+            normal,
+            slips,
+            area: vertex.area,
+            area_gradient: None,
+            parameters: self.parameters(vertex.part),
+            gap: contact.distance - offset,
+            distance: contact.distance,
+            approach: 0.0,
+            sliding: [0.0; T],
+            span: motion.span,
+            obstacle_velocity: [0.0; D],
+            // That of the obstacle, which is omitted: it only slows Newton's method down.
+            curvature: Curvature::Flat,
+            place: Place::Obstacle(at.unwrap_or(Rigid::STILL), x),
+            memory: None,
+            kept: None,
+            keeps_anchor: vertex.area > 0.0,
+        };
+        touch.add_velocities(motion.v);
+        if let Some(at) = placed.moving(motion) {
+            touch.add_obstacle(at.velocity_at(x));
+        }
+        if let Some(anchor) = anchor_of(motion.anchors, touch.name) {
+            touch.remember(anchor);
+        }
+        act(&touch);
     }
 }
 

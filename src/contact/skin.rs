@@ -277,6 +277,11 @@ impl SurfaceVertices {
         self.vertices.iter()
     }
 
+    /// The vertices, by their places in the list.
+    pub fn listed(&self) -> &[SurfaceVertex] {
+        &self.vertices
+    }
+
     /// The vertices and those within bodies, which touch obstacles where a body is crushed.
     pub fn all(&self) -> &[SurfaceVertex] {
         &self.all

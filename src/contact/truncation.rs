@@ -19,8 +19,8 @@
 //! vertices relative to each other, and what they do not have from those of their bodies.
 
 use super::{
-    Candidate, Candidates, Pair, SurfaceVertices,
-    candidates::{Grid, Surfaces, greater, minus},
+    Candidate, Candidates, Pair,
+    candidates::{Grid, Surfaces, greater, minus, spread},
     touch::{coordinates, dot, length},
 };
 use std::ops::Range;
@@ -38,7 +38,7 @@ pub struct Truncation {
     pub moved: Vec<usize>,
     /// Fraction of its displacement that each vertex of the scene keeps.
     kept: Vec<f64>,
-    /// Of each part, the greatest deviation of a displacement from their mean \[m\].
+    /// Of each part, a bound on the deviations of its displacements from a common one \[m\].
     displaced: Vec<f64>,
     /// Scratch for the search of pairs farther apart than the candidates.
     search: Grid,
@@ -170,13 +170,18 @@ pub(super) trait MeetingPairs<const D: usize, const N: usize> {
     fn find_pairs(&self, scratch: &mut Truncation, candidates: &mut Candidates, start: &[f64], x: &[f64]) {
         let Truncation { pairs, displaced, search, .. } = scratch;
         let vertices = self.surfaces().vertices();
-        let farthest = 2.0 * find_displacements::<D>(vertices, start, x, displaced);
+        let ends = [start, x].map(|at| at.as_chunks::<D>().0);
+        let displacement = |_, vertex: u32| minus(ends[1][vertex as usize], ends[0][vertex as usize]);
+        let farthest = 2.0 * spread(vertices, displacement, displaced);
         pairs.clear();
         if !farthest.is_finite() {
             return;
         }
         if farthest <= self.near() {
             candidates.update(self.surfaces(), start, self.near(), |pair| self.can_touch(pair));
+            if candidates.are_apart(farthest + FLOOR * self.near()) {
+                return;
+            }
             let may_meet =
                 |pair: &&Pair| self.surfaces().is_within(start, **pair, farthest + FLOOR * self.thickness(**pair));
             pairs.extend(candidates.pairs().iter().filter(may_meet));
@@ -376,44 +381,6 @@ pub(super) fn advance<const D: usize, const N: usize>(
     Some(share)
 }
 
-/// Writes the greatest deviation of a displacement from the mean of each part; returns that of all parts from the mean of these means,
-/// or of a single part from its own \[m\].
-fn find_displacements<const D: usize>(
-    vertices: &SurfaceVertices,
-    start: &[f64],
-    x: &[f64],
-    displaced: &mut Vec<f64>,
-) -> f64 {
-    displaced.clear();
-    let displacement = |place: usize| {
-        let vertex = vertices.at(place as u32).vertex;
-        minus(coordinates::<D>(x, vertex), coordinates(start, vertex))
-    };
-    let mean_of = |part: usize| {
-        let own = vertices.vertices_of(part);
-        let count = own.len().max(1) as f64;
-        own.map(displacement).fold([0.0; D], plus).map(|sum| sum / count)
-    };
-    let parts = vertices.parts();
-    let all = (0..parts).map(mean_of).fold([0.0; D], plus).map(|all| all / parts.max(1) as f64);
-    let mut farthest = 0.0;
-    for part in 0..parts {
-        let mean = mean_of(part);
-        let square = |place: usize| {
-            let deviation = minus(displacement(place), mean);
-            dot(deviation, deviation)
-        };
-        let deviation = vertices.vertices_of(part).map(square).fold(0.0, greater).sqrt();
-        displaced.push(deviation);
-        farthest = greater(farthest, deviation + if parts == 1 { 0.0 } else { length(minus(mean, all)) });
-    }
-    farthest
-}
-
-/// Sum of two vectors.
-fn plus<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
-    std::array::from_fn(|axis| a[axis] + b[axis])
-}
 impl Truncation {
     /// Takes kinetic energy \[J\] from the vertices that were moved, as far as they have it relative to each
     /// other, and the rest from their whole bodies, whose vertices `parts` gives: mean velocities stay.

@@ -7,9 +7,26 @@ pub struct Bounds<const D: usize = 2>(pub [[f64; D]; 2]);
 /// Enlargement of a box in powers of two of its size: greatest and least exponent.
 const POWERS: (i32, i32) = (4, -8);
 
+/// The box around flat points, with the widest vectors of the processor. A closure would not be compiled for them.
+struct Scan<'a, const D: usize>(&'a [f64]);
+
+impl<const D: usize> pulp::WithSimd for Scan<'_, D> {
+    type Output = Bounds<D>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Bounds<D> {
+        Bounds::scanned(self.0)
+    }
+}
+
 impl<const D: usize> Bounds<D> {
     /// Box around flat points.
     pub fn of(values: &[f64]) -> Self {
+        pulp::Arch::new().dispatch(Scan(values))
+    }
+
+    #[inline(always)]
+    fn scanned(values: &[f64]) -> Self {
         // Several points at once are vectorised: a multiple of two and of three.
         const COUNT: usize = 12;
         let (mut least, mut greatest) = ([f64::INFINITY; COUNT], [f64::NEG_INFINITY; COUNT]);

@@ -109,10 +109,11 @@ impl Contacts {
     }
 
     /// Writes the memory after a step of length h \[s\], from that at its start, which `motion` contains. Returns the energy that
-    /// the decrease of initial penetration supplies \[J\].
-    pub fn next_anchors(scene: &Scene, motion: Motion<'_>, h: f64, next: &mut Vec<Anchor>) -> f64 {
+    /// the decrease of initial penetration supplies \[J\]. With `clear` no obstacle is near.
+    pub fn next_anchors(scene: &Scene, motion: Motion<'_>, h: f64, clear: bool, next: &mut Vec<Anchor>) -> f64 {
         next.clear();
-        contacts(scene).map(|contact| contact.drag_anchors(motion, h, next)).sum()
+        let effects = scene.effects.iter().filter(|effect| !clear || effect.obstacle_contact().is_none());
+        effects.filter_map(|effect| effect.contact()).map(|contact| contact.drag_anchors(motion, h, next)).sum()
     }
 
     /// Takes the scratch for [`Self::next_anchors`].

@@ -389,7 +389,9 @@ impl System<'_> {
             let number = self.scratch.plan.forces[turn];
             let Some(contact) = self.scene.effects[number].contact() else { continue };
             let motion = self.motion(0.0, x, v);
-            let idle = contact.idle(motion).filter(|_| self.scratch.costs[number].auto);
+            let is_clear = self.scratch.clear_box.is_some() && self.scene.effects[number].obstacle_contact().is_some();
+            let idle = if is_clear { Some(NO_OBSTACLE_NEAR) } else { contact.idle(motion) };
+            let idle = idle.filter(|_| self.scratch.costs[number].auto);
             let elements = self.scene.effects[number].elements(motion);
             if let Some(why) = idle {
                 self.scratch.costs[number].pass_over(why);
@@ -596,7 +598,8 @@ impl Dynamics for System<'_> {
         let before = self.contacts.power_time;
         self.add_work(time, x, v);
         let mut next = self.contacts.take_next();
-        let eased = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, &mut next);
+        let clear = self.scratch.clear_box.is_some();
+        let eased = Contacts::next_anchors(self.scene, self.motion(time, x, v), time - before, clear, &mut next);
         next.sort_unstable_by_key(|anchor| anchor.contact);
         self.scratch.supplied += eased;
         self.scratch.pushes_out |= eased != 0.0;

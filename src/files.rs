@@ -20,9 +20,9 @@ mod spelling;
 mod tokens;
 
 #[cfg(target_arch = "wasm32")]
-use browser::read_bytes;
+pub(crate) use browser::read_bytes;
 #[cfg(not(target_arch = "wasm32"))]
-use disk::read_bytes;
+pub(crate) use disk::read_bytes;
 pub use output::{Destination, Identity, identity, write_bytes};
 
 use crate::{

@@ -11,6 +11,7 @@ mod progress;
 mod report;
 mod series;
 mod study;
+mod sweep;
 
 pub use ending::{EXIT_CODES, Ending, Outputs};
 pub use frames::Frames;
@@ -22,6 +23,7 @@ pub use report::{
 };
 pub use series::{Recording, Series};
 pub use study::{Study, study};
+pub use sweep::{MergeRequest, SweepRequest, merge, sweep};
 
 use crate::{
     files::{self, FileError},
@@ -157,9 +159,8 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     Interrupt::watch();
     let beginning = Beginning::of(&simulation);
     share_partitions(request.threads.unwrap_or_else(threads));
-    let in_steps = |seconds: f64| (seconds / simulation.scene().step).round() as u64;
-    let asked = request.steps.or(request.seconds.map(in_steps)).or_else(|| simulation.steps_to_end());
-    let steps = asked.unwrap_or_else(|| in_steps(2.0));
+    let asked = request.steps.or(request.seconds.map(|seconds| step_count(seconds, &simulation)));
+    let steps = asked.or_else(|| simulation.steps_to_end()).unwrap_or_else(|| step_count(2.0, &simulation));
     let mut recording = recording(request, &simulation)?;
     let begin = Instant::now();
     step_with_progress(&request.progress_options, &mut simulation, (steps, "steps"), recording.as_mut());
@@ -239,7 +240,7 @@ pub fn recorded(path: &Path, seconds: f64) -> Result<Level, HeadlessError> {
     let level = Level { state: None, recorded: None, ..read(path)? };
     let mut simulation = start(&level, path)?;
     share_partitions(threads());
-    let steps = (seconds / simulation.scene().step).round() as u64;
+    let steps = step_count(seconds, &simulation);
     simulation.advance(steps, &mut || true);
     match simulation.fault() {
         Some(fault) => Err(HeadlessError::Fault(fault.clone())),
@@ -328,6 +329,11 @@ fn start(level: &Level, path: &Path) -> Result<Simulation, HeadlessError> {
     let mode: RunMode = level.mode;
     let scene = Scene::build(level, mode, &files::Disk, None).map_err(fail)?;
     Simulation::open(scene, level, mode).map_err(fail)
+}
+
+/// Number of steps in a time \[s\].
+fn step_count(seconds: f64, simulation: &Simulation) -> u64 {
+    (seconds / simulation.scene().step).round() as u64
 }
 
 /// Requested simulation before its first step.

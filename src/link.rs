@@ -17,7 +17,7 @@
 
 mod query;
 
-pub use query::{View, view};
+pub use query::{View, set_parameter, view};
 
 use crate::{
     files::{self, FileError},

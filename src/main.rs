@@ -33,6 +33,11 @@ enum Command {
     /// Draws a level while it runs into a picture (PNG) or a moving picture (GIF), without a window.
     #[command(after_help = headless::EXIT_CODES)]
     Render(render::Render),
+    /// Runs every combination of some parameters of a level into one table, which several computers can share.
+    #[command(after_help = headless::EXIT_CODES)]
+    Sweep(headless::SweepRequest),
+    /// Joins the tables of the shares of a sweep.
+    Merge(headless::MergeRequest),
     /// Prints a link that opens a level in the page in a browser; it is also taken in place of a level file.
     Link {
         /// Level file, or name of a built-in level.
@@ -61,6 +66,8 @@ fn main() -> ExitCode {
         Some(Command::Run(run)) => headless::run(&run),
         Some(Command::Study(study)) => headless::study(&study),
         Some(Command::Hard(hard)) => headless::hard(&hard),
+        Some(Command::Sweep(request)) => headless::sweep(&request),
+        Some(Command::Merge(request)) => headless::merge(&request),
         Some(Command::Render(request)) => render::render(&request),
         Some(Command::Link { level, page, seconds }) => return link(&level, &page, seconds),
         Some(Command::Check { files }) => return check(&files),

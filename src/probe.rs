@@ -237,10 +237,7 @@ impl Probe {
                 momentum[..dimension].iter().chain(turns).copied().collect()
             }
             Self::Reaction => {
-                let forces = forces(simulation).fold(vec![0.0; state.x.len()], |mut sum, forces| {
-                    sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
-                    sum
-                });
+                let forces = net_forces(simulation);
                 let pinned = |axis: usize| scene.pins.iter().map(move |pin| dimension * *pin as usize + axis);
                 (0..dimension).map(|axis| 0.0 - pinned(axis).map(|number| forces[number]).sum::<f64>()).collect()
             }
@@ -293,6 +290,14 @@ fn forces(simulation: &Simulation) -> impl Iterator<Item = Vec<f64>> {
         let mut force = vec![0.0; state.x.len()];
         effect.force(motion, &mut scratch[..effect.scratch()], &mut force);
         force
+    })
+}
+
+/// The sums of the forces of all effects on all vertices, flat, by the numbers of the scene \[N\]. Those of pins are not among them.
+pub fn net_forces(simulation: &Simulation) -> Vec<f64> {
+    forces(simulation).fold(vec![0.0; simulation.state().x.len()], |mut sum, forces| {
+        sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
+        sum
     })
 }
 

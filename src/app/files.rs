@@ -112,7 +112,7 @@ impl App {
             }
             None => {}
         }
-        if making::is_mesh(path) {
+        if making::holds_body(path) {
             self.add_from_file(path);
             return;
         }
@@ -231,9 +231,13 @@ impl App {
     fn handle_dialog(&mut self, purpose: &Purpose, path: &Path) {
         match purpose {
             Purpose::Open => self.open(path),
-            Purpose::OpenMesh if making::is_mesh(path) => self.add_from_file(path),
+            Purpose::OpenMesh if making::holds_body(path) => self.add_from_file(path),
             Purpose::OpenMesh => {
-                self.view.notice = Some(Notice::Trouble(format!("{} is no OBJ file.", path.display())));
+                self.view.notice = Some(Notice::Trouble(format!(
+                    "{}: expected a file that ends in .{}.",
+                    path.display(),
+                    making::ENDINGS.join(", .")
+                )));
             }
             Purpose::Save(_) => self.save(path),
             Purpose::Export(export) => self.tell(path, files::write_bytes(path, &export.bytes)),

@@ -3,19 +3,20 @@
 use super::{App, panels::Notice};
 use crate::{
     command::Command,
-    files::Disk,
+    files::{Disk, read_bytes},
     level::{BodyLevel, MassLevel, Place},
     materials::MaterialParameters,
     meshes::{MeshKind, Obj, Outline, Whole},
+    outlines,
     quantity::{Angle, Coordinate, Density, Factor, Point},
 };
 use std::path::Path;
 
-/// Ends of the names of mesh files.
-const ENDINGS: [&str; 1] = ["obj"];
+/// Ends of the names of files that bodies can be made of: meshes, then drawings and pictures with outlines.
+pub const ENDINGS: [&str; 4] = ["obj", "msh", "svg", "png"];
 
-/// Whether a file has the name of a mesh.
-pub fn is_mesh(path: &Path) -> bool {
+/// Whether a file has the name of a mesh, or of a drawing or picture with outlines.
+pub fn holds_body(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }
 
@@ -33,6 +34,22 @@ const DENSITY: f64 = 100.0;
 
 /// Size of a body from a file, as a share of the world.
 const SIZE: f64 = 0.5;
+
+/// The place that centres points in the world and scales them to [`SIZE`] of it.
+fn fitted(points: &[[f64; 2]]) -> Place {
+    let along = |axis: usize| {
+        let numbers = || points.iter().map(move |point| point[axis]);
+        [numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let [[left, right], [bottom, top]] = [along(0), along(1)];
+    let scale = SIZE / (right - left).max(top - bottom);
+    let number = |number: f64| Coordinate::new(number).unwrap_or(Coordinate::literal(0.0));
+    Place {
+        scale: Factor::new(scale).unwrap_or(Factor::literal(1.0)),
+        turn: Angle::literal(0.0),
+        offset: Point(number(0.5 - 0.5 * scale * (left + right)), number(0.5 - 0.5 * scale * (bottom + top))),
+    }
+}
 
 impl App {
     /// Makes the bodies that were asked for since the last frame.
@@ -66,33 +83,30 @@ impl App {
         self.add_body("drawn body", outline.into(), Place::default());
     }
 
-    /// Adds a body whose mesh is in a file to the scene, or opens a level with it where the scene can have none.
+    /// Adds the bodies of a file to the scene, or opens a level with them where the scene can have none. A mesh file is one body; a drawing or picture has one for each
+    /// shape.
     pub(super) fn add_from_file(&mut self, path: &Path) {
         let path = crate::files::whole_path(path);
-        let mesh = match MeshKind::from(Obj { path: path.clone() }).kind().build(&Disk) {
-            Ok(mesh) => mesh,
+        let added = if outlines::is_picture(&path.to_string_lossy()) {
+            read_bytes(&path).and_then(|bytes| self.outlines_of(&path, &bytes))
+        } else {
+            let kind = MeshKind::from(Obj { path: path.clone() });
+            kind.kind().build(&Disk).map_err(|why| why.to_string()).map(|mesh| (vec![kind], mesh.points().to_vec()))
+        };
+        let (kinds, points) = match added {
+            Ok(added) => added,
             Err(why) => {
                 self.view.notice = Some(Notice::Trouble(format!("{}: {why}", path.display())));
                 return;
             }
         };
-        let along = |axis: usize| {
-            let numbers = || mesh.points().iter().map(move |point| point[axis]);
-            [numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max)]
-        };
-        let [[left, right], [bottom, top]] = [along(0), along(1)];
-        let scale = SIZE / (right - left).max(top - bottom);
-        let number = |number: f64| Coordinate::new(number).unwrap_or(Coordinate::literal(0.0));
-        let place = Place {
-            scale: Factor::new(scale).unwrap_or(Factor::literal(1.0)),
-            turn: Angle::literal(0.0),
-            offset: Point(number(0.5 - 0.5 * scale * (left + right)), number(0.5 - 0.5 * scale * (bottom + top))),
-        };
+        let place = fitted(&points);
         let name = path.file_stem().map_or_else(|| "body".to_owned(), |stem| stem.display().to_string());
-        let kind = MeshKind::from(Obj { path });
         let now = &self.snapshot;
         if now.toy.is_none() && now.level.test.is_none() && now.dimension == 2 {
-            self.add_body(&name, kind, place);
+            for kind in kinds {
+                self.add_body(&name, kind, place);
+            }
             return;
         }
         let mut level = match self.gallery.first() {
@@ -104,9 +118,32 @@ impl App {
         };
         let before = level.bodies.first().map_or_else(MaterialParameters::default, |body| body.material);
         let density = MassLevel::Density(Density::new(DENSITY).unwrap_or(Density::literal(DENSITY)));
-        level.bodies = vec![BodyLevel { place, ..BodyLevel::new(name.clone(), kind, before, density) }];
+        let number = |own: usize| if own == 0 { name.clone() } else { format!("{name} {}", own + 1) };
+        let body = |(own, kind)| BodyLevel { place, ..BodyLevel::new(number(own), kind, before, density) };
+        level.bodies = kinds.into_iter().enumerate().map(body).collect();
         (level.name, level.about) = (name, String::new());
         self.start(level);
+    }
+
+    /// Meshes of the shapes in a drawing or picture, which keep their places to each other, and all their points. Each can be built.
+    fn outlines_of(&self, path: &Path, bytes: &[u8]) -> Result<(Vec<MeshKind>, Vec<[f64; 2]>), String> {
+        let shapes = outlines::read(&path.to_string_lossy(), bytes).map_err(|why| why.to_string())?;
+        let points: Vec<_> = shapes.iter().flat_map(|shape| shape.outer.iter().copied()).collect();
+        let scale = fitted(&points).scale.get();
+        let [least, usual, most] = TRIANGLES;
+        let mut kinds = Vec::new();
+        for (number, shape) in shapes.iter().enumerate() {
+            let mut outline = Outline::of_shape(&shape.outer, &shape.holes).ok_or("its coordinates are too great")?;
+            let count = self.triangle_area().map_or(usual, |size| outline.area() * scale * scale / size);
+            outline.resolution = Whole::try_from(count.clamp(least, most).round()).unwrap_or(outline.resolution);
+            let kind = MeshKind::from(outline);
+            kind.kind().build(&Disk).map_err(|why| match shapes.len() {
+                1 => why.to_string(),
+                _ => format!("shape {}: {why}", number + 1),
+            })?;
+            kinds.push(kind);
+        }
+        Ok((kinds, points))
     }
 
     /// Adds a body of the material and the density of the chosen body, and chooses it.

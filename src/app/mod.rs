@@ -2,6 +2,7 @@
 //! the requests for the next frame. Nothing drawn holds a reference into the simulation.
 
 mod advice;
+mod arrows;
 mod canvas;
 mod clock;
 mod colour;
@@ -37,6 +38,7 @@ pub use canvas::Options;
 pub use film::{FilmEncoder, FilmFormat};
 pub use picture::{Picture, Stage};
 
+use arrows::Arrows;
 use canvas::Canvas;
 use clock::{Clock, Spent};
 use compare::{Comparison, Pane, PaneRequest, Split, Stage as SplitStage};
@@ -72,6 +74,8 @@ pub struct App {
     jobs: Jobs,
     /// Probes of the chosen pane.
     probes: Probes,
+    /// Arrows in both panes.
+    arrows: [Arrows; 2],
     /// Cost of effects in the chosen pane. It is measured only while the ledger is shown.
     meter: Meter,
     /// The second pane, while two panes are compared.
@@ -140,6 +144,7 @@ impl App {
             dialogs: Dialogs::default(),
             jobs: Jobs::default(),
             probes: Probes::default(),
+            arrows: Default::default(),
             meter: Meter::default(),
             comparison: None,
             commands: Vec::new(),
@@ -435,6 +440,11 @@ impl App {
             Some(panes) => panes.update_snapshots(&self.sandbox, &mut self.snapshot, field),
             None => self.sandbox.snapshot(field, &mut self.snapshot),
         }
+        let kind = self.view.stage.arrows;
+        self.arrows[0].follow(kind, &self.sandbox);
+        if let Some(panes) = &self.comparison {
+            self.arrows[1].follow(kind, &panes.b);
+        }
         self.history.record(&self.snapshot);
         self.tell_replay();
         self.measure();
@@ -570,6 +580,10 @@ impl eframe::App for App {
         for canvas in stage.iter_mut().map(SplitStage::canvas_mut).chain([&mut *canvas]) {
             canvas.set_probes(marks.clone(), self.view.picks, picks_now);
             canvas.set_earlier(self.view.earlier.clone());
+        }
+        canvas.set_arrows(&self.arrows[0]);
+        if let Some(stage) = &mut stage {
+            stage.canvas_mut().set_arrows(&self.arrows[1]);
         }
         let mut draw = |ui: &mut Ui, view: &mut View, commands: &mut Vec<Command>| match (&mut stage, panes) {
             (Some(stage), Some(panes)) => {

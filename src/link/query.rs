@@ -9,10 +9,12 @@ use crate::{
     level::{Level, RunMode, Substeps},
     levels,
     materials::{MaterialParameters, Model},
-    meshes::Pin,
+    meshes::{NoFiles, Pin},
     nets::NetKind,
     obstacles::ObstacleKind,
     quantity::{Coordinate, Gravity, Height, Point, Poisson, Width, Young},
+    scene::Scene,
+    study::with_triangles,
 };
 use percent_encoding::percent_decode_str;
 
@@ -54,6 +56,7 @@ const PARAMETERS: &[Parameter] = &[
     Parameter { name: "young", values: "Young's modulus [Pa]", change: Change::Any(young) },
     Parameter { name: "poisson", values: "Poisson's ratio, from -1 to 0.5", change: Change::Any(poisson) },
     Parameter { name: "gravity", values: "true, false or an acceleration [m/s²]", change: Change::Any(gravity) },
+    Parameter { name: "triangles", values: "about how many triangles all bodies have", change: Change::Any(triangles) },
     Parameter { name: "fabricLength", values: "a length from 1 to 10000 [m]", change: Change::Princeton(length) },
     Parameter { name: "object", values: "None, Sphere or Box", change: Change::Princeton(object) },
     Parameter { name: "movingSphere", values: "true or false", change: Change::Princeton(moving_sphere) },
@@ -121,21 +124,42 @@ pub(super) fn level(address: &str) -> Result<Level, FileError> {
         let names: Vec<_> = levels::BUILT_IN.iter().map(|(file, _)| file.trim_end_matches(".ron")).collect();
         refused(format!("level: there is no built-in level {name}; those are: {}", names.join(", ")))
     })?;
-    for Parameter { name, values, change } in PARAMETERS {
-        let Some(value) = value_of(name) else { continue };
-        let changed = match change {
-            Change::Name => Some(()),
-            Change::Any(change) => change(&mut level, value),
-            Change::Princeton(_) if projection(&mut level).is_none() || sheet(&mut level).is_none() => {
-                return Err(refused(format!("{name}: only the cloths of Princeton's course have this parameter")));
-            }
-            Change::Princeton(change) => change(&mut level, value),
-            Change::View => flag(value).map(drop),
-        };
-        changed
-            .ok_or_else(|| refused(format!("{name}: expected {values}, and that the level has it; got {value:?}")))?;
+    for parameter in PARAMETERS {
+        if let Some(value) = value_of(parameter.name) {
+            parameter.set(&mut level, value)?;
+        }
     }
     Ok(level)
+}
+
+/// Changes a level by a parameter of addresses, such as `young` or `model`.
+///
+/// # Errors
+/// [`FileError::Access`] if there is no such parameter, if its value is wrong, or if the level does not have it.
+pub fn set_parameter(level: &mut Level, name: &str, value: &str) -> Result<(), FileError> {
+    let of_levels =
+        || PARAMETERS.iter().filter(|parameter| matches!(parameter.change, Change::Any(_) | Change::Princeton(_)));
+    let parameter = of_levels().find(|parameter| parameter.name == name).ok_or_else(|| {
+        let known: Vec<_> = of_levels().map(|parameter| parameter.name).collect();
+        refused(format!("there is no parameter {name}; those are: {}", known.join(", ")))
+    })?;
+    parameter.set(level, value)
+}
+
+impl Parameter {
+    fn set(&self, level: &mut Level, value: &str) -> Result<(), FileError> {
+        let Self { name, values, change } = self;
+        let changed = match change {
+            Change::Name => Some(()),
+            Change::Any(change) => change(level, value),
+            Change::Princeton(_) if projection(level).is_none() || sheet(level).is_none() => {
+                return Err(refused(format!("{name}: only the cloths of Princeton's course have this parameter")));
+            }
+            Change::Princeton(change) => change(level, value),
+            Change::View => flag(value).map(drop),
+        };
+        changed.ok_or_else(|| refused(format!("{name}: expected {values}, and that the level has it; got {value:?}")))
+    }
 }
 
 /// How a page shows the level in its address.
@@ -182,6 +206,14 @@ fn integrator(level: &mut Level, value: &str) -> Option<()> {
 
 fn step(level: &mut Level, value: &str) -> Option<()> {
     level.substeps = Substeps::for_step(value.parse().ok()?)?;
+    Some(())
+}
+
+fn triangles(level: &mut Level, value: &str) -> Option<()> {
+    let wanted: f64 = value.parse().ok().filter(|wanted| (1.0..=200_000.0).contains(wanted))?;
+    let scene = Scene::build(level, level.mode, &NoFiles, None).ok()?;
+    let share = wanted / scene.triangles.len() as f64;
+    *level = with_triangles(level, share).ok().filter(|_| share.is_finite())?;
     Some(())
 }
 

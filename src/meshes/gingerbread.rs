@@ -31,7 +31,7 @@ impl MeshSource for Gingerbread {
         let half = outline();
         let area = polygon::signed_area(&mirrored(&half));
         let target = f64::from(self.resolution.count());
-        let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&half, edge))?;
+        let (points, triangles) = triangulate::fill(target, area, &|edge| vec![sampled(&half, edge)])?;
         let (points, triangles) = numbering::by_place(&points, &triangles);
         let icing = icing(&Locator::new(&points, &triangles));
         Ok(Mesh::new(points, triangles)?.with_icing(icing))

@@ -4,11 +4,11 @@
 //! The project has its own reader for three reasons: errors name the line, concave faces are cut inside, and a face
 //! may precede its vertices. The crate tobj 4.0 keeps no line numbers and cuts faces into fans.
 
-use super::{Files, Mesh, MeshError, MeshSource, NEAR, error::MOST_TRIANGLES, mesh::area, polygon};
+use super::{Files, Mesh, MeshError, MeshSource, NEAR, error::MOST_TRIANGLES, mesh::area, msh, polygon};
 use crate::text;
 use std::path::{Path, PathBuf};
 
-/// A mesh from a Wavefront OBJ file that lies in a plane: x-y, x-z or y-z. Faces with more than three corners are cut into triangles.
+/// A mesh from a Wavefront OBJ file, or from a text file of Gmsh (MSH), that lies in a plane: x-y, x-z or y-z. Faces with more than three corners are cut into triangles.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Obj {
@@ -72,11 +72,48 @@ impl Reader {
     pub fn read(path: &Path, files: &dyn Files) -> Result<Self, MeshError> {
         let name = || path.display().to_string();
         let text = files.read(path).map_err(|reason| MeshError::File { path: name(), reason })?;
+        let text = text::normalised(&text);
+        if text.trim_start().starts_with(msh::HEAD) {
+            return msh::read(&text).map_err(|(line, reason)| MeshError::Line { path: name(), line, reason });
+        }
         let mut reader = Self::default();
-        for (number, line) in joined(&text::normalised(&text)) {
+        for (number, line) in joined(&text) {
             reader.line(number, &line).map_err(|reason| MeshError::Line { path: name(), line: number, reason })?;
         }
         Ok(reader)
+    }
+
+    /// Adds a vertex from a line of the file.
+    pub fn add_point(&mut self, line: usize, point: [f64; 3]) {
+        self.points.push(point);
+        self.point_lines.push(line);
+    }
+
+    /// Adds a face from a line of the file, by vertices from 1.
+    pub fn add_face(&mut self, line: usize, corners: Vec<i64>) {
+        self.faces.push(Face { line, corners, points_before: self.points.len() });
+    }
+
+    /// Whether there is no face.
+    pub const fn is_without_faces(&self) -> bool {
+        self.faces.is_empty()
+    }
+
+    /// Drops vertices that no face has; all its numbers are from 1.
+    pub fn drop_unused(&mut self) {
+        let mut new = vec![0; self.points.len() + 1];
+        self.faces.iter().flat_map(|face| &face.corners).for_each(|corner| new[*corner as usize] = 1);
+        let mut count = 0;
+        for number in new.iter_mut().skip(1).filter(|number| **number == 1) {
+            count += 1;
+            *number = count;
+        }
+        let is_used = |place: usize| new[place + 1] > 0;
+        let mut place = 0..;
+        self.points.retain(|_| place.next().is_some_and(is_used));
+        let mut place = 0..;
+        self.point_lines.retain(|_| place.next().is_some_and(is_used));
+        self.faces.iter_mut().flat_map(|face| &mut face.corners).for_each(|corner| *corner = new[*corner as usize]);
     }
 
     /// The faces with their lines, as vertices from 0.

@@ -30,6 +30,9 @@ const MOST_ALONG: f64 = 10_000.0;
 pub struct Outline {
     /// The corners in order, in either direction \[m\].
     pub points: Vec<Point>,
+    /// Corners of holes in it, which do not touch it or each other \[m\].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<Vec<Point>>,
     /// Number of triangles to aim for.
     #[serde(default = "thousand")]
     pub resolution: Whole<Triangles>,
@@ -69,6 +72,7 @@ impl Default for Outline {
         let left = right.iter().rev().take(right.len() - 1).map(|&(x, y)| at(1.0 - x, y));
         Self {
             points: right.iter().map(|&(x, y)| at(x, y)).chain(left).collect(),
+            holes: Vec::new(),
             resolution: thousand(),
             simplify: exactly(),
         }
@@ -86,9 +90,19 @@ impl Outline {
         (points.len() >= 3).then(|| Self { points, ..Self::default() })
     }
 
-    /// Area \[m²\].
+    /// The outline of a closed line and those of its holes \[m\], as they are; `None` if a coordinate is out of range.
+    pub fn of_shape(outer: &[[f64; 2]], holes: &[Vec<[f64; 2]>]) -> Option<Self> {
+        let corners = |line: &[[f64; 2]]| line.iter().map(|point| Point::new(*point).ok()).collect::<Option<Vec<_>>>();
+        let holes = holes.iter().map(|hole| corners(hole)).collect::<Option<_>>()?;
+        Some(Self { points: corners(outer)?, holes, ..Self::default() })
+    }
+
+    /// Area without that of the holes \[m²\].
     pub fn area(&self) -> f64 {
-        polygon::signed_area(&self.points.iter().map(|point| point.get()).collect::<Vec<_>>()).abs()
+        let area = |points: &Vec<Point>| {
+            polygon::signed_area(&points.iter().map(|point| point.get()).collect::<Vec<_>>()).abs()
+        };
+        area(&self.points) - self.holes.iter().map(area).sum::<f64>()
     }
 }
 
@@ -115,16 +129,23 @@ impl MeshSource for Outline {
         if polygon::signed_area(&corners) < 0.0 {
             corners.reverse();
         }
-        let area = polygon::signed_area(&corners);
+        let mut loops = vec![corners];
+        for (number, hole) in self.holes.iter().enumerate() {
+            loops.push(self.hole(number, hole, target)?);
+        }
+        check_holes(&loops)?;
+        let area = area_of(&loops);
         // n points along the edge give at least n - 2 triangles. Too many are refused here, before they fill the
         // memory.
-        let along = polygon::perimeter(&corners) / triangulate::edge_length(area / target);
+        let along = loops.iter().map(|corners| polygon::perimeter(corners)).sum::<f64>()
+            / triangulate::edge_length(area / target);
         if along > target.min(MOST_ALONG) {
             let reason =
                 format!("the outline is too long and thin: {along:.0} points would lie along it; make it wider");
             return Err(MeshError::Recipe(reason));
         }
-        let (points, triangles) = triangulate::fill(target, area, &|edge| sampled(&corners, edge))?;
+        let (points, triangles) =
+            triangulate::fill(target, area, &|edge| loops.iter().map(|corners| sampled(corners, edge)).collect())?;
         let (points, triangles) = numbering::by_place(&points, &triangles);
         // The given points are distinct. In a sharp corner, added points may be near each other.
         let mesh =
@@ -134,7 +155,7 @@ impl MeshSource for Outline {
             messages.push(format!("the outline's sharp corners leave triangles with an angle of {angle:.1}°"));
         }
         if mesh.triangles().len() as f64 > FAR_MORE * target {
-            messages.extend(simpler(&corners, target, mesh.triangles().len()));
+            messages.extend(simpler(&loops, target, mesh.triangles().len()));
         }
         Ok(messages.into_iter().fold(mesh, Mesh::with_message))
     }
@@ -142,6 +163,63 @@ impl MeshSource for Outline {
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.resolution, &mut self.simplify]
     }
+}
+
+impl Outline {
+    /// Corners of a hole, without repeated ones and simplified as the outline.
+    fn hole(&self, number: usize, hole: &[Point], target: f64) -> Result<Vec<[f64; 2]>, MeshError> {
+        let given: Vec<[f64; 2]> = hole.iter().map(|point| point.get()).collect();
+        let (kept, _) = apart(&given, target);
+        let corners: Vec<_> = kept.iter().map(|&number| given[number]).collect();
+        if corners.len() < 3 {
+            return Err(MeshError::Recipe(format!("hole {number} needs at least 3 points, got {}", corners.len())));
+        }
+        if let Some((first, second)) = polygon::crossing(&corners) {
+            let (first, second) = (kept[first], kept[second]);
+            return Err(MeshError::Recipe(format!(
+                "the sides of hole {number} after its points {first} and {second} cross"
+            )));
+        }
+        Ok(if is_exact(&self.simplify) { corners } else { polygon::simplified(&corners, self.simplify.get()) })
+    }
+}
+
+/// Area of an outline without that of its holes \[m²\].
+fn area_of(loops: &[Vec<[f64; 2]>]) -> f64 {
+    let mut areas = loops.iter().map(|corners| polygon::signed_area(corners).abs());
+    areas.next().unwrap_or(0.0) - areas.sum::<f64>()
+}
+
+/// Checks that the holes of an outline, which come after it, lie in it and apart from each other.
+fn check_holes(loops: &[Vec<[f64; 2]>]) -> Result<(), MeshError> {
+    let fail = |why: String| Err(MeshError::Recipe(why));
+    let Some((outer, holes)) = loops.split_first() else { return Ok(()) };
+    let all: Vec<&[[f64; 2]]> = loops.iter().map(Vec::as_slice).collect();
+    if let Some((first, second)) = polygon::crossing_of_loops(&all) {
+        // The outline and each hole alone were found sound.
+        let name = |corner: usize| {
+            let mut left = corner;
+            let place = all.iter().position(|corners| {
+                let is_here = left < corners.len();
+                left -= if is_here { 0 } else { corners.len() };
+                is_here
+            });
+            place.unwrap_or(0)
+        };
+        let (first, second) = (name(first), name(second));
+        let other = if first == 0 { "the outline".to_owned() } else { format!("hole {}", first - 1) };
+        return fail(format!("hole {} touches or crosses {other}", second - 1));
+    }
+    for (number, hole) in holes.iter().enumerate() {
+        if !polygon::contains(outer, hole[0]) {
+            return fail(format!("hole {number} lies outside of the outline"));
+        }
+        let within = |other: &usize| *other != number && polygon::contains(&holes[*other], hole[0]);
+        if let Some(other) = (0..holes.len()).find(within) {
+            return fail(format!("hole {number} lies in hole {other}"));
+        }
+    }
+    Ok(())
 }
 
 /// Numbers of the points that differ from the point before, and a message with the number of the others.
@@ -182,22 +260,24 @@ fn named(error: MeshError, points: &[[f64; 2]], given: &[[f64; 2]]) -> MeshError
 }
 
 /// Message on the number of triangles of an outline with many points, and on a tolerance that meets the request.
-fn simpler(corners: &[[f64; 2]], target: f64, triangles: usize) -> Option<String> {
-    let edge = triangulate::edge_length(polygon::signed_area(corners).abs() / target);
+fn simpler(loops: &[Vec<[f64; 2]>], target: f64, triangles: usize) -> Option<String> {
+    let edge = triangulate::edge_length(area_of(loops) / target);
     // Corners this near to each other add triangles but no visible detail.
     let start = libm::floor(libm::log10(0.02 * edge)) as i32;
     let steps =
         (start..start + 3).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * libm::pow(10.0, f64::from(power))));
-    let tried = steps.filter(|tolerance| *tolerance < 0.1 * size(corners)).find_map(|tolerance| {
-        let fewer = polygon::simplified(corners, tolerance);
-        let (_, made) = triangulate::fill(target, polygon::signed_area(&fewer), &|edge| sampled(&fewer, edge)).ok()?;
-        (made.len() as f64 <= FAR_MORE * target).then_some((tolerance, fewer.len(), made.len()))
+    let tried = steps.filter(|tolerance| *tolerance < 0.1 * size(&loops[0])).find_map(|tolerance| {
+        let fewer: Vec<_> = loops.iter().map(|corners| polygon::simplified(corners, tolerance)).collect();
+        let sampled = |edge| fewer.iter().map(|corners| sampled(corners, edge)).collect();
+        let (_, made) = triangulate::fill(target, area_of(&fewer), &sampled).ok()?;
+        let points = fewer.iter().map(Vec::len).sum::<usize>();
+        (made.len() as f64 <= FAR_MORE * target).then_some((tolerance, points, made.len()))
     });
     let (tolerance, points, count) = tried?;
     Some(format!(
         "the outline's {} points take {triangles} triangles where {target} were asked for, as the mesh keeps its corners; with \
          `simplify: {tolerance}` in the outline, which moves it by up to so many metres, {points} points and {count} triangles are left",
-        corners.len()
+        loops.iter().map(Vec::len).sum::<usize>()
     ))
 }
 

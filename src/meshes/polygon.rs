@@ -29,7 +29,7 @@ pub(crate) fn merged(corners: &[[f64; 2]], near: f64) -> Vec<usize> {
 /// Simplified polygon: no removed corner is farther than `tolerance` \[m\] from the remaining sides.
 /// Sources: Ramer, "An iterative procedure for the polygonal approximation of plane curves", 1972; Douglas and
 /// Peucker, 1973. If sides cross, the tolerance is halved until they do not.
-pub(super) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+pub(crate) fn simplified(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let mut tolerance = tolerance;
     for _ in 0..MOST_HALVINGS {
         let kept = within(corners, tolerance);
@@ -71,7 +71,7 @@ fn within(corners: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
 }
 
 /// Signed area of a polygon \[m²\], positive counter-clockwise.
-pub(super) fn signed_area(corners: &[[f64; 2]]) -> f64 {
+pub(crate) fn signed_area(corners: &[[f64; 2]]) -> f64 {
     let origin = corners.first().copied().unwrap_or_default();
     sides(corners).map(|[from, to]| area([origin, from, to])).sum()
 }
@@ -83,8 +83,19 @@ pub(super) fn perimeter(corners: &[[f64; 2]]) -> f64 {
 
 /// Two sides, by their first corners, that meet without being neighbours, or that fold back onto each other.
 pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
-    let sides: Vec<_> = sides(corners).collect();
-    let [low, high] = bounds(corners);
+    crossing_of_loops(&[corners])
+}
+
+/// The same for the sides of several polygons, whose corners are counted through.
+pub(super) fn crossing_of_loops(loops: &[&[[f64; 2]]]) -> Option<(usize, usize)> {
+    let sides: Vec<_> = loops.iter().flat_map(|corners| sides(corners)).collect();
+    // The side after each one.
+    let mut after = Vec::with_capacity(sides.len());
+    for corners in loops {
+        let (first, count) = (after.len(), corners.len());
+        after.extend((1..=count).map(|next| first + next % count));
+    }
+    let [low, high] = bounds(sides.as_flattened());
     // A sweep along the longer axis meets the fewest sides at a time.
     let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
     let left = |side: usize| sides[side][0][axis].min(sides[side][1][axis]);
@@ -94,9 +105,9 @@ pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
     for (index, &a) in order.iter().enumerate() {
         for &b in order[index + 1..].iter().take_while(|&&b| left(b) <= right(a)) {
             let (first, second) = (a.min(b), a.max(b));
-            let touching = if second == first + 1 {
+            let touching = if after[first] == second {
                 folds_back(sides[first][0], sides[first][1], sides[second][1])
-            } else if first == 0 && second + 1 == sides.len() {
+            } else if after[second] == first {
                 folds_back(sides[second][0], sides[second][1], sides[first][1])
             } else {
                 intersect(sides[first], sides[second])
@@ -107,6 +118,13 @@ pub(super) fn crossing(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
         }
     }
     None
+}
+
+/// Whether a point is within a polygon.
+pub(crate) fn contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let crosses =
+        |[a, b]: &[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+    sides(corners).filter(crosses).count() % 2 == 1
 }
 
 /// Whether the path from `a` over `b` to `c` has a zero side or reverses its direction.

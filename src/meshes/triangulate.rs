@@ -20,22 +20,25 @@ const ROUNDS: usize = 30;
 /// Offsets of the lattice [edge lengths], tried in order until all angles are good.
 const STARTS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.29], [0.25, 0.14], [0.13, 0.43]];
 
+/// Closed lines of points: an outline, and those of its holes.
+pub(super) type Loops = Vec<Vec<[f64; 2]>>;
+
 /// Triangulates an outline with about `target` triangles.
-/// `outline` gives its counter-clockwise points for an edge length \[m\]; `area` is the enclosed area \[m²\].
+/// `outline` gives its points and those of its holes for an edge length \[m\]; `area` is the enclosed area \[m²\].
 ///
 /// # Errors
 /// [`MeshError::Recipe`] if the outline touches itself or is too thin for its triangles.
-pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>) -> Result<Filled, MeshError> {
-    let mut best: Option<(f64, usize, Filled)> = None;
+pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Loops) -> Result<Filled, MeshError> {
+    let mut best: Option<(f64, Vec<usize>, Filled)> = None;
     for start in STARTS {
         let (boundary, edge) = spacing(target, area, outline, start);
-        if polygon::crossing(&boundary).is_some() {
+        if polygon::crossing_of_loops(&boundary.iter().map(Vec::as_slice).collect::<Vec<_>>()).is_some() {
             return Err(too_narrow());
         }
         let filled = relax(&boundary, lattice(&boundary, edge, start))?;
         let angle = smallest_angle(&filled);
         if best.as_ref().is_none_or(|(so_far, ..)| angle > *so_far) {
-            best = Some((angle, boundary.len(), filled));
+            best = Some((angle, boundary.iter().map(Vec::len).collect(), filled));
         }
         // A much smaller angle comes from the outline itself. Another offset does not help.
         if !(0.6 * GOOD_ANGLE..GOOD_ANGLE).contains(&angle) {
@@ -43,7 +46,7 @@ pub(super) fn fill(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]
         }
     }
     let Some((angle, fixed, filled)) = best else { return Err(too_narrow()) };
-    if angle >= GOOD_ANGLE { Ok(filled) } else { refine(&filled.0, fixed, 2 * target as usize) }
+    if angle >= GOOD_ANGLE { Ok(filled) } else { refine(&filled.0, &fixed, 2 * target as usize) }
 }
 
 /// Side \[m\] of an equilateral triangle of the given area \[m²\].
@@ -58,13 +61,14 @@ fn smallest_angle((points, triangles): &Filled) -> f64 {
 }
 
 /// Points of the outline and the edge length \[m\] that come nearest to the requested number of triangles.
-/// A simple polygon with `b` points on it and `i` inside has `2 i + b - 2` triangles in every triangulation (Euler).
-fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start: [f64; 2]) -> (Vec<[f64; 2]>, f64) {
+/// A polygon with `h` holes, `b` points on it and `i` inside has `2 i + b + 2 h - 2` triangles in every triangulation (Euler).
+fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Loops, start: [f64; 2]) -> (Loops, f64) {
     let mut edge = edge_length(area / target);
     let mut best = (f64::INFINITY, Vec::new(), edge);
     for _ in 0..12 {
         let boundary = outline(edge);
-        let count = (2 * lattice(&boundary, edge, start).len() + boundary.len()) as f64 - 2.0;
+        let on_it: usize = boundary.iter().map(Vec::len).sum();
+        let count = (2 * lattice(&boundary, edge, start).len() + on_it + 2 * boundary.len()) as f64 - 4.0;
         let miss = (count / target - 1.0).abs();
         let next = edge * (count / target).sqrt();
         if miss < best.0 {
@@ -78,9 +82,9 @@ fn spacing(target: f64, area: f64, outline: &dyn Fn(f64) -> Vec<[f64; 2]>, start
     (best.1, best.2)
 }
 
-/// Points of a triangular lattice inside a polygon and clear of its sides.
-fn lattice(boundary: &[[f64; 2]], edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
-    let [low, high] = mesh::bounds(boundary);
+/// Points of a triangular lattice inside an outline, outside of its holes, and clear of the sides of all.
+fn lattice(boundary: &Loops, edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
+    let [low, high] = mesh::bounds(boundary.first().map_or(&[], Vec::as_slice));
     let origin = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]) + start[axis] * edge);
     let rows = ((high[1] - low[1]) / (ROW * edge)) as usize / 2 + 2;
     let clearance = CLEARANCE * edge;
@@ -101,16 +105,10 @@ fn lattice(boundary: &[[f64; 2]], edge: f64, start: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// Sides of the polygon within `clearance` of each of `2 rows + 1` horizontal lines about the height `middle` \[m\].
-fn sides_by_row(
-    boundary: &[[f64; 2]],
-    middle: f64,
-    height: f64,
-    rows: usize,
-    clearance: f64,
-) -> Vec<Vec<[[f64; 2]; 2]>> {
+fn sides_by_row(boundary: &Loops, middle: f64, height: f64, rows: usize, clearance: f64) -> Vec<Vec<[[f64; 2]; 2]>> {
     let mut near = vec![Vec::new(); 2 * rows + 1];
     let row = |y: f64| ((y - middle) / height + rows as f64).max(0.0);
-    for side in polygon::sides(boundary) {
+    for side in boundary.iter().flat_map(|corners| polygon::sides(corners)) {
         let [low, high] = mesh::bounds(&side);
         let (first, last) = (row(low[1] - clearance).ceil() as usize, row(high[1] + clearance) as usize);
         for list in near.iter_mut().take(last + 1).skip(first) {
@@ -132,15 +130,16 @@ fn crossings(sides: &[[[f64; 2]; 2]], y: f64) -> Vec<f64> {
 }
 
 /// Triangulates the points and smooths them. The boundary stays.
-fn relax(boundary: &[[f64; 2]], inner: Vec<[f64; 2]>) -> Result<Filled, MeshError> {
-    let fixed = boundary.len();
-    let mut points = boundary.to_vec();
+fn relax(boundary: &Loops, inner: Vec<[f64; 2]>) -> Result<Filled, MeshError> {
+    let fixed: Vec<usize> = boundary.iter().map(Vec::len).collect();
+    let mut points = boundary.concat();
+    let count = points.len();
     points.extend(inner);
     for _ in 0..ROUNDS {
-        let triangles = delaunay(&points, fixed)?;
-        smooth(&mut points, &triangles, fixed);
+        let triangles = delaunay(&points, &fixed)?;
+        smooth(&mut points, &triangles, count);
     }
-    let triangles = delaunay(&points, fixed)?;
+    let triangles = delaunay(&points, &fixed)?;
     Ok((points, triangles))
 }
 
@@ -197,12 +196,12 @@ fn too_narrow() -> MeshError {
     MeshError::Recipe("the outline is too narrow for its triangles; ask for more of them".to_owned())
 }
 
-/// Delaunay triangles inside the simple polygon of the first `fixed` points.
+/// Delaunay triangles inside the polygons of the first points, which have so many each.
 ///
 /// # Errors
 /// [`MeshError::Recipe`] if points coincide or lie on the polygon's sides, or if coordinates are too large or too
 /// small.
-fn delaunay(points: &[[f64; 2]], fixed: usize) -> Result<Vec<[u32; 3]>, MeshError> {
+fn delaunay(points: &[[f64; 2]], fixed: &[usize]) -> Result<Vec<[u32; 3]>, MeshError> {
     Ok(inside(&triangulation(points, fixed)?))
 }
 
@@ -211,7 +210,7 @@ fn delaunay(points: &[[f64; 2]], fixed: usize) -> Result<Vec<[u32; 3]>, MeshErro
 ///
 /// # Errors
 /// As [`triangles`].
-fn refine(points: &[[f64; 2]], fixed: usize, most: usize) -> Result<Filled, MeshError> {
+fn refine(points: &[[f64; 2]], fixed: &[usize], most: usize) -> Result<Filled, MeshError> {
     let mut delaunay = triangulation(points, fixed)?;
     let parameters = RefinementParameters::new()
         .exclude_outer_faces(true)
@@ -226,8 +225,8 @@ fn refine(points: &[[f64; 2]], fixed: usize, most: usize) -> Result<Filled, Mesh
     Ok(without_unused(&all, inside(&delaunay)))
 }
 
-/// Delaunay triangulation that keeps the polygon of the first `fixed` points.
-fn triangulation(points: &[[f64; 2]], fixed: usize) -> Result<Delaunay, MeshError> {
+/// Delaunay triangulation that keeps the polygons of the first points, which have so many each.
+fn triangulation(points: &[[f64; 2]], fixed: &[usize]) -> Result<Delaunay, MeshError> {
     let sites = points.iter().enumerate();
     let sites = sites.map(|(index, &[x, y])| Site { position: Point2::new(x, y), index: index as u32 }).collect();
     // Constraints are added one by one: spade's joint bulk load iterates over a hash set, whose order differs from
@@ -238,29 +237,38 @@ fn triangulation(points: &[[f64; 2]], fixed: usize) -> Result<Delaunay, MeshErro
     for vertex in delaunay.vertices() {
         handles[vertex.data().index as usize] = Some(vertex.fix());
     }
-    for from in 0..fixed {
-        let (Some(from), Some(to)) = (handles[from], handles[(from + 1) % fixed]) else { return Err(too_narrow()) };
-        if from == to || !delaunay.can_add_constraint(from, to) {
-            return Err(too_narrow());
+    let mut first = 0;
+    for count in fixed {
+        for from in 0..*count {
+            let ends = [from, (from + 1) % count].map(|place| handles[first + place]);
+            let [Some(from), Some(to)] = ends else { return Err(too_narrow()) };
+            if from == to || !delaunay.can_add_constraint(from, to) {
+                return Err(too_narrow());
+            }
+            delaunay.add_constraint(from, to);
         }
-        delaunay.add_constraint(from, to);
+        first += count;
     }
     Ok(delaunay)
 }
 
-/// Triangles that cannot be reached from outside without crossing a constraint.
+/// Triangles that are reached from outside over an odd number of constraints.
 fn inside(delaunay: &Delaunay) -> Vec<[u32; 3]> {
-    let mut outside = vec![false; delaunay.num_all_faces()];
-    let rim = delaunay.directed_edges().filter(|edge| edge.is_outer_edge() && !edge.is_constraint_edge());
-    let mut todo: Vec<_> = rim.filter_map(|edge| edge.rev().face().as_inner()).collect();
-    while let Some(face) = todo.pop() {
-        if std::mem::replace(&mut outside[face.fix().index()], true) {
+    // Whether a triangle is inside, once that is known.
+    let mut known: Vec<Option<bool>> = vec![None; delaunay.num_all_faces()];
+    let rim = delaunay.directed_edges().filter(spade::handles::DirectedEdgeHandle::is_outer_edge);
+    let mut todo: Vec<_> =
+        rim.filter_map(|edge| Some((edge.rev().face().as_inner()?, edge.is_constraint_edge()))).collect();
+    while let Some((face, is_inside)) = todo.pop() {
+        if known[face.fix().index()].replace(is_inside).is_some() {
             continue;
         }
-        let open = face.adjacent_edges().into_iter().filter(|edge| !edge.is_constraint_edge());
-        todo.extend(open.filter_map(|edge| edge.rev().face().as_inner()));
+        let next = face.adjacent_edges().into_iter();
+        todo.extend(
+            next.filter_map(|edge| Some((edge.rev().face().as_inner()?, is_inside != edge.is_constraint_edge()))),
+        );
     }
-    let inner = delaunay.inner_faces().filter(|face| !outside[face.fix().index()]);
+    let inner = delaunay.inner_faces().filter(|face| known[face.fix().index()] == Some(true));
     inner.map(|face| face.vertices().map(|vertex| vertex.data().index)).collect()
 }
 

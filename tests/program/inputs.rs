@@ -375,3 +375,90 @@ fn a_printed_link_is_taken_in_place_of_the_level() {
     let dense = gingerbread(&["link", "pile", "--page", page]);
     assert!(dense.status.success(), "{}", said(&dense.stderr));
 }
+
+/// A unit square as Gmsh writes it, in both versions: one triangle and one quadrangle of it, a line, a point, and nodes that no triangle has.
+const GMSH: [&str; 2] = [
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 7 \"edge\"\n$EndPhysicalNames\n$Nodes\n7\n10 0 0 0\n20 1 0 0\n30 1 1 0\n40 0 1 0\n50 0.5 0 0\n\
+     60 0.5 1 0\n70 0.25 0 0\n$EndNodes\n$Elements\n4\n1 15 2 0 1 10\n2 1 2 7 1 10 70\n3 3 2 0 1 10 50 60 40\n4 9 2 0 1 50 20 60 50 20 60\n$EndElements\n",
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n1 0 1 0\n1 0 0 0 0\n1 0 0 0 1 1 0 0 0\n$EndEntities\n$Nodes\n2 7 10 70\n2 1 0 6\n10\n20\n30\n40\n50\n60\n0 0 0\n\
+     1 0 0\n1 1 0\n0 1 0\n0.5 0 0\n0.5 1 0\n1 1 0 1\n70\n0.25 0 0\n$EndNodes\n$Elements\n3 3 1 3\n1 1 1 1\n1 10 70\n2 1 3 1\n2 10 50 60 40\n2 1 2 1\n3 50 20 60\n$EndElements\n",
+];
+
+#[test]
+fn meshes_of_gmsh_are_read_with_triangles_and_quadrangles() {
+    let folder = Folder::new("gmsh");
+    for text in GMSH {
+        let mesh = obj(&folder, text).unwrap();
+        assert_eq!(
+            (mesh.points().len(), mesh.triangles().len()),
+            (5, 3),
+            "nodes without a triangle are dropped: {text}"
+        );
+        assert!((mesh.area() - 0.75).abs() < 1e-15);
+        assert_eq!(obj(&folder, &text.replace('\n', "\r\n")).unwrap(), mesh);
+    }
+}
+
+#[test]
+fn other_files_of_gmsh_are_refused_with_line_and_reason() {
+    let folder = Folder::new("gmsh-refused");
+    let [old, new] = GMSH;
+    let cases = [
+        (old.replace("2.2 0 8", "2.2 1 8"), "line 2", "binary"),
+        (old.replace("2.2 0 8", "4.0 0 8"), "line 2", "version 2 or 4.1, got 4"),
+        (old.replace("4 9 2 0 1 50 20 60 50 20 60", "4 4 2 0 1 10 20 30 40"), "line 23", "solid"),
+        (old.replace("3 3 2 0 1 10 50 60 40", "3 3 2 0 1 10 50 60 99"), "line 22", "node 99 is not in the file"),
+        (old.replace("3 3 2 0 1 10 50 60 40", "3 3 2 0 1 10 50 60"), "line 22", "expected 4 nodes"),
+        (old.replace("20 1 0 0", "20 1 x 0"), "line 11", "expected the number of a node, x, y and z"),
+        (old.replace("20 1 0 0", "10 1 0 0"), "line 11", "node 10 is there twice"),
+        (old.replace("20 1 0 0", "20 1 0 5"), "line 11", "expected a flat mesh"),
+        (old.replace("$EndElements\n", ""), "line 23", "the file ends here"),
+        (old.split("$Elements").next().unwrap().to_owned(), "line 17", "no triangle or quadrangle"),
+        (new.replace("3 50 20 60", "3 50 20"), "line 35", "the nodes"),
+        (new.replace("2 1 2 1", "2 1 99 1"), "line 34", "type 1 to 31, got 99"),
+    ];
+    for (text, place, reason) in cases {
+        let told = obj(&folder, &text).unwrap_err();
+        assert!(told.contains(place) && told.contains(reason), "{reason}: {told}");
+    }
+}
+
+fn with_holes(holes: &[&[[f64; 2]]]) -> Outline {
+    let corners = |line: &&[[f64; 2]]| line.iter().map(|point| Point::new(*point).unwrap()).collect();
+    Outline { holes: holes.iter().map(corners).collect(), ..outline(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) }
+}
+
+#[test]
+fn an_outline_is_filled_around_its_holes() {
+    let square = |x: f64, y: f64, side: f64| [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
+    let round: Vec<[f64; 2]> = (0..40)
+        .map(|at| f64::from(at) * std::f64::consts::TAU / 40.0)
+        .map(|at| [0.3 + 0.1 * at.cos(), 0.7 + 0.1 * at.sin()])
+        .collect();
+    let reversed: Vec<_> = square(0.6, 0.2, 0.25).into_iter().rev().collect();
+    let mesh = with_holes(&[&round, &reversed]).build(&Disk).unwrap();
+    assert_eq!(mesh.boundary_loops().len(), 3);
+    let area = 1.0 - 0.0625 - 0.5 * 40.0 * 0.01 * (std::f64::consts::TAU / 40.0).sin();
+    assert!((mesh.area() - area).abs() < 2e-3, "{} for {area}", mesh.area());
+    assert!(mesh.min_angle() > 25.0 && (900..1100).contains(&mesh.triangles().len()), "{}", mesh.triangles().len());
+    let text = level(&format!(
+        "Outline(points: [(0, 0), (1, 0), (1, 1), (0, 1)], holes: [{:?}])",
+        [(0.4, 0.4), (0.6, 0.4), (0.5, 0.6)]
+    ));
+    assert_eq!(run(&text).fault(), None, "it runs, with contact on the edge of its hole");
+
+    let inner = square(0.3, 0.3, 0.3);
+    let cases: [(&[&[[f64; 2]]], &str); 7] = [
+        (&[&square(0.9, 0.4, 0.3)], "hole 0 touches or crosses the outline"),
+        (&[&square(0.0, 0.4, 0.3)], "hole 0 touches or crosses the outline"),
+        (&[&square(2.0, 0.4, 0.3)], "hole 0 lies outside of the outline"),
+        (&[&inner, &square(0.4, 0.4, 0.3)], "hole 1 touches or crosses hole 0"),
+        (&[&inner, &square(0.4, 0.4, 0.1)], "hole 1 lies in hole 0"),
+        (&[&inner[..2]], "hole 0 needs at least 3 points"),
+        (&[&[[0.3, 0.3], [0.6, 0.6], [0.6, 0.3], [0.3, 0.5]]], "the sides of hole 0 after its points"),
+    ];
+    for (holes, reason) in cases {
+        let told = with_holes(holes).build(&Disk).unwrap_err().to_string();
+        assert!(told.contains(reason), "{reason}: {told}");
+    }
+}

@@ -10,3 +10,4 @@ mod inputs;
 mod program;
 mod render;
 mod signals;
+mod sweep;

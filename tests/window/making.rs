@@ -184,3 +184,34 @@ fn an_energy_is_typed_in_the_window() {
     click(&mut window, "Neo-Hookean");
     assert_eq!(energy(&window), None);
 }
+
+#[test]
+fn drawings_and_pictures_become_bodies() {
+    let folder = Folder::new("drawings");
+    let path = folder.0.join("letters.svg");
+    let ring = "M0 0h60v60h-60zM20 20v20h20v-20z";
+    let drawing =
+        format!("<svg xmlns='http://www.w3.org/2000/svg'><path d='{ring}'/><circle cx='90' cy='30' r='20'/></svg>");
+    std::fs::write(&path, drawing).unwrap();
+    let mut window = open("gingerbread");
+    drop_files(&mut window, &[&path]);
+    let names: Vec<_> = window.state().snapshot().bodies.iter().map(|body| body.name.clone()).collect();
+    assert_eq!(names, ["gingerbread man", "letters", "letters 2"]);
+    let bodies = &window.state().snapshot().bodies;
+    assert_eq!([1, 2].map(|body| bodies[body].mesh.boundary_loops().len()), [2, 1], "a hole stays a hole");
+
+    let outline = folder.0.join("ring.svg");
+    click_in_panel(&mut window, "Outline (SVG)…");
+    type_path(&mut window, &outline, "Save");
+    assert!(std::fs::read_to_string(&outline).unwrap().starts_with("<svg"), "the chosen body is the last one");
+    let mut window = open("pendulum");
+    drop_files(&mut window, &[&outline]);
+    let now = window.state().snapshot();
+    assert_eq!((now.level.name.as_str(), now.bodies.len()), ("ring", 1), "a level of its own, where there was a toy");
+
+    std::fs::write(&path, "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0 30 30 30 0 0 30z'/></svg>").unwrap();
+    drop_files(&mut window, &[&path]);
+    let told = window.state().notice().unwrap();
+    assert!(told.contains("letters.svg") && told.contains("cross"), "{told}");
+    assert_eq!(window.state().snapshot().bodies.len(), 1, "the scene stays");
+}

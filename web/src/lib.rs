@@ -61,6 +61,11 @@ impl Page {
         level.and_then(|level| link::fragment(&level)).map_err(|error| error.to_string())
     }
 
+    /// Whether a replay came to the recorded state; `undefined` before its end, or if nothing was recorded.
+    pub fn replayed(&self) -> Option<bool> {
+        self.0.app_mut::<App>()?.snapshot().replayed
+    }
+
     /// What went wrong, if the window has stopped.
     pub fn panic(&self) -> Option<String> {
         self.0.panic_summary().map(|summary| summary.message())

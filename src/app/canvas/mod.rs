@@ -11,9 +11,10 @@ pub use probing::ProbeMark;
 mod tests;
 
 use super::{
+    arrows::{ArrowKind, Arrows},
     colour::{self, Scale},
     draw::{
-        Camera, View,
+        Camera, View, arrows,
         body::Bodies,
         ghost::{EarlierShape, Ghost},
         house::{self, Snow},
@@ -71,6 +72,8 @@ pub struct Options {
     pub normals: bool,
     /// Whether the vertices are drawn.
     pub vertices: bool,
+    /// What arrows show.
+    pub arrows: ArrowKind,
     /// Solid whose sliders are under the pointer: number of its effect, and number of the solid in it.
     pub pointed: Option<[usize; 2]>,
     /// Whether an outline is drawn.
@@ -100,6 +103,7 @@ pub struct Canvas {
     probing: Probing,
     drawing: Drawing,
     ghost: Ghost,
+    arrows: Arrows,
     /// Earlier shape that is drawn too.
     earlier: Option<EarlierShape>,
     /// Time until which the hint is shown \[s\].
@@ -200,6 +204,11 @@ impl Canvas {
     /// Draws an earlier shape too, or none.
     pub fn set_earlier(&mut self, earlier: Option<EarlierShape>) {
         self.earlier = earlier;
+    }
+
+    /// Draws these arrows from now on.
+    pub fn set_arrows(&mut self, arrows: &Arrows) {
+        self.arrows.clone_from(arrows);
     }
 
     /// The outline that was drawn since the last call \[m\], with the length of a point of the screen \[m\].
@@ -382,6 +391,7 @@ impl Canvas {
         if let Some(moment) = &self.earlier {
             self.ghost.draw(&mut self.front, view, snapshot, moment, |point| sight.seen(point));
         }
+        arrows::draw(&mut self.front, view, &self.arrows, |point| sight.seen(point));
         let ends = |pull: &Pull| Some([*points.get(pull.vertex)?, sight.seen(pull.target)]);
         let pull = snapshot.pull.as_ref().and_then(|pull| Some((pull, ends(pull)?)));
         if let Some((_, ends)) = pull {
@@ -402,6 +412,7 @@ impl Canvas {
         painter.add(self.front.finish());
         if !options.bare {
             legends::scale_bar(painter, view, canvas);
+            arrows::legend(painter, view, canvas, &self.arrows);
             self.probing.write(painter, view, canvas, snapshot, self.bodies.points());
         }
         if let Some((pull, ends)) = pull {

@@ -1,7 +1,10 @@
 //! File dialogs of a browser. What is opened or dropped is read into memory, and what is saved is downloaded.
 
 use super::{DialogResult, Purpose};
-use crate::files::{FileError, browser};
+use crate::{
+    app::making::ENDINGS,
+    files::{FileError, browser},
+};
 use eframe::egui::{Context, DroppedFileHandle};
 use std::{
     cell::RefCell,
@@ -34,8 +37,8 @@ impl Dialogs {
     /// Opens a dialog for a file to open. A file to save has its suggested name at once.
     pub fn ask(&mut self, purpose: Purpose) {
         let is_asked = match &purpose {
-            Purpose::Open => self.pick(".ron,.obj"),
-            Purpose::OpenMesh => self.pick(".obj"),
+            Purpose::Open => self.pick(&format!(".ron,.{}", ENDINGS.join(",."))),
+            Purpose::OpenMesh => self.pick(&format!(".{}", ENDINGS.join(",."))),
             Purpose::Save(name) => {
                 self.answered = Some(DialogResult::Chosen(purpose.clone(), PathBuf::from(name)));
                 return;

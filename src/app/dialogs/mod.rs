@@ -35,7 +35,7 @@ impl Purpose {
     pub const fn title(&self) -> &'static str {
         match self {
             Self::Open => "Open a level",
-            Self::OpenMesh => "Add a body from a mesh file",
+            Self::OpenMesh => "Add a body from a mesh, a drawing or a picture",
             Self::Save(_) => "Save the level",
             Self::Export(_) => "Save the file",
         }

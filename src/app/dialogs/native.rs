@@ -1,7 +1,7 @@
 //! File dialogs of the system.
 
 use super::{DialogResult, Purpose};
-use crate::files::FileError;
+use crate::{app::making::ENDINGS, files::FileError};
 use eframe::egui::{Context, DroppedFileHandle};
 use rfd::{AsyncFileDialog, FileHandle};
 use std::{
@@ -63,7 +63,7 @@ impl Dialogs {
         };
         let choice: Pin<Box<dyn Future<Output = _>>> = match &purpose {
             Purpose::Open => Box::pin(levels(dialog).pick_file()),
-            Purpose::OpenMesh => Box::pin(dialog.add_filter("Mesh", &["obj"]).pick_file()),
+            Purpose::OpenMesh => Box::pin(dialog.add_filter("Mesh, drawing or picture", &ENDINGS).pick_file()),
             Purpose::Save(name) => Box::pin(levels(dialog).set_file_name(name).save_file()),
             Purpose::Export(export) => Box::pin(dialog.set_file_name(&export.name).save_file()),
         };
@@ -106,7 +106,8 @@ impl Dialogs {
 }
 
 fn levels(dialog: AsyncFileDialog) -> AsyncFileDialog {
-    dialog.add_filter("Level or mesh", &["ron", "obj"]).add_filter("All files", &["*"])
+    let endings: Vec<_> = std::iter::once("ron").chain(ENDINGS).collect();
+    dialog.add_filter("Level, mesh or drawing", &endings).add_filter("All files", &["*"])
 }
 
 /// Adds the extension of the suggested name to a file name without one.

@@ -1,5 +1,6 @@
 //! Drawing of the stage: one file for each kind of thing on it, and the camera, which maps between world and screen.
 
+pub mod arrows;
 pub mod body;
 mod cloth;
 pub mod ghost;

@@ -1,14 +1,16 @@
 //! Panels of the parts of a level: a body with material, mass and mesh; a net; a toy; and the controls of test levels.
 
 use super::{
-    FileRequest, Notice, View, apply_response, finish, fixed, heading, row, sliders, typed_energy,
+    Export, FileRequest, Notice, View, apply_response, finish, fixed, heading, row, sliders, typed_energy,
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
+    app::files::stem,
     command::{Command, Pose},
     level::{MassLevel, MembraneLevel, NetLevel, Pin},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
+    outlines::{Shape, to_svg},
     quantity::{Cells, Density, Mass, OutOfRange, Quantity, Rings, Tolerance, Triangles},
     snapshot::Snapshot,
 };
@@ -79,7 +81,7 @@ pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         if ui.button("Draw its outline…").on_hover_text("By one drag, or corner after corner by clicks.").clicked() {
             (view.stage.draws, view.drawer) = (true, None);
         }
-        let help = "A mesh of triangles (OBJ). It is scaled to half of the stage.";
+        let help = "A mesh of triangles (OBJ, Gmsh MSH), or the outlines in a drawing (SVG) or a black-and-white picture (PNG). It is scaled to half of the stage.";
         if ui.button("From a file…").on_hover_text(help).clicked() {
             view.file = Some(FileRequest::OpenMesh);
         }
@@ -90,6 +92,16 @@ pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
             }
         }
     });
+}
+
+/// Draws the button that exports the outline of the chosen body.
+pub fn export(ui: &mut Ui, now: &Snapshot, view: &mut View) {
+    let Some(body) = now.bodies.get(view.body) else { return };
+    let help = "Saves the outline of the chosen body at rest as a drawing, in its true size.";
+    if ui.button("Outline (SVG)…").on_hover_text(help).clicked() {
+        let bytes = to_svg(&Shape::of_mesh(&body.mesh)).into_bytes();
+        view.file = Some(FileRequest::Export(Export { name: stem(&body.name) + ".svg", bytes }));
+    }
 }
 
 /// Draws a menu of the pins of a body, net or membrane (by number).

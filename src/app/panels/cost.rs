@@ -6,7 +6,7 @@ use super::{
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
-    app::{draw::ghost::EarlierShape, numbers},
+    app::{arrows::ArrowKind, draw::ghost::EarlierShape, numbers},
     command::Command,
     integrators::Class,
     level::{SubstepMode, Substeps},
@@ -71,6 +71,7 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
                     }
                 }
             });
+            arrows(ui, now, view);
         });
     });
     let parts = first.iter().map(|field| Segment {
@@ -94,6 +95,22 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     if view.stage.field != Field::None && view.stage.field == now.field {
         held_range(ui, view);
     }
+}
+
+/// Draws the menu of arrows.
+fn arrows(ui: &mut Ui, now: &Snapshot, view: &mut View) {
+    let chosen = view.stage.arrows;
+    let is_on = chosen != ArrowKind::None;
+    let title = if is_on { chosen.title() } else { "Arrows…" };
+    let button = Button::new(RichText::new(title).small()).small().selected(is_on).min_size(vec2(34.0, 20.0));
+    Popup::menu(&ui.add(button).accessible_name("Arrows")).show(|ui| {
+        for kind in ArrowKind::ALL {
+            let button = Button::selectable(chosen == kind, kind.title());
+            if ui.add_enabled(kind.suits(now), button).on_hover_text(kind.about()).clicked() {
+                view.stage.arrows = kind;
+            }
+        }
+    });
 }
 
 /// Draws the switch that holds the range of the colours, and the held end.

@@ -203,7 +203,7 @@ pub enum FileRequest {
 impl FileRequest {
     /// Whether the request replaces the shown level.
     pub fn replaces_level(&self) -> bool {
-        let adds = matches!(self, Self::File(path, _) if making::is_mesh(path));
+        let adds = matches!(self, Self::File(path, _) if making::holds_body(path));
         !adds && matches!(self, Self::BuiltIn(_) | Self::Hard { .. } | Self::Open | Self::File(..) | Self::Close)
     }
 }
@@ -360,7 +360,10 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
             }
             body::show_test_pose(ui, context.now, commands);
             body::show(ui, context.now, view, commands);
-            body::add(ui, context.now, view);
+            ui.horizontal_wrapped(|ui| {
+                body::add(ui, context.now, view);
+                body::export(ui, context.now, view);
+            });
             body::show_toy(ui, context.now, view, commands);
             effects::show(ui, context.now, view, commands);
         } else {

@@ -1,0 +1,270 @@
+//! Arrows on the stage: velocities, forces or principal stresses at points that are spread evenly over the scene.
+
+use crate::{probe::net_forces, sandbox::Sandbox, scene::Scene, snapshot::Snapshot};
+use nalgebra::Matrix2;
+use std::collections::BTreeSet;
+
+/// Number of arrows along the longest side of a scene.
+const ALONG: f64 = 26.0;
+
+/// Length of the longest arrow, in distances between them.
+const LONGEST: f64 = 1.7;
+
+/// What arrows show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ArrowKind {
+    /// There are none.
+    #[default]
+    None,
+    /// Velocities of vertices.
+    Velocity,
+    /// Sums of all forces on vertices.
+    Force,
+    /// Principal Cauchy stresses of the triangles of bodies.
+    Stress,
+}
+
+impl ArrowKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::None, Self::Velocity, Self::Force, Self::Stress];
+
+    /// Name in menus.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::None => "No arrows",
+            Self::Velocity => "Velocities",
+            Self::Force => "Net forces",
+            Self::Stress => "Principal stresses",
+        }
+    }
+
+    /// What it shows, in a sentence.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::None => "The stage without arrows.",
+            Self::Velocity => "Velocities of vertices that are spread evenly over the scene.",
+            Self::Force => {
+                "The sum of all forces on a vertex, without that of a pin: mass times acceleration where the vertex is free."
+            }
+            Self::Stress => {
+                "Principal Cauchy stresses of triangles of bodies in the plane: lines with arrows for tension, with bars for compression."
+            }
+        }
+    }
+
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Velocity => "m/s",
+            Self::Force => "N",
+            Self::Stress => "Pa",
+        }
+    }
+
+    /// Whether a scene has it.
+    pub const fn suits(self, now: &Snapshot) -> bool {
+        match self {
+            Self::None => true,
+            Self::Velocity | Self::Force => now.toy.is_none(),
+            Self::Stress => now.dimension == 2 && !now.bodies.is_empty(),
+        }
+    }
+}
+
+/// An arrow, or a line to both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrow {
+    /// Where it begins, or its middle \[m\].
+    pub at: [f64; 3],
+    /// Its direction and its length on the stage; half of it of a line to both sides \[m\].
+    pub along: [f64; 3],
+    /// Of a line to both sides, whether it is tension.
+    pub tension: Option<bool>,
+}
+
+/// The arrows of a moment.
+#[derive(Clone, Default)]
+pub struct Arrows {
+    /// What they show, and the generation of the scene that their places belong to.
+    shown: (ArrowKind, u64),
+    places: Places,
+    all: Vec<Arrow>,
+    greatest: f64,
+}
+
+/// Vertices or triangles with an arrow.
+#[derive(Clone, Default)]
+struct Places {
+    numbers: Vec<usize>,
+    /// Distance between them \[m\].
+    distance: f64,
+}
+
+impl Arrows {
+    /// Takes the arrows of a kind of a running scene.
+    pub fn follow(&mut self, kind: ArrowKind, sandbox: &Sandbox) {
+        self.all.clear();
+        self.greatest = 0.0;
+        let (simulation, shown) = (sandbox.simulation(), (kind, sandbox.generation));
+        let (scene, state) = (simulation.scene(), simulation.state());
+        if kind == ArrowKind::None || scene.toy.is_some() {
+            return;
+        }
+        if self.shown != shown {
+            self.shown = shown;
+            self.places =
+                if kind == ArrowKind::Stress { Places::of_triangles(scene) } else { Places::of_vertices(scene) };
+        }
+        match kind {
+            ArrowKind::None => {}
+            ArrowKind::Velocity => self.add_at_vertices(scene, &state.x, &state.v),
+            ArrowKind::Force => self.add_at_vertices(scene, &state.x, &net_forces(simulation)),
+            ArrowKind::Stress => self.add_in_triangles(scene, &state.x),
+        }
+        let length = |arrow: &Arrow| arrow.along.iter().map(|part| part * part).sum::<f64>().sqrt();
+        self.greatest = self.all.iter().map(length).fold(0.0, f64::max);
+        let scale = LONGEST * self.places.distance / self.greatest;
+        for arrow in &mut self.all {
+            let both = if arrow.tension.is_some() { 0.5 } else { 1.0 };
+            arrow.along = arrow.along.map(|part| if scale.is_finite() { both * scale * part } else { 0.0 });
+        }
+    }
+
+    /// The arrows.
+    pub fn all(&self) -> &[Arrow] {
+        &self.all
+    }
+
+    /// Greatest value, with its unit; `None` if there are no arrows.
+    pub fn greatest(&self) -> Option<(f64, &'static str)> {
+        (!self.all.is_empty()).then(|| (self.greatest, self.shown.0.unit()))
+    }
+
+    fn add_at_vertices(&mut self, scene: &Scene, x: &[f64], values: &[f64]) {
+        let whole = |values: &[f64], vertex: usize| {
+            let own = &values[scene.numbers(&(vertex..vertex + 1))];
+            std::array::from_fn(|axis| own.get(axis).copied().unwrap_or(0.0))
+        };
+        let arrow = |vertex: &usize| Arrow { at: whole(x, *vertex), along: whole(values, *vertex), tension: None };
+        self.all.extend(self.places.numbers.iter().map(arrow));
+    }
+
+    fn add_in_triangles(&mut self, scene: &Scene, x: &[f64]) {
+        let mut places = self.places.numbers.iter().copied().peekable();
+        let mut number = 0;
+        for body in &scene.bodies {
+            for (f, _) in body.elements.gradients(x) {
+                if places.next_if_eq(&number).is_some() {
+                    let piola = body.elements.material().at(&f).piola;
+                    let at = middle(scene, x, number);
+                    let lines = principal(&(piola * f.transpose() / f.determinant()));
+                    self.all.extend(lines.map(|(along, tension)| Arrow { at, along, tension: Some(tension) }));
+                }
+                number += 1;
+            }
+        }
+    }
+}
+
+/// Both principal values of a symmetric matrix as vectors along their directions, and whether each is positive.
+fn principal(s: &Matrix2<f64>) -> [([f64; 3], bool); 2] {
+    let shear = 0.5 * (s.m12 + s.m21);
+    let (mean, half) = (0.5 * (s.m11 + s.m22), 0.5 * (s.m11 - s.m22));
+    let radius = libm::hypot(half, shear);
+    let angle = 0.5 * libm::atan2(shear, half);
+    let (cos, sin) = (libm::cos(angle), libm::sin(angle));
+    let [first, second] = [mean + radius, mean - radius];
+    [([first * cos, first * sin, 0.0], first > 0.0), ([-second * sin, second * cos, 0.0], second > 0.0)]
+}
+
+/// Middle of a triangle in the plane \[m\].
+fn middle(scene: &Scene, x: &[f64], triangle: usize) -> [f64; 3] {
+    let sum = |axis: usize| scene.triangles[triangle].iter().map(|vertex| x[2 * *vertex as usize + axis]).sum::<f64>();
+    [sum(0) / 3.0, sum(1) / 3.0, 0.0]
+}
+
+impl Places {
+    fn of_vertices(scene: &Scene) -> Self {
+        let (x, size) = (&scene.start.x, scene.dimension);
+        let points = x.chunks_exact(size).map(|own| std::array::from_fn(|axis| own.get(axis).copied().unwrap_or(0.0)));
+        Self::spread(&points.collect::<Vec<_>>())
+    }
+
+    fn of_triangles(scene: &Scene) -> Self {
+        let middles = (0..scene.triangles.len()).map(|triangle| middle(scene, &scene.start.x, triangle));
+        Self::spread(&middles.collect::<Vec<_>>())
+    }
+
+    /// The first of some points \[m\] in each cell of a grid. They stay the same while the scene moves.
+    fn spread(points: &[[f64; 3]]) -> Self {
+        let extent = |axis: usize| {
+            let along = || points.iter().map(|point| point[axis]);
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        };
+        let distance = (0..3).map(extent).fold(0.0, f64::max) / ALONG;
+        let cell = |point: &[f64; 3]| point.map(|coordinate| libm::floor(coordinate / distance) as i64);
+        let mut taken = BTreeSet::new();
+        let numbers = (0..points.len()).filter(|number| taken.insert(cell(&points[*number]))).collect();
+        Self { numbers, distance }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failing test should panic")]
+mod tests {
+    use super::*;
+    use crate::{files, levels, meshes::NoFiles};
+
+    fn arrows(level: &str, kind: ArrowKind) -> (Sandbox, Arrows) {
+        let level = files::parse(levels::built_in(level).unwrap(), level).unwrap();
+        let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+        sandbox.apply(crate::command::Command::SetRunning(true)).unwrap();
+        sandbox.advance(60, &mut || true);
+        let mut arrows = Arrows::default();
+        arrows.follow(kind, &sandbox);
+        (sandbox, arrows)
+    }
+
+    #[test]
+    fn principal_stresses_are_those_of_the_matrix() {
+        for (s11, s22, s12) in [(3.0, 1.0, 0.0), (1.0, 3.0, 0.5), (-2.0, 4.0, -1.5), (0.0, 0.0, 2.0), (-1.0, -1.0, 0.0)]
+        {
+            let s = Matrix2::new(s11, s12, s12, s22);
+            let mut sum = Matrix2::zeros();
+            for ([x, y, _], tension) in principal(&s) {
+                let value = if tension { libm::hypot(x, y) } else { -libm::hypot(x, y) };
+                let unit = nalgebra::Vector2::new(x, y) / libm::hypot(x, y).max(1e-300);
+                sum += unit * unit.transpose() * value;
+            }
+            assert!((sum - s).norm() < 1e-12 * s.norm(), "{s} {sum}");
+        }
+    }
+
+    /// In free fall all velocities are the same, and the net force is the weight.
+    #[test]
+    fn arrows_have_the_values_of_the_scene() {
+        let (sandbox, shown) = arrows("gingerbread_house", ArrowKind::Velocity);
+        let state = sandbox.simulation().state();
+        let (greatest, unit) = shown.greatest().unwrap();
+        assert!((greatest - state.v[1].abs()).abs() < 1e-3 * greatest && unit == "m/s", "{greatest} {}", state.v[1]);
+        assert!((100..800).contains(&shown.all().len()), "{}", shown.all().len());
+        assert!(shown.all().iter().all(|arrow| arrow.along[1] < 0.0 && arrow.tension.is_none()));
+        let (sandbox, shown) = arrows("gingerbread_house", ArrowKind::Force);
+        let mass = sandbox.simulation().scene().mass.iter().copied().fold(0.0, f64::max);
+        assert!(shown.greatest().unwrap().0 < 10.0 * mass * 4.0);
+        for kind in ArrowKind::ALL {
+            assert!(arrows("pendulum", kind).1.greatest().is_none(), "a toy has none");
+        }
+        assert!(!arrows("cornell_cloth", ArrowKind::Velocity).1.all().is_empty());
+    }
+
+    /// A strip that is pulled apart sideways has its tension along x.
+    #[test]
+    fn a_stretched_strip_has_tension_along_it() {
+        let (_, shown) = arrows("uniaxial_strip", ArrowKind::Stress);
+        let longest =
+            shown.all().iter().max_by(|a, b| a.along[0].hypot(a.along[1]).total_cmp(&b.along[0].hypot(b.along[1])));
+        let longest = longest.unwrap();
+        assert!(longest.tension.is_some() && shown.greatest().unwrap().1 == "Pa", "{longest:?}");
+    }
+}

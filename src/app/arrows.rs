@@ -5,10 +5,10 @@ use nalgebra::Matrix2;
 use std::collections::BTreeSet;
 
 /// Number of arrows along the longest side of a scene.
-const ALONG: f64 = 26.0;
+const ALONG: f64 = 17.0;
 
 /// Length of the longest arrow, in distances between them.
-const LONGEST: f64 = 1.7;
+const LONGEST: f64 = 1.5;
 
 /// What arrows show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -247,7 +247,7 @@ mod tests {
         let state = sandbox.simulation().state();
         let (greatest, unit) = shown.greatest().unwrap();
         assert!((greatest - state.v[1].abs()).abs() < 1e-3 * greatest && unit == "m/s", "{greatest} {}", state.v[1]);
-        assert!((100..800).contains(&shown.all().len()), "{}", shown.all().len());
+        assert!((80..400).contains(&shown.all().len()), "{}", shown.all().len());
         assert!(shown.all().iter().all(|arrow| arrow.along[1] < 0.0 && arrow.tension.is_none()));
         let (sandbox, shown) = arrows("gingerbread_house", ArrowKind::Force);
         let mass = sandbox.simulation().scene().mass.iter().copied().fold(0.0, f64::max);

@@ -7,7 +7,12 @@ pub struct Bounds<const D: usize = 2>(pub [[f64; D]; 2]);
 /// Enlargement of a box in powers of two of its size: greatest and least exponent.
 const POWERS: (i32, i32) = (4, -8);
 
-/// The box around flat points, with the widest vectors of the processor. A closure would not be compiled for them.
+/// Numbers that are looked at side by side, multiples of two and of three: of few points, and of many with the widest vectors of the processor, which cost some time
+/// to set up.
+const WIDTHS: [usize; 2] = [12, 24];
+const MANY: usize = 512;
+
+/// The box around many flat points. A closure would not be compiled for the widest vectors.
 struct Scan<'a, const D: usize>(&'a [f64]);
 
 impl<const D: usize> pulp::WithSimd for Scan<'_, D> {
@@ -15,35 +20,49 @@ impl<const D: usize> pulp::WithSimd for Scan<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Bounds<D> {
-        Bounds::scanned(self.0)
+        Bounds::scanned::<{ WIDTHS[1] }>(self.0)
+    }
+}
+
+/// Widens least and greatest numbers by others, side by side.
+#[inline(always)]
+fn widen<const WIDTH: usize>([least, greatest]: &mut [[f64; WIDTH]; 2], chunk: &[f64; WIDTH]) {
+    for (number, value) in chunk.iter().enumerate() {
+        least[number] = if *value < least[number] { *value } else { least[number] };
+        greatest[number] = if *value > greatest[number] { *value } else { greatest[number] };
     }
 }
 
 impl<const D: usize> Bounds<D> {
     /// Box around flat points.
     pub fn of(values: &[f64]) -> Self {
-        pulp::Arch::new().dispatch(Scan(values))
+        if values.len() < MANY {
+            Self::scanned::<{ WIDTHS[0] }>(values)
+        } else {
+            pulp::Arch::new().dispatch(Scan(values))
+        }
     }
 
     #[inline(always)]
-    fn scanned(values: &[f64]) -> Self {
-        // Several points at once are vectorised: a multiple of two and of three.
-        const COUNT: usize = 12;
-        let (mut least, mut greatest) = ([f64::INFINITY; COUNT], [f64::NEG_INFINITY; COUNT]);
-        let mut add = |number: usize, value: f64| {
-            least[number] = if value < least[number] { value } else { least[number] };
-            greatest[number] = if value > greatest[number] { value } else { greatest[number] };
-        };
-        let (chunks, rest) = values.as_chunks::<COUNT>();
+    fn scanned<const WIDTH: usize>(values: &[f64]) -> Self {
+        let mut ends = [[f64::INFINITY; WIDTH], [f64::NEG_INFINITY; WIDTH]];
+        let (chunks, rest) = values.as_chunks();
         for chunk in chunks {
-            chunk.iter().enumerate().for_each(|(number, value)| add(number, *value));
+            widen(&mut ends, chunk);
         }
-        rest.iter().enumerate().for_each(|(number, value)| add(number, *value));
+        // The last ones are looked at again, together with the rest.
+        match values.last_chunk() {
+            Some(last) => widen(&mut ends, last),
+            None => rest
+                .iter()
+                .enumerate()
+                .for_each(|(number, value)| (ends[0][number], ends[1][number]) = (*value, *value)),
+        }
         let mut bounds = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
-        for number in 0..COUNT {
+        for number in 0..WIDTH {
             let [low, high] = bounds.each_mut().map(|corner| &mut corner[number % D]);
-            *low = if least[number] < *low { least[number] } else { *low };
-            *high = if greatest[number] > *high { greatest[number] } else { *high };
+            *low = if ends[0][number] < *low { ends[0][number] } else { *low };
+            *high = if ends[1][number] > *high { ends[1][number] } else { *high };
         }
         Self(bounds)
     }

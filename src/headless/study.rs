@@ -6,11 +6,11 @@ use crate::{
     integrators::IntegratorKind,
     level::{Level, Substeps},
     study::{
-        Curve, Drift, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan, MeshPoint, MeshStudy, Outcome,
-        Plan, Point, Price, Progress, Reference, Status, StudyError, Trial, USUAL_ERRORS, WorkPrecision,
-        order_in_words, price_in_words, threads,
+        Curve, Drift, ErrorBudget, ErrorSource, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan,
+        MeshPoint, MeshStudy, Outcome, Plan, Point, Price, Progress, Reference, Status, StudyError, Trial,
+        USUAL_ERRORS, WorkPrecision, order_in_words, price_in_words, threads,
     },
-    table::remark,
+    table::{Table, remark},
     terminal,
 };
 use std::{fmt::Write as _, path::PathBuf, str::FromStr as _, time::Duration};
@@ -37,6 +37,9 @@ pub struct Study {
     /// Follows energy and momentum over time, a course for each integrator, in place of errors.
     #[arg(long, conflicts_with = "meshes")]
     pub drift: bool,
+    /// Tells how much of the error comes from the time step, the mesh, contact, sleep, and each effect, in place of comparing integrators.
+    #[arg(long, conflicts_with_all = ["meshes", "drift", "integrators", "steps"])]
+    pub budget: bool,
     /// Simulated time \[s\].
     #[arg(long, default_value = "1", value_parser = super::seconds)]
     pub seconds: f64,
@@ -65,6 +68,7 @@ pub fn study(request: &Study) -> Result<Ending, HeadlessError> {
     let Studied { mut table, csv, done } = match &request.meshes {
         Some(triangles) => meshes(request, &level, triangles.clone()).map_err(fail)?,
         None if request.drift => drift(request, &level).map_err(fail)?,
+        None if request.budget => budget(request, &level).map_err(fail)?,
         None => integrators(request, &level).map_err(fail)?,
     };
     let stopped = Interrupt::seen().filter(|_| done < 1.0);
@@ -295,6 +299,50 @@ impl Study {
     fn threads(&self) -> usize {
         self.threads.unwrap_or_else(threads)
     }
+}
+
+/// The error budget, with its sources by the error that they remove for their price.
+fn budget(request: &Study, level: &Level) -> Result<Studied, StudyError> {
+    Interrupt::watch();
+    let mut budget = ErrorBudget::new(level, request.seconds, request.threads())?;
+    let done = with_progress(&request.progress_options, |_| Ok(budget.advance()))?;
+    let mut csv = Table::new(String::new(), &["source", "change", "moved", "error", "price", "trouble"]);
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.6e}"));
+    for ErrorSource { name, change, moved, error, price, trouble } in budget.sources() {
+        csv.row([
+            name.clone(),
+            change.clone(),
+            number(*moved),
+            number(*error),
+            number(*price),
+            trouble.clone().unwrap_or_default(),
+        ]);
+    }
+    let mut table = format!(
+        "{}, {} s simulated, {:.1} ms per second of simulated time as it is\n\n{:<22} {:<26} {:>9} {:>9} {:>7}",
+        terminal::line(&level.name),
+        request.seconds,
+        budget.ms_per_second(),
+        "source",
+        "changed to",
+        "moves by",
+        "error",
+        "price"
+    );
+    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.3} %", 100.0 * value));
+    for ErrorSource { name, change, moved, error, price, trouble } in budget.sources() {
+        let price = price.map_or("-".to_owned(), |price| format!("{price:.2}"));
+        // Writing to a string cannot fail.
+        let _ = write!(table, "\n{name:<22} {change:<26} {:>9} {:>9} {price:>7}", share(*moved), share(*error));
+        if let Some(trouble) = trouble {
+            let _ = write!(table, "  {}", terminal::line(trouble));
+        }
+    }
+    table.push_str(
+        "\n\nMoves by: relative distance of the run from that of the level as it is. Error: what is left of it by the order of its convergence. Price: \
+         processor time as a multiple of that of the level as it is.",
+    );
+    Ok(Studied { table, csv: csv.text(), done })
 }
 
 /// Runs a job until it is finished or a signal asks for a stop, with progress. Returns the share of the work done.

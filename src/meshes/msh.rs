@@ -64,7 +64,7 @@ impl<'a> Lines<'a> {
 }
 
 /// Numbers of points from 1, by those of their nodes in the file, which may have gaps.
-type Nodes = std::collections::HashMap<i64, i64>;
+type Nodes = std::collections::BTreeMap<i64, i64>;
 
 /// Reads a file into vertices and faces.
 pub(super) fn read(text: &str) -> Result<Reader, Wrong> {

@@ -4,7 +4,7 @@
 //! of areas are found more exactly than to a pixel.
 
 use super::{FillRule, OutlineError, Shape, shapes, signed_area};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 
 /// Length of a pixel \[m\].
@@ -87,7 +87,7 @@ type Side = (usize, bool);
 fn contours(darkness: &Darkness) -> Vec<Vec<[f64; 2]>> {
     let Darkness { width, height, values } = darkness;
     // From the side by which a line enters a square of four pixels to that by which it leaves.
-    let mut next: HashMap<Side, Side> = HashMap::new();
+    let mut next: BTreeMap<Side, Side> = BTreeMap::new();
     let mut starts = Vec::new();
     for row in 0..height - 1 {
         for column in 0..width - 1 {

@@ -142,7 +142,7 @@ fn rms(a: &[f64], b: &[f64], dimension: usize) -> f64 {
 }
 
 /// Positions \[m\]. The state of a toy is translated into the place where it is drawn.
-fn positions<'a>(scene: &Scene, x: &'a [f64]) -> Cow<'a, [f64]> {
+pub(super) fn positions<'a>(scene: &Scene, x: &'a [f64]) -> Cow<'a, [f64]> {
     match (&scene.toy, x) {
         (Some(toy), &[a, b]) => Cow::Owned(toy.kind().place([a, b]).to_vec()),
         _ => Cow::Borrowed(x),

@@ -4,7 +4,7 @@
 //! than the settings under study, with a bound on its own error. A [`WorkPrecision`] diagram runs the trial with many
 //! [`Setting`]s. A [`Suggestion`] is the cheapest of them for an error. A [`MeshStudy`] varies the mesh instead of
 //! the step. A [`Twin`] measures the error of a running simulation. A [`Difference`] compares two runs. A [`Drift`]
-//! measures the changes of energy and momentum by a scheme.
+//! measures the changes of energy and momentum by a scheme. An [`ErrorBudget`] tells how much of the error comes from where.
 //!
 //! Long computations are jobs: `advance(budget)` works for about that time and returns its [`Progress`]. Partial
 //! results can be read at any time. Dropping a job cancels it. Results do not depend on budgets or on the number of
@@ -24,6 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod budget;
 mod difference;
 mod drift;
 #[cfg(feature = "csv")]
@@ -38,6 +39,7 @@ mod trial;
 mod twin;
 mod work_precision;
 
+pub use budget::{ErrorBudget, Source as ErrorSource};
 pub use difference::{Apart, Correspondence, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Invariant, Moment};
 #[cfg(feature = "csv")]
@@ -86,6 +88,9 @@ pub enum StudyError {
         /// Fault that stopped it.
         fault: Box<Fault>,
     },
+    /// A run stopped with a fault.
+    #[error("it stopped: {0}")]
+    Stopped(Box<Fault>),
     /// The level lacks what this study needs.
     #[error("{0}")]
     NotHere(&'static str),

@@ -414,7 +414,7 @@ fn other_files_of_gmsh_are_refused_with_line_and_reason() {
         (old.replace("20 1 0 0", "20 1 0 5"), "line 11", "expected a flat mesh"),
         (old.replace("$EndElements\n", ""), "line 23", "the file ends here"),
         (old.split("$Elements").next().unwrap().to_owned(), "line 17", "no triangle or quadrangle"),
-        (new.replace("3 50 20 60", "3 50 20"), "line 35", "the nodes"),
+        (new.replace("3 50 20 60", "3 50 20"), "line 35", "and its nodes"),
         (new.replace("2 1 2 1", "2 1 99 1"), "line 34", "type 1 to 31, got 99"),
     ];
     for (text, place, reason) in cases {

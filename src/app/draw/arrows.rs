@@ -9,7 +9,7 @@ use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, vec2};
 
 /// Width of a line, and the light edge around it [points].
 const WIDTH: f32 = 1.6;
-const EDGE: f32 = 1.4;
+const EDGE: f32 = 1.0;
 
 /// Length of an arrow's head, and half of a bar [points].
 const HEAD: f32 = 5.5;

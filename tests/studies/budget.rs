@@ -1,0 +1,60 @@
+//! Error budgets: each source of error is measured by refining it alone.
+#![allow(clippy::unwrap_used, reason = "a failing test should panic")]
+
+use crate::common::{built_in, named as scheme_named};
+use gingerbread::{
+    level::{Level, Substeps},
+    meshes::NoFiles,
+    study::{ErrorBudget, ErrorSource, Plan, Trial, WorkPrecision},
+};
+use std::time::Duration;
+
+fn budget(level: &Level, seconds: f64, threads: usize) -> Vec<ErrorSource> {
+    let mut budget = ErrorBudget::new(level, seconds, threads).unwrap();
+    while !budget.advance().finished {}
+    budget.sources().cloned().collect()
+}
+
+fn named<'a>(sources: &'a [ErrorSource], name: &str) -> &'a ErrorSource {
+    sources.iter().find(|source| source.name == name).unwrap()
+}
+
+/// What half of the step tells is the error that a study measures against a reference, for schemes of several orders.
+#[test]
+fn the_part_of_the_time_step_is_the_error_of_a_study() {
+    for scheme in ["SymplecticEuler", "VelocityVerlet", "Heun"] {
+        let substeps = Substeps::new(40).unwrap();
+        let level = Level { integrator: scheme_named(scheme), substeps, ..built_in("hanging_net") };
+        let sources = budget(&level, 0.5, 1);
+        let step = named(&sources, "time step");
+        let plan = Plan { integrators: vec![level.integrator.clone()], substeps: vec![substeps], ..Plan::default() };
+        let mut diagram = WorkPrecision::new(Trial::new(&level, &NoFiles, 0.5).unwrap(), plan);
+        while !diagram.advance(Duration::from_secs(1)).unwrap().finished {}
+        let true_error = diagram.curves()[0].points[0].outcome.as_ref().unwrap().error;
+        let found = step.error.unwrap();
+        assert!((found / true_error - 1.0).abs() < 0.1, "{scheme}: {found} for {true_error}");
+        assert!(sources.iter().all(|source| source.name != "mesh"), "a net of springs has no mesh");
+    }
+}
+
+#[test]
+fn the_parts_of_a_body_are_told_with_every_effect() {
+    let sources = budget(&built_in("cantilever"), 0.2, 2);
+    let names: Vec<_> = sources.iter().map(|source| source.name.as_str()).collect();
+    assert!(names.starts_with(&["time step", "mesh"]) && names.contains(&"all of these"), "{names:?}");
+    assert!(named(&sources, "gravity").moved.unwrap() > 0.9, "without its weight it does not bend");
+    assert_eq!(sources, {
+        let mut again = budget(&built_in("cantilever"), 0.2, 1);
+        again.iter_mut().zip(&sources).for_each(|(own, other)| own.price = other.price);
+        again
+    });
+    let [step, mesh, all] = ["time step", "mesh", "all of these"].map(|name| named(&sources, name).moved.unwrap());
+    assert!(mesh > step && (all / (step + mesh) - 1.0).abs() < 0.2, "they add up: {step} {mesh} {all}");
+}
+
+#[test]
+fn a_scene_that_does_not_move_and_a_toy_have_no_budget() {
+    for name in ["gingerbread", "pendulum"] {
+        assert!(ErrorBudget::new(&built_in(name), 0.1, 1).is_err(), "{name}");
+    }
+}

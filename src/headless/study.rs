@@ -304,7 +304,7 @@ impl Study {
 /// The error budget, with its sources by the error that they remove for their price.
 fn budget(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     Interrupt::watch();
-    let mut budget = ErrorBudget::new(level, request.seconds, request.threads())?;
+    let mut budget = ErrorBudget::new(level, &files::Disk, request.seconds, request.threads())?;
     let done = with_progress(&request.progress_options, |_| Ok(budget.advance()))?;
     let mut csv = Table::new(String::new(), &["source", "change", "moved", "error", "price", "trouble"]);
     let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.6e}"));

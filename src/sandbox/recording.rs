@@ -52,7 +52,7 @@ impl Sandbox {
     pub(super) fn end_recording(&mut self) {
         let Some(Recording { holds, first, .. }) = self.recording.take() else { return };
         let next = self.simulation.next_frame();
-        self.drop_from(next, first);
+        self.drop_from(next, first, |_| true);
         if holds {
             self.write(next, Action::Release);
         }
@@ -69,7 +69,7 @@ impl Sandbox {
         match *command {
             Command::Grab(vertex, target) => {
                 self.check_grab(vertex, target)?;
-                self.drop_from(next, recording.first);
+                self.drop_from(next, recording.first, is_of_a_pull);
                 let at = next.max(recording.until);
                 let point = self.position(self.expected_place(vertex, at))?;
                 self.write(at, Action::Grab(point));
@@ -78,7 +78,7 @@ impl Sandbox {
             }
             Command::Pull(target) if recording.holds => self.write_pull(target, next, &mut recording)?,
             Command::Release if recording.holds => {
-                self.drop_from(next, recording.first);
+                self.drop_from(next, recording.first, is_of_a_pull);
                 self.write(next, Action::Release);
                 recording.holds = false;
             }
@@ -119,12 +119,12 @@ impl Sandbox {
         self.document.level.actions.extend(scripted(at, action));
     }
 
-    /// Drops recorded actions that are still to come: those after the first ones of the level.
-    fn drop_from(&mut self, next: u64, first: usize) {
+    /// Drops recorded actions of a kind that are still to come: after the first ones of the level.
+    fn drop_from(&mut self, next: u64, first: usize, is_dropped: fn(&Action) -> bool) {
         let mut number = 0;
         self.document.level.actions.retain(|scripted| {
             number += 1;
-            number <= first || frame(scripted.at) < next
+            number <= first || frame(scripted.at) < next || !is_dropped(&scripted.action)
         });
     }
 
@@ -156,6 +156,10 @@ impl Sandbox {
 }
 
 const TOO_GREAT: &str = "this point or speed is too great to be recorded";
+
+const fn is_of_a_pull(action: &Action) -> bool {
+    matches!(action, Action::Grab(_) | Action::Pull { .. } | Action::Release)
+}
 
 /// A number of frames as a time with few digits.
 fn time(frames: u64) -> Option<Time> {

@@ -21,7 +21,7 @@ use crate::{
     effects::EffectKind,
     integrators::{Class, Integrator as _, IntegratorKind},
     level::{Level, RunMode, Substeps, Switch, Toggle, When},
-    meshes::NoFiles,
+    meshes::{Files, NoFiles},
     quantity::SkinModulus,
     scene::Scene,
     simulation::Simulation,
@@ -81,16 +81,17 @@ impl ErrorBudget {
     ///
     /// # Errors
     /// If the level cannot be built, has a saved state or a toy, or stops, or nothing moves in it.
-    pub fn new(level: &Level, seconds: f64, threads: usize) -> Result<Self, StudyError> {
+    pub fn new(level: &Level, files: &dyn Files, seconds: f64, threads: usize) -> Result<Self, StudyError> {
         if level.toy.is_some() {
             return Err(StudyError::NotHere(
                 "a toy problem has no mesh and no effects: its errors are in the usual study",
             ));
         }
-        let level = Level { state: None, recorded: None, ..level.clone() };
+        // As in other studies, scripted actions are not performed.
+        let level = Level { state: None, recorded: None, actions: Vec::new(), ..level.clone() };
         let frames = (60.0 * seconds).round().max(1.0) as usize;
-        let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
-        let (positions, seconds) = run(&level, frames, None)?;
+        let scene = Scene::build(&level, level.mode, files, None)?;
+        let (positions, seconds) = run(&level, frames, &scene)?;
         let start = &scene.start.x;
         let square = |x: &Vec<f64>| x.iter().zip(start).map(|(x, start)| (x - start) * (x - start)).sum::<f64>();
         let motion = positions.iter().map(square).sum();
@@ -133,7 +134,7 @@ impl Run {
 
     fn compare(&mut self, base: &Base) {
         self.is_over = true;
-        let (frames, seconds) = match run(&self.level, base.frames.len(), Some(&base.scene)) {
+        let (frames, seconds) = match run(&self.level, base.frames.len(), &base.scene) {
             Ok(found) => found,
             Err(why) => {
                 self.source.trouble = Some(why.to_string());
@@ -149,11 +150,11 @@ impl Run {
     }
 }
 
-/// Positions at the end of each frame of 1/60 s, and the processor time of stepping \[s\]. The positions are those of the material points at the vertices of another scene, if
-/// there is one.
-fn run(level: &Level, frames: usize, seen_from: Option<&Scene>) -> Result<(Vec<Vec<f64>>, f64), StudyError> {
-    let scene = Scene::build(level, level.mode, &NoFiles, None)?;
-    let places = seen_from.and_then(|other| Correspondence::new(other, &scene));
+/// Positions at the end of each frame of 1/60 s of the material points at the vertices of the level as it is, and the processor time of stepping \[s\]. Meshes of
+/// files are those of that scene.
+fn run(level: &Level, frames: usize, own: &Scene) -> Result<(Vec<Vec<f64>>, f64), StudyError> {
+    let scene = Scene::build(level, level.mode, &NoFiles, Some(own))?;
+    let places = Correspondence::new(own, &scene);
     let mut simulation = Simulation::open(scene, level, level.mode)?;
     let (mut all, mut seconds) = (Vec::with_capacity(frames), 0.0);
     let step = simulation.scene().step;

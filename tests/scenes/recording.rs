@@ -141,6 +141,28 @@ fn a_second_recording_replaces_the_first_and_keeps_other_actions() {
     assert_eq!(sandbox.document().level.actions, own);
 }
 
+/// In the same frame of simulated time, so that none of them has been performed yet.
+#[test]
+fn a_push_just_before_a_release_is_recorded() {
+    let mut sandbox = opened("hanging_net");
+    sandbox.apply(Command::Record(true)).unwrap();
+    sandbox.apply(Command::Grab(3, [0.2, 0.2, 0.0])).unwrap();
+    sandbox.advance(40, &mut || true);
+    let push = Impulse::push([0.5, 0.5, 0.0], [1.0, 0.0, 0.0], 1.0);
+    for command in [Command::Pull([0.3, 0.2, 0.0]), Command::Impulse(push), Command::Release] {
+        sandbox.apply(command).unwrap();
+    }
+    sandbox.advance(40, &mut || true);
+    sandbox.apply(Command::Record(false)).unwrap();
+    let kinds: Vec<_> = sandbox.document().level.actions.iter().map(|scripted| scripted.action.clone()).collect();
+    assert!(
+        matches!(kinds[..], [Action::Grab(_), Action::Pull { .. }, Action::Impulse { .. }, Action::Release]),
+        "{kinds:?}"
+    );
+    sandbox.apply(Command::Reset).unwrap();
+    assert_eq!(replayed(&mut sandbox), Some(true));
+}
+
 #[test]
 fn a_toy_has_no_actions_to_record() {
     let mut sandbox = opened("circle");

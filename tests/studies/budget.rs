@@ -10,7 +10,7 @@ use gingerbread::{
 use std::time::Duration;
 
 fn budget(level: &Level, seconds: f64, threads: usize) -> Vec<ErrorSource> {
-    let mut budget = ErrorBudget::new(level, seconds, threads).unwrap();
+    let mut budget = ErrorBudget::new(level, &NoFiles, seconds, threads).unwrap();
     while !budget.advance().finished {}
     budget.sources().cloned().collect()
 }
@@ -55,6 +55,6 @@ fn the_parts_of_a_body_are_told_with_every_effect() {
 #[test]
 fn a_scene_that_does_not_move_and_a_toy_have_no_budget() {
     for name in ["gingerbread", "pendulum"] {
-        assert!(ErrorBudget::new(&built_in(name), 0.1, 1).is_err(), "{name}");
+        assert!(ErrorBudget::new(&built_in(name), &NoFiles, 0.1, 1).is_err(), "{name}");
     }
 }

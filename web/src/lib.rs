@@ -46,6 +46,13 @@ impl Page {
         }
     }
 
+    /// Opens a level from the text of its file.
+    pub fn open_level(&self, text: &str) {
+        if let Some(mut app) = self.0.app_mut::<App>() {
+            app.open_text(text, "level");
+        }
+    }
+
     /// The level in the window with its present state, as a file of it has it; `undefined` if the window has stopped.
     pub fn level(&self) -> Option<String> {
         self.0.app_mut::<App>()?.level_text().ok()

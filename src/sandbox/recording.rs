@@ -50,10 +50,16 @@ impl Sandbox {
 
     /// Ends the recording, if there is one, and pauses. What was recorded stays in the level, with the state that it led to.
     pub(super) fn end_recording(&mut self) {
-        let Some(Recording { holds, first, .. }) = self.recording.take() else { return };
+        let Some(Recording { first, .. }) = self.recording.take() else { return };
         let next = self.simulation.next_frame();
         self.drop_from(next, first, |_| true);
-        if holds {
+        // A release that was still to come has been dropped too.
+        let holds = |scripted: &ScriptedAction| match scripted.action {
+            Action::Grab(_) => Some(true),
+            Action::Release => Some(false),
+            _ => None,
+        };
+        if self.document.level.actions[first..].iter().rev().find_map(holds) == Some(true) {
             self.write(next, Action::Release);
         }
         let actions = self.document.level.actions.len() - first;

@@ -147,12 +147,13 @@ fn a_push_just_before_a_release_is_recorded() {
     let mut sandbox = opened("hanging_net");
     sandbox.apply(Command::Record(true)).unwrap();
     sandbox.apply(Command::Grab(3, [0.2, 0.2, 0.0])).unwrap();
-    sandbox.advance(40, &mut || true);
+    let frames = 3 * sandbox.simulation().scene().steps_per_frame();
+    sandbox.advance(frames, &mut || true);
     let push = Impulse::push([0.5, 0.5, 0.0], [1.0, 0.0, 0.0], 1.0);
     for command in [Command::Pull([0.3, 0.2, 0.0]), Command::Impulse(push), Command::Release] {
         sandbox.apply(command).unwrap();
     }
-    sandbox.advance(40, &mut || true);
+    sandbox.advance(frames, &mut || true);
     sandbox.apply(Command::Record(false)).unwrap();
     let kinds: Vec<_> = sandbox.document().level.actions.iter().map(|scripted| scripted.action.clone()).collect();
     assert!(
@@ -161,6 +162,26 @@ fn a_push_just_before_a_release_is_recorded() {
     );
     sandbox.apply(Command::Reset).unwrap();
     assert_eq!(replayed(&mut sandbox), Some(true));
+}
+
+/// Beyond the end of a recording nothing is held, even if it ended before the release was performed.
+#[test]
+fn nothing_is_held_after_the_end_of_a_recording() {
+    for released in [false, true] {
+        let mut sandbox = opened("hanging_net");
+        sandbox.apply(Command::Record(true)).unwrap();
+        sandbox.apply(Command::Grab(3, [0.2, 0.2, 0.0])).unwrap();
+        let frames = 3 * sandbox.simulation().scene().steps_per_frame();
+        sandbox.advance(frames + 1, &mut || true);
+        assert!(sandbox.simulation().grab().is_some());
+        if released {
+            sandbox.apply(Command::Release).unwrap();
+        }
+        sandbox.apply(Command::Record(false)).unwrap();
+        sandbox.apply(Command::SetRunning(true)).unwrap();
+        sandbox.advance(frames, &mut || true);
+        assert!(sandbox.simulation().grab().is_none(), "released: {released}");
+    }
 }
 
 #[test]

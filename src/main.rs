@@ -45,7 +45,7 @@ enum Command {
         /// Address of the page; without it only what follows there is printed, from `#` on.
         #[arg(long, default_value = "")]
         page: String,
-        /// Put the state after so much simulated time \[s\] into the link: whoever opens it sees the same run, and whether it comes to the same state.
+        /// Put the state after so much simulated time \[s\] into the link: anyone who opens it sees the same run, and whether it comes to the same state.
         #[arg(long, value_parser = headless::seconds, allow_negative_numbers = true)]
         seconds: Option<f64>,
     },

@@ -24,6 +24,9 @@ pub const MOST_SHAPES: usize = 32;
 /// Most points along all outlines of a picture.
 pub const MOST_POINTS: usize = 200_000;
 
+/// Most closed lines of a path or a picture: each is compared with all others.
+const MOST_LOOPS: usize = 2000;
+
 /// Largest distance of an outline from its curve in the picture, as a fraction of the size of all outlines.
 const TOLERANCE: f64 = 2e-4;
 
@@ -46,7 +49,7 @@ pub enum OutlineError {
     #[error("there is no closed outline in it: fill a shape, or close a line")]
     Nothing,
     /// There are too many shapes.
-    #[error("it has {0} separate shapes, and {MOST_SHAPES} at most can be read: join or remove some")]
+    #[error("it has {0} separate shapes or lines, and {MOST_SHAPES} shapes at most can be read: join or remove some")]
     TooMany(usize),
     /// The outlines have too many points.
     #[error("its outlines have over {MOST_POINTS} points: simplify them")]
@@ -97,7 +100,7 @@ impl Shape {
     /// The shapes of a mesh at rest.
     pub fn of_mesh(mesh: &Mesh) -> Vec<Self> {
         let points = |line: &Vec<u32>| line.iter().map(|vertex| mesh.points()[*vertex as usize]).collect();
-        shapes(&mesh.boundary_loops().iter().map(points).collect::<Vec<_>>(), FillRule::EvenOdd)
+        shapes(&mesh.boundary_loops().iter().map(points).collect::<Vec<_>>(), FillRule::EvenOdd).unwrap_or_default()
     }
 
     fn points(&self) -> usize {
@@ -107,7 +110,10 @@ impl Shape {
 
 /// The shapes that closed loops enclose by a fill rule. A loop is the outline of a shape if there is something on its inner side alone, and that of a hole if there is on its
 /// outer side alone; the loops do not cross.
-fn shapes(loops: &[Vec<[f64; 2]>], rule: FillRule) -> Vec<Shape> {
+fn shapes(loops: &[Vec<[f64; 2]>], rule: FillRule) -> Result<Vec<Shape>, OutlineError> {
+    if loops.len() > MOST_LOOPS {
+        return Err(OutlineError::TooMany(loops.len()));
+    }
     let areas: Vec<f64> = loops.iter().map(|points| signed_area(points)).collect();
     let within = |inner: usize, outer: usize| {
         inner != outer && areas[outer].abs() > areas[inner].abs() && contains(&loops[outer], loops[inner][0])
@@ -133,7 +139,7 @@ fn shapes(loops: &[Vec<[f64; 2]>], rule: FillRule) -> Vec<Shape> {
             shape.holes.push(loops[hole].clone());
         }
     }
-    found.into_iter().map(|(_, shape)| shape).collect()
+    Ok(found.into_iter().map(|(_, shape)| shape).collect())
 }
 
 #[cfg(test)]

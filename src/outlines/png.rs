@@ -13,6 +13,9 @@ const PIXEL: f64 = 1e-3;
 /// Most pixels along a side.
 const MOST_PIXELS: u32 = 4096;
 
+/// Most sides between pixels that lines may cross: noise has more.
+const MOST_SIDES: usize = 2_000_000;
+
 /// Least area that is not taken for noise [pixels].
 const LEAST_AREA: f64 = 6.0;
 
@@ -29,10 +32,10 @@ struct Darkness {
 /// Reads a picture. What is transparent is white. Where most of the border is dark, light areas are taken instead.
 pub(super) fn read(bytes: &[u8]) -> Result<Vec<Shape>, OutlineError> {
     let darkness = darkness(bytes)?;
-    let loops = contours(&darkness);
+    let loops = contours(&darkness)?;
     let is_large = |points: &Vec<[f64; 2]>| signed_area(points).abs() >= LEAST_AREA;
     let loops: Vec<_> = loops.into_iter().filter(is_large).map(|points| in_metres(&points, darkness.height)).collect();
-    Ok(shapes(&loops.into_iter().filter(|points| points.len() > 2).collect::<Vec<_>>(), FillRule::EvenOdd))
+    shapes(&loops.into_iter().filter(|points| points.len() > 2).collect::<Vec<_>>(), FillRule::EvenOdd)
 }
 
 fn in_metres(points: &[[f64; 2]], height: usize) -> Vec<[f64; 2]> {
@@ -84,12 +87,15 @@ fn darkness(bytes: &[u8]) -> Result<Darkness, OutlineError> {
 type Side = (usize, bool);
 
 /// Closed lines of equal darkness [pixels], with the dark side on their right as y points down.
-fn contours(darkness: &Darkness) -> Vec<Vec<[f64; 2]>> {
+fn contours(darkness: &Darkness) -> Result<Vec<Vec<[f64; 2]>>, OutlineError> {
     let Darkness { width, height, values } = darkness;
     // From the side by which a line enters a square of four pixels to that by which it leaves.
     let mut next: BTreeMap<Side, Side> = BTreeMap::new();
     let mut starts = Vec::new();
     for row in 0..height - 1 {
+        if starts.len() > MOST_SIDES {
+            return Err(OutlineError::TooLong);
+        }
         for column in 0..width - 1 {
             let at = width * row + column;
             let corners = [at, at + 1, at + width + 1, at + width].map(|pixel| values[pixel] > 0.5);
@@ -124,5 +130,5 @@ fn contours(darkness: &Darkness) -> Vec<Vec<[f64; 2]>> {
             lines.push(line);
         }
     }
-    lines
+    Ok(lines)
 }

@@ -39,7 +39,7 @@ fn add_group(
                     Some(usvg::FillRule::NonZero) => FillRule::NonZero,
                     _ => FillRule::EvenOdd,
                 };
-                found.extend(shapes(&loops, rule));
+                found.extend(shapes(&loops, rule)?);
             }
             Node::Path(_) | Node::Image(_) | Node::Text(_) => {}
         }

@@ -131,6 +131,12 @@ fn drawings_without_an_outline_are_refused_with_the_reason() {
     );
     let many: Vec<_> = (0..40).map(|column| format!("<rect x='{}' width='1' height='1'/>", 2 * column)).collect();
     assert!(reason(drawing("width='90' height='9'", &many.concat())).contains("40 separate shapes"));
+    // Each line within the one before: refused before each is compared with all others.
+    let nested: Vec<_> = (0..5000).map(|at| format!("M{at} {at}h{0}v{0}h-{0}z", 20_000 - 2 * at)).collect();
+    assert!(
+        reason(drawing("width='9' height='9'", &format!("<path d='{}'/>", nested.concat())))
+            .contains("5000 separate shapes or lines")
+    );
     assert!(reason(read("a.svg", b"<svg><g>")).contains("no SVG drawing"));
     assert!(reason(read("a.svg", b"\xff\x00")).contains("no SVG drawing"));
     assert!(reason(read("a.png", b"GIF89a")).contains("no PNG picture"));

@@ -287,7 +287,7 @@ fn camera(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Comma
             }
         }
         let about = "Starts over, and writes pulls and pushes into the level as scripted actions. Start over then replays them, and a link or a \
-                     saved file has them too: whoever opens it sees whether the same state comes out. [Shift+R]";
+                     saved file has them too: anyone who opens it sees whether the same state comes out. [Shift+R]";
         let button = Button::new("Record actions");
         if ui.add_enabled(!now.records && now.toy.is_none(), button).on_hover_text(about).clicked() {
             commands.push(Command::Record(true));

@@ -322,11 +322,13 @@ const fn slight() -> Noise {
     Noise::literal(0.001)
 }
 
-/// How a body's mass is lumped to its vertices.
+/// How a body's mass is given to its vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MassLevel {
-    /// A third of `density * area` of every triangle goes to each of its corners.
+    /// Lumped: a third of `density * area` of every triangle goes to each of its corners.
     Density(Density),
+    /// Consistent mass matrix of a density: a triangle of mass m has m/6 at each corner, and m/12 between each two.
+    Consistent(Density),
     /// The same share of a total for every vertex.
     Total(Mass),
 }

@@ -169,7 +169,7 @@ impl App {
         let (mass, scale) = (listed.mass, listed.place.scale.get());
         let shown = self.snapshot.bodies.get(place).map(|body| body.mesh.area() * scale * scale);
         match (mass, shown) {
-            (MassLevel::Density(density), _) => density.get(),
+            (MassLevel::Density(density) | MassLevel::Consistent(density), _) => density.get(),
             (MassLevel::Total(mass), Some(area)) if area > 0.0 => mass.get() / area,
             _ => DENSITY,
         }

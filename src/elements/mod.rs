@@ -18,6 +18,7 @@
 
 mod accumulator;
 mod blocks;
+mod coupled_mass;
 mod diagnostics;
 mod discrete_gradient;
 pub(crate) mod frame;
@@ -33,6 +34,7 @@ mod triangle;
 
 pub use accumulator::{Accumulator, Adding, EulerUpdate, Scatter, UniformForce};
 pub(crate) use blocks::{EnergyLaw, StressLaw};
+pub use coupled_mass::{CoupledMass, MassSolver};
 pub use diagnostics::{Diagnostics, Field, PointStress};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use hinges::Hinges;

@@ -246,6 +246,9 @@ fn vary_body<R: Iterator<Item = f64>>(body: &mut BodyLevel, model: Model, draw: 
     let factor = draw.factor(2.0);
     body.mass = match body.mass {
         MassLevel::Density(density) => MassLevel::Density(Density::new(density.get() * factor).unwrap_or(density)),
+        MassLevel::Consistent(density) => {
+            MassLevel::Consistent(Density::new(density.get() * factor).unwrap_or(density))
+        }
         MassLevel::Total(mass) => MassLevel::Total(Mass::new(mass.get() * factor).unwrap_or(mass)),
     };
     if draw.chance(0.3) {

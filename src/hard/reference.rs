@@ -84,8 +84,9 @@ impl Scale {
 
     pub fn moment(&self, simulation: &Simulation) -> Moment {
         let (scene, state, energies) = (simulation.scene(), simulation.state(), simulation.energies());
-        let (mut momentum, mut angular_momentum) = ([0.0; 3], [0.0; 3]);
         let dimension = scene.dimension;
+        let coupled = scene.coupled_mass.angular_momentum(dimension, &state.x, &state.v);
+        let (mut momentum, mut angular_momentum) = ([0.0; 3], coupled);
         let points = state.x.chunks_exact(dimension).zip(state.v.chunks_exact(dimension));
         for ((x, v), mass) in points.zip(scene.mass.iter().step_by(dimension)) {
             let number = |of: &[f64], axis: usize| of.get(axis).copied().unwrap_or(0.0);

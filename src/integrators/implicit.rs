@@ -119,6 +119,7 @@ impl Equations for Stage<'_, '_> {
         for (((g, z), mass), inverse) in g.iter_mut().zip(z).zip(self.system.mass()).zip(self.system.inverse_mass()) {
             *g = if *inverse == 0.0 { 0.0 } else { mass * z - *g };
         }
+        self.system.add_coupled_mass(z, g);
     }
 
     fn block_size(&self) -> usize {
@@ -129,8 +130,7 @@ impl Equations for Stage<'_, '_> {
         self.evaluate(z);
         let weights = Weights { position: self.affine.ax, velocity: self.affine.av, tangent };
         self.system.add_stiffness(self.time, self.x, self.v, weights, matrix);
-        let mass = self.system.mass();
-        matrix.add_to_diagonal(&|number| mass[number]);
+        self.system.add_mass(matrix);
     }
 
     fn has_derivative(&self) -> bool {

@@ -75,7 +75,7 @@ impl SecondOrder for LinearlyImplicitEuler {
             state.v[number] += h * z;
             state.x[number] += h * state.v[number];
         }
-        if (touches || system.touches(h, &state.x, &state.v)) && is_unbalanced(system, state, h, z, force) {
+        if (touches || system.touches(h, &state.x, &state.v)) && is_unbalanced(system, state, h, z, (force, g)) {
             state.x.copy_from_slice(before);
             state.v.copy_from_slice(predicted_v);
             return ImplicitEuler::default().step(system, state, workspace, h);
@@ -86,13 +86,20 @@ impl SecondOrder for LinearlyImplicitEuler {
 }
 
 /// Whether the forces at the end of a step of length h differ from those of the accelerations z.
-fn is_unbalanced(system: &mut dyn Dynamics, state: &State, h: f64, z: &[f64], force: &mut [f64]) -> bool {
+fn is_unbalanced(
+    system: &mut dyn Dynamics,
+    state: &State,
+    h: f64,
+    z: &[f64],
+    (force, missing): (&mut [f64], &mut [f64]),
+) -> bool {
     system.force(h, &state.x, &state.v, force);
-    let (mut missing, mut all) = (0.0, 0.0);
-    for (((force, z), mass), inverse_mass) in force.iter().zip(z).zip(system.mass()).zip(system.inverse_mass()) {
-        let difference = mass * z - force;
-        missing += difference * difference * inverse_mass;
-        all += force * force * inverse_mass;
+    for (((missing, force), z), mass) in missing.iter_mut().zip(&*force).zip(z).zip(system.mass()) {
+        *missing = mass * z - force;
     }
+    system.add_coupled_mass(z, missing);
+    let square =
+        |of: &[f64]| of.iter().zip(system.inverse_mass()).map(|(one, inverse)| one * one * inverse).sum::<f64>();
+    let (missing, all) = (square(missing), square(force));
     missing > RESIDUAL * RESIDUAL * all
 }

@@ -53,6 +53,16 @@ pub trait Dynamics {
     /// 1/mass [1/kg] for each number; zero where nothing may move.
     fn inverse_mass(&self) -> &[f64];
 
+    /// Adds what the mass matrix has beside [`Self::mass`] times z to `product`, which becomes zero where nothing may move. The forces of
+    /// explicit schemes contain it already: with them, the masses alone have the accelerations of the whole matrix.
+    fn add_coupled_mass(&self, _z: &[f64], _product: &mut [f64]) {}
+
+    /// Adds the mass matrix to a matrix to which [`Self::add_stiffness`] has added.
+    fn add_mass(&self, matrix: &mut dyn SparseMatrix) {
+        let mass = self.mass();
+        matrix.add_to_diagonal(&|number| mass[number]);
+    }
+
     /// Adds `-df/dx d` \[N\] for a displacement `d` \[m\] to `product`.
     fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]);
 

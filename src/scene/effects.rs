@@ -69,6 +69,7 @@ impl Scene {
         }
         self.check_projection()?;
         self.check_held()?;
+        self.check_masses()?;
         if is_filter && has_skin {
             self.messages.push("The contact potential does nothing: a filter takes its place".to_owned());
         }
@@ -97,6 +98,17 @@ impl Scene {
         let listed = self.owner_of(vertex as usize).map_or(vertex as usize, |(_, number)| number);
         let why = format!("two of them move vertex {listed}; take it out of the pins of one");
         Err(SceneError::Effect { name: "MovingPins", why })
+    }
+
+    /// # Errors
+    /// [`SceneError::Effect`] if an effect needs lumped masses, and they are not.
+    pub(super) fn check_masses(&self) -> Result<(), SceneError> {
+        let is_lumped = self.coupled_mass.is_empty();
+        let needs = |effect: &&Arc<dyn Effect>| effect.constraints().is_some() || effect.held_vertices().is_some();
+        let Some(effect) = self.effects.iter().find(needs).filter(|_| !is_lumped) else { return Ok(()) };
+        let why =
+            "it needs lumped masses: give the bodies and membranes a Density or a Total in place of a Consistent mass";
+        Err(SceneError::Effect { name: effect.name(), why: why.to_owned() })
     }
 
     pub(super) fn flat_shapes(&self) -> Vec<FlatShape> {

@@ -3,7 +3,7 @@
 use super::{Scene, material_of, numbering, start::reshape, stretched};
 use crate::{
     elements::Membranes,
-    level::{MassLevel, MembraneLevel},
+    level::MembraneLevel,
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, pinned},
     state::State,
 };
@@ -62,10 +62,8 @@ impl Scene {
         }
         let material = material_of(level.energy.as_ref(), level.material)?;
         let elements = Arc::new(Membranes::new(vertices.clone(), &mesh, material, level.thickness.get()));
-        let masses = match level.mass {
-            MassLevel::Total(total) => vec![total.get() / vertices.len() as f64; vertices.len()],
-            MassLevel::Density(density) => elements.lumped_mass(density.get()),
-        };
+        let areas = || elements.corners().iter().copied().zip(elements.rest_areas());
+        self.add_masses(level.mass, &vertices, elements.thickness(), areas);
         let pins = pinned(&level.pins, flat, mesh.numbering())?;
         let (vx, vy, vz) = level.space.velocity;
         let at_start = stretched(level.stretch, flat);
@@ -74,7 +72,6 @@ impl Scene {
         self.start.x.extend(local.as_chunks().0.iter().flat_map(|point| level.space.placed_from_plane(*point)));
         self.start.v.extend(vertices.clone().flat_map(|_| [vx.get(), vy.get(), vz.get()]));
         self.rest.extend(rest);
-        self.mass.extend(masses.iter().flat_map(|mass| [*mass; 3]));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe) = (level.name.clone(), level.mesh.clone());

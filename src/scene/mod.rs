@@ -18,7 +18,7 @@ pub use sub_scene::SubScene;
 use crate::{
     contact::ClothSurface,
     effects::{Effect, HeldVertices, LengthProjection, Motion},
-    elements::{BodyMaterial, ElasticElements, Elements, Triangles},
+    elements::{BodyMaterial, CoupledMass, ElasticElements, Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
     materials::{MaterialParameters, TypedEnergy},
@@ -49,6 +49,8 @@ pub struct Scene {
     pub start: State,
     /// Mass \[kg\], equal for all coordinates of a vertex.
     pub mass: Vec<f64>,
+    /// What the mass matrix has beside these masses.
+    pub coupled_mass: Arc<CoupledMass>,
     /// 1/mass [1/kg], flat; zero for pinned vertices, and for the fixed coordinate of rollers.
     pub inverse_mass: Vec<f64>,
     /// Pinned vertices, ascending.
@@ -271,6 +273,7 @@ impl Scene {
             rest: Vec::new(),
             start: State::default(),
             mass: Vec::new(),
+            coupled_mass: Arc::default(),
             inverse_mass: Vec::new(),
             pins: Arc::default(),
             rollers: Arc::default(),
@@ -389,6 +392,7 @@ impl Scene {
         self.auto.push(true);
         self.check_projection()?;
         self.check_held()?;
+        self.check_masses()?;
         self.finish_masses();
         Ok(())
     }
@@ -512,14 +516,15 @@ impl Scene {
             let flat = numbering.element_name(flat);
             return Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"));
         }
-        let masses = lumped(level.mass, &elements);
+        let areas = || elements.corners().iter().copied().zip(elements.rest_areas());
+        let masses = self.add_masses(level.mass, &vertices, 1.0, areas);
+        let rest = &self.rest[self.numbers(&vertices)];
         let pins = pinned(&level.pins, rest, numbering)?;
         let rollers: Vec<_> = level.slides.iter().flat_map(|side| sliding(*side, rest)).collect();
         let mut start = stretched(level.stretch, rest);
         start::reshape::<2>(level.start, (&pins, &rollers), numbering, &mut start);
         self.start.v.extend(moving(level, &start, &masses));
         self.start.x.extend(start);
-        self.mass.extend(masses.iter().flat_map(|mass| [*mass, *mass]));
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         Arc::make_mut(&mut self.rollers).extend(rollers.iter().map(|(slide, axis)| (slide + first as u32, *axis)));
         let (least, greatest) = extent(rest, 1);
@@ -529,6 +534,39 @@ impl Scene {
         let boundary = mesh.boundary_edges();
         self.bodies.push(Body { name, recipe, mesh, vertices, elements, boundary, top, rest_height });
         Ok(())
+    }
+
+    /// Adds the masses of the vertices of a body or membrane with these triangles, their areas \[m²\] and a thickness \[m\], or 1 in the
+    /// plane. Returns the mass of each vertex \[kg\].
+    fn add_masses<T: Iterator<Item = ([u32; 3], f64)>>(
+        &mut self,
+        mass: MassLevel,
+        vertices: &Range<usize>,
+        thickness: f64,
+        triangles: impl Fn() -> T,
+    ) -> Vec<f64> {
+        let masses = match mass {
+            MassLevel::Total(total) => vec![total.get() / vertices.len() as f64; vertices.len()],
+            MassLevel::Density(density) | MassLevel::Consistent(density) => {
+                let mut masses = vec![0.0; vertices.len()];
+                for (corner, area) in triangles().flat_map(|(corners, area)| corners.map(|corner| (corner, area))) {
+                    masses[corner as usize - vertices.start] += density.get() * thickness * area / 3.0;
+                }
+                masses
+            }
+        };
+        self.mass.extend(masses.iter().flat_map(|mass| std::iter::repeat_n(*mass, self.dimension)));
+        if let MassLevel::Consistent(density) = mass {
+            let density = density.get() * thickness;
+            let coupled = CoupledMass::new(triangles().map(|(corners, area)| (corners, density * area)));
+            Arc::make_mut(&mut self.coupled_mass).append(&coupled);
+        }
+        masses
+    }
+
+    /// Kinetic energy beside that of [`Self::mass`] \[J\]; never positive.
+    pub fn coupled_energy(&self, v: &[f64]) -> f64 {
+        if self.coupled_mass.is_empty() { 0.0 } else { self.coupled_mass.kinetic_energy(self.dimension, v) }
     }
 
     fn finish_masses(&mut self) {
@@ -626,23 +664,6 @@ fn moving(level: &BodyLevel, x: &[f64], masses: &[f64]) -> Vec<f64> {
     let centre = |axis: usize| x.iter().skip(axis).step_by(2).zip(masses).map(|(x, m)| x * m).sum::<f64>() / total;
     let (cx, cy) = (centre(0), centre(1));
     x.chunks_exact(2).flat_map(|point| [vx - spin * (point[1] - cy), vy + spin * (point[0] - cx)]).collect()
-}
-
-/// The mass of each vertex \[kg\].
-fn lumped(mass: MassLevel, elements: &Triangles) -> Vec<f64> {
-    let vertices = elements.vertices();
-    match mass {
-        MassLevel::Total(total) => vec![total.get() / vertices.len() as f64; vertices.len()],
-        MassLevel::Density(density) => {
-            let mut masses = vec![0.0; vertices.len()];
-            for (triangle, area) in elements.corners().iter().zip(elements.rest_areas()) {
-                for &corner in triangle {
-                    masses[corner as usize - vertices.start] += density.get() * area / 3.0;
-                }
-            }
-            masses
-        }
-    }
 }
 
 /// The number of the vertex nearest to a point, by flat positions; the lowest of equals.

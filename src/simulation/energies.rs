@@ -66,7 +66,8 @@ impl Simulation {
             sums
         });
         let rest = v_rest.iter().zip(mass_rest).map(|(v, mass)| mass * v * v);
-        0.5 * sums.into_iter().chain(rest).sum::<f64>()
+        let lumped = 0.5 * sums.into_iter().chain(rest).sum::<f64>();
+        lumped + self.scene.coupled_energy(&self.state.v)
     }
 
     /// Elastic energy of a body, or after the bodies of a net, if it is cached for the present shape \[J\].

@@ -200,7 +200,9 @@ impl System<'_> {
         self.contacts.update(self.scene, x);
         let motion = self.motion(self.time[1] - self.time[0], x, v);
         let kinetic = self.scene.mass.iter().zip(v).map(|(mass, v)| 0.5 * mass * v * v).sum::<f64>();
-        kinetic + self.scene.effects.iter().map(|effect| effect.energy(motion)).sum::<f64>()
+        kinetic
+            + self.scene.coupled_energy(v)
+            + self.scene.effects.iter().map(|effect| effect.energy(motion)).sum::<f64>()
     }
 }
 

@@ -4,7 +4,7 @@ use super::contacts::{Contacts, contacts, surface_contact};
 use crate::{
     contact::ContactProperties,
     effects::{Bounds, Effect, Grab, Motion, NO_OBSTACLE_NEAR},
-    elements::{EulerUpdate, UniformForce, reserve_scratch},
+    elements::{EulerUpdate, MassSolver, UniformForce, reserve_scratch},
     integrators::{Class, Dynamics, MeanForces, Ode, Workspace, symplectic_euler_update},
     report::{Counts, EffectCost},
     scene::Scene,
@@ -123,6 +123,8 @@ pub(super) struct Scratch {
     pub placed: Vec<f64>,
     /// Rows of the constraints.
     pub rows: ConstraintRows,
+    /// Solver with the mass matrix of the scene, for explicit schemes.
+    pub mass_solver: MassSolver,
 }
 
 impl Scratch {
@@ -133,6 +135,7 @@ impl Scratch {
         reserve_scratch(&mut self.effects, scene.scratch());
         self.set_sleeping(scene, std::iter::empty());
         (self.clear_box, self.displacement_bound) = (None, -1.0);
+        self.mass_solver.fit(scene.dimension, &scene.coupled_mass, [&scene.mass, &scene.inverse_mass]);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
         self.lightest = movable.map(|(mass, _)| *mass).fold(f64::INFINITY, f64::min);
         let named = || scene.effects.iter().map(|effect| effect.name()).zip(scene.auto.iter().copied());
@@ -175,7 +178,7 @@ impl Scratch {
     /// measured.
     pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
         let are_plain = self.plan.elements.iter().all(|number| scene.effects[*number].has_euler_update());
-        if !are_plain || !self.plan.constraints.is_empty() {
+        if !are_plain || !self.plan.constraints.is_empty() || !scene.coupled_mass.is_empty() {
             return None;
         }
         let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
@@ -357,6 +360,11 @@ impl System<'_> {
             rows.add_reactions(self.inverse_mass(), force);
             self.scratch.rows = rows;
         }
+        if !scene.coupled_mass.is_empty() && scene.integrator.kind().class() != Class::Implicit {
+            let mut solver = std::mem::take(&mut self.scratch.mass_solver);
+            solver.accelerate([self.mass(), self.inverse_mass()], force);
+            self.scratch.mass_solver = solver;
+        }
     }
 
     /// Takes the rows of all constraints at a time since the start of the step \[s\]; those for forces are counted as calls.
@@ -475,8 +483,8 @@ impl Dynamics for System<'_> {
 
     /// If only elements and uniform forces act, the vertices are updated during force assembly.
     fn symplectic_euler_update(&mut self, x: &mut [f64], v: &mut [f64], force: &mut [f64], h: f64) {
-        if self.is_constrained() {
-            // Reactions answer to the forces of contact too.
+        if self.is_constrained() || !self.scene.coupled_mass.is_empty() {
+            // Reactions, and neighbours by the mass matrix, answer to the forces of contact too.
             self.forces(true, 0.0, x, v, force);
             return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
         }
@@ -511,6 +519,19 @@ impl Dynamics for System<'_> {
         }
     }
 
+    fn add_coupled_mass(&self, z: &[f64], product: &mut [f64]) {
+        if !self.scene.coupled_mass.is_empty() {
+            self.scene.coupled_mass.add_product(self.scene.dimension, z, product);
+            let fixed = |(_, inverse): &(&mut f64, &f64)| **inverse == 0.0;
+            product.iter_mut().zip(self.inverse_mass()).filter(fixed).for_each(|(product, _)| *product = 0.0);
+        }
+    }
+
+    fn add_mass(&self, matrix: &mut dyn SparseMatrix) {
+        matrix.add_to_diagonal(&|number| self.scene.mass[number]);
+        self.scene.coupled_mass.add_to(self.scene.dimension, matrix);
+    }
+
     fn stiffness_times(&mut self, time: f64, x: &[f64], v: &[f64], d: &[f64], product: &mut [f64]) {
         self.with_held(time, x, v, |system, x, v| {
             let scene = system.scene;
@@ -537,6 +558,7 @@ impl Dynamics for System<'_> {
                 contact.sparsity_pattern(&self.contacts.pattern, add);
             }
         }
+        self.scene.coupled_mass.edges().iter().for_each(|[a, b]| add(*a, *b));
     }
 
     fn pattern_changes(&mut self, x: &[f64]) -> bool {

@@ -264,5 +264,5 @@ fn finer_scene(live: &Scene, per_step: u64) -> Scene {
 fn same(known: &Scene, live: &Scene) -> bool {
     let effects = known.effects.len() == live.effects.len()
         && known.effects.iter().zip(&live.effects).all(|(a, b)| Arc::ptr_eq(a, b));
-    effects && known.inverse_mass == live.inverse_mass
+    effects && known.inverse_mass == live.inverse_mass && known.coupled_mass == live.coupled_mass
 }

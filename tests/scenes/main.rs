@@ -9,6 +9,7 @@ mod guard;
 mod heat;
 mod impulse;
 mod islands;
+mod mass;
 mod moving_pins;
 mod nets;
 mod originals;

@@ -193,20 +193,28 @@ fn mass(
     view: &mut View,
     commands: &mut Vec<Command>,
 ) {
-    let by_density = matches!(mass, MassLevel::Density(_));
-    let part = |text, about, on| Segment { text, name: text, about, on };
+    let part = |text, name, about, on| Segment { text, name, about, on };
+    let lumped = "Lumped: a third of density x area of every triangle goes to each of its corners.";
+    let consistent = "Consistent mass matrix: a triangle of mass m has m/6 at each corner, and m/12 between each two. Waves travel more exactly; explicit steps must be shorter, and each solves equations.";
     let parts = [
-        part("Density", "A third of density x area of every triangle goes to each of its corners.", by_density),
-        part("Total mass", "Every vertex carries the same share of a total.", !by_density),
+        part("Density", "Density", lumped, matches!(mass, MassLevel::Density(_))),
+        part(
+            "Total mass",
+            "Total mass",
+            "Every vertex carries the same share of a total.",
+            matches!(mass, MassLevel::Total(_)),
+        ),
+        part("Consistent", "Consistent mass", consistent, matches!(mass, MassLevel::Consistent(_))),
     ];
-    if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| (*clicked == 0) != by_density) {
-        match converted(mass, area(), clicked == 0) {
+    if let Some(clicked) = segmented(ui, "mass", &parts, true).filter(|clicked| !parts[*clicked].on) {
+        match converted(mass, area(), clicked) {
             Ok(new) => commands.extend([set(new), Command::EndGesture]),
             Err(error) => view.notice = Some(Notice::trouble(&error)),
         }
     }
     let (outcome, new) = match mass {
         MassLevel::Density(mut density) => (widgets::quantity(ui, &mut density), MassLevel::Density(density)),
+        MassLevel::Consistent(mut density) => (widgets::quantity(ui, &mut density), MassLevel::Consistent(density)),
         MassLevel::Total(mut total) => (widgets::quantity(ui, &mut total), MassLevel::Total(total)),
     };
     apply_response(outcome, Some(set(new)), view, commands);
@@ -235,12 +243,16 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
 }
 
-/// Converts a mass \[kg\] to a density, or back, for an area \[m²\].
-fn converted(mass: MassLevel, area: f64, to_density: bool) -> Result<MassLevel, OutOfRange> {
-    Ok(match (mass, to_density) {
-        (MassLevel::Total(total), true) => MassLevel::Density(Density::new(total.get() / area)?),
-        (MassLevel::Density(density), false) => MassLevel::Total(Mass::new(density.get() * area)?),
-        (same, _) => same,
+/// Converts a mass \[kg\] or a density to one of the three ways of giving it, by number, for an area \[m²\].
+fn converted(mass: MassLevel, area: f64, to: usize) -> Result<MassLevel, OutOfRange> {
+    let density = || match mass {
+        MassLevel::Total(total) => Density::new(total.get() / area),
+        MassLevel::Density(density) | MassLevel::Consistent(density) => Ok(density),
+    };
+    Ok(match to {
+        0 => MassLevel::Density(density()?),
+        1 => MassLevel::Total(Mass::new(density()?.get() * area)?),
+        _ => MassLevel::Consistent(density()?),
     })
 }
 

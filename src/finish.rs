@@ -1,4 +1,4 @@
-//! Finish: how cloth looks, by its colours, its pattern and its sheen. Nothing of it is physics.
+//! Finish: how cloth looks, by its colours, its pattern or image, and its sheen. Nothing of it is physics.
 //!
 //! ```
 //! use gingerbread::{files, finish::{Colour, Finish, Pattern}};
@@ -8,12 +8,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod image;
+
+pub use image::Image;
+
 use crate::quantity::PatternSize;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// How the two sides of a cloth look.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Finish {
     /// Colour of the front; without it that of the theme.
@@ -29,6 +33,9 @@ pub struct Finish {
     pub second: Option<Colour>,
     /// Size of a field of the pattern.
     pub size: PatternSize,
+    /// Image on both sides in place of colours and pattern, stretched over the flat shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub image: Option<Image>,
     /// How it reflects light.
     pub sheen: Sheen,
 }
@@ -36,7 +43,7 @@ pub struct Finish {
 impl Default for Finish {
     fn default() -> Self {
         let (pattern, size, sheen) = (Pattern::Plain, PatternSize::literal(0.1), Sheen::Matte);
-        Self { front: None, back: None, pattern, second: None, size, sheen }
+        Self { front: None, back: None, pattern, second: None, size, image: None, sheen }
     }
 }
 

@@ -30,6 +30,7 @@
 //! | [`formula`] | formulas typed as text, with exact derivatives |
 //! | [`materials`] | constitutive models: energy, stress and stiffness as functions of F |
 //! | [`meshes`] | triangle meshes: the gingerbread man, rectangles, disks, outlines, files |
+//! | `picture` | pictures as pixels, and as PNG files; feature `window` |
 //! | `outlines` | outlines of bodies in SVG drawings and PNG pictures; feature `window` |
 //! | [`nets`] | particles and springs: chains, sheets, lists |
 //! | [`solvers`] | sparse matrices of small blocks, their factorisation, conjugate gradients, Newton's method |
@@ -80,6 +81,9 @@ pub mod formula;
 
 pub mod materials;
 pub mod meshes;
+#[cfg(feature = "window")]
+pub mod picture;
+
 #[cfg(feature = "window")]
 pub mod outlines;
 

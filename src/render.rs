@@ -3,7 +3,7 @@
 //! Frames are taken at equal intervals of simulated time, so that a slow computer records as smoothly as a fast one.
 
 use crate::{
-    app::{FilmFormat, Options, Picture, Stage},
+    app::{FilmFormat, Options, Stage},
     command::Command,
     elements::Field,
     files,
@@ -11,6 +11,7 @@ use crate::{
         Ending, HeadlessError, Interrupt, Outputs, Overrides, Progress, ProgressOptions, inputs, read, seconds,
     },
     level::Level,
+    picture::Picture,
     sandbox::Sandbox,
     snapshot::Snapshot,
 };

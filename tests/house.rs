@@ -15,6 +15,7 @@ const ROOMS: &[&[&str]] = &[
     &["formula"],
     &["materials"],
     &["meshes"],
+    &["picture"],
     &["outlines"],
     &["nets"],
     &["solvers"],

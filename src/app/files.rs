@@ -9,6 +9,7 @@ use super::{
 use crate::{
     command::Command,
     files::{self, FileError},
+    finish::{Finish, Image},
     level::Level,
     link,
 };
@@ -64,6 +65,7 @@ impl App {
             }
             FileRequest::Open => self.dialogs.ask(Purpose::Open),
             FileRequest::OpenMesh => self.dialogs.ask(Purpose::OpenMesh),
+            FileRequest::OpenImage(number) => self.dialogs.ask(Purpose::OpenImage(number)),
             FileRequest::SaveAgain => match self.path.clone() {
                 Some(path) => self.save(&path),
                 None => self.grant(FileRequest::Save),
@@ -239,8 +241,28 @@ impl App {
                     making::ENDINGS.join(", .")
                 )));
             }
+            Purpose::OpenImage(number) => self.put_image(*number, path),
             Purpose::Save(_) => self.save(path),
             Purpose::Export(export) => self.tell(path, files::write_bytes(path, &export.bytes)),
+        }
+    }
+}
+
+impl App {
+    /// Puts the picture of a file on a net or membrane, by number: nets first.
+    fn put_image(&mut self, number: usize, path: &Path) {
+        let path = files::whole_path(path);
+        let image = files::read_bytes(&path).and_then(|bytes| Image::of_file(&bytes));
+        match image {
+            Ok(image) => {
+                let mut level = self.settled().document().level.clone();
+                if let Some(finish) = level.finish_mut(number) {
+                    let finish = Finish { image: Some(image), ..finish.clone() };
+                    self.apply(None, Command::SetFinish(number, finish));
+                    self.apply(None, Command::EndGesture);
+                }
+            }
+            Err(why) => self.view.notice = Some(Notice::Trouble(format!("{}: {why}.", path.display()))),
         }
     }
 }

@@ -18,10 +18,10 @@ mod making;
 mod meshing;
 mod numbers;
 mod panels;
-mod picture;
 mod probes;
 mod raster;
 mod settings;
+mod stage;
 mod theme;
 
 use crate::{
@@ -31,12 +31,13 @@ use crate::{
     integrators::Class,
     level::{BodyLevel, Level},
     meshes::Files,
+    picture::Picture,
     sandbox::{Refused, Sandbox},
     snapshot::Snapshot,
 };
 pub use canvas::Options;
 pub use film::{FilmEncoder, FilmFormat};
-pub use picture::{Picture, Stage};
+pub use stage::Stage;
 
 use arrows::Arrows;
 use canvas::Canvas;
@@ -661,9 +662,7 @@ pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
 /// The icon of the window, where the system shows one.
 #[cfg(not(target_arch = "wasm32"))]
 fn icon() -> Option<egui::IconData> {
-    let file = std::io::Cursor::new(include_bytes!("../../assets/icon.png"));
-    let mut reader = png::Decoder::new(file).read_info().ok()?;
-    let mut rgba = vec![0; reader.output_buffer_size()?];
-    let png::OutputInfo { width, height, .. } = reader.next_frame(&mut rgba).ok()?;
-    Some(egui::IconData { rgba, width, height })
+    let Picture { size: [width, height], rgba } =
+        Picture::of_png(include_bytes!("../../assets/icon.png"), 1024).ok()?;
+    Some(egui::IconData { rgba, width: width as u32, height: height as u32 })
 }

@@ -6,7 +6,7 @@ use super::{
     raster::{Raster, Texture},
     theme,
 };
-use crate::snapshot::Snapshot;
+use crate::{picture::Picture, snapshot::Snapshot};
 use eframe::egui::{
     Context, RawInput, Rect, TextureId, Theme, ViewportId, ViewportInfo, epaint::Primitive, pos2, vec2,
 };
@@ -25,33 +25,6 @@ pub struct Stage {
     size: [usize; 2],
     scale: usize,
     time: f64,
-}
-
-/// A picture.
-pub struct Picture {
-    /// Width and height \[pixels\].
-    pub size: [usize; 2],
-    /// Rows from the top, four bytes a pixel: red, green, blue and 255.
-    pub rgba: Vec<u8>,
-}
-
-impl Picture {
-    /// The picture as a PNG file.
-    ///
-    /// # Errors
-    /// The encoder's own words.
-    pub fn png(&self) -> Result<Vec<u8>, String> {
-        let mut bytes = Vec::new();
-        let [width, height] = self.size.map(|pixels| pixels as u32);
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        let said = |error: png::EncodingError| error.to_string();
-        let mut writer = encoder.write_header().map_err(said)?;
-        writer.write_image_data(&self.rgba).map_err(said)?;
-        writer.finish().map_err(said)?;
-        Ok(bytes)
-    }
 }
 
 impl Stage {

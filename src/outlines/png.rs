@@ -4,8 +4,8 @@
 //! of areas are found more exactly than to a pixel.
 
 use super::{FillRule, OutlineError, Shape, shapes, signed_area};
+use crate::picture::Picture;
 use std::collections::BTreeMap;
-use std::io::Cursor;
 
 /// Length of a pixel \[m\].
 const PIXEL: f64 = 1e-3;
@@ -44,31 +44,13 @@ fn in_metres(points: &[[f64; 2]], height: usize) -> Vec<[f64; 2]> {
 }
 
 fn darkness(bytes: &[u8]) -> Result<Darkness, OutlineError> {
-    let broken = |error: png::DecodingError| OutlineError::Broken(format!("this is no PNG picture: {error}"));
-    let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    decoder.set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
-    let mut reader = decoder.read_info().map_err(broken)?;
-    let (columns, rows) = (reader.info().width, reader.info().height);
-    if columns > MOST_PIXELS || rows > MOST_PIXELS {
-        return Err(OutlineError::Broken(format!(
-            "it has {columns} x {rows} pixels, and {MOST_PIXELS} a side at most can be read"
-        )));
-    }
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap_or(0)];
-    let info = reader.next_frame(&mut pixels).map_err(broken)?;
-    let channels = info.color_type.samples();
-    let dark = |pixel: &[u8]| {
-        let [light, alpha] = match *pixel {
-            [grey, alpha] => [f64::from(grey), f64::from(alpha)],
-            [red, green, blue, alpha] => {
-                [0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue), f64::from(alpha)]
-            }
-            _ => [255.0; 2],
-        };
-        (1.0 - light / 255.0) * alpha / 255.0
+    let picture = Picture::of_png(bytes, MOST_PIXELS).map_err(OutlineError::Broken)?;
+    let [columns, rows] = picture.size;
+    let dark = |pixel: &[u8; 4]| {
+        let [red, green, blue, alpha] = pixel.map(f64::from);
+        (1.0 - (0.299 * red + 0.587 * green + 0.114 * blue) / 255.0) * alpha / 255.0
     };
-    let (columns, rows) = (columns as usize, rows as usize);
-    let values: Vec<f64> = pixels.chunks_exact(channels).take(columns * rows).map(dark).collect();
+    let values: Vec<f64> = picture.rgba.as_chunks().0.iter().map(dark).collect();
     let on_border = |number: &usize| {
         let (column, row) = (number % columns, number / columns);
         column == 0 || row == 0 || column + 1 == columns || row + 1 == rows

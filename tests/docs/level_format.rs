@@ -2,6 +2,7 @@
 
 use gingerbread::{
     effects::EffectKind,
+    finish::Image,
     integrators::{Class, IntegratorKind},
     level::Substeps,
     materials::{Model, TypedEnergy},
@@ -236,6 +237,7 @@ fn value(kind: &str) -> String {
         "String" => "text in double quotes".to_owned(),
         "PointFormula" => "formula in double quotes, of `x`, `y`, `z`, `vx`, `vy`, `vz` and `t`".to_owned(),
         "Colour" => "colour in double quotes: `#` and two hexadecimal digits each of red, green and blue".to_owned(),
+        "Image" => format!("PNG file of at most {0} x {0} pixels in double quotes, as base64 text", Image::MOST_PIXELS),
         "PathBuf" => "path in double quotes".to_owned(),
         "Point" => "point `(x, y)` in m".to_owned(),
         "SpacePoint" => "point `(x, y, z)` in m".to_owned(),

@@ -1,9 +1,12 @@
 //! How cloth looks: finishes and normals.
 
-use crate::harness::*;
+use crate::{folder::Folder, harness::*};
 use eframe::egui::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use gingerbread::finish::{Colour, Finish, Pattern, Sheen};
+use gingerbread::{
+    finish::{Colour, Finish, Pattern, Sheen},
+    picture::Picture,
+};
 
 /// Chooses an entry of a menu.
 fn pick(window: &mut Window, menu: &str, entry: &str) {
@@ -14,7 +17,7 @@ fn pick(window: &mut Window, menu: &str, entry: &str) {
 }
 
 fn finish(window: &Window) -> Finish {
-    window.state().snapshot().level.membranes[0].finish
+    window.state().snapshot().level.membranes[0].finish.clone()
 }
 
 #[test]
@@ -34,6 +37,43 @@ fn patterns_and_sheens_are_chosen_and_undone() {
         click(&mut window, "Undo");
     }
     assert_eq!(finish(&window), Finish::default());
+}
+
+#[test]
+fn an_image_is_put_on_a_cloth_saved_and_taken_off() {
+    let folder = Folder::new("image");
+    let path = folder.0.join("flag.png");
+    let rgba: Vec<u8> =
+        (0..300 * 200).flat_map(|pixel| [(pixel % 300 / 2) as u8, (pixel / 300) as u8, 90, 255]).collect();
+    std::fs::write(&path, Picture { size: [300, 200], rgba }.png().unwrap()).unwrap();
+    let mut window = open("toronto_cloth");
+    click_in_panel(&mut window, "Open an image");
+    type_path(&mut window, &path, "Open");
+    draw(&window);
+    let image = finish(&window).image.unwrap();
+    assert_eq!(image.picture().unwrap().size, [256, 170], "it is made smaller");
+    let saved = folder.0.join("cloth.ron");
+    window.state_mut().save(&saved);
+    let level = gingerbread::files::read(&saved).unwrap();
+    assert_eq!(level.membranes[0].finish.image, Some(image), "a level needs no other file");
+
+    std::fs::write(&path, "no picture").unwrap();
+    click_in_panel(&mut window, "Open an image");
+    type_path(&mut window, &path, "Open");
+    let told = window.state().notice().unwrap();
+    assert!(told.contains("flag.png: this is no PNG picture"), "{told}");
+    assert!(finish(&window).image.is_some(), "what was there stays");
+    click_in_panel(&mut window, "Remove the image");
+    assert_eq!(finish(&window), Finish::default());
+    click(&mut window, "Undo");
+    assert!(finish(&window).image.is_some());
+
+    // A text that is no image is told with its place.
+    let text = std::fs::read_to_string(&saved).unwrap();
+    let wrong = text.replace("iVBORw0KGgo", "R0lGODlh");
+    let line = 1 + wrong[..wrong.find("R0lGODlh").unwrap()].matches('\n').count();
+    let error = gingerbread::files::parse(&wrong, "x.ron").unwrap_err().to_string();
+    assert!(error.contains(&format!("x.ron:{line}:")) && error.contains("no image"), "{error}");
 }
 
 #[test]

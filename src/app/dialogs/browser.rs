@@ -39,6 +39,7 @@ impl Dialogs {
         let is_asked = match &purpose {
             Purpose::Open => self.pick(&format!(".ron,.{}", ENDINGS.join(",."))),
             Purpose::OpenMesh => self.pick(&format!(".{}", ENDINGS.join(",."))),
+            Purpose::OpenImage(_) => self.pick(".png"),
             Purpose::Save(name) => {
                 self.answered = Some(DialogResult::Chosen(purpose.clone(), PathBuf::from(name)));
                 return;

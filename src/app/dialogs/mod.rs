@@ -24,6 +24,8 @@ pub enum Purpose {
     Open,
     /// Add a body whose mesh is in a file.
     OpenMesh,
+    /// Put a picture on a net or membrane, by number: nets first.
+    OpenImage(usize),
     /// Save the level. The field is the suggested name.
     Save(String),
     /// Save the data of a plot.
@@ -36,15 +38,21 @@ impl Purpose {
         match self {
             Self::Open => "Open a level",
             Self::OpenMesh => "Add a body from a mesh, a drawing or a picture",
+            Self::OpenImage(_) => "Open a picture (PNG)",
             Self::Save(_) => "Save the level",
             Self::Export(_) => "Save the file",
         }
     }
 
+    /// Whether a file is read, not written.
+    pub const fn reads(&self) -> bool {
+        matches!(self, Self::Open | Self::OpenMesh | Self::OpenImage(_))
+    }
+
     /// Suggested file name.
     pub fn name(&self) -> &str {
         match self {
-            Self::Open | Self::OpenMesh => "",
+            Self::Open | Self::OpenMesh | Self::OpenImage(_) => "",
             Self::Save(name) => name,
             Self::Export(export) => &export.name,
         }

@@ -64,6 +64,7 @@ impl Dialogs {
         let choice: Pin<Box<dyn Future<Output = _>>> = match &purpose {
             Purpose::Open => Box::pin(levels(dialog).pick_file()),
             Purpose::OpenMesh => Box::pin(dialog.add_filter("Mesh, drawing or picture", &ENDINGS).pick_file()),
+            Purpose::OpenImage(_) => Box::pin(dialog.add_filter("Picture", &["png"]).pick_file()),
             Purpose::Save(name) => Box::pin(levels(dialog).set_file_name(name).save_file()),
             Purpose::Export(export) => Box::pin(dialog.set_file_name(&export.name).save_file()),
         };
@@ -96,11 +97,7 @@ impl Dialogs {
             return (since.elapsed() < TOO_FAST).then_some(DialogResult::Unavailable(purpose));
         };
         self.folder = path.parent().map(PathBuf::from);
-        let path = if matches!(purpose, Purpose::Open | Purpose::OpenMesh) {
-            path
-        } else {
-            with_extension(path, purpose.name())
-        };
+        let path = if purpose.reads() { path } else { with_extension(path, purpose.name()) };
         Some(DialogResult::Chosen(purpose, path))
     }
 }

@@ -1,8 +1,9 @@
-//! How surfaces in space look: light and shade, sheen, and patterns as textures.
+//! How surfaces in space look: light and shade, sheen, and patterns and images as textures.
 
 use super::super::theme::Theme;
 use crate::{
-    finish::{Colour, Finish, Pattern, Sheen},
+    finish::{Colour, Finish, Image, Pattern, Sheen},
+    picture::Picture,
     snapshot::Snapshot,
 };
 use eframe::egui::{Color32, ColorImage, Context, Pos2, TextureHandle, TextureId, TextureOptions, pos2};
@@ -15,7 +16,7 @@ const LIGHT: [f32; 3] = [-0.399, 0.648, 0.648];
 pub struct Look {
     /// Colours of its front and its back.
     pub sides: [Color32; 2],
-    /// Its pattern, which takes the place of the colours.
+    /// Its pattern or image, which takes the place of the colours.
     pub texture: Option<TextureId>,
     sheen: Sheen,
 }
@@ -62,15 +63,54 @@ pub fn of_direction(direction: [f32; 3]) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
+/// What a texture shows.
+#[derive(Clone)]
+enum Print {
+    Pattern(Pattern, [Color32; 2]),
+    Image(Image),
+}
+
+impl Print {
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Pattern(pattern, colors), Self::Pattern(other, others)) => (pattern, colors) == (other, others),
+            (Self::Image(image), Self::Image(other)) => image.is(other),
+            _ => false,
+        }
+    }
+
+    /// Its pixels, and how it continues at its edges.
+    fn texture(&self) -> (ColorImage, TextureOptions) {
+        match self {
+            Self::Pattern(pattern, colors) => (period(*pattern, *colors), TextureOptions::LINEAR_REPEAT),
+            Self::Image(image) => {
+                // The text was read as an image before.
+                let picture = image.picture().unwrap_or(Picture { size: [1, 1], rgba: vec![255; 4] });
+                (ColorImage::from_rgba_unmultiplied(picture.size, &picture.rgba), TextureOptions::LINEAR)
+            }
+        }
+    }
+}
+
+/// How a texture lies on a cloth.
+#[derive(Clone, Copy, PartialEq)]
+enum Covering {
+    None,
+    /// Fields of a pattern of this size \[m\].
+    Fields(f64),
+    /// Once over the whole.
+    Whole,
+}
+
 /// The looks of all cloths of a scene.
 #[derive(Default)]
 pub struct Looks {
     all: Vec<Look>,
-    textures: Vec<(Pattern, [Color32; 2], TextureHandle)>,
-    /// Place in its pattern of each vertex of the scene, in periods.
+    textures: Vec<(Print, TextureHandle)>,
+    /// Place in its texture of each vertex of the scene.
     places: Vec<Pos2>,
-    /// The generation of the scene and the sizes of patterns that the places are for.
-    made_for: Option<(u64, Vec<f64>)>,
+    /// The generation of the scene and the coverings that the places are for.
+    made_for: Option<(u64, Vec<Covering>)>,
 }
 
 impl Looks {
@@ -78,8 +118,8 @@ impl Looks {
     pub fn follow(&mut self, context: &Context, theme: &Theme, snapshot: &Snapshot) {
         let level = &snapshot.level;
         let finishes = || {
-            let nets = level.nets.iter().map(|net| net.finish);
-            nets.chain(level.membranes.iter().map(|membrane| membrane.finish))
+            let nets = level.nets.iter().map(|net| &net.finish);
+            nets.chain(level.membranes.iter().map(|membrane| &membrane.finish))
         };
         self.all.clear();
         let mut used = Vec::new();
@@ -94,16 +134,20 @@ impl Looks {
                 (number - level.nets.len()) % 2
             }];
             let front = of(finish.front, candy);
-            let texture = (finish.pattern != Pattern::Plain).then(|| {
-                let key = (finish.pattern, [front, of(finish.second, theme.icing)]);
-                let known = self.textures.iter().position(|(pattern, colors, _)| (*pattern, *colors) == key);
+            let print = match &finish.image {
+                Some(image) => Some(Print::Image(image.clone())),
+                None if finish.pattern == Pattern::Plain => None,
+                None => Some(Print::Pattern(finish.pattern, [front, of(finish.second, theme.icing)])),
+            };
+            let texture = print.map(|print| {
+                let known = self.textures.iter().position(|(other, _)| other.is(&print));
                 let place = known.unwrap_or_else(|| {
-                    let texture = context.load_texture("pattern", image(key), TextureOptions::LINEAR_REPEAT);
-                    self.textures.push((key.0, key.1, texture));
+                    let (pixels, options) = print.texture();
+                    self.textures.push((print, context.load_texture("cloth", pixels, options)));
                     self.textures.len() - 1
                 });
                 used.push(place);
-                self.textures[place].2.id()
+                self.textures[place].1.id()
             });
             let back = of(finish.back, if finish.front.is_some() { front } else { theme.icing });
             self.all.push(Look { sides: [front, back], texture, sheen: finish.sheen });
@@ -119,30 +163,28 @@ impl Looks {
         self.find_places(snapshot, finishes());
     }
 
-    fn find_places(&mut self, snapshot: &Snapshot, finishes: impl Iterator<Item = Finish>) {
-        let sizes: Vec<_> =
-            finishes.map(|finish| if finish.pattern == Pattern::Plain { 0.0 } else { finish.size.get() }).collect();
-        let made_for = (snapshot.generation, sizes);
+    fn find_places<'a>(&mut self, snapshot: &Snapshot, finishes: impl Iterator<Item = &'a Finish>) {
+        let covering = |finish: &Finish| match (&finish.image, finish.pattern) {
+            (Some(_), _) => Covering::Whole,
+            (None, Pattern::Plain) => Covering::None,
+            (None, _) => Covering::Fields(finish.size.get()),
+        };
+        let made_for = (snapshot.generation, finishes.map(covering).collect::<Vec<_>>());
         if self.made_for.as_ref() == Some(&made_for) {
             return;
         }
-        let sizes = &made_for.1;
+        let coverings = &made_for.1;
         self.places.clear();
-        if sizes.iter().any(|size| *size > 0.0) {
+        if coverings.iter().any(|covering| *covering != Covering::None) {
             self.places.resize(snapshot.start.len() / snapshot.dimension, Pos2::ZERO);
-            let place = |[x, y]: [f64; 2], size: f64| pos2((0.5 * x / size) as f32, (0.5 * y / size) as f32);
-            for (net, size) in snapshot.nets.iter().zip(sizes).filter(|(_, size)| **size > 0.0) {
+            for (net, covering) in snapshot.nets.iter().zip(coverings) {
                 let own = &snapshot.start.as_chunks::<3>().0[net.vertices.clone()];
                 let [one, other] = widest(own);
-                for (at, point) in self.places[net.vertices.clone()].iter_mut().zip(own) {
-                    *at = place([point[one], point[other]], *size);
-                }
+                let flat: Vec<_> = own.iter().map(|point| [point[one], point[other]]).collect();
+                covering.place(&flat, &mut self.places[net.vertices.clone()]);
             }
-            let sizes = sizes.iter().skip(snapshot.nets.len());
-            for (membrane, size) in snapshot.membranes.iter().zip(sizes).filter(|(_, size)| **size > 0.0) {
-                for (at, point) in self.places[membrane.vertices.clone()].iter_mut().zip(membrane.mesh.points()) {
-                    *at = place([point[0], point[1]], *size);
-                }
+            for (membrane, covering) in snapshot.membranes.iter().zip(coverings.iter().skip(snapshot.nets.len())) {
+                covering.place(membrane.mesh.points(), &mut self.places[membrane.vertices.clone()]);
             }
         }
         self.made_for = Some(made_for);
@@ -153,14 +195,35 @@ impl Looks {
         self.all.get(number)
     }
 
-    /// Whether any has a pattern.
+    /// Whether any has a pattern or an image.
     pub fn has_patterns(&self) -> bool {
         self.all.iter().any(|look| look.texture.is_some())
     }
 
-    /// Place of a vertex in its pattern, in periods.
+    /// Place of a vertex in its texture.
     pub fn place(&self, vertex: u32) -> Pos2 {
         self.places.get(vertex as usize).copied().unwrap_or_default()
+    }
+}
+
+impl Covering {
+    /// Places in the texture of the points of a flat shape \[m\].
+    fn place(self, points: &[[f64; 2]], places: &mut [Pos2]) {
+        let range = |axis: usize| {
+            let along = || points.iter().map(|point| point[axis]);
+            [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let [[left, right], [bottom, top]] = [range(0), range(1)];
+        let share = |at: f64, from: f64, to: f64| if to == from { 0.0 } else { (at - from) / (to - from) };
+        for (place, [x, y]) in places.iter_mut().zip(points) {
+            let [u, v] = match self {
+                Self::None => [0.0; 2],
+                Self::Fields(size) => [0.5 * x / size, 0.5 * y / size],
+                // Rows of an image begin at its top.
+                Self::Whole => [share(*x, left, right), share(*y, top, bottom)],
+            };
+            *place = pos2(u as f32, v as f32);
+        }
     }
 }
 
@@ -175,7 +238,7 @@ fn widest(points: &[[f64; 3]]) -> [usize; 2] {
 }
 
 /// One period of a pattern.
-fn image((pattern, [first, second]): (Pattern, [Color32; 2])) -> ColorImage {
+fn period(pattern: Pattern, [first, second]: [Color32; 2]) -> ColorImage {
     const SIDE: usize = 64;
     let pixels = (0..SIDE * SIDE).map(|pixel| {
         let at = [pixel % SIDE, pixel / SIDE].map(|place| (place as f64 + 0.5) / SIDE as f64);
@@ -184,4 +247,23 @@ fn image((pattern, [first, second]): (Pattern, [Color32; 2])) -> ColorImage {
         color.lerp_to_gamma(Color32::BLACK, 1.0 - brightness as f32)
     });
     ColorImage::new([SIDE, SIDE], pixels.collect())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failing test should panic")]
+mod tests {
+    use super::*;
+
+    /// The first row of the image is at the top edge of the cloth, its first column at the left one.
+    #[test]
+    fn an_image_covers_the_whole_cloth_the_right_way_up() {
+        let points = [[1.0, 5.0], [3.0, 5.0], [3.0, 9.0], [2.0, 6.0]];
+        let mut places = [Pos2::ZERO; 4];
+        Covering::Whole.place(&points, &mut places);
+        assert_eq!(places, [pos2(0.0, 1.0), pos2(1.0, 1.0), pos2(1.0, 0.0), pos2(0.5, 0.75)]);
+        let picture = Picture { size: [1, 2], rgba: vec![255, 0, 0, 255, 0, 0, 255, 255] };
+        let image = Image::of_file(&picture.png().unwrap()).unwrap();
+        let (pixels, _) = Print::Image(image).texture();
+        assert_eq!(pixels.pixels, [Color32::from_rgb(255, 0, 0), Color32::from_rgb(0, 0, 255)]);
+    }
 }

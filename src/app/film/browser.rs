@@ -1,7 +1,7 @@
 //! Films are drawn between the frames of the window: a page has one thread.
 
 use super::{FilmFormat, Shot, drawer::Drawer};
-use crate::app::picture::Stage;
+use crate::app::stage::Stage;
 use std::collections::VecDeque;
 
 /// Largest film \[pixels\]: the window waits while a frame is drawn.

@@ -1,7 +1,7 @@
 //! Draws and encodes the frames of a film.
 
 use super::{FilmEncoder, FilmFormat, Recorder, Shot};
-use crate::app::picture::Stage;
+use crate::app::stage::Stage;
 
 /// The stage and the encoder of a film.
 pub(super) struct Drawer {

@@ -7,7 +7,7 @@ use crate::{
         compare::Pane,
         files,
         panels::{Export, FileRequest, FilmRequest, Notice},
-        picture::Stage,
+        stage::Stage,
     },
     command::Command,
     snapshot::Snapshot,

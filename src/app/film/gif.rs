@@ -1,7 +1,7 @@
 //! Films as GIF.
 
 use super::FilmEncoder;
-use crate::app::picture::Picture;
+use crate::picture::Picture;
 
 /// Greatest number of frames in a second that players keep to.
 const MOST: u32 = 50;

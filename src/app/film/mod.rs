@@ -18,7 +18,7 @@ use native::{LARGEST, Worker};
 
 pub use recorder::{Progress, Recorder, Shot};
 
-use super::picture::Picture;
+use crate::picture::Picture;
 
 /// Format of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Films as MP4, coded by Cisco's encoder of H.264.
 
 use super::FilmEncoder;
-use crate::app::picture::Picture;
+use crate::picture::Picture;
 use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::{
     OpenH264API,

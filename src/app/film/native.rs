@@ -1,7 +1,7 @@
 //! Films are drawn by a thread.
 
 use super::{FilmFormat, Shot, drawer::Drawer};
-use crate::app::picture::Stage;
+use crate::app::stage::Stage;
 use std::{
     sync::{
         Arc,

@@ -5,7 +5,7 @@ use super::{FilmFormat, Worker};
 use crate::{
     app::{
         canvas::{Options, Viewpoint},
-        picture::Stage,
+        stage::Stage,
     },
     snapshot::Snapshot,
 };

@@ -1,6 +1,6 @@
-//! How a cloth looks: colours, pattern and sheen.
+//! How a cloth looks: colours, pattern or image, and sheen.
 
-use super::{View, apply_response, sliders};
+use super::{FileRequest, View, apply_response, sliders};
 use crate::{
     app::theme::Theme,
     command::Command,
@@ -12,7 +12,7 @@ use eframe::egui::{Color32, ComboBox, Response, Ui};
 /// Draws the controls of the finish of a net or membrane (by number: nets first); `candy` is the colour that the theme gives it.
 pub fn show(ui: &mut Ui, number: usize, now: &Finish, candy: usize, view: &mut View, commands: &mut Vec<Command>) {
     let theme = Theme::of(ui.ctx());
-    let mut finish = *now;
+    let mut finish = now.clone();
     let front = now.front.map_or(theme.candy[candy % 2], color);
     let (mut changed, mut ended) = (false, false);
     let mut note = |response: Response, name: &str, help: &str| {
@@ -20,25 +20,44 @@ pub fn show(ui: &mut Ui, number: usize, now: &Finish, candy: usize, view: &mut V
         ended |= response.drag_stopped();
         response.on_hover_text(help).accessible_name(name);
     };
-    ui.horizontal(|ui| {
-        ui.label("Colours");
-        note(pick(ui, &mut finish.front, front), "Front colour", "Colour of the front");
-        if now.pattern == Pattern::Plain {
-            let back = now.back.map_or(if now.front.is_some() { front } else { theme.icing }, color);
-            note(pick(ui, &mut finish.back, back), "Back colour", "Colour of the back");
-        } else {
-            let second = now.second.map_or(theme.icing, color);
-            note(pick(ui, &mut finish.second, second), "Second colour", "Second colour of the pattern");
-        }
+    let has_image = now.image.is_some();
+    ui.add_enabled_ui(!has_image, |ui| {
+        ui.horizontal(|ui| {
+            ui.label("Colours");
+            note(pick(ui, &mut finish.front, front), "Front colour", "Colour of the front");
+            if now.pattern == Pattern::Plain {
+                let back = now.back.map_or(if now.front.is_some() { front } else { theme.icing }, color);
+                note(pick(ui, &mut finish.back, back), "Back colour", "Colour of the back");
+            } else {
+                let second = now.second.map_or(theme.icing, color);
+                note(pick(ui, &mut finish.second, second), "Second colour", "Second colour of the pattern");
+            }
+        })
     });
     let patterns = Pattern::ALL.map(|pattern| (pattern, pattern.name()));
     let sheens = Sheen::ALL.map(|sheen| (sheen, sheen.name()));
-    choose(ui, ("Pattern", "What is printed or woven on both sides"), &mut finish.pattern, &patterns);
+    ui.add_enabled_ui(!has_image, |ui| {
+        choose(ui, ("Pattern", "What is printed or woven on both sides"), &mut finish.pattern, &patterns);
+    });
+    ui.horizontal(|ui| {
+        ui.label("Image");
+        if ui
+            .button("Open…")
+            .on_hover_text("A PNG picture on both sides, in place of colours and pattern")
+            .accessible_name("Open an image")
+            .clicked()
+        {
+            view.file = Some(FileRequest::OpenImage(number));
+        }
+        if has_image && ui.button("Remove").accessible_name("Remove the image").clicked() {
+            (finish.image, ended) = (None, true);
+        }
+    });
     choose(ui, ("Sheen", "How it reflects light"), &mut finish.sheen, &sheens);
     ended |= (finish.pattern, finish.sheen) != (now.pattern, now.sheen);
-    if now.pattern != Pattern::Plain {
+    if now.pattern != Pattern::Plain && !has_image {
         let outcome = sliders(ui, [&mut finish.size as &mut dyn Quantity]);
-        apply_response(outcome, Some(Command::SetFinish(number, finish)), view, commands);
+        apply_response(outcome, Some(Command::SetFinish(number, finish.clone())), view, commands);
     }
     if changed || ended {
         commands.push(Command::SetFinish(number, finish));

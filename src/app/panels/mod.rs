@@ -188,6 +188,8 @@ pub enum FileRequest {
     Open,
     /// Ask for a mesh file and add a body of it.
     OpenMesh,
+    /// Ask for a picture and put it on a net or membrane, by number: nets first.
+    OpenImage(usize),
     /// Ask for a file name and save the level.
     Save,
     /// Save the level in its own file; ask for a name where it has none.

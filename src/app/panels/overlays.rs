@@ -35,7 +35,7 @@ pub fn show_prompt(ctx: &Context, view: &mut View) {
     let mut closed = false;
     let modal = Modal::new(Id::unique("prompt")).show(ctx, |ui| {
         ui.set_width((ctx.content_rect().width() - 48.0).min(420.0));
-        let verb = if matches!(prompt.purpose, Purpose::Open | Purpose::OpenMesh) { "Open" } else { "Save" };
+        let verb = if prompt.purpose.reads() { "Open" } else { "Save" };
         ui.label(RichText::new(prompt.purpose.title()).heading());
         ui.label("There is no file dialog on this system. Path of the file:");
         let edit = TextEdit::singleline(&mut prompt.text);
